@@ -2,6 +2,7 @@
 
 import ast
 import re
+from collections import Counter
 from dataclasses import fields
 from functools import cache
 from pathlib import Path
@@ -9,7 +10,7 @@ from pathlib import Path
 import networkx as nx
 import pytest
 
-from woodpecker import Numerics
+from woodpecker import Settings
 
 ROOT = Path(__file__).parents[1]
 PACKAGES = ("pwmap", "woodpecker", "studies")
@@ -96,31 +97,14 @@ def test_only_drawing_files_import_matplotlib() -> None:
 
 # --- Numbers that decide results ------------------------------------------------------------------
 
-ENGINE = ROOT / "woodpecker" / "piecewise"
-ALLOWED = {
-    # codes and versions: nothing is measured by them
-    "checkpoint.VERSION", "iterates.RETURN", "margins.DEPTH", "margins.DIP", "margins.FIRST",
-    "margins.NEAREST", "margins.REACH", "partition.NOWHERE", "reaches.INSIDE", "reaches.NO_VALUE",
-    # mathematics, and what doubles can hold
-    "corners.ALMOST", "margins.FAR", "margins.FLAT", "margins.IN_X", "margins.ROUNDED",
-    "network.TINY", "orbits.SPACING", "search.GOLDEN",
-    # bounds of loops that end before, or that another method finishes: work, and no result
-    "bracketing.NEWTON", "margins.CUBIC_STEPS", "monotone.DEEPEST", "reaches.ROOT_STEPS",
-    "cycle_branches.SETTLING", "reaches.MOST", "slices.MOST",
-    # of iterates: what is cut is reported, as of pieces more than ``Settings.max_pieces``
-    "itineraries.OF_ITERATE", "itineraries.PAIRS",
-    # differences in place of derivatives that a map lacks, and their check: known before any run
-    "derivatives.DOUBT", "derivatives.NOISE", "derivatives.STEP", "formulas.DIFFERENCE",
-    # an interval of a linear model, in which any is as good
-    "local.REACH",
-}  # fmt: skip
+WOODPECKER = ROOT / "woodpecker"
 PLAIN = {0.0, 0.5, 1.0, 2.0, 3.0, 4.0}  # signs, halves, and the coefficients of cubics
 
 
-def constants(tree: ast.Module) -> dict[str, ast.expr]:
-    """What is given names at the top of a file, if it is made of numbers alone."""
+def constants(path: Path) -> dict[str, int]:
+    """Names that are given to numbers alone at the top of a file, each with its line."""
     found = {}
-    for node in tree.body:
+    for node in ast.parse(path.read_text(encoding="utf-8")).body:
         if isinstance(node, ast.Assign | ast.AnnAssign) and node.value is not None:
             leaves = [each for each in ast.walk(node.value) if isinstance(each, ast.Constant)]
             inside = [each for each in ast.walk(node.value) if isinstance(each, ast.Lambda)]
@@ -128,7 +112,7 @@ def constants(tree: ast.Module) -> dict[str, ast.expr]:
                 targets = node.targets if isinstance(node, ast.Assign) else [node.target]
                 names = [each.id for target in targets for each in ast.walk(target)
                          if isinstance(each, ast.Name)]  # fmt: skip
-                found.update(dict.fromkeys(names, node.value))
+                found.update(dict.fromkeys(names, node.lineno))
     return found
 
 
@@ -148,20 +132,35 @@ def bare_numbers(tree: ast.Module) -> list[tuple[int, float]]:
     ]
 
 
-def test_numbers_that_decide_results_are_settings() -> None:
-    """Constants beside ``settings.py`` are none of those, each on a list that says why."""
-    found, bare = set(), []
-    for path in ENGINE.glob("*.py"):
+def test_functions_hold_no_bare_numbers() -> None:
+    for path in (WOODPECKER / "piecewise").glob("*.py"):
         if path.stem != "settings":
-            tree = ast.parse(path.read_text(encoding="utf-8"))
-            found |= {f"{path.stem}.{name}" for name in constants(tree)}
-            bare += [(path.name, *each) for each in bare_numbers(tree)]
-    assert found - ALLOWED == set()
-    assert ALLOWED - found == set()  # the list names none that is gone
-    assert bare == []
+            assert bare_numbers(ast.parse(path.read_text(encoding="utf-8"))) == [], path.name
 
 
-def test_every_number_is_used() -> None:
-    text = "".join(path.read_text(encoding="utf-8") for path in (ROOT / "woodpecker").rglob("*.py"))
-    used = set(re.findall(r"\bnumerics\.([a-z_]+)", text))
-    assert {each.name for each in fields(Numerics)} - used == set()
+def test_every_constant_has_its_reason_beside_it() -> None:
+    for path in (WOODPECKER / "piecewise").glob("*.py"):
+        lines = path.read_text(encoding="utf-8").splitlines()
+        for name, line in constants(path).items():
+            beside = "  # " in lines[line - 1] or lines[line - 2].startswith("# ")
+            assert beside, f"{path.name}: {name}"
+
+
+def test_no_constant_has_two_meanings() -> None:
+    """Whatever has a name in ``engine`` too is imported from there."""
+    names = Counter(name for path in (WOODPECKER / "piecewise").glob("*.py")
+                    for name in constants(path))  # fmt: skip
+    below = {name for path in (WOODPECKER / "engine").glob("*.py") for name in constants(path)}
+    assert [name for name, count in names.items() if count > 1] == []
+    assert set(names) & below == set()
+
+
+def test_every_setting_is_read() -> None:
+    """Where settings are at hand, or by a property of theirs, but not by their own checks alone."""
+    text = "".join(path.read_text(encoding="utf-8") for path in WOODPECKER.rglob("*.py"))
+    derived = (WOODPECKER / "piecewise" / "settings.py").read_text(encoding="utf-8")
+    used = {
+        *re.findall(r"\b(?:settings|plane\.first)\.([a-z_]+)", text),
+        *re.findall(r"\bself\.([a-z_]+)", derived.partition("@property")[2]),
+    }
+    assert {each.name for each in fields(Settings)} - used == set()

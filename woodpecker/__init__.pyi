@@ -37,7 +37,6 @@ from .piecewise.pieces import Piece as Piece
 from .piecewise.pieces import PiecewiseMap as PiecewiseMap
 from .piecewise.samples import BranchState as BranchState
 from .piecewise.search import Search as Search
-from .piecewise.settings import Numerics as Numerics
 from .piecewise.settings import Settings as Settings
 from .piecewise.settled import OrbitDiagram as OrbitDiagram
 from .piecewise.settled import SettledOrbit as SettledOrbit

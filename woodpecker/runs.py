@@ -6,7 +6,7 @@ import math
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, replace
+from dataclasses import asdict, fields, replace
 from typing import Any
 
 from pwmap.diagrams.diagram import Diagram, PointKind, PointStatus, SpecialPoint
@@ -17,7 +17,7 @@ from woodpecker.mechanics.toy import Toy, limits
 from woodpecker.piecewise.checkpoint import Record, read_record, restore
 from woodpecker.piecewise.explorer import LEFT
 from woodpecker.piecewise.network import Network
-from woodpecker.piecewise.settings import Numerics, Settings, differing
+from woodpecker.piecewise.settings import Settings, differing
 from woodpecker.window import WINDOW
 
 DEFAULT = Settings(window=WINDOW)
@@ -77,7 +77,7 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
     Raises
     ------
     ValueError
-        If the file is not that of such a run.
+        If the file is not that of such a run, or names settings that there are not.
 
     Examples
     --------
@@ -88,6 +88,10 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
     1
     """
     run_of, entries = read_record(run)
+    if unknown := unknown_settings(run_of):
+        raise ValueError(
+            f"{run}, line 1: expected settings of this version, got {', '.join(unknown)} too"
+        )
     try:
         parameter, fixed = run_of["parameter"], run_of["toy"]
         toy = Toy(**{name: _number(value) for name, value in fixed.items()})
@@ -151,12 +155,16 @@ def about(toy: Toy, parameter: str, settings: Settings, wanted: tuple[float, flo
     return {"parameter": parameter, SPAN: wanted, "toy": finite, "settings": asdict(settings)}
 
 
+def unknown_settings(run_of: Entry) -> list[str]:
+    """Names of settings of a run that there are not: the file is of another version."""
+    kept = run_of.get("settings")
+    known = {each.name for each in fields(Settings)}
+    return [name for name in kept if name not in known] if isinstance(kept, dict) else []
+
+
 def settings_of(kept: Entry) -> Settings:
     """Settings as a file keeps them."""
-    named = {name: _pair(value) for name, value in kept.items()}
-    inner = named.pop("numerics", {})  # older files had the defaults, and did not say so
-    numerics = Numerics(**{name: _pair(value) for name, value in inner.items()})
-    return Settings(**named, numerics=numerics)
+    return Settings(**{name: _pair(value) for name, value in kept.items()})
 
 
 def _number(value: Any) -> Any:

@@ -10,6 +10,7 @@ import numpy as np
 
 from pwmap.diagrams.shown import brief, table
 from woodpecker.base.checks import instance, whole
+from woodpecker.engine.newton import STEPS
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.jumps import Jump, jump_of
 from woodpecker.piecewise.orbits import (
@@ -29,6 +30,7 @@ from woodpecker.simulation.returns import first_return
 from woodpecker.toypieces import ToyPieces
 
 DEFAULT = Settings()
+LOOKED = 0.01  # in x, a part of the window: how far from a guess without a cycle a jump is sought
 ORDER_MOST = 1000  # returns of an orbit: its equations are solved together
 
 
@@ -209,7 +211,7 @@ def _corrected(map_: ToyPieces, start: Orbit, settings: Settings) -> tuple[Orbit
     one step, after which the map is asked for its pieces again.
     """
     orbit, conditions = start, (Closed(), Coordinate(-1, start.p))
-    for _ in range(settings.newton):
+    for _ in range(STEPS):
         if not orbit.defined:
             return orbit, False
         found = solve(orbit, conditions, settings)
@@ -226,7 +228,7 @@ def _corrected(map_: ToyPieces, start: Orbit, settings: Settings) -> tuple[Orbit
 def _jump_near(map_: ToyPieces, first: Orbit, settings: Settings) -> Jump | None:
     """The jump of P_1 at the nearer end of the piece that a point lies in; None if it has none."""
     x, p = float(first.x[0]), first.p
-    far = settings.numerics.looked * settings.x_scale
+    far = LOOKED * settings.x_scale
     ends = [reach_of(first.images[0], x, p, side, x + side * far, settings) for side in (-1, 1)]
     borders = sorted((e for e in ends if e.code >= 0), key=lambda e: abs(e.end - x))
     if not borders:

@@ -36,6 +36,9 @@ MECHANISMS: Final = (
     Mechanism("engine.curves", "KEPT_TURN", 1.0, "keep clear of the largest turn"),
     # --- What ends an arc
     Mechanism("engine.curves", "Curve._strays", gives(False), "refuse samples of other curves"),
+    Mechanism("engine.curves", "Curve._comes_together", gives(False), "keep a cycle doubled"),
+    Mechanism("engine.curves", "STEADY", -math.inf, "see a margin that is not the same all along"),
+    Mechanism("engine.curves", "pulled_inside", argument(0), "keep guesses inside of a root"),
     Mechanism("engine.curves", "Curve._differs_between", gives(False), "look halfway"),
     Mechanism("engine.curves", "Curve._look_for_dips", gives(None), "see a margin that dips"),
     Mechanism("engine.curves", "Curve._exact", _not_exact, "locate a fold by its multiplier"),
@@ -66,11 +69,17 @@ MECHANISMS: Final = (
     Mechanism("engine.tracing", "_crossing_beyond", gives(None), "pass the same with a crossing"),
     Mechanism("engine.tracing", "_one_side_beyond", gives(None), "change one limit's word"),
     Mechanism("engine.tracing", "beside", argument(0), "begin beside a special point"),
-    Mechanism("engine.tracing", "_sides", gives(True), "begin before the next fold or flip"),
+    Mechanism(
+        "engine.tracing", "_on_same_sides", gives(True), "begin before the next fold or flip"
+    ),
+    Mechanism("engine.tracing", "rounded", gives(None), "round bends sharper than any step"),
+    Mechanism("engine.tracing", "_at_flip", gives(None), "end doubled cycles at the single flip"),
     Mechanism("engine.tracing", "AGAIN", 0.0, "a least first step beyond a border"),
     # --- What starts at a point
     Mechanism("engine.germs", "TILT", 0.0, "lead beyond where borders cross"),
-    Mechanism("engine.germs", "_steepness", gives(0.0), "locate a root from its other side"),
+    Mechanism("engine.germs", "_locates_less", gives(False), "locate a root from its other side"),
+    Mechanism("engine.germs", "_is_taken_ahead", gives(True), "ask where pieces have no margin"),
+    Mechanism("engine.germs", "_opening", gives(None), "start where a jump vanishes"),
     Mechanism("engine.germs", "_meets_another", gives(False), "see a crossing at a corner"),
     Mechanism("engine.germs", "once", argument(0), "run through a cycle once"),
     Mechanism("engine.germs", "cycle_through", gives(None), "end a crossing at a cycle"),

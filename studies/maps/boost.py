@@ -38,7 +38,6 @@ from mpmath import mpf
 from pwmap import Diagram, PointKind
 from studies.common.record import Results, command
 from studies.maps.following import changes, miscounted, searched
-from woodpecker.piecewise.borders import BorderKind
 from woodpecker.piecewise.formulas import FormulaMap
 from woodpecker.piecewise.search import Search
 from woodpecker.piecewise.settings import Settings
@@ -131,9 +130,9 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     dict
         ``kappa_c``, ``first_flip_error``; ``special_points``: flips and folds, and the
         ``largest_difference`` of those of iterates from their equations; ``saturation``: the gain,
-        how far it lies ``_outside`` of the marks of the branch, how far these are apart
-        (``_within``), whether it ``_is_smooth``; ``border_collisions``: how many; ``miscounted``:
-        slices of iterates in which changes of sign say something else.
+        the ``_error`` of the place where the branch changes its word, whether it ``_is_smooth``;
+        ``border_collisions``: how many; ``miscounted``: slices of iterates in which changes of sign
+        say something else.
     """
     orders = (1, 2) if fast else (1, 2, 3, 4)
     map_ = boost_map()
@@ -142,17 +141,16 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     first = [p for p in diagram.points if p.kind is PointKind.PD and p.order == 1]
     gains = np.linspace(0.0213, 0.2477, 12).tolist()
     saturated = changes(network, 2)
-    (low, high), _ = saturated[0]
-    saturates = saturation(low)
+    places, _ = saturated[0]
+    saturates = saturation(min(places))
     return {
         "kappa_c": float(CRITICAL),
         "first_flip_error": max(abs(p.parameter - float(CRITICAL)) for p in first),
         "special_points": sum(p.kind in (PointKind.PD, PointKind.LP) for p in diagram.points),
         "largest_difference": largest_difference(diagram, {PointKind.PD: -1, PointKind.LP: 1}),
         "saturation": saturates,
-        "saturation_outside": max(low - saturates, saturates - high),
-        "saturation_within": high - low,
-        "saturation_is_smooth": {kind for _, kind in saturated} == {BorderKind.SMOOTH},
+        "saturation_error": min(abs(each - saturates) for each in places),
+        "saturation_is_smooth": all(smooth for _, smooth in saturated),
         "border_collisions": sum(p.kind is PointKind.BC for p in diagram.points),
         "miscounted": miscounted(map_, diagram, orders, gains, GRID),
     }

@@ -52,7 +52,6 @@ from pwmap import Diagram, PointKind
 from studies.common.record import Results, command
 from studies.maps.following import changes, miscounted, searched
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.borders import BorderKind
 from woodpecker.piecewise.derivatives import check_derivatives
 from woodpecker.piecewise.formulas import FormulaMap, FormulaPiece, Smooth
 from woodpecker.piecewise.search import Search
@@ -242,11 +241,6 @@ def begins_to_wait(g: float) -> float:
 # --- Comparison -----------------------------------------------------------------------------------
 
 
-def outside(between: Sequence[float], value: float) -> float:
-    """How far a value lies outside an interval."""
-    return max(0.0, between[0] - value, value - between[1])
-
-
 def attractor(map_: FormulaMap, g: float, order: int) -> Floats | None:
     """The cycle of at most some points that an orbit from the plateau ends on, or None."""
     x = 0.0
@@ -291,10 +285,10 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     Returns
     -------
     dict
-        ``stops_waiting``, ``pair_waits``: G, and how far it lies ``_outside`` of the marks of the
-        branch; ``flip``, ``flip_error``; ``borders_are_smooth``; ``others``: special points of
-        iterates, but for ends; ``miscounted``: slices of iterates in which changes of sign say
-        something else; ``attractors_and_missing``: how many, and on no stable branch.
+        ``stops_waiting``, ``pair_waits``: G, and the ``_error`` of the place where the branch
+        changes its word; ``flip``, ``flip_error``; ``borders_are_smooth``; ``others``: special
+        points of iterates, but for ends; ``miscounted``: slices of iterates in which changes of
+        sign say something else; ``attractors_and_missing``: how many, and on no stable branch.
     """
     orders = (1, 2) if fast else (1, 2, 3, 4)
     map_ = bouncing_map()
@@ -303,17 +297,17 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     diagram = network.diagram("G", "x")
     flips = [p for p in diagram.points if p.kind is PointKind.PD and p.order == 1]
     others = [p for p in diagram.points if p.kind is not PointKind.EP and p.order > 1]
-    (once, kind), (twice, kind_2) = changes(network, 1)[0], changes(network, 2)[0]
-    waits = begins_to_wait(twice[0])
+    (once, smooth), (twice, smooth_2) = changes(network, 1)[0], changes(network, 2)[0]
+    waits = begins_to_wait(min(twice))
     gs = np.linspace(1.25, 4.45, 9 if fast else 33).tolist()
     return {
         "stops_waiting": math.hypot(1.0, math.pi),
-        "stops_waiting_outside": outside(once, math.hypot(1.0, math.pi)),
+        "stops_waiting_error": min(abs(each - math.hypot(1.0, math.pi)) for each in once),
         "flip": math.hypot(2.0, math.pi),
         "flip_error": max(abs(p.parameter - math.hypot(2.0, math.pi)) for p in flips),
         "pair_waits": waits,
-        "pair_waits_outside": outside(twice, waits),
-        "borders_are_smooth": {kind, kind_2} == {BorderKind.SMOOTH},
+        "pair_waits_error": min(abs(each - waits) for each in twice),
+        "borders_are_smooth": smooth and smooth_2,
         "others": len(others),
         "miscounted": miscounted(map_, diagram, orders, gs[::4], GRID),
         "attractors_and_missing": unexplained(map_, diagram, gs, orders[-1]),

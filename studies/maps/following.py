@@ -9,7 +9,6 @@ import numpy as np
 from pwmap import Diagram, PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.base.executors import Serial
-from woodpecker.piecewise.borders import BorderKind
 from woodpecker.piecewise.curves import Curve
 from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.explorer import Explorer
@@ -101,10 +100,13 @@ def miscounted(
     return sum(one != other for one, other in counts)
 
 
-def changes(network: Network, order: int) -> list[tuple[list[float], BorderKind]]:
-    """Between which parameters cycles change their word, and what the map does there."""
+def changes(network: Network, order: int) -> list[tuple[list[float], bool]]:
+    """Between which parameters cycles change their word, and whether the map is smooth there.
+
+    One of the two is the place.
+    """
     return [
-        (sorted(curve.parameter[mark.sample : mark.sample + 2].tolist()), mark.kind)
+        (curve.parameter[mark.sample : mark.sample + 2].tolist(), mark.smooth)
         for curve in network.curves
         for mark in curve.marks
         if curve.order == order

@@ -22,7 +22,7 @@ from woodpecker.piecewise.checkpoint import Record, check_entry, read_record
 from woodpecker.piecewise.diagrams import cycle_near
 from woodpecker.piecewise.explorer import Explorer, Stage
 from woodpecker.piecewise.search import Search
-from woodpecker.piecewise.settings import Numerics, Settings
+from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.tasks import Worker
 from woodpecker.runs import DEFAULT, about, saved_diagram, settings_of
 from woodpecker.shooting import PeriodicOrbit, shoot
@@ -400,8 +400,8 @@ def test_only_the_same_run_goes_on(
         ValueError, match=r"cannot resume .* there mu_3 of toy is 0.3, now it is 0.31"
     ):
         continuation(toy, shoot(toy, -0.53), span=SPAN, run=path, resume=True)
-    varied = replace(DEFAULT, numerics=Numerics(thin=2e-3))
-    with pytest.raises(ValueError, match=r"there thin of numerics of settings is 0.001, now"):
+    varied = replace(DEFAULT, beside=2e-6)
+    with pytest.raises(ValueError, match=r"there beside of settings is 1e-06, now it is 2e-06"):
         continuation(Toy(), motion, span=SPAN, settings=varied, run=path, resume=True)
     # more collisions are done than were met
     other, header = tmp_path / "other.jsonl", path.read_bytes().splitlines(keepends=True)[0]
@@ -453,12 +453,24 @@ def test_lines_that_are_refused(
 
 
 def test_a_run_keeps_all_of_its_settings(tmp_path: Path) -> None:
-    numerics = Numerics(thin=2e-3, sector=0.5, most_sectors=16)
-    settings = Settings(span=SPAN, window=WINDOW, max_turn=0.05, numerics=numerics)
+    settings = Settings(span=SPAN, window=WINDOW, max_turn=0.05, max_pieces=100)
     kept = json.loads(json.dumps(about(Toy(), "eps_n1", settings, SPAN)))
     assert settings_of(kept["settings"]) == settings
-    del kept["settings"]["numerics"]  # a file of times before they were kept
-    assert settings_of(kept["settings"]) == replace(settings, numerics=Numerics())
+    del kept["settings"]["max_pieces"]  # a file of times before they were kept
+    assert settings_of(kept["settings"]) == replace(settings, max_pieces=Settings().max_pieces)
+
+
+def test_a_run_with_settings_that_are_gone_is_refused(tmp_path: Path) -> None:
+    path, settings = tmp_path / "run.jsonl", Settings(span=SPAN, window=WINDOW)
+    run = about(Toy(), "eps_n1", settings, SPAN)
+    run["settings"] |= {"newton": 12, "numerics": {"thin": 1e-3}}
+    Record(path, run).close()
+    gone = r"run\.jsonl, line 1: expected settings of this version, got newton, numerics too"
+    with pytest.raises(ValueError, match=gone):
+        saved_diagram(path)
+    resumed = r"cannot resume .*: there newton of settings is 12, now there is none"
+    with pytest.raises(ValueError, match=resumed):
+        Record(path, about(Toy(), "eps_n1", settings, SPAN), resume=True)
 
 
 def test_a_run_of_something_else_is_refused(tmp_path: Path, motion: PeriodicOrbit) -> None:

@@ -8,7 +8,6 @@ from woodpecker import (
     ExpansionFriction,
     FormulaMap,
     FormulaPiece,
-    Numerics,
     Settings,
     Smooth,
     Toy,
@@ -25,7 +24,7 @@ def test_toys_and_settings_show_what_is_not_the_default() -> None:
     assert repr(toy) == "Toy(eps_n1=0.3, pole=1.5, expansion_friction='separate')"
     assert eval(repr(toy)) == toy
     assert eval(repr(toy)).expansion_friction is ExpansionFriction.SEPARATE
-    settings = Settings(span=(-1.0, 1.0), window=(-math.inf, 2.0), numerics=Numerics())
+    settings = Settings(span=(-1.0, 1.0), window=(-math.inf, 2.0), max_step=0.02)
     assert repr(settings) == "Settings(span=(-1.0, 1.0), window=(-inf, 2.0))"
     assert repr(Settings()) == "Settings()"
 

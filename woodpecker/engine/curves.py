@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from enum import Enum
-from functools import partial
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -41,6 +41,7 @@ from woodpecker.engine.orbits import (
     completed,
     head_of,
     held_at,
+    pulled_inside,
 )
 
 LOCATED = 1e-15  # of a step: a zero of a test function is bracketed as closely as doubles allow
@@ -52,8 +53,10 @@ KEPT_TURN = 0.7  # of the largest turn: what the next step is to have, so that f
 SAME_VALUE = 1e-9  # scaled, times slopes: values of a piece that are farther apart are of two
 # solutions of its events, as there are beside a grazing
 BEGINS = 2.0**-20  # of a test function after a step: what rounding leaves of one that was zero
-LOOKED = 2.0**-10  # scaled: steps longer than that are looked at halfway
+LOOKED = 2.0**-14  # scaled: steps longer than that are looked at halfway
+TOGETHER = 2.0**-8  # of how far apart points of a cycle were a step before
 WORTH = 0.25  # part of a margin that is left where it dips: less is worth a look
+STEADY = 0.5  # of the smaller rate at both ends: by how much a margin falls at least in between
 COARSE = 64.0  # least steps: a dip of a margin in a shorter step is left alone
 MOST_BOUNDS = 32  # that are passed in a step, each before the last: more are left to shorter steps
 NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is where it comes from
@@ -211,8 +214,9 @@ class Arc:
             return 0.0
         if self.stop in (*MULTIPLIERS, Stop.ASKED):
             orbit, column = self.samples[-1].orbit, self.curve.problem.free[0]
-            rate = abs(_ahead(self.samples[-1])) * self.curve.problem.p_scale[column]
-            return self.width * rate + BLUR * max(1.0, abs(float(orbit.p[column])))
+            scale = self.curve.problem.p_scale[column]
+            rate = abs(_ahead(self.samples[-1])) * scale
+            return self.width * rate + BLUR * max(scale, abs(float(orbit.p[column])))
         if self.condition is None:
             return math.inf
         known = uncertainty(self.curve.problem.with_(self.condition), self.samples[-1].orbit)
@@ -323,6 +327,8 @@ class Curve:
         else:
             at_distance = across(self.problem, last.orbit, last.tangent, distance)
             guess = self.problem.moved(last.orbit, way)
+            if not guess.is_defined:
+                guess = pulled_inside(guess, last.orbit)
             found = solve(self.problem.with_(at_distance), guess)
             orbit = found.orbit if found.converged else None
         if orbit is None or not orbit.is_defined:
@@ -339,6 +345,8 @@ class Curve:
         assert isinstance(border, OnBorder)
         to = problem.stepped(last.orbit, way)
         head = head_of(last.orbit, to)
+        if not head.is_defined:
+            head = pulled_inside(head, head_of(last.orbit, last.orbit.unknowns))
         rounds = length_of(last.orbit.images[-1])
         on = OnBorder(border.image, border.code // rounds)
         heads = replace(problem, conditions=(Chained(), on))
@@ -347,7 +355,7 @@ class Curve:
         return completed(found.orbit, last.orbit) if found.converged else None
 
     def _leaves(self, start: Sample) -> Stop | None:
-        """Whether a sample lies at an end of span or window, and the curve leaves there."""
+        """Whether a sample lies at an end of span or window, or beyond, and the curve leaves."""
         orbit = start.orbit
         columns, low, high, stops = self._limits(orbit)
         at, along = orbit.unknowns[columns], self._wide(start)[columns]
@@ -415,7 +423,7 @@ class Curve:
             if found is not None and not self._strays(last, found, bent):
                 turned = _angle(last, found) / settings.max_turn
             if found is None or turned > 1.0:
-                step *= max(0.25, min(0.5, KEPT_TURN / turned))
+                step = self._shorter(step, max(0.25, min(0.5, KEPT_TURN / turned)))
                 grows, given_up = False, Stop.SHORT
                 continue
             try:
@@ -423,14 +431,14 @@ class Curve:
                 if halt.asked is not None:
                     ends = self._asked(last, found, step, ends, halt.asked)
             except UnclearError:
-                step, grows, given_up = 0.5 * step, False, Stop.SHORT
+                step, grows, given_up = self._shorter(step, 0.5), False, Stop.SHORT
                 continue
             end = ends[0] if ends else None
             if step > LOOKED and self._differs_between(last, found if end is None else end.sample):
                 step, grows = 0.5 * step, False
                 continue
             if not self.agrees(found.orbit if end is None else end.sample.orbit, end):
-                step, grows, given_up = 0.25 * step, False, Stop.OTHER_PIECE
+                step, grows, given_up = self._shorter(step, 0.25), False, Stop.OTHER_PIECE
                 continue
             if end is not None:
                 beyond: Sample | None = found
@@ -450,21 +458,38 @@ class Curve:
             samples.append(found)
             bent = turned * settings.max_turn
             growth = min(2.0 if grows else 1.0, KEPT_TURN / max(turned, 1e-3))
-            step, grows = min(settings.max_step, step * growth), True
+            step, grows = min(settings.max_step, max(settings.min_step, step * growth)), True
         return Arc(tuple(samples), Stop.MANY, self)
+
+    def _shorter(self, step: float, part: float) -> float:
+        """A part of a step; the shortest one is tried before any that would be too short."""
+        least = self.settings.min_step
+        return least if part * step < least < step else part * step
 
     def _strays(self, a: Sample, b: Sample, bent: float) -> bool:
         """Whether a sample is one of another curve, though its tangent is much the same.
 
-        A smooth curve goes about along the mean of its tangents; by how much not, they tell by how
-        they turn, in this step or in the one before.
+        It may be that of a shorter cycle, run through several times. A smooth curve goes about
+        along the mean of its tangents; by how much not, they tell by how they turn, in this step
+        or in the one before.
         """
+        if a.orbit.outer is None and self._comes_together(a.orbit.x, b.orbit.x):
+            return True
         chord = self.problem.step_between(a.orbit, b.orbit)
         length, mean = float(np.linalg.norm(chord)), a.tangent + b.tangent
         if length == 0.0:
             return True  # rounding lets it come no farther
         off = float(np.linalg.norm(chord / length - mean / np.linalg.norm(mean)))
         return off > 0.5 * max(_angle(a, b), bent) + STRAIGHT + ROUNDED_OFF / length
+
+    def _comes_together(self, a: Floats, b: Floats) -> bool:
+        """Whether points (n, d) of a cycle that are apart at one sample are one at the next."""
+        n, apart = len(a), self.problem.apart
+        divisors = [k for k in range(1, n) if n % k == 0]
+        return any(
+            apart(b, np.roll(b, k, axis=0)) < TOGETHER * apart(a, np.roll(a, k, axis=0))
+            for k in divisors
+        )
 
     # --- What is looked at ------------------------------------------------------------------------
 
@@ -551,6 +576,15 @@ class Curve:
                 return exact, exact.value(a), exact.value(b)
         return test, before, after
 
+    def _newly_beyond(self, a: Sample, b: Sample) -> Iterator[TestFunction]:
+        """Those of the bounds that the second sample lies beyond which it has not begun beyond.
+
+        A point that is outside of the window at first may come in.
+        """
+        for test in self._bounds(b):
+            if test.stop is not Stop.WINDOW or test.value(a) >= -ROUNDED_OFF:
+                yield test
+
     def _bounds(self, sample: Sample) -> Iterator[TestFunction]:
         """Ends of spans, of the window and of the share that a sample lies beyond."""
         orbit = sample.orbit
@@ -572,16 +606,8 @@ class Curve:
 
     def _limits(self, orbit: Orbit) -> tuple[Ints, Floats, Floats, list[Stop]]:
         """Which unknowns of an orbit are bounded, by what, and what it is to pass that."""
-        (n, d), settings = orbit.x.shape, self.settings
-        columns = [*range(n * d), *(n * d + each for each in self.problem.free)]
-        ends = [*settings.window * n, *settings.spans]
-        stops = [Stop.WINDOW] * (n * d) + [Stop.SPAN] * len(settings.spans)
-        if orbit.outer is not None:
-            columns.append(n * d + len(orbit.p))
-            ends.append((0.0, 1.0))
-            stops.append(Stop.SHARE)
-        low, high = np.array(ends).T
-        return np.array(columns), low, high, stops
+        n, share = len(orbit.x), -1 if orbit.outer is None else len(orbit.unknowns) - 1
+        return _limits(self.settings, n, self.problem.free, share)
 
     def _borders(self, sample: Sample) -> Iterator[TestFunction]:
         """Margins that are negative at a sample, by more than rounding."""
@@ -603,7 +629,7 @@ class Curve:
         """
         found = None
         for _ in range(MOST_BOUNDS):
-            passed = [*self._borders(b), *self._bounds(b)]
+            passed = [*self._borders(b), *self._newly_beyond(a, b)]
             if not passed:
                 return found
             test = min(passed, key=lambda each: _part(each, a, b))
@@ -687,7 +713,8 @@ class Curve:
         """UnclearError if a margin that is positive at both ends may be negative in between.
 
         It is a cubic there, with the values and slopes of both ends. One that only one of them has
-        is taken for linear.
+        is taken for linear. One that falls at both ends, but by much less in between, is not the
+        same all the way.
         """
         if step < COARSE * self.settings.min_step:
             return
@@ -706,6 +733,8 @@ class Curve:
                 rates = float(falls[k]), float(rises[m])
                 dips = ends[1] > 0.0 and rates[1] > 0.0
                 if dips and _least(*ends, *rates) < WORTH * min(ends):
+                    raise UnclearError
+                if rates[1] < 0.0 and ends[1] - ends[0] > STEADY * max(rates):
                     raise UnclearError
             for k in np.flatnonzero(other.margins < rises).tolist():
                 code = int(other.codes[k])
@@ -771,12 +800,13 @@ class Curve:
         if math.isnan(before):
             raise UnclearError  # it was not there: how it came to be negative is not seen
         try:
-            distance = float(brentq(value, 0.0, step, xtol=LOCATED * step, maxiter=ITERATIONS))
+            brentq(value, 0.0, step, xtol=LOCATED * step, maxiter=ITERATIONS)
         except (ArithmeticError, RuntimeError, ValueError):  # lost, not converged, nan
             raise UnclearError from None
-        value(distance)
+        distance = min(seen, key=lambda each: abs(seen[each][1]))
         sample = seen[distance][0]
-        if not abs(test.value(sample)) <= CLOSED_IN * min(abs(before), abs(after)):
+        noise = abs(after - before) * BLUR / step  # orbits are known to BLUR
+        if not abs(test.value(sample)) <= CLOSED_IN * min(abs(before), abs(after)) + noise:
             raise UnclearError  # it changes its sign without being zero
         return distance, sample
 
@@ -837,6 +867,23 @@ class Curve:
             and aside <= step * self.settings.max_turn
             and float(start.tangent @ b.tangent) > math.cos(2.0 * self.settings.max_turn)
         )
+
+
+@lru_cache
+def _limits(
+    settings: CurveSettings, n: int, free: tuple[int, ...], share: int
+) -> tuple[Ints, Floats, Floats, list[Stop]]:
+    """The bounds of n points, the free parameters, and the share in a column, if not negative."""
+    points = n * len(settings.window)
+    columns = [*range(points), *(points + each for each in free)]
+    ends = [*settings.window * n, *settings.spans]
+    stops = [Stop.WINDOW] * points + [Stop.SPAN] * len(settings.spans)
+    if share >= 0:
+        columns.append(share)
+        ends.append((0.0, 1.0))
+        stops.append(Stop.SHARE)
+    low, high = np.array(ends).T
+    return np.array(columns), low, high, stops
 
 
 def _rate_of_share(orbit: Orbit, motion: Floats) -> float:

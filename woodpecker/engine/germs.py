@@ -19,8 +19,8 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Curve, Sample
-from woodpecker.engine.maps import ACCUMULATE, Chain, Image, PiecewiseMap, chained
-from woodpecker.engine.newton import Problem
+from woodpecker.engine.maps import ACCUMULATE, TIE, Chain, Image, PiecewiseMap, chained
+from woodpecker.engine.newton import MERGED, Problem
 from woodpecker.engine.orbits import Chained, Closed, OnBorder, Orbit, orbit_of
 
 SAME = 1e-7  # scaled: values of a map that are closer are one
@@ -28,8 +28,8 @@ SLOW = 1e-9  # a margin that grows slower than this along a tangent, scaled, has
 KINKED = 1e-5  # relative: rates of two limits along a border that differ by less are one
 PATHS = 256  # of one orbit at most: eight of its points on borders
 SECTORS = 16  # pieces that meet in one point at most
-PARALLEL = 1e-4  # normals of borders that differ by a smaller angle are those of one [rad]
-TILT = 2.0**-8  # angle between a border and the direction that leads along it and beyond [rad]
+PARALLEL = 1e-7  # normals of borders that differ by a smaller angle are those of one [rad]
+TILT = 0.5  # of the way at which a margin that grows along a border vanishes beyond it
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -96,25 +96,30 @@ class Path:
         return self.images[-1].value
 
 
-def paths(map_: PiecewiseMap, x: Floats, p: Floats, order: int) -> list[Path]:
+def paths(map_: PiecewiseMap, x: Floats, p: Floats, order: int, problem: Problem) -> list[Path]:
     """All paths of P_order from a point; none if there are more than ``PATHS``.
 
-    Those that lead to where the map has no image are left out.
+    Those that lead to where the map has no image are left out. One that comes back to the point is
+    just there again: steep maps would carry the rounding of it off its border. The problem says
+    which lengths count as 1.
     """
     found = [Path(np.empty((0, len(x))), ())]
     for _ in range(order):
         longer = []
         for path in found:
-            at = path.end if path.images else x
+            returns = not path.images or problem.same(path.end, x, TIE)
+            at = x if returns else path.end
             points = np.vstack([path.x, at])
-            longer += [Path(points, (*path.images, image)) for image in sides(map_, at, p)]
+            longer += [
+                Path(points, (*path.images, image)) for image in sides(map_, at, p, problem.lengths)
+            ]
         if len(longer) > PATHS:
             return []
         found = longer
     return found
 
 
-def sides(map_: PiecewiseMap, x: Floats, p: Floats) -> list[Image]:
+def sides(map_: PiecewiseMap, x: Floats, p: Floats, lengths: Floats) -> list[Image]:
     """The images of a point under all pieces that hold points near it; none where it has none.
 
     From each of them the map is asked for what lies beyond each of its borders there.
@@ -129,7 +134,7 @@ def sides(map_: PiecewiseMap, x: Floats, p: Floats) -> list[Image]:
         found = [first if own.reason else own]  # at a border that is no other piece's own
     for image in found:  # it grows
         for code in image.codes[image.tied(x, p)].tolist():
-            other = map_.beside(x, p, across(image, code, x, p))
+            other = map_.beside(x, p, across(image, code, x, p, lengths))
             if not other.reason and all(other.piece.key != each.piece.key for each in found):
                 found.append(other)
         if len(found) > SECTORS:
@@ -152,44 +157,54 @@ def lost_beyond(map_: PiecewiseMap, x: Floats, p: Floats, returns: int) -> str:
     return next((each.reason for each in found if each.reason not in ("", ACCUMULATE)), "")
 
 
-def across(image: Image, code: int, x: Floats, p: Floats) -> Floats:
+def across(image: Image, code: int, x: Floats, p: Floats, lengths: Floats) -> Floats:
     """The direction (d + k,) across a border where a margin vanishes, from inside of its piece.
 
-    Where other margins vanish too it leads along the border to where they grow, and a little
-    beyond.
+    Where other margins vanish too it leads along the border to where they grow, and beyond it by
+    so little that they still do. Angles are those of scaled unknowns.
     """
-    out = -image.gradients[image.place(code)]
-    out = out / np.linalg.norm(out)
-    others = image.gradients[image.tied(x, p)]
+    out = -image.gradients[image.place(code)] * lengths
+    out /= np.linalg.norm(out)
+    others = image.gradients[image.tied(x, p)] * lengths
+    others /= np.linalg.norm(others, axis=1)[:, None]
     along = others - np.outer(others @ out, out)
-    lengths, sizes = (np.linalg.norm(each, axis=1) for each in (along, others))
-    apart = lengths > PARALLEL * sizes
+    apart = np.linalg.norm(along, axis=1) > PARALLEL
     if not apart.any():
-        return np.asarray(out)
-    way = (along[apart] / lengths[apart, None]).sum(axis=0)
-    length = float(np.linalg.norm(way))
-    return np.asarray(way / length + TILT * out if length > 0.0 else out)
+        return np.asarray(out * lengths)
+    others, along = others[apart], along[apart]
+    way = (along / np.linalg.norm(along, axis=1)[:, None]).sum(axis=0)
+    grow, fall = others @ way, -others @ out
+    ends = grow[(grow > 0.0) & (fall > 0.0)] / fall[(grow > 0.0) & (fall > 0.0)]
+    return np.asarray((way + min(1.0, TILT * ends.min(initial=math.inf)) * out) * lengths)
 
 
-def shared(one: Image, other: Image, x: Floats, p: Floats) -> tuple[list[int], list[int]] | None:
+def shared(
+    one: Image, other: Image, x: Floats, p: Floats, lengths: Floats
+) -> tuple[list[int], list[int]] | None:
     """The margins of two pieces that vanish along the border between them; None if there is none.
 
-    Their gradients are opposite. Where borders cross it is the first that both have.
+    Their gradients are opposite. Where borders cross it is the first that both have. The second
+    piece may have none, and be taken wherever no other one is.
     """
     pieces = [(each, each.codes[each.tied(x, p)].tolist()) for each in (one, other)]
     for code in pieces[0][1]:
-        normal = one.gradients[one.place(code)]
-        normal = normal / np.linalg.norm(normal)
+        normal = one.gradients[one.place(code)] * lengths
+        normal /= np.linalg.norm(normal)
         own, beyond = (
-            [k for k in codes if _is_parallel(image.gradients[image.place(k)], sign * normal)]
+            [
+                k
+                for k in codes
+                if _is_parallel(image.gradients[image.place(k)], sign * normal, lengths)
+            ]
             for (image, codes), sign in zip(pieces, (1.0, -1.0), strict=True)
         )
-        if beyond:
+        if beyond or not pieces[1][1]:
             return own, beyond
     return None
 
 
-def _is_parallel(gradient: Floats, normal: Floats) -> bool:
+def _is_parallel(gradient: Floats, normal: Floats, lengths: Floats) -> bool:
+    gradient = gradient * lengths
     size = float(np.linalg.norm(gradient))
     return float(np.linalg.norm(gradient - size * normal)) <= PARALLEL * size
 
@@ -214,24 +229,38 @@ def beginnings(
     seen = set[Hashable]()
     for order in orders:
         for x in points:
-            all_ = paths(base.map, x, p, order)
-            for begin in (*_cycles(base, all_, x, p), *_crossings(base, all_, x, p)):
+            all_ = paths(base.map, x, p, order, base.problem)
+            for begin in (*_cycles(base, all_, points, x, p), *_crossings(base, all_, x, p)):
                 if begin.key not in seen:
                     seen.add(begin.key)
                     yield begin
 
 
-def _cycles(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterator[Beginning]:
-    """Those along paths that return, and that are no shorter ones run through several times."""
+def _cycles(
+    base: Curve, all_: Sequence[Path], points: Floats, x: Floats, p: Floats
+) -> Iterator[Beginning]:
+    """Those along paths that return, and that are no shorter ones run through several times.
+
+    The points of a cycle may be so close that only which of them is nearest tells them apart.
+    """
+    scale = np.array(base.problem.x_scale)
+
+    def nearest(to: Floats) -> int:
+        return int(np.abs((points - to) / scale).max(axis=1).argmin())
+
     for path in all_:
-        keys, order = [image.piece.key for image in path.images], len(path.images)
-        is_shortest = not any(
-            keys[d:] + keys[:d] == keys
+        steps = [
+            (image.piece.key, nearest(at)) for image, at in zip(path.images, path.x, strict=True)
+        ]
+        order = len(steps)
+        goes_round = any(
+            steps[d:] + steps[:d] == steps
             and base.problem.same(np.roll(path.x, -d, axis=0), path.x, SAME)
             for d in range(1, order)
             if order % d == 0
         )
-        if is_shortest and base.problem.same(path.end, x, SAME):
+        returns = base.problem.same(path.end, x, SAME) and nearest(path.end) == nearest(x)
+        if returns and not goes_round:
             yield from _both_ways(order, base, Orbit(path.x, p, 0.0, path.images))
 
 
@@ -264,7 +293,7 @@ def crossings_at(base: Curve, head: Floats, p: Floats, order: int) -> list[Begin
     first = tuple(base.map.at(x, p) for x in head[:-1])
     all_ = [
         Path(np.vstack([head[:-1], path.x]), (*first, *path.images))
-        for path in paths(base.map, head[-1], p, order - len(first))
+        for path in paths(base.map, head[-1], p, order - len(first), base.problem)
     ]
     found = _between(base, all_, head[0], p)
     return [
@@ -286,8 +315,8 @@ def _between(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterato
             if opens is not None:
                 yield opens
             continue
-        if _steepness(one.images[head - 1]) > _steepness(other.images[head - 1]):
-            one, other = other, one  # where a root ends at a jump, the other side locates it
+        if _locates_less(one, other, head - 1, p):
+            one, other = other, one
         way = (other.end - one.end) / problem.x_scale
         length = float(way @ way)
         share = float((x - one.end) / problem.x_scale @ way) / length if length > 0.0 else -1.0
@@ -340,7 +369,7 @@ def joined(
     x, p, share
         (n, d) its points, parameters, and the share of the second limit.
     """
-    border = shared(limits[0][0], limits[1][0], x[-1], p)
+    border = shared(limits[0][0], limits[1][0], x[-1], p, base.problem.lengths)
     if border is None:
         return None
     inner, outer = map(chained, limits)
@@ -355,8 +384,16 @@ def joined(
     return Beginning(last + rounds, curve, Sample(orbit, np.empty(0)))
 
 
-def _steepness(image: Image) -> float:
-    return float(np.abs(image.jacobian).max())
+def _locates_less(one: Path, other: Path, i: int, p: Floats) -> bool:
+    """Whether the border between two paths is better known from the second, or only from there.
+
+    Where a root ends at a jump the other side locates it.
+    """
+    known, steepness = (
+        [bool(path.images[i].tied(path.x[i], p).any()) for path in (one, other)],
+        [float(np.abs(path.images[i].jacobian).max()) for path in (one, other)],
+    )
+    return known[1] and (not known[0] or steepness[0] > steepness[1])
 
 
 def _meets_another(
@@ -378,8 +415,21 @@ def _both_ways(order: int, curve: Curve, orbit: Orbit) -> Iterator[Beginning]:
     if not np.isfinite(sample.tangent).all():
         return
     for each in (sample, sample.turned):
-        if is_inside(curve, each):
+        if is_inside(curve, each) and _is_taken_ahead(curve, each):
             yield Beginning(order, curve, each)
+
+
+def _is_taken_ahead(curve: Curve, sample: Sample) -> bool:
+    """Whether the map takes pieces that have no margins on a border where it is that others do."""
+    orbit, map_ = sample.orbit, curve.map
+    for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True)):
+        if image.tied(x, orbit.p).any():
+            continue
+        here, key = map_.at(x, orbit.p), image.piece.key
+        on_border = here.piece.key != key or here.tied(x, orbit.p).any()
+        if on_border and map_.beside(x, orbit.p, curve.motion(sample, i)).piece.key != key:
+            return False
+    return True
 
 
 def is_inside(curve: Curve, sample: Sample) -> bool:
@@ -406,7 +456,7 @@ def cycle_through(
 ) -> Orbit | None:
     """The shortest cycle through a point, along one of its paths; None if there is none."""
     for order in sorted(orders):
-        for path in paths(map_, x, p, order):
+        for path in paths(map_, x, p, order, base):
             if base.same(path.end, x, SAME):
                 return once(Orbit(path.x, p, 0.0, path.images), base)
     return None
@@ -427,15 +477,12 @@ def cycle_at_limit(crossing: Orbit, base: Problem) -> Orbit:
 
 def once(cycle: Orbit, base: Problem) -> Orbit:
     """A cycle that may go round a shorter one several times, run through once."""
-    n, x = len(cycle.x), cycle.x
-    period = next(
-        d for d in range(1, n + 1) if n % d == 0 and base.same(np.roll(x, -d, axis=0), x, SAME)
-    )
-    return Orbit(x[:period], cycle.p, 0.0, cycle.images[:period])
+    period = base.period(cycle.x, MERGED)
+    return Orbit(cycle.x[:period], cycle.p, 0.0, cycle.images[:period])
 
 
 def judged(
-    starts: Sequence[Beginning], order: int, x: Floats, problem: Problem
+    starts: Sequence[Beginning], cycle: Floats, i: int, problem: Problem
 ) -> tuple[PointKind, str]:
     """What a border collision is at one point of its cycle, from the curves that start there.
 
@@ -447,19 +494,19 @@ def judged(
     ----------
     starts
         All curves of the cycle's own order, and of twice that, that start at its points.
-    order
-        How many points the cycle has.
-    x
-        (d,) one of them.
+    cycle
+        (n, d) its points.
+    i
+        Which of them.
     problem
         Cycles, with the scales.
     """
-    own = list[Beginning]()
-    twice = False
+    own, order, twice = list[Beginning](), len(cycle), False
     for begin in starts:
         orbit = begin.sample.orbit
-        points = orbit.x[: 1 if begin.is_crossing else None]
-        count = sum(problem.same(point, x, SAME) for point in points)
+        away = orbit.x[: 1 if begin.is_crossing else None, None] - cycle
+        nearest = np.abs(away / problem.x_scale).max(axis=2).argmin(axis=1)
+        count = int((nearest == i).sum())
         if begin.order == order:
             own += count * [begin]
         at_preimage = begin.is_crossing and begin.order == 2 * order < 2 * len(orbit.x)

@@ -20,7 +20,7 @@ from pwmap.diagrams.diagram import (
 )
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Curve, CurveSettings, Sample, Stop
-from woodpecker.engine.germs import Beginning, beginnings, judged, once
+from woodpecker.engine.germs import Beginning, beginnings, judged
 from woodpecker.engine.maps import PiecewiseMap
 from woodpecker.engine.newton import Problem, cycles, directions, other_direction, solve
 from woodpecker.engine.orbits import Held, Orbit, orbit_of
@@ -240,7 +240,7 @@ class Network:
     def _at_multiplier(self, found: Trace, arrival: Arrival) -> Node:
         """A fold, a flip, a pair on the unit circle, a branch point: the curve goes on there."""
         begin, last = found.begin, found.samples[-1]
-        single = last.orbit if begin.is_crossing else once(last.orbit, self.problem)
+        single = arrival.orbit
         halved = len(single.x) < len(last.orbit.x)
         node = self._known(single, arrival.kind)
         if node is not None:
@@ -325,11 +325,11 @@ class Network:
         for each in places:
             if each.node is node and self.problem.same(each.x, x, NODE):
                 return each
-        kind, note = (
-            (node.kind, node.note)
-            if not node.starts
-            else judged(node.starts, node.order, x, self.problem)
-        )
+        kind, note = node.kind, node.note
+        if node.starts:
+            cycle = node.orbit.x
+            nearest = int(np.abs((cycle - x) / self.problem.x_scale).max(axis=1).argmin())
+            kind, note = judged(node.starts, cycle, nearest, self.problem)
         count = sum(each.kind is kind for each in places) + 1
         places.append(_Place(node, x, kind, note, f"{kind.value}{count}"))
         return places[-1]

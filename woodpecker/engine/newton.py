@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
@@ -14,6 +14,7 @@ from scipy.optimize import root
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.engine.orbits import STEP, Closed, Condition, OnBorder, Orbit, placed
 
+MERGED = 1e-9  # scaled: points of a cycle that are closer are one
 STEPS = 12  # of Newton's method: it converges in four or five, or it does not
 LARGE = 0.5  # scaled steps that grow from more than this lead away
 LEAD_AWAY = 2.0  # times a step that the next may have
@@ -47,7 +48,7 @@ class Problem:
     x_scale: tuple[float, ...]
     p_scale: tuple[float, ...]
 
-    def columns(self, orbit: Orbit) -> Ints:
+    def columns(self, orbit: Orbit) -> slice | Ints:
         """Which of an orbit's unknowns may move: its points, free parameters, and the share.
 
         In R^1 the share is none: it follows from where the border is.
@@ -55,13 +56,19 @@ class Problem:
         shares = orbit.outer is not None and orbit.x.shape[1] > 1
         return _columns(orbit.x.size, len(orbit.p), self.free, shares)
 
+    @property
+    def lengths(self) -> Floats:
+        """(d + k,) lengths of a point and of the parameters that count as 1."""
+        return np.array((*self.x_scale, *self.p_scale))
+
     def scale(self, orbit: Orbit) -> Floats:
         """The lengths of all of an orbit's unknowns."""
         return _scale(len(orbit.x), self.x_scale, self.p_scale)
 
     def with_(self, *conditions: Condition) -> Problem:
         """The same with more conditions."""
-        return replace(self, conditions=(*self.conditions, *conditions))
+        every = (*self.conditions, *conditions)
+        return Problem(every, self.free, self.x_scale, self.p_scale)
 
     def residual(self, orbit: Orbit) -> Floats:
         """What is left of all equations."""
@@ -83,6 +90,8 @@ class Problem:
 
         There a square root is infinitely steep; along it is not.
         """
+        if float(np.abs(rows).max()) <= STEEP:
+            return
         first = 0
         for condition, count in zip(self.conditions, counts, strict=True):
             if isinstance(condition, OnBorder):
@@ -108,14 +117,26 @@ class Problem:
         found: Floats = ((other.unknowns - one.unknowns) / self.scale(one))[self.columns(one)]
         return found
 
+    def period(self, x: Floats, within: float) -> int:
+        """After how many of the points (n, d) of a cycle they are the same, within a distance."""
+        n = len(x)
+        divisors = (k for k in range(1, n) if n % k == 0)
+        return next((k for k in divisors if self.same(np.roll(x, -k, axis=0), x, within)), n)
+
     def same(self, one: Floats, other: Floats, within: float) -> bool:
         """Whether points (..., d) are equal, within a distance in scaled units."""
-        return bool((np.abs(one - other) / self.x_scale).max() <= within)
+        return self.apart(one, other) <= within
+
+    def apart(self, one: Floats, other: Floats) -> float:
+        """How far points (..., d) are apart, in scaled units."""
+        return float((np.abs(one - other) / self.x_scale).max())
 
 
 @lru_cache
-def _columns(points: int, k: int, free: tuple[int, ...], shares: bool) -> Ints:
+def _columns(points: int, k: int, free: tuple[int, ...], shares: bool) -> slice | Ints:
     found = [*range(points), *(points + each for each in free), *([points + k] if shares else [])]
+    if found == list(range(len(found))):
+        return slice(len(found))
     columns = np.array(found, dtype=np.int64)
     columns.setflags(write=False)
     return columns

@@ -361,6 +361,24 @@ def _pairs(matrix: Floats) -> Floats:
     return np.asarray(a - b)
 
 
+def pulled_inside(guess: Orbit, last: Orbit) -> Orbit:
+    """A guess whose points have been moved, where pieces have no value, to margins as they were.
+
+    Right beside a square root a curve follows the end of its piece: a guess that misses it by less
+    than its own error lies beyond.
+    """
+    x, images, d = guess.x.copy(), list(guess.images), guess.x.shape[1]
+    for i, before in enumerate(last.images[: len(images)]):
+        for k in np.flatnonzero(images[i].margins < 0.0) if images[i].reason else ():
+            m = before.place(int(images[i].codes[k]))
+            inward = images[i].gradients[k, :d]
+            if m >= 0 and inward.any():
+                x[i] += (before.margins[m] - images[i].margins[k]) * inward / (inward @ inward)
+                images[i] = images[i].piece.at(x[i], guess.p)
+                break
+    return replace(guess, x=x, images=tuple(images))
+
+
 def held_at(orbit: Orbit, column: int, value: float) -> Orbit:
     """An orbit one of whose unknowns is a value but for rounding, with just that value."""
     (n, d), k = orbit.x.shape, len(orbit.p)

@@ -14,8 +14,9 @@ from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Arc, Curve, Halt, Sample, Stop
 from woodpecker.engine.germs import (
     SAME,
-    TILT,
+    SLOW,
     Beginning,
+    across,
     beginnings,
     crossings_at,
     cycle_at_limit,
@@ -26,12 +27,16 @@ from woodpecker.engine.germs import (
     once,
 )
 from woodpecker.engine.maps import ACCUMULATE, Image, PiecewiseMap, links
-from woodpecker.engine.newton import Problem, solve
+from woodpecker.engine.needles import rounded
+from woodpecker.engine.newton import STEEP, Problem, solve, uncertainty
 from woodpecker.engine.orbits import Chained, Closed, Held, Multiplier, OnBorder, Orbit, placed
 
+DOUBLED = 1e-7  # scaled: points that merge at a flip are known to the root of their rounding
+ONE = 1e-12  # the same but for rounding
 KINK = 1e-5  # slopes of a map that differ by more are those of a kink
 ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
 ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
+NEUTRAL = 1e-6  # a multiplier that is closer to 1 or -1 may be on either side
 TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not those of one piece
 BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a start is looked for
 APART = tuple(2.0**-n for n in range(8, 33, 3))  # the same where curves cross, which part slowly
@@ -80,7 +85,7 @@ class Change(NamedTuple):
     Attributes
     ----------
     sample
-        Index of the sample at the border; the word changes after it.
+        The word changes after this one, as an index; it or the next lies at the border.
     cause
         A sentence on what happens there.
     smooth
@@ -147,14 +152,21 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
     changes, at, step, short = list[Change](), begin, math.inf, 0
     for _ in range(MOST_ARCS):
         arc = at.curve.follow(at.sample, step, halt)
-        if arc.stop is Stop.SHORT and len(arc.samples) == 1 and at.before is None:
+        is_stuck = arc.stop in (Stop.SHORT, Stop.BORDER) and len(arc.samples) == 1
+        if is_stuck and at.before is None:
             at = beside(at)
             if at.before is not None:  # it starts with a root
                 samples.append(at.sample)
                 arc = at.curve.follow(at.sample, step, halt)
         if arc.stop in (Stop.SPAN, Stop.WINDOW) and len(arc.samples) == 1 and not changes:
             samples = [begin.sample]  # none of it is inside
-        arc = _at_nearest(arc)
+        is_bend = arc.stop is Stop.SHORT and _at_flip(at, arc) is None
+        bend = rounded(arc) if is_bend else None
+        if bend is not None and bend.stop is Stop.SHORT:
+            samples += bend.samples[1:]
+            at, step = replace(at, sample=bend.samples[-1], before=None), math.inf
+            continue
+        arc = _at_nearest(bend or arc)
         step = AGAIN * arc.step
         arc, outer = _settled(arc)
         samples += arc.samples[1:]
@@ -183,6 +195,9 @@ def _met(
     begin: Beginning, arc: Arc, outer: Image | None, orders: Sequence[int], *, dense: bool
 ) -> Arrival | Onward:
     """What an arc comes to; or where it goes on, and why its word changes, if that is all."""
+    flip = _at_flip(begin, arc)
+    if flip is not None:
+        return flip
     if arc.stop in (Stop.LP, Stop.PD, Stop.BP, Stop.NS):
         return _at_multiplier(begin, arc)
     if outer is not None:
@@ -204,17 +219,36 @@ def _given_up(begin: Beginning, arc: Arc, note: str = "", cause: str = "") -> Ar
 
 def _at_multiplier(begin: Beginning, arc: Arc) -> Arrival:
     """A fold, a flip, a branch point: the curve goes on there."""
-    sample, problem = arc.samples[-1], begin.curve.problem
-    single = sample.orbit if begin.is_crossing else once(sample.orbit, problem)
-    start = arc.samples[0].orbit
-    before = len(start.x) if begin.is_crossing else len(once(start, problem).x)
-    halved = len(single.x) < before  # cycles of twice the period come to its flip
-    kind = PointKind.PD if halved else PointKind[arc.stop.name]
-    onward = None
-    if not halved and arc.beyond is not None:
+    sample, onward = arc.samples[-1], None
+    if arc.beyond is not None:
         onward = Beginning(begin.order, begin.curve, arc.beyond, sample)
-    cause = Stop.PD.value if halved else arc.stop.value
+    kind, cause = PointKind[arc.stop.name], arc.stop.value
     return Arrival(kind, sample.orbit, "", cause, arc.precision, onward=onward)
+
+
+def _at_flip(begin: Beginning, arc: Arc) -> Arrival | None:
+    """Where a doubled cycle ends as its halves come together: the single one flips; None if not.
+
+    The single one is found to rounding, its double to the root of that.
+    """
+    orbit, problem = arc.samples[-1].orbit, arc.curve.problem
+    n = len(orbit.x) // 2
+    stops = arc.stop in (Stop.LP, Stop.BP, Stop.SHORT, Stop.OTHER_PIECE)
+    if not stops or begin.is_crossing or len(orbit.x) % 2:
+        return None
+    if arc.stop in (Stop.LP, Stop.BP) and not problem.same(orbit.x[:n], orbit.x[n:], DOUBLED):
+        return None
+    if all(problem.same(each.orbit.x[:n], each.orbit.x[n:], ONE) for each in arc.samples):
+        return None  # it is the single one all along, passed twice
+    mean = np.concatenate((0.5 * (orbit.x[:n] + orbit.x[n:]).ravel(), orbit.p, (0.0,)))
+    guess = placed(replace(orbit, x=orbit.x[:n], images=orbit.images[:n]), mean)
+    flip = problem.with_(Multiplier("PD"))
+    found = solve(flip, guess)
+    away = np.abs(problem.step_between(guess, found.orbit)).max()
+    if not found.converged or away > ASIDE:
+        return None
+    known = uncertainty(flip, found.orbit)
+    return Arrival(PointKind.PD, found.orbit, "", Stop.PD.value, known)
 
 
 # --- Cycles at borders ----------------------------------------------------------------------------
@@ -235,7 +269,7 @@ def _settled(arc: Arc) -> tuple[Arc, Image | None]:
     outer = arc.curve.map.beside(orbit.x[i], orbit.p, -gradient)
     arc = _sharpened(arc, i, gradient)
     if not outer.reason and _is_steep(arc.samples[-1].orbit.images[i], outer):
-        arc = _moved_to(arc, i, outer)
+        return _moved_to(arc, i, outer)
     return arc, outer
 
 
@@ -257,9 +291,10 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
         return _given_up(begin, arc, ACCUMULATE, cause)
     collision = Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
     smooth = bool(np.abs(outer.jacobian - image.jacobian).max() <= KINK)
-    there, doubles = _straight_on(begin, arc, outer), False
-    if there is not None and smooth and there.sample.tangent @ arc.samples[-1].tangent > 0.0:
-        return there, cause, True
+    ahead, doubles = _straight_on(begin, arc, outer, smooth=smooth), False
+    if ahead is not None and smooth:
+        return ahead, cause, True
+    there = ahead if ahead is not None and is_inside(curve, ahead.sample) else None
     in_line = orbit.x.shape[1] == 1  # there cycles double just where the others change stability
     if there is None or not in_line:
         arrived = replace(begin, sample=arc.samples[-1]).key
@@ -269,7 +304,7 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
         others = [each for each in starts if each.order == begin.order and each.key != arrived]
         if len(others) > 1 or (others and others[0].is_crossing):
             return collision
-        there = others[0] if others else _hugging(begin, arc, outer)
+        there = others[0] if others else _hugging(begin, arc, outer) or ahead
     if there is None:
         return _passed_over(begin, arc, cause, outer) or collision
     folds = there.ahead * arc.samples[-1].tangent[orbit.x.size] < 0.0
@@ -283,17 +318,26 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
     return there, cause, smooth
 
 
-def _straight_on(begin: Beginning, arc: Arc, outer: Image) -> Beginning | None:
-    """The cycles of the piece beyond a border across which the map is continuous; None if none."""
+def _straight_on(begin: Beginning, arc: Arc, outer: Image, *, smooth: bool) -> Beginning | None:
+    """The cycles of the piece beyond a border across which the map is continuous; None if none.
+
+    They lead to where the margin on this side is negative; where slopes are the same on both sides,
+    on as they came.
+    """
     assert arc.border is not None
-    i, orbit, curve = arc.border[0], arc.samples[-1].orbit, begin.curve
+    (i, code), orbit, curve = arc.border, arc.samples[-1].orbit, begin.curve
     if not curve.problem.same(orbit.images[i].value, outer.value, SAME):
         return None
-    sample = curve.start(replace(orbit, images=(*orbit.images[:i], outer, *orbit.images[i + 1 :])))
+    along = arc.samples[-1].tangent if smooth else None
+    images = (*orbit.images[:i], outer, *orbit.images[i + 1 :])
+    sample = curve.start(replace(orbit, images=images), along)
     if not np.isfinite(sample.tangent).all():
         return None
-    ways = [each for each in (sample, sample.turned) if is_inside(curve, each)]
-    return Beginning(begin.order, curve, ways[0]) if len(ways) == 1 else None
+    inner = orbit.images[i]
+    out = -float(inner.gradients[inner.place(code)] @ curve.motion(sample, i))
+    if not smooth and abs(out) <= SLOW:
+        return None
+    return Beginning(begin.order, curve, sample if smooth or out > 0.0 else sample.turned)
 
 
 def _hugging(begin: Beginning, arc: Arc, outer: Image) -> Beginning | None:
@@ -307,24 +351,35 @@ def _hugging(begin: Beginning, arc: Arc, outer: Image) -> Beginning | None:
     codes = outer.codes[outer.tied(at.x[i], at.p)].tolist()
     if not codes:
         return None
-    d, problem = at.x.shape[1], curve.problem
-    inward = outer.gradients[outer.place(codes[0]), :d]
-    images = (*at.images[:i], outer, *at.images[i + 1 :])
+    start = replace(at, images=(*at.images[:i], outer, *at.images[i + 1 :]))
     for distance in BESIDE:
-        x = at.x.copy()
-        x[i] += distance * np.sign(inward) * problem.x_scale
-        guess = placed(replace(at, images=images), np.concatenate((x.ravel(), at.p, (0.0,))))
-        place = guess.images[i].place(codes[0])
-        if not guess.is_defined or place < 0:
-            continue
-        margin = OnBorder(i, codes[0], float(guess.images[i].margins[place]))
-        found = solve(problem.with_(margin), guess)
-        if found.converged and curve.agrees(found.orbit):
-            way = problem.step_between(at, found.orbit)
-            sample = curve.start(found.orbit, way)
-            if float(np.abs(way).max()) <= FARTHEST and np.isfinite(sample.tangent).all():
-                return Beginning(begin.order, curve, sample, arc.samples[-1])
+        found = _off_border(curve, start, i, codes[0], distance)
+        if found is not None:
+            return Beginning(begin.order, curve, found, arc.samples[-1])
     return None
+
+
+def _off_border(curve: Curve, at: Orbit, i: int, code: int, distance: float) -> Sample | None:
+    """The cycle beside one at a border that has come as far from it as a point at a distance.
+
+    The distance is scaled. None if there is no such cycle.
+    """
+    problem, d = curve.problem, at.x.shape[1]
+    inward = at.images[i].gradients[at.images[i].place(code), :d]
+    x = at.x.copy()
+    x[i] += distance * np.sign(inward) * problem.x_scale
+    guess = placed(at, np.concatenate((x.ravel(), at.p, (0.0,))))
+    place = guess.images[i].place(code)
+    if not guess.is_defined or place < 0:
+        return None
+    margin = OnBorder(i, code, float(guess.images[i].margins[place]))
+    found = solve(problem.with_(margin), guess)
+    if not found.converged or not curve.agrees(found.orbit):
+        return None
+    way = problem.step_between(at, found.orbit)
+    sample = curve.start(found.orbit, way)
+    is_near = float(np.abs(way).max()) <= FARTHEST
+    return sample if is_near and np.isfinite(sample.tangent).all() else None
 
 
 def _sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
@@ -334,43 +389,48 @@ def _sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
     """
     if len(arc.samples) < 2:
         return arc
-    before, end = arc.samples[-2:]
-    if end.tangent @ before.tangent > math.cos(arc.curve.settings.max_turn):
+    (before, end), orbit = arc.samples[-2:], arc.samples[-1].orbit
+    steady = end.tangent @ before.tangent > math.cos(arc.curve.settings.max_turn)
+    slopes = [float(np.abs(each.orbit.images[i].jacobian).max()) for each in (before, end)]
+    if steady and not slopes[0] < STEEP < slopes[1]:
         return arc
-    orbit = end.orbit
     own = arc.curve.map.beside(orbit.x[i], orbit.p, inward)
     if own.reason or own.piece.key != orbit.images[i].piece.key:
         return arc
+    if steady and _is_steep(own, before.orbit.images[i]):
+        return arc  # a root that comes to its end
     images = (*orbit.images[:i], own, *orbit.images[i + 1 :])
     last = arc.curve.start(replace(orbit, images=images), before.tangent)
     return replace(arc, samples=(*arc.samples[:-1], last))
 
 
 def _is_steep(inner: Image, outer: Image) -> bool:
-    """Whether a piece ends in a root, and the one beyond does not."""
-    one, other = (float(np.abs(each.jacobian).max()) for each in (inner, outer))
+    """Whether a piece has the slopes of a root's end, and another image has not."""
+    d = len(inner.value)
+    one, other = (float(np.abs(each.jacobian[:, :d]).max()) for each in (inner, outer))
     return one > ROOTED * max(1.0, other)
 
 
-def _moved_to(arc: Arc, i: int, outer: Image) -> Arc:
-    """An arc that ends at a root, with its end as the piece beyond locates it, which is not steep.
+def _moved_to(arc: Arc, i: int, outer: Image) -> tuple[Arc, Image]:
+    """An arc that ends at a root, with its end as the piece beyond locates it, and that one.
 
-    The map is continuous there: it is not rounding of the root that decides.
+    It is not as steep. The map is continuous there: it is not rounding of the root that decides.
     """
     end, problem = arc.samples[-1], arc.curve.problem
     orbit = end.orbit
     codes = outer.codes[outer.tied(orbit.x[i], orbit.p)].tolist()
     if not codes:
-        return arc
+        return arc, outer
     beyond = replace(orbit, images=(*orbit.images[:i], outer, *orbit.images[i + 1 :]))
     found = solve(problem.with_(OnBorder(i, codes[0])), beyond)
     away = np.abs(problem.step_between(orbit, found.orbit)).max()
     if not found.converged or away > ASIDE:
-        return arc
-    inner = replace(orbit.images[i], value=found.orbit.images[i].value)
+        return arc, outer
+    value = found.orbit.images[i].value
+    inner, outer = replace(orbit.images[i], value=value), replace(outer, value=value)
     images = (*found.orbit.images[:i], inner, *found.orbit.images[i + 1 :])
     last = Sample(replace(found.orbit, images=images), end.tangent)
-    return replace(arc, samples=(*arc.samples[:-1], last))
+    return replace(arc, samples=(*arc.samples[:-1], last)), outer
 
 
 def _changes_stability(before: Floats, after: Floats) -> bool:
@@ -379,22 +439,36 @@ def _changes_stability(before: Floats, after: Floats) -> bool:
 
 
 def beside(begin: Beginning, distances: Sequence[float] = BESIDE) -> Beginning:
-    """A beginning with its first sample beside the point where it starts, if there is one."""
-    best = begin
+    """A beginning with its first sample beside the point where it starts, if there is one.
+
+    It lies at a distance along the curve, or of a cycle at a border from that: where a piece
+    begins with a root only that leads off.
+    """
+    best, curve, orbit = begin, begin.curve, begin.sample.orbit
+    tied = list[tuple[int, int]]()
+    if not begin.is_crossing:
+        for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True)):
+            tied += [(i, code) for code in image.codes[image.tied(x, orbit.p)].tolist()]
     for distance in distances:
-        found = begin.curve.advance(begin.sample, distance)
-        if found is None or not is_inside(begin.curve, found):
-            continue
-        there = replace(begin, sample=found, before=begin.sample)
-        if begin.is_crossing or _sides(found) == _sides(begin.sample):
-            return there
-        best = there if best is begin else best
+        ways = [curve.advance(begin.sample, distance)]
+        ways += [_off_border(curve, orbit, *margin, distance) for margin in tied[:1]]
+        for found in ways:
+            if found is None or not is_inside(curve, found):
+                continue
+            there = replace(begin, sample=found, before=begin.sample)
+            if begin.is_crossing or _on_same_sides(begin.sample, found):
+                return there
+            best = there if best is begin else best
     return best
 
 
-def _sides(sample: Sample) -> tuple[bool, bool]:
-    """On which sides of a fold and a flip a cycle lies: beyond one the branch is another one."""
-    return Multiplier("LP").value(sample.orbit) > 0.0, Multiplier("PD").value(sample.orbit) > 0.0
+def _on_same_sides(one: Sample, other: Sample) -> bool:
+    """Whether neither a fold nor a flip lies between: beyond one the branch is another one."""
+    for multiplier in (Multiplier("LP"), Multiplier("PD")):
+        before, after = multiplier.value(one.orbit), multiplier.value(other.orbit)
+        if before * after < 0.0 and abs(before) > NEUTRAL:
+            return False
+    return True
 
 
 def _at_nearest(arc: Arc) -> Arc:
@@ -650,8 +724,9 @@ def _one_side_beyond(begin: Beginning, arc: Arc) -> Beginning | None:
     at = code % len(own)
     point, way = _arriving(curve, sample, own[:at])
     if at == 0:  # on this side of the jump
-        inward = own[0].gradients[own[0].place(_border_code(curve, i, len(own)))]
-        way = way / np.linalg.norm(way) + TILT * inward / np.linalg.norm(inward)
+        if own[0].place(code // len(own)) < 0:
+            return None  # a root has come to its end
+        way = across(own[0], code // len(own), x, p, curve.problem.lengths)
     other = curve.map.beside(point, p, way)
     if other.reason or not curve.problem.same(other.value, own[at].value, SAME):
         return None
@@ -676,11 +751,6 @@ def _arriving(curve: Curve, sample: Sample, before: Sequence[Image]) -> tuple[Fl
         way = np.append(image.jacobian @ way, way[d:])
         point = image.value
     return point, way
-
-
-def _border_code(curve: Curve, image: int, rounds: int) -> int:
-    """Which margin of the piece on one side of a jump vanishes along its crossing."""
-    return min(code for i, code in curve.ignored if i == image) // rounds
 
 
 def _cause(arc: Arc) -> str:

@@ -17,6 +17,12 @@ from woodpecker.base.arrays import Floats
 from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.settings import Settings
 
+# Fold-flip points in a chain that tell that it has no end: four at each of the two places that they
+# approach, so that three distances shrink by two ratios.
+LINKED = 8
+# Part by which ratios of successive distances differ at most in a geometric series: of the first
+# ones, where the map is not linear yet, by an eighth, then four times less with each.
+ALIKE = 0.25
 ENDLESS = "fold-flips accumulate"
 ACCUMULATE = "infinitely many fold-flip points accumulate"
 
@@ -29,19 +35,18 @@ def limit_of(chain: Sequence[End], settings: Settings) -> End | None:
     chain
         Special points, each linked to the next by a branch, the last that was found first.
     settings
-        Scales, and how much ratios may differ.
+        Scales.
 
     Returns
     -------
     The limit of every other point from the first on, open, with a precision of its distance from
     the first; None if the chain is too short, or does not shrink to two places.
     """
-    numerics = settings.numerics
-    if len(chain) < numerics.linked or any(end.kind is not PointKind.FF for end in chain):
+    if len(chain) < LINKED or any(end.kind is not PointKind.FF for end in chain):
         return None
     units = np.array([settings.p_scale, settings.x_scale])
-    places = np.array([[end.p, end.x[0]] for end in chain[: numerics.linked]]) / units
-    rest, other = (_rest(places[k::2], numerics.alike) for k in (0, 1))
+    places = np.array([[end.p, end.x[0]] for end in chain[:LINKED]]) / units
+    rest, other = (_rest(places[k::2]) for k in (0, 1))
     if rest is None or other is None:
         return None
     p, x = (places[0] + rest) * units
@@ -52,7 +57,7 @@ def limit_of(chain: Sequence[End], settings: Settings) -> End | None:
     )  # fmt: skip
 
 
-def _rest(places: Floats, alike: float) -> Floats | None:
+def _rest(places: Floats) -> Floats | None:
     """The way (2,) from the first of some places to their limit; None if it is no such series."""
     steps = places[:-1] - places[1:]
     length = np.linalg.norm(steps, axis=1)
@@ -61,8 +66,8 @@ def _rest(places: Floats, alike: float) -> Floats | None:
     ratios = length[:-1] / length[1:]
     ratio = float(ratios[0])
     off = np.linalg.norm(steps[:-1] - ratios[:, None] * steps[1:], axis=1)
-    geometric = ratio < 1.0 and np.abs(ratios - ratio).max() <= alike * ratio
-    if not geometric or (off > alike * length[:-1]).any():
+    geometric = ratio < 1.0 and np.abs(ratios - ratio).max() <= ALIKE * ratio
+    if not geometric or (off > ALIKE * length[:-1]).any():
         return None
     rest: Floats = steps[0] * ratio / (1.0 - ratio)
     return rest

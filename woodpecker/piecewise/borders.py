@@ -7,9 +7,29 @@ from dataclasses import dataclass
 from enum import Enum
 
 from pwmap.diagrams.shown import brief
+from woodpecker.engine.tracing import ROOTED
 from woodpecker.piecewise.margins import depth, nearest_code
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
-from woodpecker.piecewise.settings import Numerics, Settings
+from woodpecker.piecewise.settings import Settings
+
+STEEP_AT_BORDER = 1e6  # slopes above are those of a root right at its border: rounded, some 1e8
+# Relative rounding of images and margins: 20 spacings of doubles, what a return of the toy loses
+# over its events.
+IMAGE_BLUR = 20.0 * 2.0**-52
+# Part of a distance from a border, below which a piece is passed over: such a thin one is another,
+# not rounding, from some parts in a thousand on.
+THIN = 1e-3
+NEARER = 0.1  # part of a distance from a border, at which the piece was not found, tried next
+# Part of a distance from a border at which a second slope tells a square root: its next term,
+# linear in the distance, is too small there to matter.
+PROBE = 1e-4
+FARTHEST_PROBE = 0.2  # the largest such part, where rounding leads to another solution nearer by
+# By how much the power of the distance with which a slope grows may differ from 1/2, that of a
+# square root: half of the way to a pole or a kink.
+OFF_ROOT = 0.25
+# Times the change that the larger slope at two points allows; beyond, a value lies on another
+# solution of the piece: the slope in between may be larger, but not by that.
+TOO_FAR = 2.0
 
 
 class BorderKind(Enum):
@@ -96,7 +116,7 @@ class Border:
         Parameters
         ----------
         settings
-            What counts as a jump or as steep.
+            What counts as a jump or a kink.
 
         Returns
         -------
@@ -110,8 +130,7 @@ class Border:
         same = max(_unsure(image, code, self.x, settings) for image, code in images)
         if abs(self.jump) > max(settings.jump * settings.x_scale, same):
             return BorderKind.JUMP
-        steep = settings.numerics.steep
-        if not (abs(one) < steep and abs(other) < steep):
+        if not (abs(one) < STEEP_AT_BORDER and abs(other) < STEEP_AT_BORDER):
             return BorderKind.GRAZING
         size = max(1.0, abs(one), abs(other))
         return BorderKind.KINK if abs(one - other) > settings.kink * size else BorderKind.SMOOTH
@@ -126,7 +145,7 @@ def _unsure(image: Image, code: int, x: float, settings: Settings) -> float:
     slope, near = abs(image.slope), settings.nearest * settings.x_scale
     if not math.isfinite(slope):
         return 0.0
-    rounded = settings.numerics.blur * abs(x)
+    rounded = IMAGE_BLUR * abs(x)
     margin, by = abs(image.margin(code)), abs(float(image.gradient(code)[0]))
     away = max(margin / by, rounded) if by > 0.0 else near
     if not away < near:
@@ -144,24 +163,22 @@ def beyond(
     it ends before the border, there is another in between, and the distance shrinks.
     """
     away = settings.beside * settings.x_scale if away is None else away
-    least, thin = settings.nearest * settings.x_scale, settings.numerics.thin
+    least = settings.nearest * settings.x_scale
     found, code = map_.at(x + side * away, p), -1
     while True:  # until ``away`` has shrunk to the least
         there = found.piece.at(x, p) if not found.reason else found
         if found.reason or there.reason or strays(found, there, away, settings):
             there = _limit_of(found, x, p, side * away, settings)
-        elif _begins(found, there, x + side * thin * away, p, max(least, thin * away), settings):
+        elif _begins(found, there, x + side * THIN * away, p, max(least, THIN * away)):
             return _beside(there, found), nearest_code(there, -side)
         code = nearest_code(there, -side)
         if away <= least:
             return _beside(there, found), code
-        away *= settings.numerics.nearer
+        away *= NEARER
         found = map_.at(x + side * away, p)
 
 
-def _begins(
-    found: Image, there: Image, near: float, p: float, thin: float, settings: Settings
-) -> bool:
+def _begins(found: Image, there: Image, near: float, p: float, thin: float) -> bool:
     """Whether a piece that was found beyond a border begins there, and no other one in between.
 
     Where slopes are those of a square root margins may be, too: at the border they seem to vanish
@@ -169,7 +186,7 @@ def _begins(
     """
     if depth(there) < -thin:
         return False
-    if abs(there.slope) <= settings.numerics.rooted * max(1.0, abs(found.slope)):
+    if abs(there.slope) <= ROOTED * max(1.0, abs(found.slope)):
         return True
     beside = found.piece.at(near, p)
     return bool(beside.reason) or depth(beside) >= -thin
@@ -188,18 +205,18 @@ def _limit_of(image: Image, x: float, p: float, away: float, settings: Settings)
 
     Right beside the border rounding may lead to another solution of the piece, too.
     """
-    part = settings.numerics.probe
+    part = PROBE
     closer = image.piece.at(x + part * away, p) if not image.reason else image
     while not image.reason and (
         closer.reason or strays(image, closer, (1.0 - part) * away, settings)
     ):
         part = math.sqrt(part)
-        if part > settings.numerics.farthest:
+        if part > FARTHEST_PROBE:
             return _beside(limit(image, away), image)
         closer = image.piece.at(x + part * away, p)
     if closer.reason:
         return limit(image, away)
-    root = is_square_root(image.slope, closer.slope, 1.0 / part, settings.numerics)
+    root = is_square_root(image.slope, closer.slope, 1.0 / part)
     return _beside(limit(closer, part * away) if root else closer, image)
 
 
@@ -215,7 +232,7 @@ def limit(image: Image, away: float) -> Image:
     )
 
 
-def is_square_root(slope: float, closer: float, ratio: float, numerics: Numerics) -> bool:
+def is_square_root(slope: float, closer: float, ratio: float) -> bool:
     """Whether slopes at two distances from a border are those of a square root.
 
     They grow with the root of the ratio of the distances; beside a pole or a logarithm, in which
@@ -223,7 +240,7 @@ def is_square_root(slope: float, closer: float, ratio: float, numerics: Numerics
     """
     if slope == 0.0:
         return False
-    least, most = 0.5 - numerics.exponent, 0.5 + numerics.exponent
+    least, most = 0.5 - OFF_ROOT, 0.5 + OFF_ROOT
     return bool(ratio**least <= abs(closer / slope) <= ratio**most)
 
 
@@ -237,4 +254,4 @@ def strays(here: Image, there: Image, way: float, settings: Settings) -> bool:
         return False
     rounding = max(1.0, steepest) * max(math.ulp(here.value), math.ulp(way))
     allowed = steepest * abs(way) + settings.spacings * rounding
-    return abs(there.value - here.value) > settings.numerics.strays * allowed
+    return abs(there.value - here.value) > TOO_FAR * allowed

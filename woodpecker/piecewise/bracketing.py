@@ -9,7 +9,11 @@ from scipy.optimize import brentq
 
 from woodpecker.piecewise.margins import depth
 from woodpecker.piecewise.pieces import Image
-from woodpecker.piecewise.settings import Numerics
+
+NEWTON = 6  # steps after which Brent's method takes over: no result, but work, depends on it
+SLACK = 1e-6  # of an interval: a point of it may seem to lie outside; half of the digits
+KNOWN_STARTS = 4  # points from which a piece is continued at most
+WAY_HALVINGS = 8  # of the way, before a piece is said to have no value at its end
 
 
 def bracketed(
@@ -18,7 +22,6 @@ def bracketed(
     to: float,
     p: float,
     function: Callable[[Image, float], tuple[float, float]],
-    numerics: Numerics,
     tolerance: float = 0.0,
 ) -> tuple[float, Image] | None:
     """Where a function of a piece vanishes between two points; None if it does not.
@@ -34,8 +37,6 @@ def bracketed(
     function
         The function and its slope, of an image and its point; the function changes its sign
         between the two points.
-    numerics
-        How a piece is continued from one point to another.
     tolerance
         How closely, if not to the last bit.
     """
@@ -43,7 +44,7 @@ def bracketed(
     finest = max(tolerance, math.ulp(x))
 
     def value(at: float) -> float:
-        return function(image_near(images, at, p, numerics), at)[0]
+        return function(image_near(images, at, p), at)[0]
 
     first, at = value(x), x
     low, high = x, to
@@ -68,10 +69,10 @@ def bracketed(
         root = float(brentq(value, low, high, xtol=finest))
     except ValueError:  # the piece has no value on the way
         return None
-    return root, image_near(images, root, p, numerics)
+    return root, image_near(images, root, p)
 
 
-def image_near(known: dict[float, Image], x: float, p: float, numerics: Numerics) -> Image:
+def image_near(known: dict[float, Image], x: float, p: float) -> Image:
     """The image of a point between known ones of a piece, from the nearest; it becomes known.
 
     Beside a singularity a piece may be continued the wrong way, or lost: it is outside of its
@@ -79,16 +80,16 @@ def image_near(known: dict[float, Image], x: float, p: float, numerics: Numerics
     """
     if x in known:
         return known[x]
-    slack = numerics.slack * (max(known) - min(known))
+    slack = SLACK * (max(known) - min(known))
     starts = sorted((at for at in known if not known[at].reason), key=lambda at: abs(at - x))
-    starts = starts[: numerics.starts]
+    starts = starts[:KNOWN_STARTS]
     for start in starts:
         image = known[start].piece.at(x, p)
         if not image.reason and depth(image) >= -slack:
             return known.setdefault(x, image)
     for start in starts:
         at, here = x, known[start]
-        for _ in range(numerics.continued):
+        for _ in range(WAY_HALVINGS):
             at = 0.5 * (start + at)
             image = here.piece.at(at, p)
             if not image.reason and depth(image) >= -slack:
@@ -98,6 +99,3 @@ def image_near(known: dict[float, Image], x: float, p: float, numerics: Numerics
                     return known.setdefault(x, there)
                 start, here, at = at, image, x
     return known.setdefault(x, known[starts[0]].piece.at(x, p))
-
-
-NEWTON = 6  # steps after which Brent's method takes over: no result, but work, depends on it

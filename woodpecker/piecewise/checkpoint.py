@@ -21,13 +21,13 @@ import numpy as np
 from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checkpoint import Checkpoint, Entry, checked_number, checked_type, read
-from woodpecker.piecewise.borders import BorderKind
-from woodpecker.piecewise.crossings import cycle_at_border
-from woodpecker.piecewise.curves import Curve, Mark, Word
+from woodpecker.engine.germs import sides
+from woodpecker.engine.line import LineMap
+from woodpecker.engine.tracing import Change
+from woodpecker.piecewise.curves import Curve, Word
 from woodpecker.piecewise.ends import Collision, End
 from woodpecker.piecewise.explorer import Finished, Kept, Seen, Step
 from woodpecker.piecewise.network import Network
-from woodpecker.piecewise.orbits import Margin
 from woodpecker.piecewise.pieces import PiecewiseMap
 from woodpecker.piecewise.search import Past
 from woodpecker.piecewise.settings import Settings
@@ -150,7 +150,7 @@ def restore(
             if starts and map_ is not None and not _is_of_map(met, map_, network.settings):
                 raise ValueError(
                     f"{Path(path)}, line {line}: expected a collision of this map, got one at "
-                    f"x = {met.x[met.margin.index]}, p = {met.p}, where its piece does not end"
+                    f"x = {met.x[0]}, p = {met.p}, where no piece ends"
                 )
     return tuple(slices), evaluations
 
@@ -171,9 +171,10 @@ def _step(entry: Entry) -> Step:
 
 
 def _is_of_map(met: Collision, map_: PiecewiseMap, settings: Settings) -> bool:
-    """Whether a piece of a map ends where a cycle of it is said to meet a jump."""
-    cycle = cycle_at_border(map_, met.x, met.p, met.margin, met.side, met.key, settings)
-    return cycle is not None
+    """Whether pieces of a map end where a cycle of it is said to meet a border."""
+    line, p = LineMap(map_, settings.x_scale, settings.p_scale), np.array([met.p])
+    lengths = np.array([settings.x_scale, settings.p_scale])
+    return any(len(sides(line, np.array([x]), p, lengths)) > 1 for x in met.x)
 
 
 def check_entry(entry: Entry) -> None:
@@ -213,7 +214,7 @@ def _of_curve(curve: Curve) -> Entry:
         "points": [points.tolist() for points in curve.points],
         "multiplier": curve.multiplier.tolist(),
         "words": [[word.first, word.text, _of_key(word.keys)] for word in curve.words],
-        "marks": [[mark.sample, mark.cause, mark.kind.name] for mark in curve.marks],
+        "marks": [list(mark) for mark in curve.marks],
         "ends": [_of_end(end) for end in curve.ends],
     }
 
@@ -243,9 +244,9 @@ def _word(first: int, text: str, keys: Any) -> Word:
     return Word(first, text, _key(keys))
 
 
-def _mark(sample: int, cause: str, kind: str) -> Mark:
-    _typed([sample, cause], int, str)
-    return Mark(sample, cause, BorderKind[kind])
+def _mark(sample: int, cause: str, smooth: bool) -> Change:
+    _typed([sample, cause, smooth], int, str, bool)
+    return Change(sample, cause, smooth)
 
 
 def _of_end(end: End) -> Entry:
@@ -318,14 +319,10 @@ def _key(data: Any) -> Any:
 
 
 def _of_collision(met: Collision) -> Entry:
-    """The cycle, which of its points lies on a border, and of which piece on which side."""
+    """The cycle, and what each of its points is."""
     return {
         "x": met.x.tolist(),
         "p": met.p,
-        "index": met.margin.index,
-        "code": met.margin.code,
-        "side": met.side,
-        "key": _of_key(met.key),
         "kinds": [[kind.value, note] for kind, note in met.kinds],
         "cause": met.cause,
         "precision": met.precision,
@@ -333,13 +330,12 @@ def _of_collision(met: Collision) -> Entry:
 
 
 def _collision(data: Entry) -> Collision:
-    index, code, side, cause = (data[name] for name in ("index", "code", "side", "cause"))
-    _typed([index, code, side, cause], int, int, int, str)
+    _typed([data["cause"]], str)
     met = Collision(
-        p=checked_number(data["p"]), x=_floats(data["x"]), margin=Margin(index, code), side=side,
-        key=_key(data["key"]), cause=cause, precision=checked_number(data["precision"]),
+        p=checked_number(data["p"]), x=_floats(data["x"]), cause=data["cause"],
+        precision=checked_number(data["precision"]),
         kinds=tuple((PointKind(kind), *_typed([note], str)) for kind, note in data["kinds"]),
     )  # fmt: skip
-    if not (0 <= index < len(met.x) == len(met.kinds) and side in (-1, 1)):
-        raise ValueError("a collision has a kind for each of its points, one of them on a border")
+    if not 0 < len(met.x) == len(met.kinds):
+        raise ValueError("a collision has a kind for each of its points")
     return met

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from woodpecker.base.checks import number, positive
 from woodpecker.piecewise.pieces import Image, Piece, PiecewiseMap, map_of_pieces
 
-STEP = 2.0**-12  # relative: errors h^4 of the extrapolated difference and rounding/h are both 1e-13
+RELATIVE_STEP = 2.0**-12  # errors h^4 of the extrapolated difference and rounding/h are both 1e-13
 NOISE = 2.0**-49  # relative rounding of a value: eight spacings
 DOUBT = 10.0  # a derivative is wrong if it is off by this many times what a difference may be
 
@@ -129,7 +129,7 @@ def _difference(piece: Piece, claim: _Claim, x: float, p: float) -> tuple[float,
         point = (x + shift, p) if claim.by == "x" else (x, p + shift)
         return claim.read(piece.at(*point))
 
-    h = STEP * max(1.0, abs(x if claim.by == "x" else p))
+    h = RELATIVE_STEP * max(1.0, abs(x if claim.by == "x" else p))
     ends = [(value(-s), value(s)) for s in (h, 0.5 * h)]
     coarse, fine = ((b - a) / w for (a, b), w in zip(ends, (2.0 * h, h), strict=True))
     rounding = NOISE * max(abs(v) for pair in ends for v in pair) / h

@@ -16,10 +16,12 @@ from typing import Any, NamedTuple, Protocol
 from pwmap.diagrams.diagram import BranchKind, Diagram
 from pwmap.diagrams.shown import counted
 from woodpecker.base.executors import Pending, Scheduler
-from woodpecker.piecewise.curves import Beginning, Curve, Followed, keys_of
+from woodpecker.piecewise.curves import Curve, Followed, Start, keys_of
 from woodpecker.piecewise.ends import Collision, End
 from woodpecker.piecewise.jumps import Jump
 from woodpecker.piecewise.known import Known
+from woodpecker.piecewise.lines import closing_of, of_engine
+from woodpecker.piecewise.lines import keys_of as keys_of_engine
 from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.orbits import Closed, Condition, Orbit
 from woodpecker.piecewise.pieces import PiecewiseMap
@@ -170,11 +172,13 @@ def _of_jump(jump: Jump) -> _Place:
     return _Place(BranchKind.JUMP, jump.order, jump.head, jump.closing, keys, Tasks.jump, jump)
 
 
-def _of_beginning(begin: Beginning) -> _Place:
-    last = begin.samples[-1]
+def _of_start(start: Start) -> _Place:
+    begin = start.begin
+    orbit = begin.sample.orbit
+    kind = BranchKind.JUMP if begin.is_crossing else BranchKind.FIXED_POINT
     return _Place(
-        begin.kind, begin.order, last.orbit, begin.closing, keys_of(last.orbit, last.jump),
-        Tasks.ahead, begin,
+        kind, begin.order, of_engine(orbit), closing_of(begin.curve, orbit),
+        keys_of_engine(orbit, begin.curve.problem), Tasks.ahead, start,
     )  # fmt: skip
 
 
@@ -440,6 +444,8 @@ class Explorer:
             leg = todo.popleft()
             self._wait(leg.pending, todo)
             found = self._done(leg.pending)
+            if found is None:
+                continue
             curve = found.curve
             if self._is_dropped(curve, points):
                 leg.give_up()
@@ -492,7 +498,7 @@ class Explorer:
     def _onward(self, leg: _Leg, found: Followed) -> list[_Leg]:
         """The legs that continue one."""
         if leg.onward is None:
-            leg.onward = [self._leg(Tasks.ahead, begin) for begin in found.onward]
+            leg.onward = [self._leg(Tasks.ahead, start) for start in found.onward]
         return leg.onward
 
     def _start(self, met: Collision | End) -> _Start:
@@ -507,9 +513,9 @@ class Explorer:
         if start.candidates is None:
             low, high = self.network.settings.span
             start.candidates = [
-                _Candidate(_of_beginning(begin))
-                for begin in start.pending.result().value
-                if low <= begin.samples[-1].orbit.p <= high
+                _Candidate(_of_start(each))
+                for each in start.pending.result().value
+                if low <= each.begin.sample.orbit.p[0] <= high
             ]
         return start.candidates
 

@@ -15,12 +15,12 @@ import numpy.typing as npt
 from pwmap.diagrams.shown import table
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import number, real_array
+from woodpecker.engine.orbits import STEP
 from woodpecker.piecewise.pieces import Image, Piece
 
 Formula = Callable[[float, float], float]
 Bools = npt.NDArray[np.bool_]
 
-DIFFERENCE = 2.0**-17  # relative step of a central difference: near the cube root of the rounding
 NOWHERE = "no piece of the map holds this point"
 NOT_REAL = (ValueError, ZeroDivisionError, OverflowError)  # math's words for no real value
 
@@ -134,7 +134,7 @@ def difference(function: Callable[[float], float], at: float, value: float) -> f
 
     ``value`` is that of the function at this place.
     """
-    h = DIFFERENCE * max(1.0, abs(at))
+    h = STEP * max(1.0, abs(at))
     above, below = function(at + h), function(at - h)
     if not (math.isnan(above) or math.isnan(below)):
         return (above - below) / ((at + h) - (at - h))

@@ -20,11 +20,23 @@ from woodpecker.piecewise.borders import Border
 from woodpecker.piecewise.counting import Allowance
 from woodpecker.piecewise.monotone import branches_of
 from woodpecker.piecewise.orbits import Closed, Coordinate, Orbit, solve
-from woodpecker.piecewise.partition import Partition
+from woodpecker.piecewise.partition import EVEN, Partition
 from woodpecker.piecewise.settings import Settings
 
 OF_ITERATE = 10  # times the pieces of P_1 that are allowed: pieces of an iterate
 PAIRS = 10**8  # of pieces that are compared at once: as many bytes
+# How often an orbit is pulled back point by point, if Newton's method fails from a guess: each time
+# what it is off falls by the product of its slopes.
+PULLS = 3
+# Part of its length by which a piece of an iterate, whose end seems to miss the diagonal, may meet
+# it: its ends are interpolated.
+LOOSE = 0.02
+# Halvings of an interval in which a cycle of an iterate lies, before Newton's method begins: to
+# 6e-8 of it, more than cubics are good for.
+BISECTIONS = 24
+# Points inside an increasing piece of an iterate at which two cycles are looked for, and how often
+# closer to the one nearest to the diagonal: 16^4 points, of which one in a thousand is looked at.
+INTERIOR, ZOOMS = 16, 4
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -135,7 +147,7 @@ class Itineraries:
         """The cycle of some branches near a guess; None if it lies outside of their pieces."""
         conditions = Closed(), Coordinate(-1, self.p)
         orbit = self._orbit(branches, x)
-        for _ in range(self.settings.pulls):
+        for _ in range(PULLS):
             solution = solve(orbit, conditions, self.settings)
             inside = self._inside(solution.orbit) if solution.converged else None
             if inside is not None:
@@ -190,9 +202,7 @@ class Itineraries:
         width, nearer = found.high - found.low, np.abs(gaps[0]) < np.abs(gaps[1])
         with np.errstate(divide="ignore", invalid="ignore"):
             off = width * np.where(nearer, gaps[0], gaps[1]) / np.abs(gaps[1] - gaps[0])
-        near = (
-            (np.abs(off) <= self.settings.loose * width) & (width > 0.0) & (gaps[0] * gaps[1] > 0.0)
-        )
+        near = (np.abs(off) <= LOOSE * width) & (width > 0.0) & (gaps[0] * gaps[1] > 0.0)
         y = np.where(nearer, found.at_low, found.at_high)
         yield from zip(found.branches[near], self._back(found.branches[near], y[near]), strict=True)
 
@@ -256,7 +266,7 @@ class Itineraries:
         """Cycles in cylinders at whose ends P_j lies on different sides of the diagonal."""
         a, b = found.at_low.copy(), found.at_high.copy()  # values between which the cycle lies
         below = found.low < found.at_low
-        for _ in range(self.settings.halvings if len(a) else 0):
+        for _ in range(BISECTIONS if len(a) else 0):
             middle = 0.5 * (a + b)
             same = (self._back(found.branches, middle)[:, 0] < middle) == below
             a, b = np.where(same, middle, a), np.where(same, b, middle)
@@ -280,12 +290,12 @@ class Itineraries:
         """
         low = np.maximum(found.low, found.at_low)  # a fixed point can only be in between
         high = np.minimum(found.high, found.at_high)
-        rows, parts, points = np.arange(len(low)), [], self.settings.interior
+        rows, parts = np.arange(len(low)), []
         around = np.column_stack([low, high])
         off = np.full(len(low), np.inf)
-        for zoom in range(self.settings.zooms if len(low) else 0):
-            y = low[:, None] + np.linspace(0.0, 1.0, points) * (high - low)[:, None]
-            many = np.repeat(found.branches[rows], points, axis=0)
+        for zoom in range(ZOOMS if len(low) else 0):
+            y = low[:, None] + np.linspace(0.0, 1.0, INTERIOR) * (high - low)[:, None]
+            many = np.repeat(found.branches[rows], INTERIOR, axis=0)
             x = self._back(many, y.ravel())[:, 0].reshape(y.shape)
             row, k = np.nonzero((x[:, :-1] < y[:, :-1]) != (x[:, 1:] < y[:, 1:]))
             parts.append((x[row, k], x[row, k + 1], y[row, k], y[row, k + 1], rows[row]))
@@ -293,14 +303,14 @@ class Itineraries:
             open_ = np.setdiff1d(np.arange(len(rows)), row)
             nearest = np.abs(x - y)[open_].argmin(axis=1)
             low = y[open_, np.maximum(nearest - 1, 0)]
-            high = y[open_, np.minimum(nearest + 1, points - 1)]
+            high = y[open_, np.minimum(nearest + 1, INTERIOR - 1)]
             rows = rows[open_]
             off[rows] = np.abs(x - y)[open_, nearest]
             if zoom == 0:
                 around[rows] = np.column_stack([low, high])
             if not len(rows):
                 break
-        near = np.repeat(np.flatnonzero(off <= self.settings.even * self.settings.x_scale), 2)
+        near = np.repeat(np.flatnonzero(off <= EVEN * self.settings.x_scale), 2)
         guesses = self._back(found.branches[near], around[near[::2]].ravel())
         beside = list(zip(found.branches[near], guesses, strict=True))
         if not parts:

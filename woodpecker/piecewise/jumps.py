@@ -8,7 +8,7 @@ diagonal if they lie on different sides of x_0.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -212,20 +212,3 @@ def jump_of(
         head, closing, order, limit_of(map_, inner, returns, head.p),
         limit_of(map_, outer, returns, head.p), code,
     )  # fmt: skip
-
-
-def carried_over(map_: PiecewiseMap, jump: Jump, head: Orbit) -> Jump:
-    """A jump at a neighbouring border orbit, with the pieces on its two sides that it has.
-
-    Where a branch of jumps turns round the piece on its inner side comes to an end: at that value
-    of the parameter it is found on neither side of the border. The jump is unchanged if the piece
-    beyond has no value there.
-    """
-    beyond_it = jump.outer.images[0].piece.at(float(head.x[-1]), head.p)
-    if beyond_it.reason:
-        return jump
-    returns = jump.order - len(head)
-    inner, outer = (
-        limit_of(map_, image, returns, head.p) for image in (head.images[-1], beyond_it)
-    )
-    return replace(jump, head=head, inner=inner, outer=outer)

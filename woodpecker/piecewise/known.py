@@ -20,8 +20,9 @@ from woodpecker.piecewise.curves import (
     word_at,
     words_between,
 )
-from woodpecker.piecewise.network import Network
+from woodpecker.piecewise.network import HAIRPIN, Network
 from woodpecker.piecewise.orbits import (
+    LEFT_BY_STEP,
     Closed,
     Condition,
     Coordinate,
@@ -127,7 +128,7 @@ class Known:
             orbit_of(orbit.pieces, x, orbit.p), (closing, Coordinate(-1, orbit.p)), self.settings
         )
         after = float(np.abs(x + step[:-1] - orbit.x).max())
-        return after <= self.settings.closer * before
+        return after <= LEFT_BY_STEP * before
 
     def _holds(self, place: _Place) -> bool:
         """Whether a branch takes at a place the pieces that it takes at a sample beside it.
@@ -186,7 +187,7 @@ class Known:
         """Between which samples a branch may pass a point, by its largest turn."""
         p0, x0, p1, x1 = chords.ends.T
         length = np.hypot((p1 - p0) / self.settings.p_scale, (x1 - x0) / self.settings.x_scale)
-        longest = np.maximum(length, self.settings.hairpin)
+        longest = np.maximum(length, HAIRPIN)
         bulge = (self.settings.max_turn * longest + self.settings.same) * self.settings.x_scale
         off = np.abs(x1 - x0) + bulge
         near: Bools = (np.minimum(x0, x1) - off <= x) & (x <= np.maximum(x0, x1) + off)

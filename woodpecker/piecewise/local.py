@@ -28,7 +28,7 @@ from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.windows import border_of, nearest_border
 
 Q = sympy.Symbol("q")
-REACH = Fraction(1, 10**6)  # of the model in q; it is linear, so any small interval will do
+MODEL_REACH = Fraction(1, 10**6)  # of the model in q; it is linear, so any small interval will do
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -190,7 +190,7 @@ def local_model(
     h_x, h_p = border.inner.gradient(border.code).tolist()
     speed = -h_p / h_x
     model = _model(border, speed)
-    found = exact_diagram(model, Q, (-REACH, REACH), orders)
+    found = exact_diagram(model, Q, (-MODEL_REACH, MODEL_REACH), orders)
     (point,) = (point for point in found.points if point.exact["parameter"] == 0 == point.x)
     starts = _starts(found, point, speed)
     return LocalModel(

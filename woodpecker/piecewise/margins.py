@@ -12,14 +12,17 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import jit, part
+from woodpecker.engine.curves import WORTH
 from woodpecker.piecewise.pieces import Image
-from woodpecker.piecewise.settings import Numerics
 
 REACH, NEAREST, DEPTH, DIP, FIRST = range(5)  # tasks
 FAR = 2.0**52  # a distance that is infinite for all purposes: added to one of 1, that is lost
 FLAT = 1e-200  # a slope of a margin that is zero for all purposes: what divides by it is infinite
 CUBIC_STEPS = 60  # of Newton's method: a handful, or halvings down to rounding
-ROUNDED = 1e-15  # a place in (0, 1) is not known better
+ROUNDED_PART = 1e-15  # a place in (0, 1) is not known better
+# Times a margin's change over a step and its slope at the other end: a larger slope at one end is
+# that beside a square root.
+BESIDE_ROOT = 10.0
 IN_X = np.array([1.0, 0.0])  # the direction of x, in (x, p)
 
 
@@ -49,20 +52,16 @@ def is_within(image: Image) -> bool:
 
 
 def lowest_dip(
-    here: Image, there: Image, step: float, along: Floats, along_there: Floats,
-    numerics: Numerics, trusted: bool = False,
-) -> float | None:  # fmt: skip
+    here: Image, there: Image, step: float, along: Floats, along_there: Floats
+) -> float | None:
     """Where between two points a margin may come closest to zero, as a part of the way; or None.
 
     Both points lie inside. A margin that falls at the first and rises at the second is a cubic in
     between, or, where its slope at one end is that beside a square root, a parabola in the root of
     the distance from there; a minimum that takes away most of it is worth a look. So is the middle
-    if a margin that only one of the points has leads below zero, and, unless cubics are trusted, if
-    one of them bends too much to be sure.
+    if a margin that only one of the points has leads below zero.
     """
-    third = math.inf if trusted else numerics.third
-    bounds = numerics.worth, numerics.bent, third, numerics.third_of_slope
-    part, found = _of_two(DIP, here, there, step, along, along_there, bounds)
+    part, found = _of_two(DIP, here, there, step, along, along_there)
     return part if found >= 0 else None
 
 
@@ -79,19 +78,18 @@ def first_part(here: Image, there: Image, step: float) -> tuple[float, int]:
 def _of_one(task: int, image: Image, side: float, ignored: int = -1) -> tuple[float, int]:
     found = np.empty(1)
     a, g, c = image.margins, np.asfortranarray(image.gradients), image.causes
-    code = _margins(task, ignored, side, a, g, c, a, g, c, IN_X, IN_X, found, 0.0, 0.0, 0.0, 0.0)
+    code = _margins(task, ignored, side, a, g, c, a, g, c, IN_X, IN_X, found, WORTH, BESIDE_ROOT)
     return found.item(), code
 
 
 def _of_two(
-    task: int, here: Image, there: Image, step: float, along: Floats, along_there: Floats,
-    bounds: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 0.0),
-) -> tuple[float, int]:  # fmt: skip
+    task: int, here: Image, there: Image, step: float, along: Floats, along_there: Floats
+) -> tuple[float, int]:
     found = np.empty(1)
     code = _margins(
         task, -1, step, here.margins, np.asfortranarray(here.gradients), here.causes,
         there.margins, np.asfortranarray(there.gradients), there.causes, along, along_there, found,
-        *bounds,
+        WORTH, BESIDE_ROOT,
     )  # fmt: skip
     return found.item(), code
 
@@ -100,7 +98,7 @@ def _of_two(
 def _margins(
     task: int, code: int, step: float, a: Floats, slopes: Floats, causes: Ints, b: Floats,
     slopes_there: Floats, causes_there: Ints, along: Floats, along_there: Floats, found: Floats,
-    worth: float, bent: float, third: float, of_slope: float,
+    worth: float, bent: float,
 ) -> int:  # fmt: skip
     """Go through the margins of one image, or of two.
 
@@ -120,8 +118,8 @@ def _margins(
         (2,) directions of the way in (x, p).
     found
         (1,) output: the distance, or the part of the way.
-    worth, bent, third, of_slope
-        DIP: see :class:`woodpecker.piecewise.settings.Numerics`.
+    worth, bent
+        DIP: see WORTH and BESIDE_ROOT; arguments, so that code cached on disk has no old ones.
 
     Returns
     -------
@@ -147,7 +145,7 @@ def _margins(
             if s <= best:
                 best, which = s, cause
         elif here and there:
-            s, below = _dip(x, dx, y, dy, worth, bent, third, of_slope)
+            s, below = _dip(x, dx, y, dy, worth, bent)
             if below < best:
                 best, which, found[0] = below, cause, s
         elif (here and x > 0.0 and x + dx < 0.0) or (there and y > 0.0 and y - dy < 0.0):
@@ -204,7 +202,7 @@ def _vanishes(a: float, da: float, b: float, db: float) -> float:
         after = s - f / slope if slope != 0.0 else low
         if not low < after < high:
             after = 0.5 * (low + high)
-        if abs(after - s) <= ROUNDED:
+        if abs(after - s) <= ROUNDED_PART:
             break
         s = after
     return s
@@ -212,14 +210,9 @@ def _vanishes(a: float, da: float, b: float, db: float) -> float:
 
 @part
 def _dip(
-    a: float, da: float, b: float, db: float, worth: float, bent: float, third: float,
-    of_slope: float,
-) -> tuple[float, float]:  # fmt: skip
-    """Where on the way a margin is least, and how far below what is worth a look.
-
-    A cubic that bends by more than the smaller end, and more than its slopes are large, is not to
-    be trusted: the word may hold on two sets there, with other event times and words between them.
-    """
+    a: float, da: float, b: float, db: float, worth: float, bent: float
+) -> tuple[float, float]:
+    """Where on the way a margin is least, and how far below what is worth a look."""
     worth *= min(a, b)
     c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
     slow, fast = min(abs(da), abs(db)), max(abs(da), abs(db))
@@ -236,6 +229,4 @@ def _dip(
         least = a + s * (da + s * (c2 + s * c3))
         if 0.0 < s < 1.0 and least < worth:
             return s, least - worth
-    if abs(c3) > max(third * min(a, b), of_slope * fast):
-        return 0.5, -worth
     return 0.0, 0.0

@@ -15,7 +15,7 @@ from woodpecker.piecewise.margins import is_within
 from woodpecker.piecewise.partition import Cylinder, Partition
 from woodpecker.piecewise.pieces import Image
 from woodpecker.piecewise.reaches import Knot
-from woodpecker.piecewise.settings import Numerics, Settings
+from woodpecker.piecewise.settings import Settings
 
 DEEPEST = 60  # samples about a turning point, so many that they never end; a handful is usual
 
@@ -32,8 +32,6 @@ class Branches:
         (m,) samples; a slope is infinite where a branch ends in a square root.
     images
         m images.
-    numerics
-        How pieces are continued between them.
     """
 
     first: Ints
@@ -42,7 +40,6 @@ class Branches:
     y: Floats
     slope: Floats
     images: tuple[Image, ...]
-    numerics: Numerics
 
     def __len__(self) -> int:
         return len(self.first)
@@ -111,7 +108,7 @@ class Branches:
         x, to = float(self.x[i]), float(self.x[i + 1])
         return bracketed(
             {x: self.images[i], to: self.images[i + 1]}, x, to, p,
-            lambda image, _: (image.value - y, image.slope), self.numerics,
+            lambda image, _: (image.value - y, image.slope),
         )  # fmt: skip
 
 
@@ -140,7 +137,7 @@ def branches_of(partition: Partition, settings: Settings) -> Branches:
     """The branches of a partition, from turning point to turning point."""
     refined = _Refined(partition.p, settings)
     parts = [part for each in partition.cylinders for part in refined.parts(each)]
-    return _joined(parts, settings.numerics)
+    return _joined(parts)
 
 
 class _Refined:
@@ -196,7 +193,7 @@ def _turning(rise: float, rate0: float, rate1: float) -> float:
     return way if 0.0 < way < 1.0 else rate0 / (rate0 - rate1)
 
 
-def _joined(parts: list[list[Knot]], numerics: Numerics) -> Branches:
+def _joined(parts: list[list[Knot]]) -> Branches:
     """Monotone parts, one after the other."""
     counts = np.array([len(part) for part in parts], dtype=np.int64)
     last = np.cumsum(counts) - 1
@@ -204,4 +201,4 @@ def _joined(parts: list[list[Knot]], numerics: Numerics) -> Branches:
     images = tuple(sample.image for sample in samples)
     x = np.array([sample.x for sample in samples])
     y, slope = (np.array([each[k] for each in images]) for k in range(2))
-    return Branches(last - counts + 1, last, x, y, slope, images, numerics)
+    return Branches(last - counts + 1, last, x, y, slope, images)

@@ -19,7 +19,8 @@ from pwmap.diagrams.diagram import (
 )
 from pwmap.diagrams.record import PROGRAM, plain
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.accumulations import limit_of
+from woodpecker.engine.network import NODE
+from woodpecker.piecewise.accumulations import LINKED, limit_of
 from woodpecker.piecewise.curves import Curve, agree, from_point, words_between
 from woodpecker.piecewise.ends import Collision, End
 from woodpecker.piecewise.nearby import Nearby
@@ -28,6 +29,18 @@ from woodpecker.piecewise.records import precision, stretches
 from woodpecker.piecewise.settings import Settings, differing
 
 TINY = 1e-300  # in place of a length that is zero: there is nothing to divide
+# In x, a part of the window: a flip and the fold of the doubled cycle this close are one point, if
+# their parameters are as close as its square. As far again above what makes points of a cycle one.
+AT_FLIP = 1e-4
+# Part of a branch: ends of the same branch are closer, too, for short ones that follow each other
+# are not one.
+SHORT_BRANCH = 0.01
+# Places at which two branches with the same ends are compared: one may have passed over a piece
+# that the other has at some of them.
+COMPARED = 7
+# Scaled: where a branch turns within less, the angle between its samples may be larger, as its
+# inverse: what is drawn is as good, and half as many samples tell what lies between them.
+HAIRPIN = 1e-6
 COLLISIONS = (PointKind.BC, PointKind.FF)
 SWITCHES = (PointKind.PD, PointKind.BP)
 
@@ -82,8 +95,7 @@ class Network:
         self.nodes: list[Node] = []
         self.waiting: deque[Collision] = deque()
         self.switches: deque[End] = deque()
-        numerics = settings.numerics
-        widest = 2.0 * max(settings.same, numerics.drawn, numerics.at_flip**2) * settings.p_scale
+        widest = 2.0 * max(settings.same, NODE, AT_FLIP**2) * settings.p_scale
         self._by_low_end = Nearby[Curve](widest)
         self._ends = Nearby[tuple[End, int]](widest)
         self._reached = Nearby[tuple[End, End]](widest)
@@ -164,9 +176,8 @@ class Network:
             if end.collision is not None and not self._is_known(end.collision):
                 self._collisions.add(end.collision.p, end.collision)
                 self.waiting.append(end.collision)
-            switches = end.kind in SWITCHES or (end.kind is PointKind.BC and _is_kink(end, curve))
-            known = self._switches.near(end.p) if switches else []
-            if switches and not any(self._is_at(k, end) for k in known):
+            known = self._switches.near(end.p) if end.kind in SWITCHES else []
+            if end.kind in SWITCHES and not any(self._is_at(k, end) for k in known):
                 self._switches.add(end.p, end)
                 self.switches.append(end)
         last = len(curve.parameter) - 1
@@ -215,9 +226,7 @@ class Network:
     def _chain(self, curve: Curve) -> list[End]:
         """Special points from the end of a branch back, along those that each began at the next."""
         chain = list(reversed(curve.ends))
-        while len(chain) < self.settings.numerics.linked and all(
-            end.kind is PointKind.FF for end in chain
-        ):
+        while len(chain) < LINKED and all(end.kind is PointKind.FF for end in chain):
             near = self._reached.near(chain[-1].p)
             before = [ends for ends in near if self._is_one(ends[1], chain[-1])]
             if len(before) != 1:
@@ -286,7 +295,7 @@ class Network:
             float(np.ptp(curve.parameter)) / self.settings.p_scale,
             float(np.ptp([points[0] for points in curve.points])) / self.settings.x_scale,
         )
-        return min(self.settings.numerics.drawn, self.settings.numerics.apart * extent)
+        return min(NODE, SHORT_BRANCH * extent)
 
     def _draws_from(self, known: Curve, shift: int, curve: Curve) -> bool:
         """The same if a cycle of the known branch is seen from one of its points."""
@@ -298,8 +307,8 @@ class Network:
             return False
         if len(samples) == 1 or len(curve.parameter) == 1:  # given up where it begins
             return agree(from_point(known.words[0].keys, shift), curve.words[0].keys)
-        count = self.settings.numerics.compared
-        places = {max(1, len(curve.parameter) * k // (count + 1)) for k in range(1, count + 1)}
+        length = len(curve.parameter)
+        places = {max(1, length * k // (COMPARED + 1)) for k in range(1, COMPARED + 1)}
         return any(self._passes(known, shift, samples, curve, k) for k in sorted(places))
 
     def _passes(self, known: Curve, shift: int, samples: Floats, curve: Curve, k: int) -> bool:
@@ -315,7 +324,7 @@ class Network:
         foot = samples[:-1] + np.clip(part, 0.0, 1.0)[:, None] * run
         off = np.linalg.norm(middle - foot, axis=1)
         own = float(np.linalg.norm((_place(curve, k) - _place(curve, k - 1)) / units))
-        longest = np.maximum(np.maximum(length, own), self.settings.hairpin)
+        longest = np.maximum(np.maximum(length, own), HAIRPIN)
         near = off <= self.settings.max_turn * longest + self.settings.same
         steep = known.multiplier
         slopes = np.minimum(steep[:-1], steep[1:]), np.maximum(steep[:-1], steep[1:])
@@ -336,7 +345,6 @@ class Network:
         return any(
             abs(known.p - met.p) <= same * self.settings.p_scale
             and len(known.x) == len(met.x)
-            and known.margin.index == met.margin.index
             and float(np.abs(known.x - met.x).max()) <= same * self.settings.x_scale
             for known in self._collisions.near(met.p)
         )
@@ -348,8 +356,7 @@ class Network:
 
     def _is_at(self, one: End, other: End) -> bool:
         """Whether two ends are one flip or one branch point, on whichever of its branches."""
-        at_flip = self.settings.numerics.at_flip
-        wide, near = at_flip**2 * self.settings.p_scale, at_flip * self.settings.x_scale
+        wide, near = AT_FLIP**2 * self.settings.p_scale, AT_FLIP * self.settings.x_scale
         return (
             one.kind is other.kind
             and abs(one.p - other.p) <= wide
@@ -376,12 +383,9 @@ class Network:
         kinds = {node.end.kind, end.kind}
         turns = kinds <= {PointKind.PD, PointKind.LP}
         flips = turns and order != node.order and (node.flips or end.kind is PointKind.PD)
-        near, at_flip = self.settings.same * self.settings.x_scale, self.settings.numerics.at_flip
-        if flips:
-            near = at_flip * self.settings.x_scale
-        if abs(node.x - x) > near:
+        near, wide = (AT_FLIP, AT_FLIP**2) if flips else (self.settings.same, self.settings.same)
+        if abs(node.x - x) > near * self.settings.x_scale:
             return False
-        wide = at_flip**2 if flips else self.settings.same
         if abs(node.end.p - end.p) > wide * self.settings.p_scale:
             return False
         return len(kinds) == 1 or turns or bool(kinds & set(COLLISIONS))
@@ -389,12 +393,6 @@ class Network:
     def _name(self, prefix: str) -> str:
         self._counts[prefix] = self._counts.get(prefix, 0) + 1
         return f"{prefix}{self._counts[prefix]}"
-
-
-def _is_kink(end: End, curve: Curve) -> bool:
-    """Whether cycles meet a border there at which the map is continuous."""
-    meets = end.collision is None and end.status is PointStatus.LOCATED
-    return meets and curve.kind is BranchKind.FIXED_POINT and end.note in ("fold", "persistence")
 
 
 def _low_end(curve: Curve) -> float:

@@ -6,7 +6,15 @@ import math
 from collections.abc import Callable, Sequence
 from typing import Protocol, TypeVar
 
+from woodpecker.engine.newton import LEAD_AWAY, STEPS
 from woodpecker.piecewise.settings import Settings
+
+# Below this length [scaled] steps that become no shorter are as good as converged: rounding of an
+# ill-conditioned orbit, five digits above the usual.
+NO_SHORTER = 1e-10
+# Times ``converged``, at most, of a last step that shrinks slowly, and roundings that may be left
+# of an equation: two bits above the shortest step.
+ROUNDINGS = 64.0
 
 
 class Defined(Protocol):
@@ -45,7 +53,7 @@ def newton(
     is_rounded
         Whether nothing is left of the residuals but rounding.
     settings
-        How many steps, and how short the last one.
+        How short the last step is.
     contracts
         Give up as soon as a step is much longer than the one before: near a solution none is.
 
@@ -53,19 +61,18 @@ def newton(
     -------
     The last place, whether it solves the equations, and how many steps were taken.
     """
-    place, numerics = start, settings.numerics
-    before, halvings = 0.0, 0
-    for k in range(settings.newton):
+    place, before, halvings = start, 0.0, 0
+    for k in range(STEPS):
         move = step(place)
         if not all(map(math.isfinite, move)):
             return place, False, k
         length = max(map(abs, move))
-        if 0.0 < before <= length <= settings.stalled and is_rounded(place):
+        if 0.0 < before <= length <= NO_SHORTER and is_rounded(place):
             return place, True, k
-        if contracts and before > 0.0 and length > numerics.contraction * before:
+        if contracts and before > 0.0 and length > LEAD_AWAY * before:
             return place, False, k
         trial = shifted(place, move)
-        while not trial.defined and halvings < settings.newton:
+        while not trial.defined and halvings < STEPS:
             move, halvings = [0.5 * each for each in move], halvings + 1
             trial = shifted(place, move)
         if not trial.defined:
@@ -74,4 +81,4 @@ def newton(
         if length <= settings.converged or length * length <= settings.converged * before:
             return place, True, k + 1
         before = length
-    return place, before <= numerics.noise * settings.converged, settings.newton
+    return place, before <= ROUNDINGS * settings.converged, STEPS

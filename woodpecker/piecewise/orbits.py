@@ -20,11 +20,17 @@ from scipy.linalg.lapack import dgesv
 
 from pwmap.diagrams.shown import brief
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.newton import newton
+from woodpecker.piecewise.newton import ROUNDINGS, newton
 from woodpecker.piecewise.pieces import Image, Piece
-from woodpecker.piecewise.settings import Numerics, Settings
+from woodpecker.piecewise.settings import Settings
 
 SPACING = 2.0**-52  # of doubles at 1
+# In x, a part of the window: points of a cycle this close are one. A doubled cycle leaves its flip
+# like a square root, and the parameter there is good to rounding.
+ONE_POINT = 1e-5
+# Part of its distance that a Newton step leaves at most if it leads to an orbit: from a point of
+# the same branch it leaves next to nothing, from elsewhere most.
+LEFT_BY_STEP = 0.5
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -137,10 +143,9 @@ def orbit_of(pieces: Sequence[Piece], x: Floats, p: float) -> Orbit:
     return Orbit(np.asarray(x, dtype=float), float(p), images)
 
 
-def minimal_period(orbit: Orbit, settings: Settings, within: float | None = None) -> int:
-    """The smallest shift that maps a cycle to itself, within a distance in scaled units."""
-    within = settings.numerics.doubled if within is None else within
-    same = within * settings.x_scale
+def minimal_period(orbit: Orbit, settings: Settings) -> int:
+    """The smallest shift that maps a cycle to itself."""
+    same = ONE_POINT * settings.x_scale
     return next(
         d for d in shifts(len(orbit)) if np.abs(np.roll(orbit.x, -d) - orbit.x).max() <= same
     )
@@ -237,25 +242,6 @@ class Coordinate:
         return row
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Distance:
-    """The orbit lies at a distance from a base along a direction, in scaled unknowns."""
-
-    base: Floats
-    direction: Floats
-    distance: float
-    scale: Floats
-
-    def residual(self, orbit: Orbit) -> float:
-        """The projection less the distance."""
-        away = (orbit.point - self.base) / self.scale
-        return float(self.direction @ away) - self.distance
-
-    def row(self, orbit: Orbit) -> Floats:
-        """The direction."""
-        return self.direction / self.scale
-
-
 def scales(n: int, settings: Settings) -> Floats:
     """Units (n + 1,) of the unknowns of an orbit; not to be written to."""
     return _units(n, settings.x_scale, settings.p_scale)
@@ -341,18 +327,18 @@ def solve(
         start,
         lambda orbit: _scaled_step(orbit, conditions, scale),
         lambda orbit, move: _shifted(orbit, move, scale),
-        lambda orbit: is_rounded(orbit, conditions, settings.numerics),
+        lambda orbit: is_rounded(orbit, conditions),
         settings,
         contracts=contracts,
     )
     return Solution(orbit, converged, steps)
 
 
-def is_rounded(orbit: Orbit, conditions: Sequence[Condition], numerics: Numerics) -> bool:
+def is_rounded(orbit: Orbit, conditions: Sequence[Condition]) -> bool:
     """Whether nothing is left of the residuals but what rounding of the unknowns makes of them."""
     matrix = np.abs(jacobian(orbit, conditions, np.ones(len(orbit) + 1)))
     size = matrix @ np.maximum(np.abs(orbit.point), 1.0)
-    least = numerics.noise * SPACING * size
+    least = ROUNDINGS * SPACING * size
     return bool((np.abs(residuals(orbit, conditions)) <= least).all())
 
 
@@ -420,22 +406,3 @@ def tangent(orbit: Orbit, closing: Condition, settings: Settings) -> Floats:
     direction: Floats = np.linalg.svd(rows)[2][-1]
     turned = np.linalg.det(np.vstack([rows, direction])) < 0.0
     return -direction if turned else direction
-
-
-def blurred(orbit: Orbit, conditions: Sequence[Condition], settings: Settings) -> float:
-    """How far the parameter of an orbit that obeys two conditions may be off.
-
-    By rounding of the map, and by what is left of the equations.
-    """
-    scale = scales(len(orbit), settings)
-    matrix = jacobian(orbit, conditions, scale)
-    point = np.abs(orbit.point / scale)
-    rounding = settings.numerics.blur
-    left = settings.numerics.safety * np.abs(residuals(orbit, conditions))
-    noise = rounding * (np.abs(matrix) @ point) + left
-    noise[: len(orbit)] += rounding * settings.x_scale * point[:-1]
-    try:
-        back: Floats = np.linalg.inv(matrix)[-1]
-    except np.linalg.LinAlgError:
-        return math.inf
-    return float(np.abs(back) @ noise) * settings.p_scale

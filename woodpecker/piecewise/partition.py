@@ -12,12 +12,23 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from woodpecker.piecewise.borders import Border, beyond
+from woodpecker.piecewise.borders import THIN, Border, beyond
 from woodpecker.piecewise.counting import Allowance, as_counting
 from woodpecker.piecewise.margins import depth, reach
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
 from woodpecker.piecewise.reaches import Knot, Reach, reach_of, uneven
 from woodpecker.piecewise.settings import Settings
+
+# Part of the window: a value this close to the diagonal may have a fixed point near it, for
+# neighbouring pieces of a map that accumulate differ by a few hundredths of it.
+NEAR_DIAGONAL = 0.1
+# Part of the window: samples of a piece lie so close that slopes at two of them and between them
+# differ by such a rise; cubics are a tenth of it off, and what they do not tell is then so close to
+# the diagonal that it is looked for by Newton's method.
+EVEN = 5e-4
+# Part of a step: a piece that reaches back by this is worth stopping at; shorter ones are stepped
+# over, where infinitely many accumulate.
+LONG = 0.25
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,7 +105,7 @@ def beside_window(settings: Settings) -> Side:
 
 def beside_diagonal(settings: Settings) -> Side:
     """Below or above the diagonal, and not near: pieces that have no fixed point."""
-    near = settings.near * settings.x_scale
+    near = NEAR_DIAGONAL * settings.x_scale
     return lambda x, value: int(value - x > near) - int(value - x < -near)
 
 
@@ -205,8 +216,8 @@ class _Walk:
         self._allowed = allowed
         self.cylinders: list[Cylinder] = []
         self.gaps: list[tuple[float, float]] = []
-        self._even = settings.even * settings.x_scale
-        self._thin = settings.thinnest
+        self._even = EVEN * settings.x_scale
+        self._thin = THIN * settings.beside * settings.x_scale
 
     def cross(self, gap: _Gap) -> list[_Gap]:
         """Walk from piece to piece; what is left to be crossed, if something is in the way."""
@@ -244,9 +255,7 @@ class _Walk:
     def _missing(self, here: Knot, there: Knot) -> float:
         """Where samples of a piece do not tell what lies between them, if it matters."""
         sides = [self._side_of(each.x, each.image.value) for each in (here, there)]
-        return (
-            0.0 if self._common(sides) else uneven(here, there, self._even, self.settings.numerics)
-        )
+        return 0.0 if self._common(sides) else uneven(here, there, self._even)
 
     def _reach(self, image: Image, x: float, side: int, limit: float) -> Reach:
         return reach_of(image, x, self.p, side, limit, self.settings, self._missing)
@@ -275,7 +284,7 @@ class _Walk:
     def _passed(self, gap: _Gap) -> list[_Gap]:
         """Pass something by starting anew at a distance, back and ahead."""
         gap = self._skimmed(gap)
-        step, long = self._cut_off(gap), self.settings.numerics.long
+        step = self._cut_off(gap)
         if gap.length <= step:
             return self._left(gap)
         while True:  # the step doubles until it is half of the gap
@@ -284,7 +293,7 @@ class _Walk:
             found = self.map.at(middle, self.p)
             if self._holds(found):
                 back = self._reach(found, middle, -1, gap.low)
-                if last or middle - back.end >= long * step:
+                if last or middle - back.end >= LONG * step:
                     return self._around(gap, back)
             elif last:
                 return [gap._replace(high=middle), _Gap(middle, gap.high, gap.side)]

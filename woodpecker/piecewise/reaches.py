@@ -9,11 +9,22 @@ from dataclasses import dataclass, replace
 from woodpecker.piecewise.borders import is_square_root, limit, strays
 from woodpecker.piecewise.margins import IN_X, depth, first_part, is_within, lowest_dip, reach
 from woodpecker.piecewise.pieces import Image
-from woodpecker.piecewise.settings import Numerics, Settings
+from woodpecker.piecewise.settings import Settings
 
-MOST = 10_000  # samples of a piece: some tens are usual
+MOST_SAMPLES = 10_000  # samples of a piece: some tens are usual
+AHEAD = 1.25  # part of the way to a border that a step over it has: to first order it lies there
+RETRY = 0.25  # part of a step that is tried next if the map takes another piece at its end
+ROOT_STEPS = 60  # to where a margin vanishes; then a shorter way is tried. A handful is usual
+STRAYED = 6  # steps after which every third halves: three are enough where cubics do not mislead
+SPLIT = 0.125  # part of a way that is tried first where its far end is lost, or the near one steep
+BOTH = 16.0  # times as closely as a border is located other margins may vanish there too
+# Part of the way to the border of a piece without a value beyond it that is left at first; and how
+# much more if the piece was lost all the same. Both are closed in on fast.
+SHORT, WIDEN = 2.0**-4, 8.0
+SAFETY = 4.0  # times an estimated error: one bit more than the next term of a series makes of it
+UNEVEN = 16.0  # slopes whose ratio is larger are split beside the steeper one
 OTHER_WAY = "the piece goes another way"
-INSIDE, NO_VALUE = -1, -2  # instead of a margin that vanishes
+WITHIN, NO_VALUE = -1, -2  # instead of a margin that vanishes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -43,12 +54,12 @@ class Reach:
 class Knot:
     """A point at which a piece was evaluated; between such points it is interpolated.
 
-    ``code`` is the margin that vanishes there, or INSIDE, or NO_VALUE beyond it.
+    ``code`` is the margin that vanishes there, or WITHIN, or NO_VALUE beyond it.
     """
 
     x: float
     image: Image
-    code: int = INSIDE
+    code: int = WITHIN
 
 
 Missing = Callable[[Knot, Knot], float]
@@ -71,14 +82,14 @@ def reach_of(
     missing
         Where a sample is missing between two, as a part of the way; 0 if none is.
     """
-    samples, code = [Knot(x, image)], INSIDE
+    samples, code = [Knot(x, image)], WITHIN
     longest = settings.max_step * settings.x_scale
-    least, over = settings.nearest * settings.x_scale, settings.numerics.ahead
-    while samples[-1].x != limit and code == INSIDE and len(samples) < MOST:
+    least = settings.nearest * settings.x_scale
+    while samples[-1].x != limit and code == WITHIN and len(samples) < MOST_SAMPLES:
         ahead, code = reach(samples[-1].image, side)
         if ahead <= 0.0:
             break
-        to = samples[-1].x + side * min(longest, over * ahead + least)
+        to = samples[-1].x + side * min(longest, AHEAD * ahead + least)
         to = limit if side * (to - limit) >= 0.0 else to
         found = _followed(samples[-1], to, p, settings, missing)
         samples += found
@@ -99,13 +110,13 @@ def _followed(here: Knot, to: float, p: float, settings: Settings, missing: Miss
         if there is None:
             break
         way = there.x - here.x
-        dip = lowest_dip(here.image, there.image, way, IN_X, IN_X, settings.numerics, trusted=True)
+        dip = lowest_dip(here.image, there.image, way, IN_X, IN_X)
         if dip is None or not least < dip * abs(way) < abs(way) - least:
             dip = missing(here, there)
-        if len(todo) + len(found) < MOST and least < dip * abs(way) < abs(way) - least:
+        if len(todo) + len(found) < MOST_SAMPLES and least < dip * abs(way) < abs(way) - least:
             at = here.x + dip * way
             between = _next(here, at, p, settings)
-            if between is None or between.x != at or between.code != INSIDE:
+            if between is None or between.x != at or between.code != WITHIN:
                 todo.clear()
             todo.append(between)
         else:
@@ -127,7 +138,7 @@ def _next(here: Knot, to: float, p: float, settings: Settings) -> Knot | None:
         root = _first_root(here, _continued(here, to, p, settings, there.image), p, settings)
         if root is not None:  # a piece that was met at a grazing may be continued the wrong way
             return replace(root, image=root.image._replace(piece=here.image.piece))
-        to = here.x + settings.numerics.retry * (to - here.x)
+        to = here.x + RETRY * (to - here.x)
         if abs(to - here.x) < settings.nearest * settings.x_scale:
             return None
 
@@ -143,8 +154,6 @@ def _continued(
 
 # --- Where a margin vanishes ----------------------------------------------------------------------
 
-ROOT_STEPS = 60  # after that a shorter way is tried; a handful is usual
-
 
 def _first_root(low: Knot, high: Knot, p: float, settings: Settings) -> Knot | None:
     """Where between two points the first margin vanishes; None if that is not clear yet.
@@ -153,7 +162,7 @@ def _first_root(low: Knot, high: Knot, p: float, settings: Settings) -> Knot | N
     them vanishes takes the place of one of the ends. Where the piece has no value at the far end it
     is approached from inside.
     """
-    before, left, numerics = low, 1.0, settings.numerics
+    before, left = low, 1.0
     tolerance = settings.nearest * settings.x_scale
     for k in range(ROOT_STEPS):
         way = high.x - low.x
@@ -161,26 +170,24 @@ def _first_root(low: Knot, high: Knot, p: float, settings: Settings) -> Knot | N
         lost = bool(high.image.reason)
         if abs(way) <= tolerance or (ahead <= tolerance and (k > 0 or lost)):
             code = code if ahead <= 2.0 * tolerance else NO_VALUE
-            return (
-                _at_end(before, low, way, code, numerics) if lost else Knot(low.x, low.image, code)
-            )
+            return _at_end(before, low, way, code) if lost else Knot(low.x, low.image, code)
         ahead /= abs(way)
         if lost and ahead >= 1.0:
-            part = 0.5 if k > 0 else numerics.split
+            part = 0.5 if k > 0 else SPLIT
         elif lost:
             part = _short_of(before, low, code, way, left, settings)
         else:
             part, first = first_part(low.image, high.image, way)
             if first < 0:
                 return None
-            if ahead < numerics.split or (ahead < 1.0 and not high.image.margin(code) < 0.0):
+            if ahead < SPLIT or (ahead < 1.0 and not high.image.margin(code) < 0.0):
                 part = ahead
             else:
                 code = first
-        trial = low.x + (part if k < numerics.strayed or k % 3 < 2 else 0.5) * way
+        trial = low.x + (part if k < STRAYED or k % 3 < 2 else 0.5) * way
         for end in (high, low):
             if abs(trial - end.x) <= tolerance and not math.isnan(end.image.margin(code)):
-                if depth(end.image, code) >= -numerics.both * tolerance:
+                if depth(end.image, code) >= -BOTH * tolerance:
                     return Knot(end.x, end.image, code)
                 high, left = Knot(high.x, high.image._replace(reason=OTHER_WAY)), 1.0
                 break
@@ -189,11 +196,11 @@ def _first_root(low: Knot, high: Knot, p: float, settings: Settings) -> Knot | N
             if is_within(found.image):
                 before, low, left = low, found, 1.0
             else:
-                high, left = found, left * numerics.widen
+                high, left = found, left * WIDEN
     return None
 
 
-def _at_end(before: Knot, low: Knot, way: float, code: int, numerics: Numerics) -> Knot:
+def _at_end(before: Knot, low: Knot, way: float, code: int) -> Knot:
     """The last sample of a piece that has no value beyond.
 
     Where it ends in a square root its slope there is infinite, and the value is the limit.
@@ -203,7 +210,7 @@ def _at_end(before: Knot, low: Knot, way: float, code: int, numerics: Numerics) 
     run = side * (low.x - before.x)
     if first != code or ahead <= 0.0 or run <= 0.0:
         return Knot(low.x, low.image, code)
-    if not is_square_root(before.image.slope, low.image.slope, (run + ahead) / ahead, numerics):
+    if not is_square_root(before.image.slope, low.image.slope, (run + ahead) / ahead):
         return Knot(low.x, low.image, code)
     return Knot(low.x + side * ahead, limit(low.image, -side * ahead), code)
 
@@ -216,18 +223,18 @@ def _short_of(
     The margin is a parabola, by its slopes at two points if there are; how far that is from a
     straight line says how much of the way is left.
     """
-    numerics, side = settings.numerics, math.copysign(1.0, way)
+    side = math.copysign(1.0, way)
     h, slope = low.image.margin(code), side * float(low.image.gradient(code)[0])
     straight = distance = -h / slope
-    short = numerics.short
+    short = SHORT
     run = side * (low.x - before.x)
     slope_before = side * float(before.image.gradient(code)[0])
     if run > 0.0 and math.isfinite(slope_before):
         square = slope * slope - 2.0 * h * (slope - slope_before) / run
         if square > 0.0:
             distance = 2.0 * h / (math.sqrt(square) - slope)
-            short = min(short, numerics.safety * (distance / straight - 1.0) ** 2)
-    least = settings.nearest * settings.x_scale / numerics.safety
+            short = min(short, SAFETY * (distance / straight - 1.0) ** 2)
+    least = settings.nearest * settings.x_scale / SAFETY
     short = min(0.5, left * max(short, least / distance))
     return min(0.5 if distance >= abs(way) else 1.0, distance / abs(way)) * (1.0 - short)
 
@@ -235,15 +242,13 @@ def _short_of(
 # --- Whether samples tell what lies between them --------------------------------------------------
 
 
-def uneven(here: Knot, there: Knot, even: float, numerics: Numerics) -> float:
+def uneven(here: Knot, there: Knot, even: float) -> float:
     """Where a sample is missing between two, as a part of the way; 0 if none is.
 
     Parameters
     ----------
     even
         By how much a rise may differ from those that the slopes at both ends make of it.
-    numerics
-        Where to split beside a steep end.
     """
     run, rise = there.x - here.x, there.image.value - here.image.value
     rates = here.image.slope * run, there.image.slope * run
@@ -254,6 +259,6 @@ def uneven(here: Knot, there: Knot, even: float, numerics: Numerics) -> float:
     if abs(rates[0] + rates[1] - 2.0 * rise) <= even:
         return 0.0
     steep = abs(rates[0]), abs(rates[1])
-    if max(steep) <= numerics.uneven * min(steep):
+    if max(steep) <= UNEVEN * min(steep):
         return 0.5
-    return numerics.split if steep[0] > steep[1] else 1.0 - numerics.split
+    return SPLIT if steep[0] > steep[1] else 1.0 - SPLIT

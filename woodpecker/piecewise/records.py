@@ -9,25 +9,25 @@ from woodpecker.piecewise.curves import Curve
 from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.settings import Settings
 
+# Part of the largest step to which a branch point is located: there the equations are singular, and
+# rounding moves an orbit by its root.
+AT_BRANCH_POINT = 1e-6
+
 
 def stretches(curve: Curve) -> tuple[Stretch, ...]:
     """Stretches of a curve with one word, each with the cause of the change that begins it.
 
-    A sample at a border has the pieces of one side, and a jump there those of either; words that
-    only such a sample has are passed over. What has no mark is the orbit of a limit of a jump that
-    meets a border where borders accumulate.
+    A sample at a border has the pieces before it. What has no mark is the orbit of a limit of a
+    jump that meets a border where borders accumulate.
     """
     causes = {mark.sample + 1: mark.cause for mark in curve.marks}
-    ends = [word.first for word in curve.words[1:]] + [len(curve.parameter)]
     unmarked = OF_A_LIMIT if curve.kind is BranchKind.JUMP else ""
     found: list[Stretch] = []
-    for word, end in zip(curve.words, ends, strict=True):
-        first = 0 if not found else word.first
-        at_border = end == word.first + 1 < len(curve.parameter) and (end in causes or end == 1)
-        if at_border or (found and found[-1].word == word.text):
-            continue
-        cause = causes.get(first) or causes.get(first + 1) or unmarked
-        found.append(Stretch(first, word.text, cause if found else ""))
+    for word in curve.words:
+        if not found:
+            found.append(Stretch(0, word.text, ""))
+        elif found[-1].word != word.text:
+            found.append(Stretch(word.first, word.text, causes.get(word.first) or unmarked))
     return tuple(found)
 
 
@@ -48,7 +48,7 @@ def precision(end: End, curve: Curve, k: int, settings: Settings) -> float:
     if end.kind is PointKind.PD and len(curve.parameter) > 1:
         return max(least, _missed(curve, k))
     if end.kind is PointKind.BP:
-        return settings.numerics.crossing * settings.max_step * settings.p_scale
+        return AT_BRANCH_POINT * settings.max_step * settings.p_scale
     return 0.0 if end.p in settings.span else least
 
 

@@ -21,6 +21,8 @@ from woodpecker.base.checks import number, whole
 from woodpecker.piecewise.explorer import Explorer, Seen, Step
 from woodpecker.piecewise.settings import Settings
 
+GOLDEN = 0.5 * (5.0**0.5 - 1.0)  # the golden section: parts of multiples of it lie evenly
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Search:
@@ -178,6 +180,3 @@ def first_places(search: Search) -> list[float]:
     """
     near = 0.5 * search.finest
     return [near, 1.0 - near, *((k * GOLDEN) % 1.0 for k in range(1, search.slices + 1))]
-
-
-GOLDEN = 0.5 * (5.0**0.5 - 1.0)

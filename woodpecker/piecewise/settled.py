@@ -17,9 +17,20 @@ import numpy.typing as npt
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import interval, real_array, whole
-from woodpecker.piecewise.orbits import Closed, Coordinate, Orbit, newton_step, orbit_of, solve
+from woodpecker.piecewise.orbits import (
+    LEFT_BY_STEP,
+    Closed,
+    Coordinate,
+    Orbit,
+    newton_step,
+    orbit_of,
+    solve,
+)
 from woodpecker.piecewise.pieces import PiecewiseMap, map_of_pieces
 from woodpecker.piecewise.settings import Settings
+
+REPEATS = 1e-6  # in x, a part of the window: an orbit that has settled repeats itself so closely
+LONGEST = 64  # period that is looked for in an orbit that has settled
 
 
 class Swept(Protocol):
@@ -193,7 +204,8 @@ def orbit_diagram(
     transient, keep
         How many iterates are cut, and how many are kept after that.
     settings
-        What counts as a period, see :class:`woodpecker.Numerics`; by default in units of x.
+        The unit of x: an orbit that repeats itself to 1e-6 of it after at most 64 points has that
+        period. By default in units of x.
 
     Returns
     -------
@@ -260,8 +272,8 @@ def _settled(
 
 def period_of(x: Floats, settings: Settings) -> int:
     """Smallest shift that repeats a sequence, or 0 if none does of those looked for."""
-    same = settings.numerics.repeats * settings.x_scale
-    for shift in range(1, min(settings.numerics.longest, len(x) // 2) + 1):
+    same = REPEATS * settings.x_scale
+    for shift in range(1, min(LONGEST, len(x) // 2) + 1):
         if np.abs(x[shift:] - x[:-shift]).max() <= same:
             return shift
     return 0
@@ -360,4 +372,4 @@ def _passes(hits: Floats, cycle: Orbit, distance: float | None, settings: Settin
         return before <= distance
     guess = orbit_of(cycle.pieces, nearest, cycle.p)
     step = newton_step(guess, (Closed(), Coordinate(-1, cycle.p)), settings)
-    return float(np.abs(nearest + step[:-1] - cycle.x).max()) <= settings.closer * before
+    return float(np.abs(nearest + step[:-1] - cycle.x).max()) <= LEFT_BY_STEP * before

@@ -27,6 +27,7 @@ from woodpecker.piecewise.orbits import (
     solve,
 )
 from woodpecker.piecewise.partition import (
+    NEAR_DIAGONAL,
     Cylinder,
     Partition,
     beside_diagonal,
@@ -34,9 +35,11 @@ from woodpecker.piecewise.partition import (
     partition,
 )
 from woodpecker.piecewise.pieces import Image, PiecewiseMap
-from woodpecker.piecewise.settings import Numerics, Settings
+from woodpecker.piecewise.settings import Settings
 
-MOST = 1000  # samples that are added between two: none or a few are usual
+MOST_ADDED = 1000  # samples between two: none or a few are usual
+# Part of an interval: where a turning point seems to lie closer to an end it is halved instead.
+EDGE = 0.02
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -180,7 +183,7 @@ class _Crossing:
 
     def __init__(self, map_: PiecewiseMap, order: int, settings: Settings) -> None:
         self.map, self.order = map_, order
-        self._slack = settings.near * settings.x_scale
+        self._slack = NEAR_DIAGONAL * settings.x_scale
         self._known: dict[tuple[int, int], tuple[float, float]] = {}
 
     def __call__(self, border: Border, length: int, x: float) -> bool:
@@ -203,10 +206,10 @@ def _within(orbit: Orbit, settings: Settings) -> bool:
 
 def _fixed_points(pieces: Partition, settings: Settings) -> Iterator[Orbit]:
     for cylinder in pieces.cylinders:
-        for (a, one), (b, other) in _parts(cylinder, pieces.p, settings.numerics):
+        for (a, one), (b, other) in _parts(cylinder, pieces.p):
             if (one.value - a) * (other.value - b) > 0.0:
                 continue
-            root = bracketed({a: one, b: other}, a, b, pieces.p, _gap, settings.numerics)
+            root = bracketed({a: one, b: other}, a, b, pieces.p, _gap)
             if root is None:
                 continue
             start = orbit_of([root[1].piece], np.array([root[0]]), pieces.p)
@@ -220,14 +223,14 @@ class _Point(NamedTuple):
     image: Image
 
 
-def _parts(cylinder: Cylinder, p: float, numerics: Numerics) -> Iterator[tuple[_Point, _Point]]:
+def _parts(cylinder: Cylinder, p: float) -> Iterator[tuple[_Point, _Point]]:
     """Neighbouring samples, with more of them where P(x) - x may turn round beyond the diagonal."""
     points = [_Point(x, image) for x, image in zip(cylinder.x, cylinder.images, strict=True)]
     for pair in pairwise(points):
-        todo, left = [pair], MOST
+        todo, left = [pair], MOST_ADDED
         while todo:
             a, b = todo.pop()
-            x, left = _lowest(a, b, numerics.edge) if left > 0 else None, left - 1
+            x, left = _lowest(a, b) if left > 0 else None, left - 1
             middle = None if x is None else _Point(x, a.image.piece.at(x, p))
             if middle is None or middle.image.reason:
                 yield a, b
@@ -235,7 +238,7 @@ def _parts(cylinder: Cylinder, p: float, numerics: Numerics) -> Iterator[tuple[_
                 todo += [(middle, b), (a, middle)]
 
 
-def _lowest(a: _Point, b: _Point, edge: float) -> float | None:
+def _lowest(a: _Point, b: _Point) -> float | None:
     """Where |P(x) - x| is least between two points; None if it does not come down to zero there.
 
     It does not if the tangents at both ends meet before: as long as it does not bend the other way.
@@ -246,7 +249,7 @@ def _lowest(a: _Point, b: _Point, edge: float) -> float | None:
     run = b.x - a.x
     meet = (other - one - up * run) / (down - up)  # from a
     part = down / (down - up)
-    x = a.x + part * run if edge < part < 1.0 - edge else a.x + 0.5 * run
+    x = a.x + part * run if EDGE < part < 1.0 - EDGE else a.x + 0.5 * run
     return x if a.x < x < b.x and (one + down * meet) * one <= 0.0 else None
 
 

@@ -2,25 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
-from pwmap.diagrams.diagram import BranchKind
+import numpy as np
+
+from pwmap.diagrams.diagram import BranchKind, PointKind
+from woodpecker.base.arrays import Floats
 from woodpecker.base.executors import Done
-from woodpecker.piecewise.counting import as_counting
-from woodpecker.piecewise.crossings import cycle_at_border
-from woodpecker.piecewise.curves import Beginning, Followed
-from woodpecker.piecewise.cycle_branches import Cycles
-from woodpecker.piecewise.ends import Collision, End, end_of
-from woodpecker.piecewise.jump_branches import Jumps, at_corner, cycle_from
+from woodpecker.engine import orbits
+from woodpecker.engine.curves import Halt, Sample, Stop
+from woodpecker.engine.germs import Beginning, beginnings, crossings_at
+from woodpecker.engine.newton import directions, other_direction
+from woodpecker.engine.tracing import APART, Trace, beside, trace
+from woodpecker.piecewise.counting import Allowance, as_counting
+from woodpecker.piecewise.curves import Followed, Start, agree, keys_of
+from woodpecker.piecewise.ends import Collision, End
 from woodpecker.piecewise.jumps import Jump
-from woodpecker.piecewise.orbits import Closed, Margin, Orbit
+from woodpecker.piecewise.lines import (
+    base_of,
+    curve_of,
+    end_of,
+    text_of,
+    to_engine,
+)
+from woodpecker.piecewise.lines import (
+    keys_of as keys_of_engine,
+)
+from woodpecker.piecewise.orbits import Orbit
 from woodpecker.piecewise.pieces import PiecewiseMap
-from woodpecker.piecewise.samples import Sample, Stop, StopRule
+from woodpecker.piecewise.samples import BranchState, StopRule
 from woodpecker.piecewise.settings import Settings
 from woodpecker.piecewise.slices import Slice, slices_at
-from woodpecker.piecewise.switching import switched
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,65 +64,140 @@ class Tasks:
     def __init__(
         self, map_: PiecewiseMap, settings: Settings, stop: StopRule | None = None
     ) -> None:
-        self.map, self.settings, self.stop = map_, settings, stop
+        self.map, self.settings, self.stop = as_counting(map_), settings, stop
+        self.base = base_of(self.map, settings)
 
     def cycle(self, orbit: Orbit) -> Followed:
         """The branch through a cycle."""
-        return Cycles(self.map, self.settings, self.stop).through(orbit)
+        ahead = np.eye(len(orbit) + 1)[-1]
+        start = self.base.start(to_engine(orbit), ahead)
+        return self._both_ways(Beginning(len(orbit), self.base, start))
 
-    def jump(self, jump: Jump) -> Followed:
-        """The branch of a jump."""
-        return Jumps(self.map, jump.order, self.settings, self.stop).through(
-            jump.head, jump.closing
-        )
+    def jump(self, jump: Jump) -> Followed | None:
+        """The branch of a jump; None if none of the map is found there."""
+        found = crossings_at(self.base, jump.head.x[:, None], np.array([jump.p]), jump.order)
+        wanted = keys_of(jump.head, jump)
+        for begin in found:
+            orbit = begin.sample.orbit
+            if len(orbit.x) == len(jump.head) and agree(
+                keys_of_engine(orbit, self.base.problem), wanted
+            ):
+                ahead = np.eye(len(jump.head) + 1)[-1]
+                return self._both_ways(replace(begin, sample=begin.curve.start(orbit, ahead)))
+        return None
 
-    def starts(self, met: Collision, orders: Sequence[int]) -> list[Beginning]:
-        """Branches that start where a cycle meets a jump.
-
-        None does if the map does not show the piece inside the border any more.
-        """
-        found = list[Beginning]()
-        cycle = cycle_at_border(
-            self.map, met.x, met.p, met.margin, met.side, met.key, self.settings
-        )
-        if cycle is None:
-            return found
-        n, first = len(cycle), cycle_from(cycle, met.margin, self.settings)
-        if n in orders and first:
-            found.append(_of_cycles(first, end_of(met, cycle)))
-        for order in orders:
-            for shift in range(n) if order >= n else ():
-                end = end_of(met, cycle.rotated(shift))
-                jumps = Jumps(self.map, order, self.settings)
-                for own in at_corner(cycle, met.margin, self.settings):
-                    for samples in jumps.starts(cycle, own, shift):
-                        closing = Margin(len(samples[0].orbit) - 1, own.code)
-                        begin = Beginning(
-                            kind=BranchKind.JUMP, order=order, samples=samples, closing=closing,
-                            end=end,
-                        )  # fmt: skip
-                        found.append(begin)
+    def starts(self, met: Collision, orders: Sequence[int]) -> list[Start]:
+        """Branches that start where a cycle meets a border."""
+        found = list[Start]()
+        p = np.array([met.p])
+        for begin in beginnings(self.base, met.x[:, None], p, orders):
+            kind, note = met.kind_at(float(begin.sample.orbit.x[0, 0]))
+            end = End(
+                kind=kind, p=met.p, x=begin.sample.orbit.x[:, 0], note=note, cause=met.cause,
+                precision=met.precision, collision=met,
+            )  # fmt: skip
+            found.append(Start(beside(begin), end))
         return found
 
-    def switches(self, end: End, orders: Sequence[int]) -> list[Beginning]:
+    def switches(self, end: End, orders: Sequence[int]) -> list[Start]:
         """Branches that start at a flip or a branch point."""
-        found = switched(self.map, end, orders, self.settings)
-        return [_of_cycles(samples, end) for samples in found]
+        found = [beside(each, APART) for each in self._others(end, orders)]
+        return [Start(each, end) for each in found if each.before is not None]
 
-    def ahead(self, begin: Beginning) -> Followed:
+    def ahead(self, start: Start) -> Followed:
         """The branch that begins, or goes on, at a special point."""
-        if begin.kind is BranchKind.JUMP:
-            return Jumps(self.map, begin.order, self.settings, self.stop).ahead(begin)
-        return Cycles(self.map, self.settings, self.stop).ahead(begin)
+        begin = start.begin
+        found = self._trace(begin)
+        curve = curve_of(begin, found.samples, found.changes, (start.end, self._end(found)))
+        return Followed(curve, self._onward((found, curve.ends[1])))
 
     def slice(self, p: float, orders: Sequence[int]) -> list[Slice]:
         """All cycles and jumps at one parameter."""
         return slices_at(self.map, p, orders, self.settings)
 
+    # --- Parts ------------------------------------------------------------------------------------
 
-def _of_cycles(samples: tuple[Sample, ...], end: End) -> Beginning:
-    """Where a branch of cycles begins."""
-    return Beginning(
-        kind=BranchKind.FIXED_POINT, order=len(samples[0].orbit), samples=samples, closing=Closed(),
-        end=end, passed=Stop.BORDER,
-    )  # fmt: skip
+    def _both_ways(self, begin: Beginning) -> Followed:
+        """The branch through a sample, from one special point to the other, or all round."""
+        ahead = self._trace(begin)
+        end = self._end(ahead)
+        if ahead.stop is Stop.CLOSED:
+            return Followed(curve_of(begin, ahead.samples, ahead.changes, (end, end)), ())
+        behind = self._trace(replace(begin, sample=begin.sample.turned))
+        first = self._end(behind)
+        n = len(behind.samples) - 1
+        changes = [each._replace(sample=n - 1 - each.sample) for each in reversed(behind.changes)]
+        changes += [each._replace(sample=each.sample + n) for each in ahead.changes]
+        samples = (*reversed(behind.samples), *ahead.samples[1:])
+        curve = curve_of(begin, samples, changes, (first, end))
+        return Followed(curve, self._onward((ahead, end), (behind, first)))
+
+    def _trace(self, begin: Beginning) -> Trace:
+        allowed = Allowance(self.map, self.settings.of_branch(begin.order))
+        orders = range(1, begin.order + 1)  # a crossing may come round any cycle that is no longer
+        return trace(begin, orders, Halt(lambda: allowed.spent, self._asked(begin)))
+
+    def _asked(self, begin: Beginning) -> Callable[[Sample], bool] | None:
+        """Whether a branch is to end at a sample."""
+        rule = self.stop
+        if rule is None:
+            return None
+        kind = BranchKind.JUMP if begin.is_crossing else BranchKind.FIXED_POINT
+
+        def asked(sample: Sample) -> bool:
+            orbit = sample.orbit
+            multiplier = math.nan if begin.is_crossing else float(orbit.monodromy[0, 0])
+            x, word = orbit.x[:, 0].copy(), text_of(orbit)
+            return bool(
+                rule(BranchState(kind, begin.order, float(orbit.p[0]), x, multiplier, word))
+            )
+
+        return asked
+
+    def _end(self, found: Trace) -> End:
+        return end_of(found.arrival, self.base, found.samples[-1].orbit)
+
+    @staticmethod
+    def _onward(*traces: tuple[Trace, End]) -> tuple[Start, ...]:
+        found = ((each.arrival.onward, end) for each, end in traces)
+        return tuple(Start(onward, end) for onward, end in found if onward is not None)
+
+    def _cycle_at(self, x: Floats, p: Floats) -> orbits.Orbit | None:
+        """The cycle with some points (n,); None where the map has no value."""
+        found = tuple(self.base.map.at(each, p) for each in x[:, None])
+        cycle = orbits.Orbit(x[:, None], p, 0.0, found)
+        return cycle if cycle.is_defined else None
+
+    def _others(self, end: End, orders: Sequence[int]) -> Iterator[Beginning]:
+        """At a flip of P_n the branch of P_2n, or the other way round, if both are wanted.
+
+        At a branch point both branches both ways, for it is not known which one led there.
+        """
+        base, p = self.base, np.array([end.p])
+        cycle = self._cycle_at(end.x, p)
+        if cycle is None:
+            return
+        x, n = cycle.x, len(cycle.x)
+        if end.kind is PointKind.PD and float(cycle.monodromy[0, 0]) > 0.0:  # of a doubled one
+            n //= 2
+            cycle = self._cycle_at(0.5 * (end.x[:n] + end.x[n:]), p)
+            if cycle is None:
+                return
+        if end.kind is PointKind.BP:
+            if n in orders:
+                for way in directions(base.problem, cycle):
+                    for sign in (1.0, -1.0):
+                        yield Beginning(n, base, Sample(cycle, sign * way))
+        elif not {n, 2 * n} <= set(orders):
+            return
+        elif len(x) == n:
+            twice = orbits.Orbit(np.tile(cycle.x, (2, 1)), p, 0.0, cycle.images * 2)
+            along = base.start(cycle).tangent
+            doubled = np.append(np.tile(along[:-1], 2), along[-1:])
+            across = other_direction(base.problem, twice, doubled)
+            if across is not None:
+                yield Beginning(2 * n, base, Sample(twice, across))
+        else:
+            along = base.start(cycle).tangent
+            for sign in (1.0, -1.0):
+                yield Beginning(n, base, Sample(cycle, sign * along))

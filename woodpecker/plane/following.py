@@ -33,6 +33,9 @@ from woodpecker.plane.switching import Seed, starts_at
 
 LEGS = 400  # arcs of a curve each way: where it goes back and forth it is left
 CROWD, WITHIN = 8, 1e-5  # so many special points within this distance, scaled, are without end
+# Scaled: first step beyond a border, if the last one before it was shorter: where borders follow
+# each other closely, pieces that begin and end within it are passed over.
+AGAIN = 1e-4
 LEVEL = 1e-9  # the part of a unit tangent below which the second parameter is said not to change
 SPAN, CLOSED = "end of the span", "the curve closes"
 MANY = Stop.MANY.value
@@ -171,7 +174,7 @@ def _leg(plane: Plane, start: _Sample, origin: Sample | None) -> tuple[list[_Sam
         if len(samples) > most:
             break
         arc = sharpened(plane, at.curve.follow(at.own, step, origin=origin))
-        step = max(arc.step, plane.first.again)
+        step = max(arc.step, AGAIN)
         samples += [_Sample(each, at.curve) for each in known(arc)[1:]]
         met, on = _met(plane, replace(samples[-1], arc=arc), arc)
         samples[-1] = met

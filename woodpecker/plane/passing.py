@@ -16,6 +16,7 @@ from woodpecker.engine.germs import SAME, is_inside
 from woodpecker.engine.maps import ACCUMULATE, Image
 from woodpecker.engine.newton import Problem, across, solve
 from woodpecker.engine.orbits import Held, Multiplier, OnBorder, Orbit
+from woodpecker.engine.tracing import ROOTED
 from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.plane.maps import Plane, over_first
 from woodpecker.plane.nodes import PARALLEL, border_in, curve_of, is_steep, units
@@ -23,8 +24,11 @@ from woodpecker.plane.nodes import PARALLEL, border_in, curve_of, is_steep, unit
 # Part to which a difference of slopes falls, a hundred times closer to a border, if it is none
 # right there: a cube root falls to a fifth.
 SHRINKS = 0.5
+CLOSER = 0.01  # times ``beside``: where such slopes are compared again
+# Part by which a multiplier changes beyond a border only if the slopes differ: over the distance of
+# a restart it changes by some 1e-4.
+TORN = 0.01
 BESIDE = (2.0**-24, 2.0**-20, 2.0**-28, 2.0**-34, 2.0**-40)  # scaled: where a curve goes on
-ROOTED = 10.0  # times the derivatives before it those at the end of a root are larger
 CONTACT = 1e-6  # scaled: a border that steps become too short at is no farther away
 CLEAR = 1e-11  # scaled: nearer to a border slopes are made of rounding
 NO_CURVE = "no curve beyond"
@@ -215,7 +219,7 @@ def _tears(plane: Plane, inner: Image, outer: Image) -> bool:
     Beside a root slopes at the border are good to half of the digits only.
     """
     one, other = (float(each.jacobian[0, 0]) for each in (inner, outer))
-    return not abs(other - one) <= plane.first.numerics.torn * max(1.0, abs(one), abs(other))
+    return not abs(other - one) <= TORN * max(1.0, abs(one), abs(other))
 
 
 def _round_corner(plane: Plane, arc: Arc, own: OnBorder, code: int) -> Passed:
@@ -257,7 +261,7 @@ def _agree(plane: Plane, orbit: Orbit, i: int, outer: Image, way: Floats) -> boo
     """Whether two pieces have the same slope at their border: closer to it they differ by less."""
     settings, inner = plane.first, orbit.images[i]
     at, off = np.append(orbit.x[i], orbit.p), list[float]()
-    for away in (settings.beside, settings.numerics.restart * settings.beside):
+    for away in (settings.beside, CLOSER * settings.beside):
         to = at + away * way * plane.scale
         there = (each.piece.at(to[:1], to[1:]) for each in (inner, outer))
         one, other = (float(each.jacobian[0, 0]) for each in there)

@@ -140,7 +140,7 @@ def _candidates(plane: Plane, point: SpecialPoint, p: Floats) -> Iterator[tuple[
     """Orbits from a point that come back to it, by all pieces that meet where it goes."""
     x, problem = np.array([point.x]), plane.cycles()
     for order in range(1, point.order + 1):
-        for path in paths(plane.map, x, p, order):
+        for path in paths(plane.map, x, p, order, problem):
             if not problem.same(path.end, x, RETURNS):
                 continue
             orbit = Orbit(path.x, p, 0.0, path.images)

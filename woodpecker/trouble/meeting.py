@@ -10,11 +10,9 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.borders import BorderKind
-from woodpecker.piecewise.branch_points import Multiplier
-from woodpecker.piecewise.curves import Curve
-from woodpecker.piecewise.cycle_branches import Cycles
+from woodpecker.piecewise.curves import Curve, Followed
 from woodpecker.piecewise.ends import End
+from woodpecker.piecewise.multipliers import Multiplier
 from woodpecker.piecewise.orbits import (
     Closed,
     Condition,
@@ -26,6 +24,7 @@ from woodpecker.piecewise.orbits import (
 )
 from woodpecker.piecewise.pieces import Piece
 from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.tasks import Tasks
 from woodpecker.trouble.changes import FARTHEST, Space
 from woodpecker.trouble.found import Effect
 from woodpecker.trouble.lines import ToyLine
@@ -94,14 +93,14 @@ def met_along(
     start = cycle_on(line, space.points, settings)
     if start is None:
         return []
-    cycles, found = Cycles(line, settings), list[Met]()
-    followed, lost = cycles.through(start), -1  # since which of what was found it is unstable
+    tasks, found = Tasks(line, settings), list[Met]()
+    followed, lost = tasks.cycle(start), -1  # since which of what was found it is unstable
     while True:
         curve = followed.curve
         if lost >= 0 and _is_stable(curve) and curve.parameter[0] <= _within(found[lost]):
             found[lost:] = [_spike(found, lost)]
             lost = -1
-        read = _read(curve, line, direction, settings)
+        read = _read(followed, line, direction, settings)
         found += [replace(each, stable=lost < 0) for each in read]
         unstable = bool(found) and found[-1].effect is Effect.DESTABILISED
         if unstable and lost < 0:
@@ -110,7 +109,7 @@ def met_along(
             return found[: lost + 1]
         if not unstable or not followed.onward or len(found) > MANY:
             return found
-        followed = cycles.ahead(followed.onward[0])
+        followed = tasks.ahead(followed.onward[0])
 
 
 def _within(lost: Met) -> float:
@@ -144,8 +143,11 @@ def cycle_on(line: ToyLine, x: Floats, settings: Settings) -> Orbit | None:
     return found.orbit if found.converged else None
 
 
-def _read(curve: Curve, line: ToyLine, direction: Floats, settings: Settings) -> Iterator[Met]:
+def _read(
+    followed: Followed, line: ToyLine, direction: Floats, settings: Settings
+) -> Iterator[Met]:
     """What a branch meets, in order of the distance from the toy."""
+    curve = followed.curve
 
     def pieces(k: int) -> list[Piece]:
         p = float(curve.parameter[k])
@@ -163,23 +165,22 @@ def _read(curve: Curve, line: ToyLine, direction: Floats, settings: Settings) ->
     for mark in curve.marks:
         if mark.sample == 0:
             continue
-        effect = Effect.RELABELLED if mark.kind is BorderKind.SMOOTH else Effect.KINKED
+        effect = Effect.RELABELLED if mark.smooth else Effect.KINKED
         beyond = min(mark.sample + 1, last)
         if effect is Effect.KINKED or words(mark.sample - 1) != words(beyond):
             yield met(mark.sample, effect, WORD, mark.cause)
     end = curve.ends[1]
-    what = _effect(end)
+    what = _effect(end, goes_on=any(start.end is end for start in followed.onward))
     if what is not None and last > 0:
         yield met(last, what, end.kind.value, end.cause or end.note)
 
 
-def _effect(end: End) -> Effect | None:
+def _effect(end: End, *, goes_on: bool) -> Effect | None:
     """What a special point does to a stable motion; None where nothing does."""
     if end.kind is PointKind.EP:
         return Effect.OPEN if end.status is PointStatus.OPEN else None
-    if end.collision is not None:  # with a jump, beyond which no cycle is its continuation
-        return Effect.DESTROYED
-    unstable = end.kind in (PointKind.PD, PointKind.BP) or end.note == "persistence"
+    persists = end.note == "persistence" and goes_on  # not where it becomes a jump crossing
+    unstable = end.kind in (PointKind.PD, PointKind.BP) or persists
     return Effect.DESTABILISED if unstable else Effect.DESTROYED
 
 

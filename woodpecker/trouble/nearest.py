@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import Bounds, minimize
 
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.branch_points import Multiplier
+from woodpecker.piecewise.multipliers import Multiplier
 from woodpecker.piecewise.orbits import Closed, Condition, Margin, Orbit, jacobian, orbit_of
 from woodpecker.trouble.changes import FARTHEST, Space
 from woodpecker.trouble.meeting import Key, Met, cycle_on, met_along

@@ -16,7 +16,7 @@ from woodpecker.continued import continuation
 from woodpecker.diagram import bifurcation_diagram
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.iterates import Iterate
-from woodpecker.piecewise.settings import Numerics, Settings
+from woodpecker.piecewise.settings import Settings
 from woodpecker.shooting import shoot
 from woodpecker.simulation.returns import first_return, return_map
 from woodpecker.simulation.trajectory import simulate
@@ -121,28 +121,6 @@ def test_settings_are_positive_and_finite(value: float) -> None:
         if isinstance(each.default, float):
             with pytest.raises(ValueError, match=f"{each.name} must be positive and finite, got"):
                 Settings(**{each.name: value})  # type: ignore[arg-type]
-    for each in fields(Numerics):
-        if isinstance(each.default, float):
-            with pytest.raises(ValueError, match=f"{each.name} must be positive and finite, got"):
-                Numerics(**{each.name: value})  # type: ignore[arg-type]
-
-
-@pytest.mark.parametrize(
-    ("options", "sentence"),
-    [
-        ({"held": 1.0}, "held must be less than 1, got 1.0"),
-        ({"contraction": 0.5}, "contraction must be more than 1, got 0.5"),
-        ({"most_sectors": 0.5}, "most_sectors must be a whole number of at least 1, got 0.5"),
-    ],
-)
-def test_numerics_refuse(options: dict[str, Any], sentence: str) -> None:
-    with pytest.raises(ValueError, match=sentence):
-        Numerics(**options)
-
-
-def test_settings_hold_numerics() -> None:
-    with pytest.raises(TypeError, match=r"numerics must be woodpecker\.Numerics, got \{'thin'"):
-        Settings(numerics={"thin": 0.1})  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("order", [np.int64(2), np.uint8(2)])

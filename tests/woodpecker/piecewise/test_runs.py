@@ -238,10 +238,8 @@ def collided(curve: Any) -> Any:
         ("curves", lambda e: e["curves"][0]["ends"][0].update(p=None)),
         ("curves", lambda e: e["curves"][0]["ends"][0].update(status="somewhere")),
         ("curves", lambda e: e["curves"][0]["ends"][0].pop("note")),
-        ("curves", lambda e: collided(e["curves"][0]).update(side=0)),
-        ("curves", lambda e: collided(e["curves"][0]).update(index=7)),
         ("curves", lambda e: collided(e["curves"][0]).update(kinds=[])),
-        ("curves", lambda e: collided(e["curves"][0]).update(code="0")),
+        ("curves", lambda e: collided(e["curves"][0]).update(cause=7)),
     ],
 )
 def test_entries_that_are_refused(
@@ -441,7 +439,7 @@ CUT: list[dict[str, Any]] = [
         "search": Search(slices=4),
     },
     {
-        "parameter": "mu_2", "span": (0.3, 0.36), "orders": (1, 2), "window": (-0.9, -0.6),
+        "parameter": "mu_2", "span": (0.3, 0.36), "orders": (1, 2), "window": (-0.9, -0.3),
         "search": Search(slices=2),
     },
 ]  # fmt: skip

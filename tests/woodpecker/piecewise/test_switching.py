@@ -34,14 +34,15 @@ from maps import (
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
 from woodpecker import FormulaMap, Smooth, Toy, connected, continuation, shoot, slices_at, solutions
-from woodpecker.piecewise.branch_points import closes, saddle
+from woodpecker.engine.newton import branch_point
 from woodpecker.piecewise.curves import Curve
-from woodpecker.piecewise.cycle_branches import Cycles
 from woodpecker.piecewise.diagrams import cycle_near, whole_diagram
+from woodpecker.piecewise.lines import base_of, to_engine
 from woodpecker.piecewise.network import Network
 from woodpecker.piecewise.orbits import orbit_of
 from woodpecker.piecewise.search import Search
 from woodpecker.piecewise.settings import Settings
+from woodpecker.piecewise.tasks import Tasks
 from woodpecker.runs import saved_diagram
 from woodpecker.toypieces import ToyPieces
 from woodpecker.window import WINDOW
@@ -137,10 +138,15 @@ def test_branches_that_only_come_close_do_not_cross(unfolded: float) -> None:
 
 def test_no_cycle_closes_between_branches_that_come_close() -> None:
     map_, settings = pitchfork(1e-9), Settings(span=(0.0, 1.9))
-    found = saddle(orbit_of(map_.pieces, np.array([1e-4]), 1.0), settings)
-    assert found is not None
-    assert found.point == pytest.approx([0.0, 1.0], abs=LOCATED)
-    assert not closes(found, settings)
+    base = base_of(map_, settings)
+    near = to_engine(orbit_of(map_.pieces, np.array([1e-4]), 1.0))
+    assert branch_point(base.problem, near) is None
+    exact = branch_point(
+        base_of(pitchfork(0.0), settings).problem,
+        to_engine(orbit_of(pitchfork(0.0).pieces, np.array([1e-4]), 1.0)),
+    )
+    assert exact is not None
+    assert [exact.x[0, 0], exact.p[0]] == pytest.approx([0.0, 1.0], abs=LOCATED)
 
 
 # --- Flips ----------------------------------------------------------------------------------------
@@ -218,7 +224,7 @@ def test_a_cycle_passed_twice_is_followed_once() -> None:
 def test_the_flip_of_a_cycle_passed_twice_is_a_branch_point(low: float) -> None:
     settings = Settings(span=(low, 3.5))
     start = cycle_near(logistic(), [0.6, 0.6], 2.5, settings)
-    curves = chained(Cycles(logistic(), settings), start)
+    curves = chained(Tasks(logistic(), settings), start)
     points = {end.p: end for curve in curves for end in curve.ends if end.kind is PointKind.BP}
     (p,) = points
     assert p == pytest.approx(3.0, abs=LOCATED)
@@ -229,7 +235,7 @@ def test_a_branch_of_a_cycle_passed_twice_is_not_kept_as_one_of_period_two() -> 
     map_, settings, x = logistic(), Settings(span=(2.2, 2.9)), 0.6
     twice = orbit_of(map_.pieces * 2, np.array([x, x]), 2.5)
     network = Network(settings)
-    assert all(network.has(curve) for curve in chained(Cycles(map_, settings), twice))
+    assert all(network.has(curve) for curve in chained(Tasks(map_, settings), twice))
 
 
 def test_what_goes_round_a_shorter_cycle_but_at_its_ends_is_not_kept() -> None:
@@ -239,7 +245,7 @@ def test_what_goes_round_a_shorter_cycle_but_at_its_ends_is_not_kept() -> None:
     """
     map_, settings = logistic(), Settings(span=(2.2, 2.9))
     twice = orbit_of(map_.pieces * 2, np.array([0.6, 0.6]), 2.5)
-    curve = chained(Cycles(map_, settings), twice)[0]
+    curve = chained(Tasks(map_, settings), twice)[0]
     apart = 20.0 * settings.same * np.array([1.0, 0.0])
     torn = replace(curve, points=(*curve.points[:-1], curve.points[-1] + apart))
     assert Network(settings).has(torn)
@@ -252,7 +258,7 @@ def test_what_goes_round_a_shorter_cycle_but_at_its_ends_is_not_kept() -> None:
 def test_a_branch_that_passed_over_a_thin_piece_is_the_same() -> None:
     """The other way, with a piece in its middle that the first one has not seen."""
     map_, settings = logistic(), Settings(span=(2.2, 2.9))
-    curve = chained(Cycles(map_, settings), orbit_of(map_.pieces, np.array([0.6]), 2.5))[0]
+    curve = chained(Tasks(map_, settings), orbit_of(map_.pieces, np.array([0.6]), 2.5))[0]
     (word,) = curve.words
     middle = len(curve.points) // 2
     thin = replace(word, first=middle - 1, keys=("thin",)), replace(word, first=middle + 1)
@@ -273,7 +279,7 @@ def test_a_branch_that_passed_over_a_thin_piece_is_the_same() -> None:
 def test_branches_with_the_same_ends_are_one(length: float, short_of: float, same: bool) -> None:
     """A part of the span apart at one end: a border may be taken there for the flip beside it."""
     map_, settings = logistic(), Settings(span=(2.2, 2.9))
-    curve = chained(Cycles(map_, settings), orbit_of(map_.pieces, np.array([0.6]), 2.5))[0]
+    curve = chained(Tasks(map_, settings), orbit_of(map_.pieces, np.array([0.6]), 2.5))[0]
     part = np.linspace(0.0, 1.0, 12)
 
     def between(first: float, last: float) -> Curve:

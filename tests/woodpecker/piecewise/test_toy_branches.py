@@ -10,16 +10,13 @@ from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind
 from woodpecker.base.executors import Serial
 from woodpecker.mechanics.toy import Toy
 from woodpecker.piecewise.borders import BorderKind
-from woodpecker.piecewise.crossings import border_at, restart
-from woodpecker.piecewise.cycle_branches import Cycles
 from woodpecker.piecewise.diagrams import cycle_near
 from woodpecker.piecewise.explorer import Explorer
-from woodpecker.piecewise.margins import nearest_code
 from woodpecker.piecewise.network import Network
-from woodpecker.piecewise.orbits import Closed, Coordinate, Margin, orbit_of, solve
+from woodpecker.piecewise.orbits import Closed, Coordinate, orbit_of, solve
 from woodpecker.piecewise.partition import partition
 from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.tasks import Worker
+from woodpecker.piecewise.tasks import Tasks, Worker
 from woodpecker.simulation.returns import first_return
 from woodpecker.toypieces import ToyPieces
 
@@ -128,7 +125,7 @@ def test_a_margin_that_dips_below_zero_does_not_turn_a_branch_round(p: float, x:
     """
     settings = Settings(span=(0.012, 1.0), window=(-2.5, -0.24))
     map_ = ToyPieces(Toy())
-    curve = Cycles(map_, settings).through(cycle_near(map_, [x], p, settings)).curve
+    curve = Tasks(map_, settings).cycle(cycle_near(map_, [x], p, settings)).curve
     ends = sorted((end.p, float(end.x[0]), end.kind) for end in curve.ends)
     assert [kind for *_, kind in ends] == [PointKind.EP, PointKind.FF]
     assert [(p, x) for p, x, _ in ends] == [
@@ -138,28 +135,3 @@ def test_a_margin_that_dips_below_zero_does_not_turn_a_branch_round(p: float, x:
     way = np.sign(curve.parameter[-1] - curve.parameter[0])
     # where two borders lie closer than orbits are told apart a sample may lie a little behind
     assert (way * np.diff(curve.parameter)).min() > -settings.same * settings.p_scale
-
-
-@NEEDS_NUMBA
-def test_beyond_a_root_the_piece_right_at_the_border_is_found() -> None:
-    """On the lower arm of the island slopes beyond a grazing are infinite, those of margins too.
-
-    1e-6 away the map takes another piece, whose margin seems to vanish within 1e-10 of the border;
-    it does so 1e-7 away. Inside the multiplier is -509, right beyond it is infinite: a fold.
-    """
-    settings = Settings(span=(0.012, 1.0), window=(-2.5, -0.24))
-    map_, x, p = ToyPieces(Toy()), -2.3159346992463, 0.1629852171227
-    inside = orbit_of([map_.at(x + 1e-9, p).piece], np.array([x]), p)
-    image = inside.images[0]
-    margin = Margin(0, nearest_code(image, -1))
-    met = solve(inside, (Closed(), margin), settings)
-    assert met.converged
-    assert met.orbit.p == pytest.approx(p, abs=1e-12)
-    border = border_at(map_, met.orbit, margin, settings)
-    assert border.kind(settings) is BorderKind.GRAZING
-    assert border.outer.piece.key == map_.at(x - 1e-9, p).piece.key
-    there = restart(met.orbit, Closed(), border, 0, settings)
-    assert there is not None
-    assert met.orbit.multiplier == pytest.approx(-509.03, abs=0.01)
-    assert there.multiplier > 1.0
-    assert there.sample.orbit.p < p

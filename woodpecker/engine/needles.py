@@ -1,0 +1,130 @@
+"""Bends that are too sharp to be followed round.
+
+Where a piece is a very steep function of one combination u of x and p, and that function has an
+extremum, cycles turn round in a needle whose tip is rounder than the smallest step only over a
+shorter way. Both arms run along u = const, so arclength does not lead from one to the other. The
+coordinate across the arms does: there the curve is a graph, and the equations are regular.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+
+import numpy as np
+from scipy.optimize import brentq
+
+from woodpecker.base.arrays import Floats
+from woodpecker.engine.curves import Arc, Curve, Sample, Stop
+from woodpecker.engine.newton import STEEP, across, solve
+from woodpecker.engine.orbits import Multiplier
+
+BENT = 0.1  # of the largest turn between samples: how much a curve turns at least in a bend
+CLOSEST = 2.0**-48  # scaled: how far across the other arm is looked for at first
+DOUBLINGS = 16  # of that
+FINEST = 1e-15  # of the distance across: where a fold or a flip is
+
+
+def rounded(arc: Arc) -> Arc | None:
+    """An arc that was given up in a bend, as one that leads round it; None if there is no bend.
+
+    It ends at the fold in it; or at the flip, if there is no fold; or else beyond, where steps need
+    not become shorter: it is ``SHORT`` still, and goes on. A flip beside the fold is one point with
+    it.
+    """
+    curve, last = arc.curve, arc.samples[-1]
+    way = _across(arc.samples, BENT * curve.settings.max_turn)
+    if way is None or last.orbit.outer is not None or len(curve.problem.free) > 1:
+        return None
+    along = last.tangent  # it turns by less than a right angle from one distance to the next
+    for doublings in range(DOUBLINGS):
+        away = CLOSEST * 2.0**doublings
+        other = _beside(curve, last, way, away, along)
+        along = along if other is None else other.tangent
+        if other is not None and curve.agrees(other.orbit) and _leads_on(curve, other):
+            break
+    else:
+        return None
+    if _passes("LP", last, other):
+        if _rate(last) * _rate(other) > 0.0:
+            return None  # rounding makes its multipliers
+        stop, test = Stop.LP, _rate
+    elif float(last.tangent @ other.tangent) > math.cos(curve.settings.max_turn) or _is_steep(last):
+        return None  # it does not bend, or the end of a root is near
+    elif _passes("PD", last, other):
+        stop, test = Stop.PD, _flips
+    else:
+        return replace(arc, samples=(*arc.samples, other), beyond=other)
+    place = _located(curve, last, way, away, test)
+    if curve.problem.step_between(last.orbit, place.orbit) @ last.tangent < 0.0:
+        return None
+    if not curve.agrees(place.orbit):
+        return None
+    samples = arc.samples if place is last else (*arc.samples, place)
+    return replace(arc, samples=samples, stop=stop, beyond=other, condition=Multiplier(stop.name))
+
+
+def _is_steep(sample: Sample) -> bool:
+    return any(float(np.abs(image.jacobian).max()) > STEEP for image in sample.orbit.images)
+
+
+def _passes(kind: str, one: Sample, other: Sample) -> bool:
+    """Whether a multiplier passes 1 (LP) or -1 (PD) between two samples."""
+    multiplier = Multiplier(kind)
+    return multiplier.value(one.orbit) * multiplier.value(other.orbit) < 0.0
+
+
+def _rate(sample: Sample) -> float:
+    """How fast the parameter grows."""
+    return float(sample.tangent[sample.orbit.x.size])
+
+
+def _flips(sample: Sample) -> float:
+    """How far a multiplier is from -1."""
+    return Multiplier("PD").value(sample.orbit)
+
+
+def _across(samples: Sequence[Sample], least: float) -> Floats | None:
+    """Unit vector across a curve, to the side to which it turns; None if by less than an angle."""
+    if len(samples) < 2:
+        return None
+    one, other = samples[-2].tangent, samples[-1].tangent
+    way: Floats = float(one @ other) * other - one
+    length = float(np.linalg.norm(way))
+    return way / length if length > least else None
+
+
+def _beside(curve: Curve, last: Sample, way: Floats, away: float, along: Floats) -> Sample | None:
+    """The cycle at a distance across the arm of a needle; None if there is none."""
+    problem = curve.problem
+    guess = problem.moved(last.orbit, away * way)
+    if not guess.is_defined:
+        return None
+    found = solve(problem.with_(across(problem, last.orbit, way, away)), guess)
+    sample = curve.start(found.orbit, along)
+    return sample if found.converged and np.isfinite(sample.tangent).all() else None
+
+
+def _located(
+    curve: Curve, last: Sample, way: Floats, away: float, test: Callable[[Sample], float]
+) -> Sample:
+    """Where a test vanishes nearer than a distance across; or next to it, where rounding ends."""
+    found = [last]
+
+    def value(distance: float) -> float:
+        sample = last if distance == 0.0 else _beside(curve, last, way, distance, way)
+        if sample is None:
+            return 0.0  # no closer than this
+        found.append(sample)
+        return test(sample)
+
+    brentq(value, 0.0, away, xtol=FINEST * away, disp=False)
+    return min(found, key=lambda sample: abs(test(sample)))
+
+
+def _leads_on(curve: Curve, start: Sample) -> bool:
+    """Whether a curve can be followed from a sample with steps that need not become shorter."""
+    ahead = curve.advance(start, curve.settings.min_step)
+    turn = math.cos(curve.settings.max_turn)
+    return ahead is not None and float(start.tangent @ ahead.tangent) > turn
