@@ -1,0 +1,163 @@
+"""The first guard that fires in a phase, and the least values of those that do not.
+
+Over a step guards are Chebyshev interpolants; between their extremes they are monotone, so the
+first root is bracketed and no grazing is passed over. A guard of which the event that began the
+phase has made leading derivatives zero is divided by that power of time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from scipy.optimize import brentq
+
+from woodpecker.base.arrays import Floats
+from woodpecker.systems.flows import Step
+
+NODES = 24  # of an interpolant: a Taylor step of order 20, and guards that are no polynomials
+CHOPPED = 2.0**-52  # relative: coefficients that are smaller are rounding
+REAL = 1e-9  # imaginary parts below are those of a double root
+WINDOW = 4.0  # times the time at which a guard comes back, as its first derivatives say
+
+_POINTS = np.cos(math.pi * (np.arange(NODES) + 0.5) / NODES)[::-1]  # ascending in (-1, 1)
+_TO_SERIES = np.linalg.inv(chebyshev.chebvander(_POINTS, NODES - 1))
+
+
+class Watched(Protocol):
+    """Values of guards at many states."""
+
+    def __call__(self, z: Floats) -> Floats:
+        """(guards, b) values at states (b, N)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """How a guard begins.
+
+    Attributes
+    ----------
+    order
+        How many derivatives, from the value on, are exactly zero.
+    jet
+        Its derivatives as computed, those included.
+    """
+
+    order: int
+    jet: Sequence[float]
+
+    def noise(self, t: Floats) -> Floats:
+        """What rounding has left of the derivatives that are zero."""
+        found = np.zeros_like(t)
+        for k in range(self.order):
+            found += self.jet[k] * t**k / math.factorial(k)
+        return found
+
+    def comes_back(self) -> float:
+        """Time at which it comes back to zero, as its first two derivatives say; else infinite."""
+        k = self.order
+        if k == 0 or len(self.jet) <= k + 1:
+            return math.inf
+        first, second = self.jet[k], self.jet[k + 1]
+        return -(k + 1) * first / second if first > 0.0 > second else math.inf
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Series:
+    """A guard over an interval of a phase, as a Chebyshev series.
+
+    Attributes
+    ----------
+    low, high
+        The interval, in time from the start of the phase.
+    c
+        The coefficients; of the guard over t**order.
+    order
+        As above; 0 unless the interval begins where the phase does.
+    """
+
+    low: float
+    high: float
+    c: Floats
+    order: int = 0
+
+    def __call__(self, t: float) -> float:
+        """Its value, divided."""
+        return float(chebyshev.chebval(2.0 * (t - self.low) / (self.high - self.low) - 1.0, self.c))
+
+    @property
+    def is_positive(self) -> bool:
+        """Whether the coefficients alone say that it has no root."""
+        return bool(self.c[0] > np.abs(self.c[1:]).sum())
+
+    def extremes(self, order: int | None = None) -> Floats:
+        """Times inside at which its slope vanishes; ascending."""
+        c = self.c
+        size = np.abs(c).max(initial=0.0)
+        kept = np.flatnonzero(np.abs(c) > CHOPPED * size)
+        if not kept.size or kept[-1] < 2:
+            return np.empty(0)
+        roots = chebyshev.chebroots(chebyshev.chebder(c[: kept[-1] + 1]))
+        inside = np.sort(roots.real[(np.abs(roots.imag) < REAL) & (np.abs(roots.real) < 1.0)])
+        return np.asarray(self.low + 0.5 * (inside + 1.0) * (self.high - self.low))
+
+    def falls(self) -> float:
+        """The first time at which it falls through zero; infinite if there is none.
+
+        A guard that begins at zero or below, and falls, does so at once.
+        """
+        if self.is_positive:
+            return math.inf
+        times = [self.low, *self.extremes().tolist(), self.high]
+        values = [self(t) for t in times]
+        if self.low == 0.0 and values[0] <= 0.0 and values[1] < values[0] and self.order == 0:
+            return 0.0
+        for t, value, after, next_value in zip(times, values, times[1:], values[1:], strict=False):
+            if value > 0.0 >= next_value:
+                if next_value == 0.0:
+                    return after
+                return float(brentq(self, t, after, xtol=1e-300, rtol=8.9e-16))
+        return math.inf
+
+
+def series(
+    step: Step, begin: float, watch: Watched, starts: Sequence[Start]
+) -> Iterator[list[Series]]:
+    """Series of all guards over the windows of a step that begins at a time of the phase."""
+    soon = min((WINDOW * each.comes_back() for each in starts), default=math.inf)
+    first = begin == 0.0
+    edges = [0.0, step.length]
+    if first and 0.0 < soon < step.length:
+        edges = [0.0, soon, step.length]
+    for k, (low, high) in enumerate(zip(edges, edges[1:], strict=False)):
+        times = low + 0.5 * (_POINTS + 1.0) * (high - low)
+        values = watch(step.states(times))
+        found = []
+        for value, start in zip(values, starts, strict=True):
+            order = start.order if first and k == 0 else 0
+            row = (value - start.noise(times)) / times**order if order else value
+            found.append(Series(begin + low, begin + high, _TO_SERIES @ row, order))
+        yield found
+
+
+@dataclass(slots=True, eq=False)
+class Least:
+    """The least values of guards at minima inside of a phase, as they come."""
+
+    value: dict[int, float] = field(default_factory=dict)
+    time: dict[int, float] = field(default_factory=dict)
+
+    def add(self, key: int, one: Series, until: float, *, lowest: bool = True) -> None:
+        """Note the least minimum of a guard before a time; or the highest maximum."""
+        sign = 1.0 if lowest else -1.0
+        times = [t for t in one.extremes().tolist() if t < until]
+        for t in times:
+            value = sign * one(t) * t**one.order
+            width = 1e-4 * (one.high - one.low)
+            bends = sign * (one(t + width) + one(t - width) - 2.0 * one(t))
+            if bends > 0.0 and value < self.value.get(key, math.inf):
+                self.value[key], self.time[key] = value, t
