@@ -422,7 +422,7 @@ def _total(eq: Equations, change: Floats, tangents: Floats) -> Floats:
     """Derivatives along the tangents, of which the last ones move the free parameters."""
     found = change[:, : eq.size] @ tangents
     k = len(eq.free)
-    if k:
+    if k and tangents.shape[1]:
         found[:, tangents.shape[1] - k :] += change[:, eq.size :]
     return np.asarray(found)
 
