@@ -40,7 +40,10 @@ class Function:
     """A list of arrays of expressions, compiled once; of numbers, or of arrays of them."""
 
     def __init__(self, symbols: Sequence[sympy.Symbol], arrays: Sequence[Any]) -> None:
-        self.shapes = [each.shape for each in arrays]
+        ends = np.cumsum([each.size for each in arrays]).tolist()
+        begins = [0, *ends[:-1]]
+        shapes = [each.shape for each in arrays]
+        self._parts = list(zip(begins, ends, shapes, strict=True))
         flat = [entry for each in arrays for entry in each.ravel().tolist()]
         self._one: Callable[..., Any] = sympy.lambdify(symbols, flat, modules="math", cse=True)
         self._symbols, self._flat = symbols, flat
@@ -48,9 +51,8 @@ class Function:
 
     def __call__(self, *numbers: Floats) -> list[Floats]:
         """Arrays at one point, whose coordinates are given in parts."""
-        given = [float(v) for part in numbers for v in part]
         try:
-            flat = np.array(self._one(*given), dtype=float)
+            flat = np.array(self._one(*np.concatenate(numbers).tolist()), dtype=float)
         except (ValueError, ZeroDivisionError, OverflowError, TypeError):  # TypeError: complex
             flat = np.full(len(self._flat), np.nan)
         return self._split(flat)
@@ -67,12 +69,8 @@ class Function:
         return self._split(flat)
 
     def _split(self, flat: Floats) -> list[Floats]:
-        found, at = [], 0
-        for shape in self.shapes:
-            size = int(np.prod(shape))
-            found.append(flat[..., at : at + size].reshape(*flat.shape[:-1], *shape))
-            at += size
-        return found
+        batch = flat.shape[:-1]
+        return [flat[..., low:high].reshape(*batch, *shape) for low, high, shape in self._parts]
 
 
 class Equations:
@@ -109,6 +107,7 @@ class Equations:
         self.rubs: Bools = np.array([each.rubs for each in system.contacts])
         self.symbols = (*system.state, *system.parameters)
         self._along = (*system.state, *(known[name] for name in free))
+        self._last: tuple[bytes, bytes, Terms] | None = None
         self._derive()
 
     def _derive(self) -> None:
@@ -151,8 +150,13 @@ class Equations:
         return Function((*self.symbols, *more), arrays)
 
     def terms(self, z: Floats, p: Floats) -> Terms:
-        """The terms at one state (N,), or at a batch (b, N)."""
-        return Terms(*(self._terms(z, p) if z.ndim == 1 else self._terms.batch(z, p)))
+        """The terms at one state (N,), or at a batch (b, N); the last ones are remembered."""
+        if z.ndim > 1:
+            return Terms(*self._terms.batch(z, p))
+        key = z.tobytes(), p.tobytes()
+        if self._last is None or self._last[:2] != key:
+            self._last = *key, Terms(*self._terms(z, p))
+        return self._last[2]
 
     def motion_changes(
         self, z: Floats, p: Floats, a: Floats, l_n: Floats, l_t: Floats

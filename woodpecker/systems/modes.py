@@ -282,8 +282,6 @@ def settle(
         return Outcome.SOLVED, (OPEN,) * eq.m
     terms = eq.terms(z, p)
     tried = [Local(eq, mode, z, p) for mode in _modes(eq, terms, touch)]
-    for each in tried:
-        each.__dict__["terms"] = terms
     for slack in (0.0, ROUNDING):
         kept = [each for each in tried if _admissible(each, touch, slack)]
         if not kept:
