@@ -34,6 +34,7 @@ FORWARD, BACKWARD, HOLD = 0, 1, 2  # what a contact does in the tangential direc
 REST, FREE = 0, 3  # and in the normal one: the sum is its case
 ENUMERATED = 3  # contacts of an impact of which all 216 cases are tried
 SLACK = 1e-11  # relative: rounding in the inequalities of a solution on a boundary
+EXACT = 2.0**-47  # relative: no more than the rounding of few operations
 SAME = 1e-8  # relative: solutions that are closer are one
 
 Cases = tuple[int, ...]
@@ -185,7 +186,8 @@ def solutions(
 ) -> tuple[Outcome, tuple[Cases, ...], Floats | None]:
     """The cases that solve a phase, and its impulses (2c,).
 
-    Where several cases solve it with the same velocities, the one with the least violation counts.
+    Where several cases solve it with the same velocities, the one with the least violation counts;
+    of several that solve it but for rounding the first.
     If their normal impulses differ at contacts where these ``feed`` an expansion, it is
     indeterminate: the two ends of the segment, and its middle.
     """
@@ -194,7 +196,8 @@ def solutions(
     kept = np.flatnonzero(worst <= SLACK)
     if not kept.size:
         return Outcome.NO_SOLUTION, (), None
-    best = int(kept[worst[kept].argmin()])
+    exact = np.flatnonzero(worst <= EXACT)  # of several the first: to rest, and to stick
+    best = int(exact[0] if exact.size else kept[worst[kept].argmin()])
     size = np.abs(phase.free) + np.abs(phase.delassus).sum(axis=1) * np.abs(impulses[best]).max()
     if (np.abs(velocities[kept] - velocities[best]) > SAME * size).any():
         return Outcome.AMBIGUOUS, (), None
@@ -212,7 +215,8 @@ def solutions(
 @lru_cache(maxsize=64)
 def _combinations(rubs: tuple[bool, ...]) -> Floats:
     """All cases (count, c) of contacts; without friction a contact slides, one way."""
-    one = [range(6) if each else (REST, FREE) for each in rubs]
+    with_friction = [normal + each for normal in (REST, FREE) for each in (HOLD, FORWARD, BACKWARD)]
+    one = [with_friction if each else (REST, FREE) for each in rubs]
     return np.array(list(product(*one)))
 
 

@@ -16,7 +16,7 @@ from importlib.util import find_spec
 import numpy as np
 
 from woodpecker.base.arrays import Floats
-from woodpecker.systems.equations import Equations
+from woodpecker.systems.equations import Equations, Terms
 from woodpecker.systems.flows import Flow, LostError, RungeFlow, Step
 from woodpecker.systems.guards import Start, series
 from woodpecker.systems.impacts import Impact, Outcome, carry_out, decide
@@ -41,6 +41,8 @@ from woodpecker.systems.sections import Embedding
 EVENTS_MOST = 2000  # of one return, unless a caller says otherwise
 STEPS_MOST = 20_000  # of one phase of one return
 CHATTER = 1e-9  # relative change of acceleration in a bounce below which the rest is a series
+IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
+COLLAPSED = 2.0**-50  # of time: impacts of several contacts in turns within it have come to an end
 TOGETHER = 2.0**-44  # of a phase: gaps that close within it do so at once
 POLISHED = 1e-6  # of a window: Newton's step from a root of the series is shorter, or not taken
 NO_FORCE = 1e-9  # relative: a normal force that vanishes where a cone is reached
@@ -289,13 +291,15 @@ class Search:
             return np.vstack([values, section.values(states, self.p)])
 
         t = 0.0
+        if most <= 0.0:
+            return TIME, t, z
         for count, step in enumerate(self.machine.flow(mode).steps(z, self.p, most)):
             if self.keeps and keeps:
                 self._run.steps.append((float(z[-1]) + t, step))
             for window in series(step, t, watch, starts):
                 falls = [each.falls() for each in window]
-                k = int(np.argmin(falls))
-                if falls[k] < math.inf:
+                k = min(range(len(falls)), key=falls.__getitem__, default=-1)
+                if k >= 0 and falls[k] < math.inf:
                     width = window[k].high - window[k].low
                     return watched[k], *self._polished(
                         mode, watched[k], starts[k], step, t, falls[k], width
@@ -367,8 +371,26 @@ class Search:
         before = found.z[n : 2 * n]
         found.z = struck.z
         self._note(impact.symbol, before, struck.impulses)
-        self._touch = after(impact)
+        self._touch = self._collapsed(impact)
         return impact
+
+    def _collapsed(self, impact: Impact) -> Touch:
+        """What touches after an impact; contacts that come back within the rounding of time stay.
+
+        Impacts of several contacts accumulate in turns: there is no series to sum, because their
+        order need not repeat, but what remains of them soon falls below rounding.
+        """
+        z, eq = self._run.z, self.eq
+        terms = eq.terms(z, self.p)
+        touch = implied(terms, after(impact), impact.held)
+        free = np.abs(np.linalg.solve(terms.mass, terms.force))
+        pull = np.abs(terms.w_n) @ free + np.abs(terms.bar_n)
+        instant = COLLAPSED * max(abs(z[-1]), *self._run.durations[-1:], 0.0)
+        back = {i for i in touch.leaving if 2.0 * terms.gap_rate[i] <= instant * pull[i]}
+        if not back:
+            return touch
+        held = touch.held | (frozenset(back) & impact.held)
+        return Touch(touch.closed | back, held, touch.leaving - back)
 
     def _note(self, symbol: str, before: Floats | None = None, impulses: Floats | None = None) -> None:
         found, n = self._run, self.eq.n
@@ -405,9 +427,12 @@ class Search:
         count = len(held) + len(stuck)
         if count < eq.n:
             return
-        terms = eq.terms(z, self.p)
+        still = z.copy()
+        still[eq.n : 2 * eq.n] = 0.0
+        terms = eq.terms(still, self.p)
         rank = int(np.linalg.matrix_rank(np.vstack([terms.w_n[held], terms.w_t[stuck]])))
-        if rank == eq.n and self.machine.is_autonomous:
+        moved = terms.gap_rate[held].any() or terms.slip[stuck].any()  # by a belt, a support
+        if rank == eq.n and self.machine.is_autonomous and not moved:
             raise _StoppedError(MotionStatus.AT_REST)
         if rank < count:
             raise _StoppedError(MotionStatus.NO_FORCES)
@@ -472,6 +497,29 @@ def started(here: Local, touch: Touch, guard: int) -> Start:
     """How a guard begins, where an event has made some of its derivatives zero."""
     order = touch.order(here.eq, here.mode, guard)
     return Start(order, here.jet(guard, order + 1) if order else ())
+
+
+def implied(terms: Terms, touch: Touch, stopped: frozenset[int]) -> Touch:
+    """The same with contacts that cannot but rest or stick, because others do.
+
+    Stopped are those whose slip an impact has made zero, also where they leave.
+    """
+    closed, held = set(touch.closed), set(touch.held)
+    if len(closed | touch.leaving) < 2:
+        return touch
+    rows = np.vstack([terms.w_n[sorted(closed)], terms.w_t[sorted(held | stopped)]])
+    fixed = np.linalg.pinv(rows) @ rows  # projects on the velocities that are zero
+    for i in touch.leaving:
+        if _within(terms.w_n[i], fixed) and abs(terms.gap_rate[i]) <= IMPLIED:
+            closed.add(i)
+    for i in closed - held:
+        if _within(terms.w_t[i], fixed) and abs(terms.slip[i]) <= IMPLIED:
+            held.add(i)
+    return Touch(frozenset(closed), frozenset(held), touch.leaving - closed, touch.fired)
+
+
+def _within(row: Floats, fixed: Floats) -> bool:
+    return bool(np.abs(row - row @ fixed).max() <= IMPLIED * np.abs(row).max())
 
 
 def after(impact: Impact) -> Touch:

@@ -27,7 +27,7 @@ from woodpecker.systems.motion import (
     Search,
 )
 from woodpecker.systems.returns import SystemMap
-from woodpecker.systems.sections import Section, touching
+from woodpecker.systems.sections import touching
 
 SAMPLES = 1001  # of a motion unless a caller says otherwise
 ROUNDING = 1e-12  # gaps and rates [m, m/s] of a start that are smaller are zero
@@ -441,4 +441,4 @@ def continuation(
     )  # fmt: skip
 
 
-__all__ = ["Section", "SystemMap", "continuation", "return_map", "shoot", "simulate"]
+
