@@ -133,7 +133,7 @@ class Equations:
         self._terms = Function(self.symbols, [*whole, *flat])
         pull = w_n.T * l_n + w_t.T * l_t
         motion = [system.M * a - system.h - pull, w_n * a + bar_n, w_t * a + bar_t, mu]
-        after = dict(zip(system.u, new, strict=True))
+        after = dict(zip(system.state[self.n : -1], new, strict=True))
         impact = [
             system.M * (new - u) - pull, rate.subs(after), slip.subs(after), rate, mu, eps,
         ]  # fmt: skip

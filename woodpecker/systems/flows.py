@@ -73,7 +73,6 @@ class RungeFlow:
     def _solver(self, start: Floats, p: Floats, most: float) -> DOP853:
         return DOP853(
             lambda _, y: self._rate(y, p), 0.0, start, most, rtol=RELATIVE, atol=ABSOLUTE,
-            first_step=None if np.isfinite(most) else None,
         )  # fmt: skip
 
     def _rate(self, y: Floats, p: Floats) -> Floats:

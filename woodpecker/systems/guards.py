@@ -8,9 +8,9 @@ phase has made leading derivatives zero is divided by that power of time.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -22,17 +22,16 @@ from woodpecker.systems.flows import Step
 NODES = 24  # of an interpolant: a Taylor step of order 20, and guards that are no polynomials
 CHOPPED = 2.0**-52  # relative: coefficients that are smaller are rounding
 REAL = 1e-9  # imaginary parts below are those of a double root
+SHORT = 1e-3  # of a step: what follows the third derivative changes a time by 1e-12 of it
+SOLVED = 4  # iterations of Newton's method for it, from where two derivatives place it
 WINDOW = 4.0  # times the time at which a guard comes back, as its first derivatives say
 
 _POINTS = np.cos(math.pi * (np.arange(NODES) + 0.5) / NODES)[::-1]  # ascending in (-1, 1)
 _TO_SERIES = np.linalg.inv(chebyshev.chebvander(_POINTS, NODES - 1))
 
 
-class Watched(Protocol):
-    """Values of guards at many states."""
-
-    def __call__(self, z: Floats) -> Floats:
-        """(guards, b) values at states (b, N)."""
+Watched = Callable[[Floats], Floats]
+"""Values (guards, b) of guards at many states (b, N)."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -45,10 +44,14 @@ class Start:
         How many derivatives, from the value on, are exactly zero.
     jet
         Its derivatives as computed, those included.
+    is_section
+        Whether it is that of a section, which may be negative: it fires only as it falls through
+        zero.
     """
 
     order: int
     jet: Sequence[float]
+    is_section: bool = False
 
     def noise(self, t: Floats) -> Floats:
         """What rounding has left of the derivatives that are zero."""
@@ -65,6 +68,20 @@ class Start:
         first, second = self.jet[k], self.jet[k + 1]
         return -(k + 1) * first / second if first > 0.0 > second else math.inf
 
+    def soon(self, length: float) -> float:
+        """That time by all known derivatives, if it is short in a step of some length; else infinite.
+
+        In so short a time the guard stays below the rounding of what it is computed from.
+        """
+        t, k = self.comes_back(), self.order
+        if not WINDOW * t <= SHORT * length or len(self.jet) < k + 3:
+            return math.inf
+        c = [value / math.factorial(k + j) for j, value in enumerate(self.jet[k:])]
+        for _ in range(SOLVED):
+            value = sum(a * t**j for j, a in enumerate(c))
+            t -= value / sum(j * a * t ** (j - 1) for j, a in enumerate(c) if j)
+        return t
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Series:
@@ -78,12 +95,15 @@ class Series:
         The coefficients; of the guard over t**order.
     order
         As above; 0 unless the interval begins where the phase does.
+    at_once
+        Whether it fires where it begins at zero or below, and falls.
     """
 
     low: float
     high: float
     c: Floats
     order: int = 0
+    at_once: bool = False
 
     def __call__(self, t: float) -> float:
         """Its value, divided."""
@@ -108,18 +128,17 @@ class Series:
     def falls(self) -> float:
         """The first time at which it falls through zero; infinite if there is none.
 
-        A guard that begins at zero or below, and falls, does so at once.
         """
         if self.is_positive:
             return math.inf
         times = [self.low, *self.extremes().tolist(), self.high]
         values = [self(t) for t in times]
-        if self.low == 0.0 and values[0] <= 0.0 and values[1] < values[0] and self.order == 0:
+        if self.at_once and values[0] <= 0.0 and values[1] < values[0]:
             return 0.0
         for t, value, after, next_value in zip(times, values, times[1:], values[1:], strict=False):
             if value > 0.0 >= next_value:
                 if next_value == 0.0:
-                    return after
+                    return float(after)
                 return float(brentq(self, t, after, xtol=1e-300, rtol=8.9e-16))
         return math.inf
 
@@ -133,14 +152,15 @@ def series(
     edges = [0.0, step.length]
     if first and 0.0 < soon < step.length:
         edges = [0.0, soon, step.length]
-    for k, (low, high) in enumerate(zip(edges, edges[1:], strict=False)):
+    for k, (low, high) in enumerate(pairwise(edges)):
         times = low + 0.5 * (_POINTS + 1.0) * (high - low)
         values = watch(step.states(times))
         found = []
         for value, start in zip(values, starts, strict=True):
             order = start.order if first and k == 0 else 0
             row = (value - start.noise(times)) / times**order if order else value
-            found.append(Series(begin + low, begin + high, _TO_SERIES @ row, order))
+            at_once = first and k == 0 and order == 0 and not start.is_section
+            found.append(Series(begin + low, begin + high, _TO_SERIES @ row, order, at_once))
         yield found
 
 

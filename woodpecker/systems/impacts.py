@@ -1,4 +1,4 @@
-"""Impacts: compression and expansion of all contacts that touch [Leine2001, Eqs. 4-5; Pfeiffer1996].
+"""Impacts: compression and expansion of all touching contacts [Leine2001; Pfeiffer1996].
 
 One phase of an impact seeks impulses Lambda with
 
@@ -25,7 +25,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from woodpecker.base.arrays import Floats
+from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.systems.equations import Equations, Terms
 from woodpecker.systems.model import FrictionBound, ImpactLaw
@@ -61,11 +61,14 @@ class Impact:
         Their cases; twice, if it is indeterminate: both ends of the segment of solutions.
     expansion
         Their cases; none without an expansion.
+    stores
+        Contacts that have impulse to give back in the expansion.
     """
 
     contacts: tuple[int, ...]
     compression: tuple[Cases, ...]
     expansion: Cases = ()
+    stores: tuple[int, ...] = ()
 
     @property
     def last(self) -> Cases:
@@ -75,9 +78,7 @@ class Impact:
     @property
     def resting(self) -> frozenset[int]:
         """Contacts that stay closed."""
-        return frozenset(
-            i for i, case in zip(self.contacts, self.last, strict=True) if case < FREE
-        )
+        return frozenset(i for i, case in zip(self.contacts, self.last, strict=True) if case < FREE)
 
     @property
     def held(self) -> frozenset[int]:
@@ -100,7 +101,7 @@ class Impact:
             first = self.compression[0][k]
             text = "f" if first >= FREE else "s" if first % 3 == HOLD else ""
             if self.expansion:
-                usual = FREE if first < FREE else REST
+                usual = FREE if i in self.stores else REST
                 second = self.expansion[k]
                 late = ("" if second // 3 * 3 == usual else "r") + (
                     "s" if second % 3 == HOLD else ""
@@ -134,9 +135,7 @@ class Phase(NamedTuple):
     rubs: tuple[bool, ...]
 
 
-def decide(
-    eq: Equations, terms: Terms, contacts: tuple[int, ...]
-) -> tuple[Outcome, Impact | None]:
+def decide(eq: Equations, terms: Terms, contacts: tuple[int, ...]) -> tuple[Outcome, Impact | None]:
     """Find the cases of an impact at a state whose terms are given."""
     c = list(contacts)
     newton = eq.system.law is ImpactLaw.NEWTON
@@ -161,7 +160,8 @@ def decide(
     final, cases, _ = solutions(Phase(delassus, after, bound, floor, rubs), none > 0.0)
     if final not in (Outcome.SOLVED, Outcome.INDETERMINATE):
         return final, None
-    return outcome, Impact(contacts, ends, cases[0])
+    stores = tuple(i for i, least in zip(contacts, floor, strict=True) if least > 0.0)
+    return outcome, Impact(contacts, ends, cases[0], stores)
 
 
 def _bound(eq: Equations, mu: Floats) -> Floats:
@@ -181,9 +181,7 @@ def _zero(velocity: Floats, cases: Cases) -> None:
             velocity[n + k] = 0.0
 
 
-def solutions(
-    phase: Phase, feeds: Floats
-) -> tuple[Outcome, tuple[Cases, ...], Floats | None]:
+def solutions(phase: Phase, feeds: Bools) -> tuple[Outcome, tuple[Cases, ...], Floats | None]:
     """The cases that solve a phase, and its impulses (2c,).
 
     Where several cases solve it with the same velocities, the one with the least violation counts;
@@ -213,14 +211,14 @@ def solutions(
 
 
 @lru_cache(maxsize=64)
-def _combinations(rubs: tuple[bool, ...]) -> Floats:
+def _combinations(rubs: tuple[bool, ...]) -> Ints:
     """All cases (count, c) of contacts; without friction a contact slides, one way."""
     with_friction = [normal + each for normal in (REST, FREE) for each in (HOLD, FORWARD, BACKWARD)]
     one = [with_friction if each else (REST, FREE) for each in rubs]
     return np.array(list(product(*one)))
 
 
-def _proposed(phase: Phase) -> Floats:
+def _proposed(phase: Phase) -> Ints:
     """The cases (1, c) of the solution to which Lemke's path leads."""
     n = len(phase.rubs)
     found = solve_contact_lcp(phase.delassus, phase.free, phase.bound, phase.floor)
@@ -235,7 +233,7 @@ def _proposed(phase: Phase) -> Floats:
     return np.where(phase.rubs, cases, np.where(rests, REST, FREE))[None]
 
 
-def _try(phase: Phase, tried: Floats) -> tuple[Floats, Floats, Floats]:
+def _try(phase: Phase, tried: Ints) -> tuple[Floats, Floats, Floats]:
     """Impulses and velocities (count, 2c) of cases, and their largest relative violation."""
     count, n = tried.shape
     rests, tangential = tried < FREE, tried % 3
@@ -264,7 +262,7 @@ def _try(phase: Phase, tried: Floats) -> tuple[Floats, Floats, Floats]:
             holds, (np.abs(impulses[:, n:]) - bound) / most, sign * velocities[:, n:] / size[:, n:]
         )
     along = np.where(np.array(phase.rubs), along, 0.0)
-    zero = np.isfinite(impulses).all(axis=1)[:, None]
+    zero = np.isfinite(impulses).all(axis=1).reshape(-1, 1)
     violations = np.hstack([normal, along])
     violations = np.where(np.isnan(violations), np.where(zero, 0.0, np.inf), violations)
     return impulses, velocities, np.maximum(violations, 0.0).max(axis=1)
@@ -327,8 +325,9 @@ def carry_out(
     ]
     for side, (end, cases) in enumerate(zip(ends, impact.compression, strict=True)):
         _slacks(eq, impact.contacts, cases, end, side, (slacks, items))
-    mean = [sum(part) / len(ends) for part in zip(*(end[:4] for end in ends), strict=True)]
-    z, tangents, impulse, change = mean
+    z, tangents, impulse, change = (
+        np.mean(part, axis=0) for part in zip(*(end[:4] for end in ends), strict=True)
+    )
     impulses[0][:, impact.contacts] = impulse.reshape(2, c)
     if impact.expansion:
         terms = eq.terms(z, p)

@@ -270,7 +270,7 @@ def from_kane(method: Any, contacts: Sequence[Contact], parameters: Mapping[Any,
             f"{len(coordinates)}"
         )
     rates = {q.diff(t): u for q, u in zip(coordinates, speeds, strict=True)}
-    kinematics = getattr(method, "kindiffdict", dict)()
+    kinematics: dict[Any, Any] = getattr(method, "kindiffdict", dict)()
     for q, u in zip(coordinates, speeds, strict=True):
         if kinematics and sympy.simplify(kinematics[q.diff(t)] - u) != 0:
             raise ValueError(f"{u} must be the rate of {q}, it is another velocity")
@@ -393,4 +393,4 @@ def _is_zero(matrix: Any) -> bool:
 
 
 def _is_nonzero(value: Any) -> bool:
-    return value != 0 and sympy.simplify(value) != 0
+    return bool(value != 0 and sympy.simplify(value) != 0)

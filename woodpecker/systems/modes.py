@@ -75,8 +75,14 @@ def balance(eq: Equations, mode: Mode, terms: Terms) -> Balance:
         middle = n + len(closed)
         k[..., :n, n:middle] = -np.swapaxes(pull[..., closed, :], -1, -2)
         k[..., :n, middle:] = -np.swapaxes(terms.w_t[..., stuck, :], -1, -2)
-        k[..., n:middle, :n], k[..., middle:, :n] = terms.w_n[..., closed, :], terms.w_t[..., stuck, :]
-        right[..., n:middle], right[..., middle:] = -terms.bar_n[..., closed], -terms.bar_t[..., stuck]
+        k[..., n:middle, :n], k[..., middle:, :n] = (
+            terms.w_n[..., closed, :],
+            terms.w_t[..., stuck, :],
+        )
+        right[..., n:middle], right[..., middle:] = (
+            -terms.bar_n[..., closed],
+            -terms.bar_t[..., stuck],
+        )
     x = _solve(k, right)
     l_n, l_t = np.zeros((*batch, m)), np.zeros((*batch, m))
     l_n[..., closed] = x[..., n : n + len(closed)]
@@ -151,7 +157,8 @@ class Local:
     @cached_property
     def changes(self) -> tuple[Floats, Floats, Floats]:
         """Derivatives (.., columns) of accelerations and forces, in z and free parameters."""
-        eq, (a, l_n, l_t, k), t = self.eq, self.balance, self.terms
+        eq, t = self.eq, self.terms
+        _, l_n, _, k = self.balance
         n, states = eq.n, np.array(self.mode)
         closed, stuck = np.flatnonzero(states != OPEN), np.flatnonzero(states == STICK)
         sign = _signs(states)
@@ -193,7 +200,9 @@ class Local:
                 w, bar = (t.w_n, t.bar_n) if kind == GAP else (t.w_t, t.bar_t)
                 found.append(sign * (w[i] @ self.balance.a + bar[i]))
             if len(found) <= order:
-                found.append(sign * (self._acceleration_change(kind, i)[: self.eq.size] @ self.flow))
+                found.append(
+                    sign * (self._acceleration_change(kind, i)[: self.eq.size] @ self.flow)
+                )
             return found[: order + 1]
         value = _force_guard(kind, t.mu[i], self.balance.l_n[i], self.balance.l_t[i])
         return [float(value), float(self.gradient(guard)[: self.eq.size] @ self.flow)][: order + 1]
@@ -218,10 +227,10 @@ class Local:
             if order == (2 if kind == GAP else 1):
                 return sign * self._acceleration_change(kind, i)
             gap, rate, slip = self.eq.kinematic_changes(self.z, self.p)
-            return sign * (slip if kind == SLIP else rate if order else gap)[i]
+            return np.asarray(sign * (slip if kind == SLIP else rate if order else gap)[i])
         _, change_n, change_t = self.changes
         if kind == NORMAL:
-            return change_n[i]
+            return np.asarray(change_n[i])
         cone = self.terms.mu[i] * change_n[i] + self.balance.l_n[i] * self._partial[3][i]
         return np.asarray(cone - change_t[i] if kind == CONE_UP else cone + change_t[i])
 
@@ -269,9 +278,7 @@ class Touch:
         return 1 if guard == self.fired else 0
 
 
-def settle(
-    eq: Equations, z: Floats, p: Floats, touch: Touch
-) -> tuple[Outcome, Mode]:
+def settle(eq: Equations, z: Floats, p: Floats, touch: Touch) -> tuple[Outcome, Mode]:
     """The mode that starts now: all combinations of states of the closed contacts are tried.
 
     One is admissible if all its guards of these contacts are positive right after now, judged by
@@ -287,7 +294,9 @@ def settle(
         if not kept:
             continue
         first = kept[0]
-        size = np.abs(first.balance.a).max() + np.abs(np.linalg.solve(terms.mass, terms.force)).max()
+        size = (
+            np.abs(first.balance.a).max() + np.abs(np.linalg.solve(terms.mass, terms.force)).max()
+        )
         for other in kept[1:]:
             if np.abs(other.balance.a - first.balance.a).max() > SAME * size:
                 return Outcome.AMBIGUOUS, first.mode
@@ -318,7 +327,9 @@ def _proposed(eq: Equations, terms: Terms, touch: Touch) -> list[Mode]:
     w = np.vstack([terms.w_n[c], terms.w_t[c]])
     response = np.linalg.solve(terms.mass, np.column_stack([w.T, terms.force]))
     free = w @ response[:, -1] + np.concatenate([terms.bar_n[c], terms.bar_t[c]])
-    slides = np.array([0 if i in touch.held or not eq.rubs[i] else np.sign(terms.slip[i]) for i in c])
+    slides = np.array(
+        [0 if i in touch.held or not eq.rubs[i] else np.sign(terms.slip[i]) for i in c]
+    )
     found = solve_contact_lcp(w @ response[:, :-1], free, terms.mu[c], 0.0, slides)
     if not found.success:
         return []

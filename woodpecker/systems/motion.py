@@ -1,8 +1,8 @@
 """From event to event: the loop of Figure 1 for any system [Leine2001].
 
 The equations of motion are integrated for given index sets until an event; an impact event has its
-contact problems of compression and expansion; then the contact problem on acceleration level sets up
-the new index sets. What happened is recorded as a path, along which derivatives are taken.
+contact problems of compression and expansion; then the contact problem on acceleration level sets
+up the new index sets. What happened is recorded as a path, along which derivatives are taken.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ from woodpecker.systems.sections import Embedding
 
 EVENTS_MOST = 2000  # of one return, unless a caller says otherwise
 STEPS_MOST = 20_000  # of one phase of one return
-CHATTER = 1e-9  # relative change of acceleration in a bounce below which the rest is a series
+CHATTER = 2.0**-26  # relative change of acceleration in a bounce below which the rest is a series
 IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
 COLLAPSED = 2.0**-50  # of time: impacts of several contacts in turns within it have come to an end
 TOGETHER = 2.0**-44  # of a phase: gaps that close within it do so at once
@@ -124,7 +124,7 @@ class Event:
     time: float
     before: Floats
     after: Floats
-    impulses: Floats = field(default_factory=lambda: np.zeros((0, 2, 0)))
+    impulses: Floats
 
 
 class Machine:
@@ -228,7 +228,9 @@ class Search:
             self.t_end = float(z[-1]) + self.embedding.section.horizon
         before = _before(self.eq, touch)
         try:
-            impact = self._strike(tuple(sorted({*striking, *touch.closed})), -1) if striking else None
+            impact = (
+                self._strike(tuple(sorted({*striking, *touch.closed})), -1) if striking else None
+            )
             touch = self._touch if striking else touch
             while len(found.legs) < self.events_most:
                 outcome, mode = settle(self.eq, found.z, self.p, touch)
@@ -282,7 +284,7 @@ class Search:
             section = embedding.guard
             assert section is not None
             watched.append(SECTION * eq.m)
-            starts.append(Start(1, section.jet(here)) if on_section else Start(0, ()))
+            starts.append(Start(1, section.jet(here), True) if on_section else Start(0, (), True))
 
         def watch(states: Floats) -> Floats:
             values = guard_values(eq, mode, guards, eq.terms(states, self.p))
@@ -297,8 +299,14 @@ class Search:
             if self.keeps and keeps:
                 self._run.steps.append((float(z[-1]) + t, step))
             for window in series(step, t, watch, starts):
-                falls = [each.falls() for each in window]
+                early = [start.soon(step.length) if t == 0.0 else math.inf for start in starts]
+                falls = [
+                    time if time < math.inf else each.falls()
+                    for time, each in zip(early, window, strict=True)
+                ]
                 k = min(range(len(falls)), key=falls.__getitem__, default=-1)
+                if k >= 0 and early[k] == falls[k] < math.inf:
+                    return watched[k], early[k], step.exact(early[k])[0]
                 if k >= 0 and falls[k] < math.inf:
                     width = window[k].high - window[k].low
                     return watched[k], *self._polished(
@@ -375,7 +383,7 @@ class Search:
         return impact
 
     def _collapsed(self, impact: Impact) -> Touch:
-        """What touches after an impact; contacts that come back within the rounding of time stay.
+        """What touches after an impact; also contacts that come back within the rounding of time.
 
         Impacts of several contacts accumulate in turns: there is no series to sum, because their
         order need not repeat, but what remains of them soon falls below rounding.
@@ -392,13 +400,18 @@ class Search:
         held = touch.held | (frozenset(back) & impact.held)
         return Touch(touch.closed | back, held, touch.leaving - back)
 
-    def _note(self, symbol: str, before: Floats | None = None, impulses: Floats | None = None) -> None:
+    def _note(
+        self, symbol: str, before: Floats | None = None, impulses: Floats | None = None
+    ) -> None:
         found, n = self._run, self.eq.n
         u = found.z[n : 2 * n]
-        event = Event(symbol=symbol, time=float(found.z[-1]), before=u if before is None else before,
-                      after=u, **({} if impulses is None else {"impulses": impulses}))  # fmt: skip
         found.symbols.append(symbol)
-        found.events.append(event)
+        found.events.append(
+            Event(
+                symbol=symbol, time=float(found.z[-1]), before=u if before is None else before,
+                after=u, impulses=np.zeros((0, 2, 0)) if impulses is None else impulses,
+            )
+        )  # fmt: skip
 
     def _name_transitions(self, before: Mode, mode: Mode, touch: Touch) -> None:
         """Symbols of contacts that opened, stuck, began to slip or reversed."""
@@ -496,7 +509,7 @@ def short_flight(here: Local, i: int, speed: float) -> float:
 def started(here: Local, touch: Touch, guard: int) -> Start:
     """How a guard begins, where an event has made some of its derivatives zero."""
     order = touch.order(here.eq, here.mode, guard)
-    return Start(order, here.jet(guard, order + 1) if order else ())
+    return Start(order, here.jet(guard) if order else ())
 
 
 def implied(terms: Terms, touch: Touch, stopped: frozenset[int]) -> Touch:

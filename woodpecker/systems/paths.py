@@ -38,10 +38,10 @@ from woodpecker.systems.sections import Embedding
 
 # Kinds of margins, in the order in which a phase meets them.
 SLACK, BOUNCES, START, EARLY, SPEED, MEETING, DIP, PHASE = range(8)
-# SLACK: an inequality of an impact; BOUNCES: 1 - ratio of bounces that accumulate; START: a guard of
-# a contact at rest where the phase begins; EARLY: the duration of a phase, if it is negative; SPEED:
-# the rate of the guard that fires, times its modulus; MEETING: another guard then; DIP: least value
-# of a guard at a minimum in the phase; PHASE: time from the ends of a period
+# SLACK: an inequality of an impact; BOUNCES: 1 - ratio of bounces that accumulate; START: a guard
+# of a contact at rest where the phase begins; EARLY: the duration of a phase, if it is negative;
+# SPEED: the rate of the guard that fires, times its modulus; MEETING: another guard then; DIP: the
+# least value of a guard at a minimum in the phase; PHASE: time from the ends of a period
 KINDS, ITEMS = 10, 512  # codes are (KINDS * phase + kind) * ITEMS + item
 NEWTON_MOST = 12  # iterations of an event time; more say that there is no root nearby
 SETTLED = 2.0**-50  # relative: an event time that moves by less has converged
@@ -244,7 +244,7 @@ class Following:
         if self.embedding.counts(leg.mode):
             assert self.embedding.guard is not None
             jet = self.embedding.guard.jet(here)
-            starts[section] = Start(1, jet) if k == 0 else Start(0, ())
+            starts[section] = Start(1, jet, True) if k == 0 else Start(0, (), True)
         steps = _Steps(self.machine, leg, here.z, self.p)
         watch = list(starts)
         t = math.nan if near is None else self._root_near(steps, leg, starts[leg.guard], near)
@@ -273,7 +273,10 @@ class Following:
 
     def _root_near(self, steps: _Steps, leg: Leg, start: Start, near: float) -> float:
         """The root of the guard that fires, by Newton's method from a neighbour's; nan if none."""
-        t, order = near, start.order
+        t, order = start.soon(steps.first.length), start.order
+        if t < math.inf:
+            return t
+        t = near
         for _ in range(NEWTON_MOST):
             if abs(t - near) > FURTHER * abs(near) + steps.first.length or (order and t <= 0.0):
                 return math.nan
@@ -300,6 +303,9 @@ class Following:
         begin = 0.0
         for step in steps.all():
             for window in self._series(leg, step, begin, watch, starts):
+                t = starts[k].soon(step.length) if begin == 0.0 else math.inf
+                if t < math.inf:
+                    return t
                 t = window[k].falls()
                 if t < math.inf:
                     better = self._root_near(steps, leg, starts[k], t) if t > 0.0 else t
@@ -423,9 +429,7 @@ class Following:
             value, turn = value / scale, turn / scale - start.order * value / scale / t * delay
         self._note(k, MEETING, guard, float(value), turn)
 
-    def _dips(
-        self, steps: _Steps, leg: Leg, k: int, t: float, starts: dict[int, Start]
-    ) -> None:
+    def _dips(self, steps: _Steps, leg: Leg, k: int, t: float, starts: dict[int, Start]) -> None:
         """Least values of guards at their minima within a phase, where they may come near zero."""
         least, highest, watch = Least(), Least(), list(starts)
         begin = 0.0
@@ -446,9 +450,7 @@ class Following:
                     continue  # it does not fall through zero there
                 self._note_dip(steps, leg, k, guard, found.time[guard], sign)
 
-    def _note_dip(
-        self, steps: _Steps, leg: Leg, k: int, guard: int, t: float, sign: float
-    ) -> None:
+    def _note_dip(self, steps: _Steps, leg: Leg, k: int, guard: int, t: float, sign: float) -> None:
         z, changes = steps.exact(t)
         here, eq = Local(self.eq, leg.mode, z, self.p), self.eq
         tangents = changes[:, : eq.size] @ self._tangents
@@ -536,7 +538,11 @@ def cause_of(path: Path, code: int, names: Sequence[str]) -> str:
     fired = _guard(path.legs[k].guard, names)
     if kind == SPEED:
         grazes = path.legs[k].guard < m
-        return f"{names[path.legs[k].guard]} grazes in phase {k}" if grazes else f"{fired} for an instant only in phase {k}"  # noqa: E501
+        return (
+            f"{names[path.legs[k].guard]} grazes in phase {k}"
+            if grazes
+            else f"{fired} for an instant only in phase {k}"
+        )
     if kind == EARLY:
         return f"{fired} before phase {k} begins"
     if kind == MEETING:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
+from copy import copy
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -61,18 +62,30 @@ class SystemMap:
         self.p_scale = tuple(p_scale or (1.0,) * self.k)
         self.events_most = events_most
         self.names = self.embedding.names
+        self._own = self.machine.eq.p
+
+    def holding(self, **values: float) -> SystemMap:
+        """The same map with other values of the system's parameters; it shares what is compiled.
+
+        Raises
+        ------
+        ValueError
+            If a parameter is unknown or a value is not finite.
+        """
+        other = copy(self)
+        other.system = self.system.replace(**values)
+        other._own = np.array(list(other.system.parameters.values()))
+        return other
 
     @property
     def p(self) -> Floats:
         """(k,) the system's own values of the free parameters."""
-        eq = self.machine.eq
-        return np.asarray(eq.p[eq.places])
+        return np.asarray(self._own[self.machine.eq.places])
 
     def values(self, p: Floats) -> Floats:
         """All parameters, with those of the map in their places."""
-        eq = self.machine.eq
-        found = eq.p.copy()
-        found[eq.places] = p
+        found = self._own.copy()
+        found[self.machine.eq.places] = p
         return found
 
     def search(self, x: Floats, p: Floats) -> Run:
@@ -169,9 +182,7 @@ class SystemPiece:
         if found is None:
             return undefined(self, TOO_FAR)
         here = SystemPiece(self.whole, self.path, found.times)
-        return Image(
-            found.value, found.jacobian, found.margins, found.gradients, found.codes, here
-        )
+        return Image(found.value, found.jacobian, found.margins, found.gradients, found.codes, here)
 
     def cause(self, code: int) -> str:
         """A sentence on what happens where a margin vanishes."""

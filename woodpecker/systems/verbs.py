@@ -90,8 +90,8 @@ def simulate(
     Returns
     -------
     Motion
-        It ends before ``t_end`` where the contact laws leave open what follows, or contacts hold the
-        system for ever; the status says so.
+        It ends before ``t_end`` where the contact laws leave open what follows, or contacts hold
+        the system for ever; the status says so.
 
     Raises
     ------
@@ -338,7 +338,7 @@ def shoot(
         if np.abs(away / scale).max() <= CONVERGED * sensitive:
             status = CycleStatus.CONVERGED
             break
-        step = np.linalg.lstsq(np.eye(map_.d) - jacobian, away, rcond=None)[0]
+        step = np.asarray(np.linalg.lstsq(np.eye(map_.d) - jacobian, away)[0], dtype=float)
         found = _damped(map_, x, values, order, step, float(np.abs(away / scale).max()))
         if found is None:
             break
@@ -439,6 +439,3 @@ def continuation(
         p_scale=map_.p_scale, names=(map_.parameters[0], *map(str, map_.section.free)),
         max_branches=max_branches,
     )  # fmt: skip
-
-
-
