@@ -147,7 +147,8 @@ def series(
     step: Step, begin: float, watch: Watched, starts: Sequence[Start]
 ) -> Iterator[list[Series]]:
     """Series of all guards over the windows of a step that begins at a time of the phase."""
-    soon = min((WINDOW * each.comes_back() for each in starts), default=math.inf)
+    bounces = [each.comes_back() for each in starts if each.order == 1]
+    soon = WINDOW * min(bounces, default=math.inf)
     first = begin == 0.0
     edges = [0.0, step.length]
     if first and 0.0 < soon < step.length:

@@ -79,7 +79,7 @@ class Contact:
                 limit = ">= 0" if high == math.inf else "in [0, 1]"
                 raise ValueError(f"{part} of {self.name!r} must be {limit}, got {value}")
         if self.slip is None and self.mu != 0:
-            raise ValueError(f"{self.name!r} has friction mu = {self.mu}, and needs a slip")
+            raise ValueError(f"{self.name!r} has friction, and needs a slip: mu is {self.mu}")
 
     @property
     def rubs(self) -> bool:

@@ -352,6 +352,9 @@ class Search:
         closed = frozenset(k for k in range(m) if mode[k] != OPEN)
         if kind == GAP:
             terms = self.eq.terms(found.z, self.p)
+            if terms.gap_rate[i] >= 0.0:  # it grazes, but for rounding
+                held = frozenset(k for k in closed if mode[k] == STICK)
+                return None, Touch(closed | {i}, held)
             near = TOGETHER * found.durations[-1]
             more = {
                 k for k in range(m)

@@ -121,12 +121,15 @@ class Following:
         self.machine, self.eq, self.embedding = machine, machine.eq, embedding
         self.path, self.p = path, p
         self.notes: dict[int, tuple[float, Floats]] = {}
+        self._fired: int = 0  # the contact of the guard that ended the last phase
+        self._flight: tuple[float, Floats] | None = None  # its duration, if it began at rest
 
     def follow(self, x: Floats, times: Floats) -> Along:
         """The return; NoRootError or LostError if the path does not reach so far."""
         z, tangents = self.embedding.state(x, self.p)
         self._z, self._tangents, found = z, tangents, times.copy()
         self._mark = z, tangents
+        self._fired, self._flight = 0, None
         k = repeated = 0
         while k < len(self.path.legs):
             leg = self.path.legs[k]
@@ -199,10 +202,12 @@ class Following:
 
     def _impact(self, impact: Impact, k: int) -> None:
         struck = carry_out(self.eq, impact, self._z, self.p, self._tangents)
+        fast, turn = self._gap_rate(self._fired, self._z, self._tangents)
         for slack, gradient, item in zip(
             struck.slacks, struck.gradients, struck.items, strict=True
-        ):
-            self._note(k, SLACK, item, float(slack), gradient)
+        ):  # all are in proportion to the speed at which the gap closes, and do not vanish with it
+            quotient = float(slack) / -fast
+            self._note(k, SLACK, item, quotient, -(gradient + quotient * turn) / fast)
         self._z, self._tangents = struck.z, struck.tangents
 
     def _sum(self, i: int, k: int, mark: Floats, memory: Floats) -> None:
@@ -261,6 +266,9 @@ class Following:
                 self._meeting(there, guard, k, t, starts[guard], tangents, delay)
         self._dips(steps, leg, k, t, starts)
         self._z, self._tangents = z, tangents + np.outer(there.flow, delay)
+        self._fired = leg.guard % eq.m
+        rested = leg.guard // eq.m == GAP and starts[leg.guard].order == 2
+        self._flight = (t, delay) if rested else None
         return t
 
     def _value(self, here: Local, guard: int) -> tuple[float, float]:
@@ -345,9 +353,13 @@ class Following:
             most = 2 if kind == GAP else 1 if kind == SLIP else 0
             if order > most:
                 continue
-            margin = here.jet(guard, order)[order]
+            margin = float(here.jet(guard, order)[order])
             gradient = self._total(here.gradient(guard, order), self._tangents)
-            self._note(k, START, guard, float(margin), gradient)
+            if self._flight is not None and guard == NORMAL * self.eq.m + self._fired:
+                t, delay = self._flight  # the force is in proportion to a flight that began at rest
+                margin /= t
+                gradient = (gradient - margin * delay) / t
+            self._note(k, START, guard, margin, gradient)
 
     def _gradients(self, here: Local, guard: int, tangents: Floats) -> tuple[Floats, Floats]:
         """Derivatives of a guard and of its rate, along the tangents at a fixed time."""
