@@ -126,9 +126,7 @@ class Series:
         return np.asarray(self.low + 0.5 * (inside + 1.0) * (self.high - self.low))
 
     def falls(self) -> float:
-        """The first time at which it falls through zero; infinite if there is none.
-
-        """
+        """The first time at which it falls through zero; infinite if there is none."""
         if self.is_positive:
             return math.inf
         times = [self.low, *self.extremes().tolist(), self.high]

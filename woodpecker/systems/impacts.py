@@ -63,12 +63,15 @@ class Impact:
         Their cases; none without an expansion.
     stores
         Contacts that have impulse to give back in the expansion.
+    rebounds
+        Contacts whose gap rate Newton's law reverses.
     """
 
     contacts: tuple[int, ...]
     compression: tuple[Cases, ...]
     expansion: Cases = ()
     stores: tuple[int, ...] = ()
+    rebounds: tuple[int, ...] = ()
 
     @property
     def last(self) -> Cases:
@@ -78,7 +81,11 @@ class Impact:
     @property
     def resting(self) -> frozenset[int]:
         """Contacts that stay closed."""
-        return frozenset(i for i, case in zip(self.contacts, self.last, strict=True) if case < FREE)
+        return frozenset(
+            i
+            for i, case in zip(self.contacts, self.last, strict=True)
+            if case < FREE and i not in self.rebounds
+        )
 
     @property
     def held(self) -> frozenset[int]:
@@ -153,7 +160,10 @@ def decide(eq: Equations, terms: Terms, contacts: tuple[int, ...]) -> tuple[Outc
         return outcome, None
     floor = feeds * impulse[: len(c)]
     if not (floor > 0.0).any():
-        return outcome, Impact(contacts, ends)
+        rates = terms.gap_rate[c]
+        back = newton & (eps > 0.0) & (rates < -SLACK * np.abs(rates).max())
+        reversed_ = tuple(i for i, is_back in zip(contacts, back, strict=True) if is_back)
+        return outcome, Impact(contacts, ends, rebounds=reversed_)
     after = free + delassus @ impulse
     _zero(after, ends[0])
     bound = _bound(eq, terms.mu[c])

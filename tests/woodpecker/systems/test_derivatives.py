@@ -96,7 +96,7 @@ def bouncing(law: str) -> SystemMap:
         {eps: 0.4, mu: 0.1, a: 1.5}, law=law,
     )  # fmt: skip
     section = Section(when=sympy.sin(t), free=[x, ux, y, uy], at={t: 0})
-    return SystemMap(system, section, ["eps", "mu", "a"], backend="scipy")
+    return SystemMap(system, section, ["eps", "mu", "a"])
 
 
 @pytest.mark.parametrize("law", ["poisson", "newton"])
