@@ -114,8 +114,9 @@ def _accelerations(eq: Equations, mode: Mode, names: dict[sympy.Symbol, Any]) ->
 def _converted(entry: sympy.Expr, names: dict[sympy.Symbol, Any]) -> Any:
     if entry.is_number:
         return hy.expression(float(entry))
+    rounded = {r: sympy.Float(float(r)) for r in entry.atoms(sympy.Rational) if r.q & (r.q - 1)}
     try:
-        return hy.from_sympy(entry, names)
+        return hy.from_sympy(entry.xreplace(rounded), names)
     except (TypeError, ValueError) as error:
         raise ValueError(f"heyoka has no Taylor series of {entry}: {error}") from error
 
