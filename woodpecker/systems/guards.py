@@ -10,7 +10,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -24,6 +23,9 @@ CHOPPED = 2.0**-52  # relative: coefficients that are smaller are rounding
 REAL = 1e-9  # imaginary parts below are those of a double root
 SHORT = 1e-3  # of a step: what follows the third derivative changes a time by 1e-12 of it
 SOLVED = 4  # iterations of Newton's method for it, from where two derivatives place it
+RESOLVED = 1e-9  # relative: last coefficients of a guard that is resolved
+NOISE = 1e-12  # a guard that is no larger is zero all along, such as the slip of a block at rest
+HALVINGS = 40  # of a window: as far as doubles tell times apart
 WINDOW = 4.0  # times the time at which a guard comes back, as its first derivatives say
 
 _POINTS = np.cos(math.pi * (np.arange(NODES) + 0.5) / NODES)[::-1]  # ascending in (-1, 1)
@@ -69,7 +71,7 @@ class Start:
         return -(k + 1) * first / second if first > 0.0 > second else math.inf
 
     def soon(self, length: float) -> float:
-        """That time by all known derivatives, if it is short in a step of some length; else infinite.
+        """That time by all known derivatives, if it is short in a step of a length; else infinite.
 
         In so short a time the guard stays below the rounding of what it is computed from.
         """
@@ -127,7 +129,7 @@ class Series:
 
     def falls(self) -> float:
         """The first time at which it falls through zero; infinite if there is none."""
-        if self.is_positive:
+        if self.is_positive or np.abs(self.c).max() <= NOISE**2:
             return math.inf
         times = [self.low, *self.extremes().tolist(), self.high]
         values = [self(t) for t in times]
@@ -144,23 +146,44 @@ class Series:
 def series(
     step: Step, begin: float, watch: Watched, starts: Sequence[Start]
 ) -> Iterator[list[Series]]:
-    """Series of all guards over the windows of a step that begins at a time of the phase."""
+    """Series of all guards over the windows of a step that begins at a time of the phase.
+
+    A window in which a guard is not resolved is halved: the motion may be smoother than they are.
+    """
     bounces = [each.comes_back() for each in starts if each.order == 1]
     soon = WINDOW * min(bounces, default=math.inf)
-    first = begin == 0.0
-    edges = [0.0, step.length]
-    if first and 0.0 < soon < step.length:
-        edges = [0.0, soon, step.length]
-    for k, (low, high) in enumerate(pairwise(edges)):
+    left = [(0.0, step.length, 0)]
+    if begin == 0.0 and 0.0 < soon < step.length:
+        left = [(soon, step.length, 0), (0.0, soon, 0)]
+    while left:
+        low, high, depth = left.pop()
+        first = begin == 0.0 == low
         times = low + 0.5 * (_POINTS + 1.0) * (high - low)
         values = watch(step.states(times))
-        found = []
-        for value, start in zip(values, starts, strict=True):
-            order = start.order if first and k == 0 else 0
-            row = (value - start.noise(times)) / times**order if order else value
-            at_once = first and k == 0 and order == 0 and not start.is_section
-            found.append(Series(begin + low, begin + high, _TO_SERIES @ row, order, at_once))
-        yield found
+        if depth < HALVINGS and not _are_resolved(values):
+            middle = 0.5 * (low + high)
+            left += [(middle, high, depth + 1), (low, middle, depth + 1)]
+            continue
+        yield [
+            _series(value, start, times, (begin + low, begin + high), first=first)
+            for value, start in zip(values, starts, strict=True)
+        ]
+
+
+def _are_resolved(values: Floats) -> bool:
+    """Whether the last coefficients of all guards are small, or rounding."""
+    c = np.abs(values @ _TO_SERIES.T)
+    size = np.maximum(RESOLVED * c.max(axis=1, initial=0.0), NOISE)
+    return bool((c[:, -3:].max(axis=1, initial=0.0) <= size).all())
+
+
+def _series(
+    value: Floats, start: Start, times: Floats, window: tuple[float, float], *, first: bool
+) -> Series:
+    order = start.order if first else 0
+    row = (value - start.noise(times)) / times**order if order else value
+    at_once = first and order == 0 and not start.is_section
+    return Series(*window, _TO_SERIES @ row, order, at_once)
 
 
 @dataclass(slots=True, eq=False)

@@ -282,8 +282,8 @@ def settle(eq: Equations, z: Floats, p: Floats, touch: Touch) -> tuple[Outcome, 
     """The mode that starts now: all combinations of states of the closed contacts are tried.
 
     One is admissible if all its guards of these contacts are positive right after now, judged by
-    the first derivative that the event has not made zero. If none is, forces within rounding of
-    zero are passed over.
+    the first derivative that the event has not made zero. If none is, forces and accelerations within
+    rounding of zero are passed over.
     """
     if not touch.closed:
         return Outcome.SOLVED, (OPEN,) * eq.m
@@ -354,11 +354,7 @@ def _admissible(here: Local, touch: Touch, slack: float) -> bool:
         if kind == SLIP and i not in touch.held:
             continue
         order = touch.order(eq, mode, guard)
-        size = 0.0
-        if kind not in (GAP, SLIP):
-            size = float(np.abs(here.balance.l_n).max() + np.abs(here.balance.l_t).max())
-            size += float(np.abs(here.terms.force).max())
-        if not _starts_positive(here, guard, order, slack * size):
+        if not _starts_positive(here, guard, order, slack * _size(here, kind, i)):
             return False
     return True
 
@@ -369,6 +365,16 @@ def _starts_positive(here: Local, guard: int, order: int, rounding: float) -> bo
         known = here.jet(guard, k)
         if len(known) <= k:
             break
-        if not abs(known[k]) <= (rounding if k == 0 else 0.0):
+        if not abs(known[k]) <= (rounding if k == order else 0.0):
             return known[k] > 0.0
     return True
+
+
+def _size(here: Local, kind: int, i: int) -> float:
+    """How large the terms are that a force, or an acceleration of a contact, is the sum of."""
+    t, (a, l_n, l_t, _) = here.terms, here.balance
+    if kind not in (GAP, SLIP):
+        return float(np.abs(l_n).max() + np.abs(l_t).max() + np.abs(t.force).max())
+    w, bar = (t.w_n, t.bar_n) if kind == GAP else (t.w_t, t.bar_t)
+    free = np.linalg.solve(t.mass, t.force)
+    return float(np.abs(w[i]) @ (np.abs(a) + np.abs(free)) + np.abs(bar[i]))

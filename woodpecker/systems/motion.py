@@ -41,6 +41,7 @@ from woodpecker.systems.sections import Embedding
 EVENTS_MOST = 2000  # of one return, unless a caller says otherwise
 STEPS_MOST = 20_000  # of one phase of one return
 CHATTER = 2.0**-26  # relative change of acceleration in a bounce below which the rest is a series
+PENETRATED = 1e-7  # relative: far more than rounding leaves of a gap
 IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
 COLLAPSED = 2.0**-50  # of time: impacts of several contacts in turns within it have come to an end
 TOGETHER = 2.0**-44  # of a phase: gaps that close within it do so at once
@@ -68,6 +69,7 @@ class MotionStatus(Enum):
     NO_SOLUTION = "a contact problem has no solution"
     AMBIGUOUS = "a contact problem has several solutions"
     OVERFLOW = "the motion leaves the numbers that double precision can hold"
+    PASSED = "rounding has carried the system through a contact, where impacts accumulate in turns"
     NO_FORCES = "more contacts hold than there are coordinates: their forces are open"
 
     @property
@@ -263,11 +265,20 @@ class Search:
         )
         found.durations.append(t)
         found.z = z
+        self._check_gaps(mode)
         if guard == TIME:
             found.legs.append(Leg(None, -1, touch, mode, TIME))
             done = MotionStatus.TIME_REACHED if self.embedding is None else MotionStatus.HORIZON
             raise _StoppedError(done)
         return guard
+
+    def _check_gaps(self, mode: Mode) -> None:
+        """Stop where an open contact is penetrated by more than rounding explains."""
+        z, eq = self._run.z, self.eq
+        terms = eq.terms(z, self.p)
+        size = 1.0 + np.abs(terms.w_n) @ np.abs(z[: eq.n])
+        if (terms.gap < -PENETRATED * size)[np.array(mode) == OPEN].any():
+            raise _StoppedError(MotionStatus.PASSED)
 
     def first_event(
         self, mode: Mode, z: Floats, touch: Touch, most: float, *, on_section: bool = False,

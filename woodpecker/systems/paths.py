@@ -8,7 +8,7 @@ impacts. Where it is admissible is said by margins.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -250,7 +250,8 @@ class Following:
             assert self.embedding.guard is not None
             jet = self.embedding.guard.jet(here)
             starts[section] = Start(1, jet, True) if k == 0 else Start(0, (), True)
-        steps = _Steps(self.machine, leg, here.z, self.p)
+        most = self.embedding.section.horizon
+        steps = _Steps(self.machine, leg, here.z, self.p, most)
         watch = list(starts)
         t = math.nan if near is None else self._root_near(steps, leg, starts[leg.guard], near)
         if not math.isfinite(t):
@@ -325,7 +326,7 @@ class Following:
 
     def _series(
         self, leg: Leg, step: Step, begin: float, watch: Sequence[int], starts: Sequence[Start]
-    ) -> Sequence[list[Series]]:
+    ) -> Iterator[list[Series]]:
         own = [guard for guard in watch if guard != SECTION * self.eq.m]
 
         def values(states: Floats) -> Floats:
@@ -335,7 +336,7 @@ class Following:
             assert self.embedding.guard is not None
             return np.vstack([found, self.embedding.guard.values(states, self.p)])
 
-        return list(series(step, begin, values, starts))
+        return series(step, begin, values, starts)
 
     # --- Margins ----------------------------------------------------------------------------------
 
@@ -444,23 +445,31 @@ class Following:
     def _dips(self, steps: _Steps, leg: Leg, k: int, t: float, starts: dict[int, Start]) -> None:
         """Least values of guards at their minima within a phase, where they may come near zero."""
         least, highest, watch = Least(), Least(), list(starts)
-        begin = 0.0
-        for step in steps.all():
-            if begin >= t:
-                break
-            for window in self._series(leg, step, begin, watch, list(starts.values())):
-                for guard, one in zip(watch, window, strict=True):
-                    if guard == leg.guard or one.is_positive or one.low >= t:
-                        continue
-                    least.add(guard, one, t)
-                    if guard == SECTION * self.eq.m:
-                        highest.add(guard, one, t, lowest=False)
-            begin += step.length
+        for window in self._windows(steps, leg, t, starts):
+            for guard, one in zip(watch, window, strict=True):
+                if guard == leg.guard or one.is_positive:
+                    continue
+                least.add(guard, one, t)
+                if guard == SECTION * self.eq.m:
+                    highest.add(guard, one, t, lowest=False)
         for found, sign in ((least, 1.0), (highest, -1.0)):
             for guard, value in found.value.items():
                 if guard == SECTION * self.eq.m and value <= 0.0:
                     continue  # it does not fall through zero there
                 self._note_dip(steps, leg, k, guard, found.time[guard], sign)
+
+    def _windows(
+        self, steps: _Steps, leg: Leg, t: float, starts: dict[int, Start]
+    ) -> Iterator[list[Series]]:
+        """The series of all guards until a time."""
+        begin, k = 0.0, 0
+        while begin < t:
+            step = steps.step(k)
+            for window in self._series(leg, step, begin, list(starts), list(starts.values())):
+                if not window or window[0].low >= t:
+                    return
+                yield window
+            begin, k = begin + step.length, k + 1
 
     def _note_dip(self, steps: _Steps, leg: Leg, k: int, guard: int, t: float, sign: float) -> None:
         z, changes = steps.exact(t)
@@ -477,8 +486,8 @@ class Following:
 class _Steps:
     """The steps of a phase, made as far as they are asked for."""
 
-    def __init__(self, machine: Machine, leg: Leg, z: Floats, p: Floats) -> None:
-        self._source = machine.flow(leg.mode, varies=True).steps(z, p, math.inf)
+    def __init__(self, machine: Machine, leg: Leg, z: Floats, p: Floats, most: float) -> None:
+        self._source = machine.flow(leg.mode, varies=True).steps(z, p, most)
         self._made: list[Step] = []
         self._begins = [0.0]
 
