@@ -2,11 +2,11 @@
 
     python -m studies.systems.oscillator [--fast] [--out DIR]
 
-x'' + 2 zeta x' + x = F cos(w t), with a stop at x = sigma of restitution eps [Shaw1983]. Orbits with
-one impact in n periods have a closed form, and so have their folds; flips are roots of one closed
-equation. Where the amplitude of the motion without impacts reaches the gap it grazes: the slope of
-the stroboscopic map goes like the root of the distance [Nordmark1991], and Newton's method on it has
-nothing to hold on to. Its germ there says which cycles are born.
+x'' + 2 zeta x' + x = F cos(w t), with a stop at x = sigma of restitution eps [Shaw1983]. Orbits
+with one impact in a period have a closed form, and so have their folds; flips are roots of one
+closed equation. Where the amplitude of the motion without impacts reaches the gap it grazes: the
+slope of the stroboscopic map goes like the inverse root of the distance [Nordmark1991], and
+Newton's method on it has nothing to hold on to. Its germ there says which cycles are born.
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ from scipy.optimize import brentq
 from pwmap import PointKind
 from studies.common.record import Results, command
 from studies.common.style import GREY, RED, WIDTH, grid, keep
+from woodpecker.base.arrays import Floats
 from woodpecker.engine.network import Connected
 from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, continuation, shoot
 
@@ -63,8 +64,8 @@ class ClosedForm(NamedTuple):
     """Orbits with one impact in a period, for given w, eps, sigma, zeta; any F.
 
     The free motion y between impacts has y(0) = y(T) = c, so its speeds there are k_0 c and k_1 c;
-    with the speed v after the impact, c = alpha v, and the forced motion has x_p(0) = sigma - alpha v
-    and x_p'(0) = beta w v: their squares add up to that of its amplitude.
+    with the speed v after the impact, c = alpha v, and the forced motion has x_p(0) = sigma -
+    alpha v and x_p'(0) = beta w v: their squares add up to that of its amplitude.
     """
 
     w: float
@@ -73,7 +74,7 @@ class ClosedForm(NamedTuple):
     zeta: float
 
     @property
-    def flow(self) -> np.ndarray:  # type: ignore[type-arg]
+    def flow(self) -> Floats:
         """(2, 2) of the free motion over a period."""
         z, period = self.zeta, 2.0 * math.pi / self.w
         d = math.sqrt(1.0 - z * z)

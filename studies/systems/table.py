@@ -2,11 +2,11 @@
 
     python -m studies.systems.table [--fast] [--out DIR]
 
-The table moves as a cos(t) with t in units of its phase, and Gamma = a/g. A ball with restitution eps
-that strikes once in n periods leaves the table at a phase with sin(t) = -pi n (1 - eps)/((1 + eps)
-Gamma); it exists from Gamma = pi n (1 - eps)/(1 + eps), and is stable up to a flip with Gamma**2 =
-(pi n (1 - eps)/(1 + eps))**2 + 4 ((1 + eps**2)/(1 + eps)**2)**2 [Luo1996]. Both are exact, without
-Holmes' approximation of high bounces.
+The table moves as a cos(t), and Gamma = a/g. A ball with restitution eps that strikes once in n
+periods does so at a phase with sin(t) = -pi n (1 - eps)/((1 + eps) Gamma). Such orbits exist from
+Gamma = pi n (1 - eps)/(1 + eps) on, where they fold, and are stable up to a flip with Gamma**2 =
+(pi n (1 - eps)/(1 + eps))**2 + (2 (1 + eps**2)/(1 + eps)**2)**2 [Luo1996]. Both are exact, without
+the approximation of high bounces.
 """
 
 from __future__ import annotations
@@ -17,10 +17,12 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 import numpy as np
 import sympy
+from matplotlib.figure import Figure
 
 from pwmap import PointKind
 from studies.common.record import Results, command
 from studies.common.style import GREY, RED, WIDTH, grid, keep
+from woodpecker.base.arrays import Floats
 from woodpecker.engine.network import Connected
 from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, continuation, shoot
 
@@ -48,7 +50,7 @@ def limits(eps: float, n: int = 1) -> tuple[float, float]:
     return low, math.hypot(low, 2.0 * (1.0 + eps**2) / (1.0 + eps) ** 2)
 
 
-def orbit(gamma: float, eps: float, n: int = 1) -> np.ndarray:  # type: ignore[type-arg]
+def orbit(gamma: float, eps: float, n: int = 1) -> Floats:
     """Speed after the impact and phase (2,) of the orbit of n periods that may be stable."""
     sine = -limits(eps, n)[0] / gamma
     phase = 2.0 * math.pi + math.asin(sine)  # where the table is high
@@ -83,9 +85,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     worst = {"fold": 0.0, "flip": 0.0}
     found = {eps: followed(eps) for eps in ((0.5,) if fast else (0.2, 0.5, 0.8))}
     for eps, each in found.items():
-        for kind, name, exact in zip(
-            (PointKind.LP, PointKind.PD), worst, limits(eps), strict=True
-        ):
+        for kind, name, exact in zip((PointKind.LP, PointKind.PD), worst, limits(eps), strict=True):
             places = [q.parameter for q in each.diagram.points if q.kind is kind]
             worst[name] = max(worst[name], min(abs(p - exact) for p in places))
     if out is not None:
@@ -93,7 +93,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     return dict(worst)
 
 
-def draw(found: dict[float, Connected]) -> plt.Figure:
+def draw(found: dict[float, Connected]) -> Figure:
     """Phases over Gamma."""
     figure, ax = plt.subplots(figsize=(WIDTH, 4.0), layout="constrained")
     for each in found.values():

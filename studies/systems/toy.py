@@ -15,12 +15,14 @@ from pathlib import Path
 
 import matplotlib.pyplot as plt
 import numpy as np
+from matplotlib.figure import Figure
 from sympy import Matrix, symbols
 
 from studies.common.record import Results, command
 from studies.common.style import GREY, RED, WIDTH, grid, keep
 from woodpecker import Toy
 from woodpecker import return_map as kernel_map
+from woodpecker.base.arrays import Floats
 from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, return_map
 
 NAMES = "beak", "lower edge", "upper edge"
@@ -29,12 +31,20 @@ HORIZON = 20.0  # s of one return
 
 def system_of(toy: Toy) -> tuple[ContactSystem, Section]:
     """A toy and its section [Leine2001, Eqs. 6-12]."""
-    values = {name: value for name, value in asdict(toy).items() if isinstance(value, float) and name != "pole"}
+    values = {
+        name: value
+        for name, value in asdict(toy).items()
+        if isinstance(value, float) and name != "pole"
+    }
     known = {name: symbols(name) for name in values}
     m_m, j_m, m_s, j_s, g, r_0, r_m, h_m, l_m, l_g, h_s, l_s, c = (
-        known[name] for name in "m_m j_m m_s j_s g r_0 r_m h_m l_m l_g h_s l_s c_phi".split()
+        known[name]
+        for name in (
+            *("m_m", "j_m", "m_s", "j_s", "g", "r_0", "r_m"),
+            *("h_m", "l_m", "l_g", "h_s", "l_s", "c_phi"),
+        )
     )
-    y, phi_m, phi_s = q = symbols("y phi_m phi_s")
+    q = _, phi_m, phi_s = symbols("y phi_m phi_s")
     u = symbols("dy dphi_m dphi_s")
     mass = [
         [m_s + m_m, m_s * l_m, m_s * l_g],
@@ -46,7 +56,11 @@ def system_of(toy: Toy) -> tuple[ContactSystem, Section]:
         -c * (phi_m - phi_s) - g * m_s * l_m,
         -c * (phi_s - phi_m) - g * m_s * l_g,
     ]
-    gaps = (l_m + l_g - l_s - r_0) - h_s * phi_s, (r_m - r_0) + h_m * phi_m, (r_m - r_0) - h_m * phi_m
+    gaps = (
+        (l_m + l_g - l_s - r_0) - h_s * phi_s,
+        (r_m - r_0) + h_m * phi_m,
+        (r_m - r_0) - h_m * phi_m,
+    )
     directions = (1, l_m, l_g - l_s), (1, r_m, 0), (1, r_m, 0)
     contacts = [
         Contact(
@@ -94,27 +108,28 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     map_ = map_of(toy)
     return_map(map_, x[:20])  # compiles modes
     kernel_map(toy, x[:1])
-    times, found = list[float](), list[object]()
-    for call in (lambda: kernel_map(toy, x), lambda: return_map(map_, x)):
-        start = time.perf_counter()
-        found.append(call())
-        times.append(time.perf_counter() - start)
-    kernel, general = found
-    same = [one == other for one, other in zip(kernel.words, general.words, strict=True)]  # type: ignore[attr-defined]
-    away = np.abs(kernel.phi_s - general.images[:, 0]) / (1.0 + np.abs(kernel.slope))  # type: ignore[attr-defined]
+    start = time.perf_counter()
+    kernel = kernel_map(toy, x)
+    middle = time.perf_counter()
+    general = return_map(map_, x)
+    end = time.perf_counter()
+    same = [one == other for one, other in zip(kernel.words, general.words, strict=True)]
+    away = np.abs(kernel.phi_s - general.images[:, 0]) / (1.0 + np.abs(kernel.slope))
     if out is not None:
-        keep(draw(x, kernel.phi_s, general.images[:, 0], np.array(same)), out / "system_toy.png")  # type: ignore[attr-defined]
+        keep(draw(x, kernel.phi_s, general.images[:, 0]), out / "system_toy.png")
     return {
         "returns": count,
         "same_words": int(sum(same)),
         "largest_difference": float(np.nanmax(away)),
-        "ratio": times[1] / times[0],
+        "ratio": (end - middle) / (middle - start),
     }
 
 
-def draw(x: np.ndarray, kernel: np.ndarray, general: np.ndarray, same: np.ndarray) -> plt.Figure:  # type: ignore[type-arg]
+def draw(x: Floats, kernel: Floats, general: Floats) -> Figure:
     """The return map by both, and how much they differ."""
-    figure, (above, below) = plt.subplots(2, 1, figsize=(WIDTH, 5.0), sharex=True, layout="constrained")
+    figure, (above, below) = plt.subplots(
+        2, 1, figsize=(WIDTH, 5.0), sharex=True, layout="constrained"
+    )
     above.plot(x, kernel, ".", color=GREY, markersize=3, label="closed-form kernel")
     above.plot(x, general, "o", color=RED, markersize=4, fillstyle="none", label="general method")
     above.set_ylabel(r"$P_1(\varphi_S)$ [rad]")

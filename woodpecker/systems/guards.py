@@ -81,8 +81,11 @@ class Start:
         c = [value / math.factorial(k + j) for j, value in enumerate(self.jet[k:])]
         for _ in range(SOLVED):
             value = sum(a * t**j for j, a in enumerate(c))
-            t -= value / sum(j * a * t ** (j - 1) for j, a in enumerate(c) if j)
-        return t
+            slope = sum(j * a * t ** (j - 1) for j, a in enumerate(c) if j)
+            if slope == 0.0:
+                return math.inf
+            t -= value / slope
+        return t if t > 0.0 else math.inf
 
 
 @dataclass(frozen=True, slots=True, eq=False)

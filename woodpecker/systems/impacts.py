@@ -400,8 +400,9 @@ def _carry(
     l_n, l_t = np.zeros((2, eq.m))
     l_n[at], l_t[at] = impulse[:c], impulse[c:]
     rate, slip = w_n @ new + hat_n, w_t @ new + hat_t
-    sides = np.array([np.where(rests, impulse[:c] - floor[0], rate), -sign * slip,
-                      bound @ impulse[:c] - impulse[c:], bound @ impulse[:c] + impulse[c:]])  # fmt: skip
+    normal, along = np.where(rests, impulse[:c] - floor[0], rate), -sign * slip
+    cone = bound @ impulse[:c]
+    sides = np.array([normal, along, cone - impulse[c:], cone + impulse[c:]])
     columns = tangents.shape[1]
     if not columns:
         nothing = np.zeros((2 * c, 0))

@@ -132,12 +132,12 @@ class ContactSystem:
     ((y,), (u_y,), 1)
     """
 
-    q: tuple[sympy.Symbol, ...]
-    M: sympy.Matrix
-    h: sympy.Matrix
-    contacts: tuple[Contact, ...]
-    parameters: Mapping[sympy.Symbol, float]
-    u: tuple[sympy.Symbol, ...] | None = None
+    q: Sequence[Any]
+    M: Any
+    h: Any
+    contacts: Sequence[Contact]
+    parameters: Mapping[Any, float]
+    u: Sequence[Any] | None = None
     time: sympy.Symbol = sympy.Symbol("t")  # noqa: RUF009  # symbols do not change
     law: ImpactLaw | str = ImpactLaw.POISSON
     expansion_friction: FrictionBound | str = FrictionBound.SEPARATE

@@ -282,8 +282,8 @@ def settle(eq: Equations, z: Floats, p: Floats, touch: Touch) -> tuple[Outcome, 
     """The mode that starts now: all combinations of states of the closed contacts are tried.
 
     One is admissible if all its guards of these contacts are positive right after now, judged by
-    the first derivative that the event has not made zero. If none is, forces and accelerations within
-    rounding of zero are passed over.
+    the first derivative that the event has not made zero. If none is, forces and accelerations
+    within rounding of zero are passed over.
     """
     if not touch.closed:
         return Outcome.SOLVED, (OPEN,) * eq.m

@@ -203,6 +203,8 @@ class Following:
     def _impact(self, impact: Impact, k: int) -> None:
         struck = carry_out(self.eq, impact, self._z, self.p, self._tangents)
         fast, turn = self._gap_rate(self._fired, self._z, self._tangents)
+        if fast == 0.0:
+            raise NoRootError
         for slack, gradient, item in zip(
             struck.slacks, struck.gradients, struck.items, strict=True
         ):  # all are in proportion to the speed at which the gap closes, and do not vanish with it
@@ -214,6 +216,8 @@ class Following:
         """The state in which bounces at a contact end, which shrink by a ratio."""
         speed, turn = self._gap_rate(i, self._z, self._tangents)
         fast, fast_turn = self._gap_rate(i, mark, memory)
+        if fast == 0.0 or speed == fast:
+            raise NoRootError
         ratio = speed / fast
         change = (turn - ratio * fast_turn) / fast
         self._note(k, BOUNCES, i, 1.0 - ratio, -change)
@@ -397,6 +401,8 @@ class Following:
         """That the guard which fires falls; how its time changes (d + k,)."""
         _, rate = self._value(there, leg.guard)
         value_turn, rate_turn = self._gradients(there, leg.guard, tangents)
+        if rate == 0.0 or not math.isfinite(rate):
+            raise NoRootError
         delay = -value_turn / rate
         bends = self._second_rate(there, leg.guard)
         scale = t**start.order if start.order and t > 0.0 else 1.0

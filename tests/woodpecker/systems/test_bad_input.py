@@ -43,7 +43,9 @@ def contact(**changes: Any) -> Contact:
 
 
 def section(**changes: Any) -> SystemMap:
-    return SystemMap(BALL, Section(**({"when": "floor", "free": [v, w]} | changes)), backend="scipy")
+    return SystemMap(
+        BALL, Section(**({"when": "floor", "free": [v, w]} | changes)), backend="scipy"
+    )
 
 
 def map_of() -> SystemMap:
