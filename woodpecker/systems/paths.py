@@ -47,6 +47,7 @@ NEWTON_MOST = 12  # iterations of an event time; more say that there is no root 
 SETTLED = 2.0**-50  # relative: an event time that moves by less has converged
 BOUNCES_MOST = 1000  # that accumulate; a ratio of 0.98 needs so many
 FURTHER = 4.0  # times the neighbour's duration until which a first root is looked for
+SOON = 1e-3  # of a step: a guard that its first derivatives bring back within it does fall
 DIFFERENCE = 1e-5  # relative step of central differences of rates of forces
 NOTHING = 1e-14  # a margin that is smaller than this with all its derivatives is identically zero
 
@@ -265,10 +266,11 @@ class Following:
         tangents = changes[:, : eq.size] @ self._tangents
         if eq.free:
             tangents[:, -len(eq.free) :] += changes[:, eq.size :]
-        delay = self._fired_margins(there, leg, k, t, starts[leg.guard], tangents)
+        length = steps.first.length
+        delay = self._fired_margins(there, leg, k, t, starts[leg.guard], tangents, length)
         for guard in watch:
             if guard != leg.guard:
-                self._meeting(there, guard, k, t, starts[guard], tangents, delay)
+                self._meeting(there, guard, k, t, starts[guard], tangents, delay, length)
         self._dips(steps, leg, k, t, starts)
         self._z, self._tangents = z, tangents + np.outer(there.flow, delay)
         self._fired = leg.guard % eq.m
@@ -396,8 +398,9 @@ class Following:
         return found
 
     def _fired_margins(
-        self, there: Local, leg: Leg, k: int, t: float, start: Start, tangents: Floats
-    ) -> Floats:
+        self, there: Local, leg: Leg, k: int, t: float, start: Start, tangents: Floats,
+        length: float,
+    ) -> Floats:  # fmt: skip
         """That the guard which fires falls; how its time changes (d + k,)."""
         _, rate = self._value(there, leg.guard)
         value_turn, rate_turn = self._gradients(there, leg.guard, tangents)
@@ -410,7 +413,8 @@ class Following:
         turn = (rate_turn + bends * delay) / scale
         if start.order and t > 0.0:
             turn -= start.order * slope * delay / t
-        self._note(k, SPEED, leg.guard, -slope * abs(slope), -2.0 * abs(slope) * turn)
+        if not (start.order and start.comes_back() < SOON * length):  # else it falls for certain
+            self._note(k, SPEED, leg.guard, -slope * abs(slope), -2.0 * abs(slope) * turn)
         if t < 0.0:
             self._note(k, EARLY, leg.guard, t, delay)
         return delay
@@ -429,9 +433,15 @@ class Following:
 
     def _meeting(
         self, there: Local, guard: int, k: int, t: float, start: Start, tangents: Floats,
-        delay: Floats,
+        delay: Floats, length: float,
     ) -> None:  # fmt: skip
-        """That another guard has not fired before, or at once."""
+        """That another guard has not fired before, or at once.
+
+        In a short phase one that begins at zero has the sign of its first derivative, which is
+        watched where the phase begins.
+        """
+        if start.order and t < min(SOON * length, 0.25 * start.comes_back()):
+            return
         if guard == SECTION * self.eq.m:
             assert self.embedding.guard is not None
             value, rate = self.embedding.guard.jet(there)
