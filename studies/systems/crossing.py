@@ -26,7 +26,8 @@ from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, conti
 X, Y, V, T = sympy.symbols("x y u_x t")
 W, F, A, C, S, EPS, ZETA = sympy.symbols("w F a c s eps zeta")
 VALUES = {W: 1.8464, F: 1.0679, A: 2.3217, C: -0.4992, S: 0.3154, EPS: 0.7829, ZETA: 0.3255}
-SPAN = 0.1, 0.5  # of s
+SPAN = 0.18, 0.4  # of s
+SHORTEST = 1e-5  # step: the crossing ends where a third event joins both impacts
 
 
 def map_of(backend: str | None = None) -> SystemMap:
@@ -42,7 +43,9 @@ def map_of(backend: str | None = None) -> SystemMap:
 def followed() -> Connected:
     """The stable cycle over s, and what is connected with it."""
     map_ = map_of()
-    return continuation(map_, shoot(map_, [-0.3, 0.1]), SPAN, [(-8, 8), (-9, 9)], orders=(1,))
+    window = [(-8, 8), (-9, 9)]
+    cycle = shoot(map_, [-0.27, 1.6])
+    return continuation(map_, cycle, SPAN, window, orders=(1,), min_step=SHORTEST, max_branches=2)
 
 
 def main(fast: bool = False, out: Path | None = None) -> Results:

@@ -39,6 +39,7 @@ def margins_by_differences(image: Image, x: Floats, p: Floats, h: float) -> Floa
 
 @pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("parameters", [("F", "w"), ("eps", "sigma"), ("zeta",)])
+@pytest.mark.slow
 def test_impact_oscillator(backend: str, parameters: tuple[str, ...]) -> None:
     map_ = impacts(*parameters, backend=backend)
     x, p = np.array([-0.7, 0.6]), map_.p
@@ -48,6 +49,7 @@ def test_impact_oscillator(backend: str, parameters: tuple[str, ...]) -> None:
 
 
 @pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.slow
 def test_stroboscopic_section(backend: str) -> None:
     """Impacts within a period, which a parameter makes longer."""
     map_ = strobed("w", "F", backend=backend).holding(F=6.0)
@@ -59,6 +61,7 @@ def test_stroboscopic_section(backend: str) -> None:
 
 
 @NEEDS_HEYOKA
+@pytest.mark.slow
 def test_the_toy_has_the_derivatives_of_the_kernel() -> None:
     """In phi_S and several parameters; of the kernel they are closed forms."""
     names = "eps_n1", "mu_2", "l_s", "c_phi"
@@ -72,6 +75,7 @@ def test_the_toy_has_the_derivatives_of_the_kernel() -> None:
 
 
 @NEEDS_HEYOKA
+@pytest.mark.slow
 def test_beyond_a_border_the_word_is_prescribed() -> None:
     """Right of the jump at -0.7577872574 the kernel and the general method go on the same way."""
     map_, exact = map_of(Toy(eps_n1=0.5), "eps_n1"), ToyPieces(Toy(eps_n1=0.5))
@@ -100,6 +104,7 @@ def bouncing(law: str) -> SystemMap:
 
 
 @pytest.mark.parametrize("law", ["poisson", "newton"])
+@pytest.mark.slow
 def test_accumulated_bounces_and_friction(law: str) -> None:
     """What is left of bounces that accumulate is summed with derivatives."""
     map_ = bouncing(law)
@@ -112,6 +117,7 @@ def test_accumulated_bounces_and_friction(law: str) -> None:
 
 
 @NEEDS_HEYOKA
+@pytest.mark.slow
 def test_gradients_of_margins() -> None:
     """All of them: slacks of impacts, guards at starts, at events, at dips, and their rates."""
     map_ = map_of(Toy(eps_n1=0.5), "eps_n1", "mu_2")
@@ -122,6 +128,7 @@ def test_gradients_of_margins() -> None:
     assert np.abs((image.gradients - exact) / size).max() < 1e-6  # differences of order two
 
 
+@pytest.mark.slow
 def test_backends_agree() -> None:
     pytest.importorskip("heyoka")
     one, other = (strobed("F", backend=name).holding(F=6.0) for name in ("heyoka", "scipy"))

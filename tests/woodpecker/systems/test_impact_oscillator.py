@@ -26,6 +26,7 @@ CLOSE = 1e-10  # orbits are conditioned to some 1e3, and so are slopes at slow i
 
 
 @pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
+@pytest.mark.slow
 def test_folds_and_flips_are_those_of_the_closed_form(backend: str) -> None:
     rng, map_ = np.random.default_rng(3), impacts("F", backend=backend)
     kinds = set()

@@ -44,6 +44,7 @@ def test_random_returns_of_random_toys(law: str) -> None:
 
 
 @NEEDS_HEYOKA
+@pytest.mark.slow
 def test_the_toy_shoots_its_stable_motion() -> None:
     """The table of DESIGN's section 4, computed in quadruple precision."""
     cycle = shoot(map_of(Toy(eps_n1=0.5)), [-0.53])
@@ -54,6 +55,7 @@ def test_the_toy_shoots_its_stable_motion() -> None:
 
 
 @NEEDS_HEYOKA
+@pytest.mark.slow
 def test_a_toy_that_cannot_jam_does_not_return() -> None:
     toy = Toy(mu_2=0.9 * jam_limit(Toy()))
     found = return_map(map_of(toy), [-0.53])
@@ -88,6 +90,7 @@ def test_continuation_of_the_ball() -> None:
 
 @pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
 @pytest.mark.parametrize(("w", "f"), [(0.6, 0.2), (1.4, 0.3), (2.2, 0.05)])
+@pytest.mark.slow
 def test_den_hartog_without_stops(w: float, f: float, backend: str) -> None:
     assert den_hartog.amplitude(w, f, backend=backend) == pytest.approx(
         den_hartog.exact_amplitude(w, f), abs=1e-9
