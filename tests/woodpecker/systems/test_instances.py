@@ -83,8 +83,7 @@ def test_the_flip_of_the_inelastic_ball() -> None:
 
 
 @NEEDS_HEYOKA
-@pytest.mark.slow
-def test_continuation_of_the_ball() -> None:
+def test_the_study_of_the_ball() -> None:
     assert max(table.main(fast=True).values()) < 1e-9
 
 
