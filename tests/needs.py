@@ -1,7 +1,10 @@
 """What some tests need, and are skipped without."""
 
+from importlib.util import find_spec
+
 import pytest
 
 from woodpecker.base.compiled import COMPILED
 
 NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
+NEEDS_HEYOKA = pytest.mark.skipif(find_spec("heyoka") is None, reason="needs heyoka")

@@ -384,6 +384,8 @@ def _words(found: Trace) -> list[Stretch]:
     for change in found.changes:
         first = change.sample + 1
         if first < len(found.samples):
+            if stretches[-1].first == first:  # two changes within a step: it has the last word
+                stretches.pop()
             stretches.append(Stretch(first, found.samples[first].orbit.word, change.cause))
     return stretches
 

@@ -1,0 +1,1 @@
+"""Instances of systems with contacts, each with facts that it must reproduce."""

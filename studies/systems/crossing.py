@@ -1,0 +1,84 @@
+"""A jump crossing in two dimensions: two impacts that change their order.
+
+    python -m studies.systems.crossing [--fast] [--out DIR]
+
+Two coordinates share inertia: x swings and strikes a wall, y is lifted off a floor once in a
+period and comes back to rest there. Seen once in a period, at rest on the floor, the return map has
+the two dimensions x and x'. Where the wall and the floor are struck in the other order it jumps:
+the branch of cycles ends at the jump, and one of jump crossings, x_b = s P_+(x_b) + (1 - s)
+P_-(x_b), goes on from there.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import matplotlib.pyplot as plt
+import sympy
+
+from pwmap import PointKind
+from pwmap.diagrams.diagram import BranchKind
+from studies.common.record import Results, command
+from studies.common.style import GREY, RED, WIDTH, grid, keep
+from woodpecker.engine.network import Connected
+from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, continuation, shoot
+
+X, Y, V, T = sympy.symbols("x y u_x t")
+W, F, A, C, S, EPS, ZETA = sympy.symbols("w F a c s eps zeta")
+VALUES = {W: 1.8464, F: 1.0679, A: 2.3217, C: -0.4992, S: 0.3154, EPS: 0.7829, ZETA: 0.3255}
+SPAN = 0.18, 0.4  # of s
+SHORTEST = 1e-5  # step: the crossing ends where a third event joins both impacts
+
+
+def map_of(backend: str | None = None) -> SystemMap:
+    """Once in each period, over the place s of the wall."""
+    wall = Contact(name="the wall", gap=S - X, eps_n=EPS)
+    floor = Contact(name="the floor", gap=Y)
+    force = [F * sympy.cos(W * T) - X - 2 * ZETA * V, A * sympy.cos(W * T + 1) - 1]
+    system = ContactSystem([X, Y], [[1, C], [C, 1]], force, [wall, floor], VALUES)
+    section = Section(when=sympy.sin(W * T), free=[X, V], at={T: 0}, horizon=50.0)
+    return SystemMap(system, section, ["s"], backend=backend)
+
+
+def followed() -> Connected:
+    """The stable cycle over s, and what is connected with it."""
+    map_ = map_of()
+    window = [(-8, 8), (-9, 9)]
+    cycle = shoot(map_, [-0.27, 1.6])
+    return continuation(map_, cycle, SPAN, window, orders=(1,), min_step=SHORTEST, max_branches=2)
+
+
+def main(fast: bool = False, out: Path | None = None) -> Results:
+    """Follow the cycle to its jump, and the crossing from there.
+
+    Parameters
+    ----------
+    fast
+        Nothing is left out.
+    out
+        Folder for ``system_crossing.png``.
+
+    Returns
+    -------
+    dict
+        ``collision``: s where the cycle meets the jump; ``kinds`` of the branches that meet there;
+        ``causes``: what happens there.
+    """
+    diagram = followed().diagram
+    (border,) = (q for q in diagram.points if q.kind is PointKind.BC)
+    kinds = [str(branch.kind.value) for branch in diagram.branches if branch.id in border.branches]
+    if out is not None:
+        figure, ax = plt.subplots(figsize=(WIDTH, 4.0), layout="constrained")
+        for branch in diagram.branches:
+            is_jump = branch.kind is BranchKind.JUMP
+            ax.plot(
+                branch.parameter, branch.x, ":" if is_jump else "-", color=GREY if is_jump else RED
+            )
+        ax.set(xlabel="$s$", ylabel="$x$")
+        grid(ax)
+        keep(figure, out / "system_crossing.png")
+    return {"collision": border.parameter, "kinds": sorted(kinds), "cause": border.cause}
+
+
+if __name__ == "__main__":
+    command(main, "system_crossing")

@@ -1,0 +1,108 @@
+"""The impact oscillator against its closed form: orbits, folds, flips, and what grazing does."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from needs import NEEDS_HEYOKA
+
+from pwmap import PointKind
+from studies.systems.oscillator import (
+    BASE,
+    SIGMA,
+    ClosedForm,
+    difference,
+    impacts,
+    newton_fails,
+    random_oscillator,
+    special_orbits,
+    strobed,
+    through_grazing,
+)
+from woodpecker.engine.network import Connected
+from woodpecker.systems import continuation, shoot
+
+CLOSE = 1e-10  # orbits are conditioned to some 1e3, and so are slopes at slow impacts
+
+
+@pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
+@pytest.mark.slow
+def test_folds_and_flips_are_those_of_the_closed_form(backend: str) -> None:
+    rng, map_ = np.random.default_rng(3), impacts("F", backend=backend)
+    kinds = set()
+    for _ in range(8):
+        exact = random_oscillator(rng)
+        for kind, orbit in special_orbits(exact):
+            kinds.add(kind)
+            assert difference(map_, exact, orbit) < CLOSE
+            if kind == "fold":  # the closed form is one: its own test function vanishes
+                assert 1.0 - orbit.trace + orbit.det == pytest.approx(0.0, abs=1e-12)
+    assert kinds == {"fold", "flip"}
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_continuation_finds_the_fold_and_the_flip() -> None:
+    """Of one preloaded oscillator, from an orbit above both."""
+    exact = ClosedForm(2.8, 0.8, -0.5, 0.05)
+    force, v = exact.fold()
+    flip = dict(special_orbits(exact))["flip"]
+    flips = exact.force(flip.v)
+    map_ = impacts("F").holding(w=exact.w, eps=exact.eps, sigma=exact.sigma, zeta=exact.zeta)
+    start = exact.orbit(1.2 * v)
+    cycle = shoot(map_, [start.v, start.t], p=[exact.force(start.v)])
+    assert cycle.success
+    span, window = (0.9 * force, 1.1 * flips), [(2.0 * flip.v, 0.0), (0.0, 2.3)]
+    found = continuation(map_, cycle, span, window, orders=(1,), max_step=0.5)
+    for kind, exactly in ((PointKind.LP, force), (PointKind.PD, flips)):
+        places = [q.parameter for q in found.diagram.points if q.kind is kind]
+        assert min(abs(p - exactly) for p in places) < CLOSE
+
+
+@pytest.fixture(scope="module")
+def grazing() -> tuple[Connected, float]:
+    return through_grazing()
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_it_grazes_where_the_amplitude_is_the_gap(grazing: tuple[Connected, float]) -> None:
+    found, force = grazing
+    (border,) = (q for q in found.diagram.points if q.kind is PointKind.BC)
+    assert border.parameter == pytest.approx(force, abs=CLOSE)
+    assert "grazes" in border.cause
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_cycles_that_are_born_at_the_grazing_are_followed(grazing: tuple[Connected, float]) -> None:
+    """One without impacts, and of those that strike: of order one on, of order two back."""
+    found, force = grazing
+    (border,) = (q for q in found.diagram.points if q.kind is PointKind.BC)
+    struck = [b for b in found.diagram.branches if "I1" in b.word]
+    assert {b.order for b in struck} == {1, 2, 3}
+    assert all(b.id in border.branches for b in struck)
+    ahead = {b.order: bool(np.median(b.parameter) > force) for b in struck}
+    assert ahead == {1: True, 2: False, 3: ahead[3]}
+
+
+@NEEDS_HEYOKA
+def test_the_slope_goes_like_the_inverse_root() -> None:
+    """Nordmark: halving the distance four times over doubles the slope twice."""
+    exact = ClosedForm(2.8, 0.8, 0.5, 0.05)
+    map_, force = strobed("F"), BASE[SIGMA] / exact.gain
+    cycle = shoot(map_, [-0.1, 0.0], p=[force * (1.0 - 1e-9)])
+    distances = 4.0 ** -np.arange(8, 14)
+    slopes = [
+        np.linalg.norm(map_.at(cycle.x[0], np.array([force * (1.0 + d)])).jacobian[:, :2], 2)
+        for d in distances
+    ]
+    order = np.polyfit(np.log(distances), np.log(slopes), 1)[0]
+    assert order == pytest.approx(-0.5, abs=0.01)  # the next term is of order 1/2 in distance
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_newton_fails_where_the_germ_does_not() -> None:
+    """Starts beside the grazing, each of which the map sends away faster than it converges."""
+    assert newton_fails(1e-3) <= 4

@@ -1,0 +1,124 @@
+"""Instances against closed forms and against the closed-form kernel of the toy."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import asdict
+
+import numpy as np
+import pytest
+import sympy
+from needs import NEEDS_HEYOKA, NEEDS_NUMBA
+
+from studies.common.random_toys import random_toy
+from studies.systems import den_hartog, table
+from studies.systems.toy import map_of
+from woodpecker import Toy, jam_limit
+from woodpecker import return_map as kernel_map
+from woodpecker.systems import Contact, ContactSystem, MotionStatus, return_map, shoot, simulate
+
+
+def without_ends(word: str) -> str:
+    """A word without the letters that name both ends of an indeterminate impact."""
+    return re.sub(r"e\d", "", word)
+
+
+@NEEDS_HEYOKA
+@NEEDS_NUMBA
+@pytest.mark.slow
+@pytest.mark.parametrize("law", ["summed", "separate"])
+def test_random_returns_of_random_toys(law: str) -> None:
+    """The same words and statuses; images to 1e-10 of 1 + the slope."""
+    map_ = map_of(Toy(expansion_friction=law))
+    names = {str(symbol) for symbol in map_.system.parameters}
+    for number in range(20):
+        drawn = random_toy(number)
+        toy = drawn.toy.replace(expansion_friction=law)
+        x = np.random.default_rng(number).uniform(*drawn.window, size=5)
+        exact = kernel_map(toy, x)
+        values = {name: value for name, value in asdict(toy).items() if name in names}
+        found = return_map(map_.holding(**values), x)
+        assert [without_ends(w) for w in found.words] == [without_ends(w) for w in exact.words]
+        away = np.abs(found.images[:, 0] - exact.phi_s) / (1.0 + np.abs(exact.slope))
+        assert away.max() < 1e-10
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_the_toy_shoots_its_stable_motion() -> None:
+    """The table of DESIGN's section 4, computed in quadruple precision."""
+    cycle = shoot(map_of(Toy(eps_n1=0.5)), [-0.53])
+    assert cycle.success
+    assert cycle.x[0, 0] == pytest.approx(-0.52947197, abs=5e-9)
+    assert cycle.multipliers[0] == pytest.approx(-0.83916, abs=5e-6)
+    assert cycle.word == "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_a_toy_that_cannot_jam_does_not_return() -> None:
+    toy = Toy(mu_2=0.9 * jam_limit(Toy()))
+    found = return_map(map_of(toy), [-0.53])
+    assert not found.status[0].success
+    assert np.isnan(found.images).all()
+
+
+@pytest.mark.parametrize("eps", [0.2, 0.5, 0.8])
+@pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
+def test_ball_on_a_table_folds_and_flips(eps: float, backend: str) -> None:
+    """A multiplier is -1 at the flip, and the orbit closes between fold and flip."""
+    map_, (low, high) = table.map_of("Gamma", backend=backend).holding(eps=eps), table.limits(eps)
+    for gamma in (0.5 * (low + high), high):
+        x = table.orbit(gamma, eps)
+        image = map_.at(x, np.array([gamma]))
+        assert image.value == pytest.approx(x, abs=1e-10)
+        jacobian = image.jacobian[:, :2]
+        assert np.linalg.det(jacobian) == pytest.approx(eps**2, abs=1e-10)
+    assert 1.0 + np.trace(jacobian) + eps**2 == pytest.approx(0.0, abs=1e-9)
+
+
+def test_the_flip_of_the_inelastic_ball() -> None:
+    """Gamma = sqrt(4 + pi^2) is the limit of the flip as the restitution goes to zero."""
+    assert table.limits(0.0)[1] == pytest.approx(np.sqrt(4.0 + np.pi**2), abs=1e-15)
+
+
+@NEEDS_HEYOKA
+def test_the_study_of_the_ball() -> None:
+    assert max(table.main(fast=True).values()) < 1e-9
+
+
+@pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
+@pytest.mark.parametrize(("w", "f"), [(0.6, 0.2), (1.4, 0.3), (2.2, 0.05)])
+@pytest.mark.slow
+def test_den_hartog_without_stops(w: float, f: float, backend: str) -> None:
+    assert den_hartog.amplitude(w, f, backend=backend) == pytest.approx(
+        den_hartog.exact_amplitude(w, f), abs=1e-9
+    )
+
+
+@pytest.mark.parametrize("eps", [0.1, 0.5, 0.9])
+@pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
+def test_a_bouncing_ball_comes_to_rest(eps: float, backend: str) -> None:
+    """After 1 s, and 2 eps/(1 - eps) s more."""
+    y, g = sympy.symbols("y g")
+    floor = Contact(name="floor", gap=y, eps_n=eps)
+    ball = ContactSystem([y], [[1]], [-g], [floor], {g: 10.0})
+    motion = simulate(ball, {"y": 5.0}, 100.0, backend=backend)
+    assert motion.word == "C1"
+    assert motion.status is MotionStatus.AT_REST
+    assert motion.events[-1].time == pytest.approx(1.0 + 2.0 * eps / (1.0 - eps), rel=1e-11)
+
+
+@pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
+def test_a_brick_slides_sticks_and_is_carried(backend: str) -> None:
+    """On a belt: it sticks as its speed reaches v, and slips where the spring equals friction."""
+    x, z, ux, v = sympy.symbols("x z u_x v")
+    belt = Contact(name="belt", gap=z, slip=ux - v, mu=0.3)
+    brick = ContactSystem([x, z], [[1, 0], [0, 1]], [-x, -10], [belt], {v: 0.5})
+    motion = simulate(brick, {"x": 5.0}, 8.0, backend=backend)
+    assert motion.word == "J1 S1"
+    stick, slip = (event.time for event in motion.events)
+    # x = 3 + 2 cos(t) after release; turns back at x = 1 and goes up to v = sin(t') 2 against 3
+    assert stick == pytest.approx(np.pi + np.arcsin(0.25), abs=1e-10)
+    at_stick = 3.0 - 2.0 * np.cos(np.arcsin(0.25))
+    assert slip - stick == pytest.approx((3.0 - at_stick) / 0.5, abs=1e-10)

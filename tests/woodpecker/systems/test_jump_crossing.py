@@ -1,0 +1,47 @@
+"""A jump crossing in two dimensions, from two impacts that change their order."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from needs import NEEDS_HEYOKA
+
+from pwmap import PointKind
+from pwmap.diagrams.diagram import BranchKind
+from studies.systems.crossing import followed, map_of
+from woodpecker.engine.network import Connected
+
+pytestmark = [NEEDS_HEYOKA, pytest.mark.slow]
+
+
+@pytest.fixture(scope="module")
+def found() -> Connected:
+    return followed()
+
+
+def test_cycle_and_crossing_meet_where_both_impacts_coincide(found: Connected) -> None:
+    diagram = found.diagram
+    (border,) = (q for q in diagram.points if q.kind is PointKind.BC)
+    assert "the wall" in border.cause
+    assert "the floor" in border.cause
+    kinds = [branch.kind for branch in diagram.branches if branch.id in border.branches]
+    assert sorted(kinds, key=str) == [BranchKind.FIXED_POINT, BranchKind.JUMP]
+    assert border.note == "fold"
+    graph = diagram.graph()
+    assert graph.degree(border.id) == 2
+
+
+def test_points_of_the_crossing_lie_between_both_limits(found: Connected) -> None:
+    """x = s P_+(x) + (1 - s) P_-(x), with both limits from either side of the border."""
+    map_ = map_of()
+    (jump,) = (b for b in found.diagram.branches if b.kind is BranchKind.JUMP)
+    for k in range(1, len(jump) - 1, 3):
+        x, p = np.array([jump.x[k], jump.columns["u_x"][k]]), jump.parameter[k : k + 1]
+        image = map_.at(x, p)
+        gradient = image.gradients[int(np.abs(image.margins).argmin())]
+        sides = [map_.beside(x, p, sign * gradient).value for sign in (1.0, -1.0)]
+        way, away = sides[1] - sides[0], x - sides[0]
+        share = float(away @ way) / float(way @ way)
+        assert 0.0 < share < 1.0
+        assert np.abs(away - share * way).max() < 1e-8 * np.linalg.norm(way)
+        assert np.linalg.norm(way) > 1e-3  # it is a jump

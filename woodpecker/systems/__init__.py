@@ -1,0 +1,8 @@
+"""Any mechanical system with contacts and friction: motions, exact return maps, continuation.
+
+A name is loaded with what it needs when it is first used; ``__init__.pyi`` says where each is.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -1,0 +1,190 @@
+"""The equations of a system as functions of numbers, with their derivatives.
+
+A state is z = (q, u, t); p are the values of all parameters. Derivatives are taken in z and in some
+of the parameters, which are called free.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import sympy
+
+from woodpecker.base.arrays import Bools, Floats
+from woodpecker.systems.model import ContactSystem
+
+
+class Terms(NamedTuple):
+    """What Eq. (1)-(3) consist of, at one state or at a batch (...) of them.
+
+    The gap rates are w_N u + w-hat_N, the slips w_T u + w-hat_T, and their derivatives
+    w_N u' + w-bar_N and w_T u' + w-bar_T.
+    """
+
+    mass: Floats  # (..., n, n)
+    force: Floats  # (..., n), h
+    w_n: Floats  # (..., m, n)
+    w_t: Floats  # (..., m, n)
+    gap: Floats  # (..., m)
+    gap_rate: Floats
+    slip: Floats
+    bar_n: Floats
+    bar_t: Floats
+    mu: Floats
+    eps: Floats
+
+
+class Function:
+    """A list of arrays of expressions, compiled once; of numbers, or of arrays of them."""
+
+    def __init__(self, symbols: Sequence[sympy.Symbol], arrays: Sequence[Any]) -> None:
+        ends = np.cumsum([each.size for each in arrays]).tolist()
+        begins = [0, *ends[:-1]]
+        shapes = [each.shape for each in arrays]
+        self._parts = list(zip(begins, ends, shapes, strict=True))
+        flat = [entry for each in arrays for entry in each.ravel().tolist()]
+        self._one: Callable[..., Any] = sympy.lambdify(symbols, flat, modules="math", cse=True)
+        self._symbols, self._flat = symbols, flat
+        self._many: Callable[..., Any] | None = None
+
+    def __call__(self, *numbers: Floats) -> list[Floats]:
+        """Arrays at one point, whose coordinates are given in parts."""
+        try:
+            flat = np.array(self._one(*np.concatenate(numbers).tolist()), dtype=float)
+        except (ValueError, ZeroDivisionError, OverflowError, TypeError):  # TypeError: complex
+            flat = np.full(len(self._flat), np.nan)
+        return self._split(flat)
+
+    def batch(self, z: Floats, p: Floats) -> list[Floats]:
+        """Arrays at many states (b, N), the batch first."""
+        if self._many is None:
+            self._many = sympy.lambdify(self._symbols, self._flat, modules="numpy", cse=True)
+        with np.errstate(all="ignore"):
+            values = self._many(*z.T, *p)
+        flat = np.empty((len(z), len(values)))
+        for k, value in enumerate(values):
+            flat[:, k] = value
+        return self._split(flat)
+
+    def _split(self, flat: Floats) -> list[Floats]:
+        batch = flat.shape[:-1]
+        return [flat[..., low:high].reshape(*batch, *shape) for low, high, shape in self._parts]
+
+
+class Equations:
+    """All functions of a system that a motion needs.
+
+    Parameters
+    ----------
+    system
+        The system.
+    free
+        Names of the parameters in which derivatives are taken.
+
+    Attributes
+    ----------
+    n, m
+        How many coordinates and contacts.
+    size, columns
+        Numbers of a state, and of derivatives: those in z, then those in free parameters.
+    rubs
+        (m,) which contacts have friction.
+    """
+
+    def __init__(self, system: ContactSystem, free: Sequence[str] = ()) -> None:
+        self.system, self.n, self.m = system, system.n, len(system.contacts)
+        self.size = 2 * self.n + 1
+        known = {str(symbol): symbol for symbol in system.parameters}
+        for name in free:
+            if name not in known:
+                raise ValueError(f"unknown parameter {name!r}, the system has {sorted(known)}")
+        self.free = tuple(free)
+        self.places = [list(known).index(name) for name in free]
+        self.columns = self.size + len(free)
+        self.p = np.array(list(system.parameters.values()))
+        self.rubs: Bools = np.array([each.rubs for each in system.contacts])
+        self.symbols = (*system.state, *system.parameters)
+        self._along = (*system.state, *(known[name] for name in free))
+        self._last: tuple[bytes, bytes, Terms] | None = None
+        self._derive()
+
+    def _derive(self) -> None:
+        """The derivatives of Eq. (1)-(3), by sympy."""
+        system = self.system
+        q, u, t = sympy.Matrix(system.q), sympy.Matrix(system.u), system.time
+        a = sympy.Matrix(sympy.symbols(f"_a:{self.n}"))
+        new = sympy.Matrix(sympy.symbols(f"_v:{self.n}"))
+        l_n = sympy.Matrix(sympy.symbols(f"_n:{self.m}"))
+        l_t = sympy.Matrix(sympy.symbols(f"_t:{self.m}"))
+        gap = sympy.Matrix([each.gap for each in system.contacts])
+        slip = sympy.Matrix([each.slip or sympy.Integer(0) for each in system.contacts])
+        mu = sympy.Matrix([each.mu for each in system.contacts])
+        eps = sympy.Matrix([each.eps_n for each in system.contacts])
+        w_n, w_t = gap.jacobian(q), slip.jacobian(u)
+        rate = w_n * u + gap.diff(t)
+        bar_n = rate.jacobian(q) * u + rate.diff(t)
+        bar_t = slip.jacobian(q) * u + slip.diff(t)
+        self.expressions = system.M, system.h, w_n, w_t, bar_n, bar_t, mu
+        columns = [gap, rate, slip, bar_n, bar_t, mu, eps]
+        flat = [np.array(each).ravel() for each in columns]
+        whole = [np.array(system.M), np.array(system.h).ravel(), np.array(w_n), np.array(w_t)]
+        self._terms = Function(self.symbols, [*whole, *flat])
+        pull = w_n.T * l_n + w_t.T * l_t
+        motion = [system.M * a - system.h - pull, w_n * a + bar_n, w_t * a + bar_t, mu]
+        after = dict(zip(system.state[self.n : -1], new, strict=True))
+        impact = [
+            system.M * (new - u) - pull, rate.subs(after), slip.subs(after), rate, mu, eps,
+        ]  # fmt: skip
+        self._motion = self._changes(motion, (*a, *l_n, *l_t))
+        self._impact = self._changes(impact, (*new, *l_n, *l_t))
+        self._kinematics = self._changes([gap, rate, slip], ())
+
+    def _changes(self, parts: Sequence[Any], more: Sequence[sympy.Symbol]) -> Function:
+        along = sympy.Matrix(self._along)
+        arrays = [
+            np.array(each.jacobian(along), dtype=object).reshape(each.rows, len(self._along))
+            for each in parts
+        ]
+        return Function((*self.symbols, *more), arrays)
+
+    def terms(self, z: Floats, p: Floats) -> Terms:
+        """The terms at one state (N,), or at a batch (b, N); the last ones are remembered."""
+        if z.ndim > 1:
+            return Terms(*self._terms.batch(z, p))
+        key = z.tobytes(), p.tobytes()
+        if self._last is None or self._last[:2] != key:
+            self._last = *key, Terms(*self._terms(z, p))
+        return self._last[2]
+
+    def motion_changes(
+        self, z: Floats, p: Floats, a: Floats, l_n: Floats, l_t: Floats
+    ) -> list[Floats]:
+        """Derivatives of M a - h - W lambda (n), of both contact accelerations (m), and of mu (m).
+
+        They are taken in z and free parameters, with accelerations and forces fixed.
+        """
+        return self._motion(z, p, a, l_n, l_t)
+
+    def impact_changes(
+        self, z: Floats, p: Floats, after: Floats, l_n: Floats, l_t: Floats
+    ) -> list[Floats]:
+        """Derivatives of M (u' - u) - W Lambda, of gap rate and slip after and gap rate before.
+
+        Those of mu and eps_N follow. They are taken with u' and Lambda fixed.
+        """
+        return self._impact(z, p, after, l_n, l_t)
+
+    def kinematic_changes(self, z: Floats, p: Floats) -> list[Floats]:
+        """Derivatives of gaps, gap rates and slips, (m, columns) each."""
+        return self._kinematics(z, p)
+
+    def function(self, arrays: Sequence[Any], more: Sequence[sympy.Symbol] = ()) -> Function:
+        """Expressions of state, parameters and some more, compiled."""
+        return Function((*self.symbols, *more), [np.array(each, dtype=object) for each in arrays])
+
+    @property
+    def along(self) -> tuple[sympy.Symbol, ...]:
+        """The symbols in which derivatives are taken."""
+        return self._along

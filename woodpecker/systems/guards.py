@@ -1,0 +1,208 @@
+"""The first guard that fires in a phase, and the least values of those that do not.
+
+Over a step guards are Chebyshev interpolants; between their extremes they are monotone, so the
+first root is bracketed and no grazing is passed over. A guard of which the event that began the
+phase has made leading derivatives zero is divided by that power of time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from scipy.optimize import brentq
+
+from woodpecker.base.arrays import Floats
+from woodpecker.systems.flows import Step
+
+NODES = 24  # of an interpolant: a Taylor step of order 20, and guards that are no polynomials
+CHOPPED = 2.0**-52  # relative: coefficients that are smaller are rounding
+REAL = 1e-9  # imaginary parts below are those of a double root
+SHORT = 1e-3  # of a step: what follows the third derivative changes a time by 1e-12 of it
+SOLVED = 4  # iterations of Newton's method for it, from where two derivatives place it
+RESOLVED = 1e-9  # relative: last coefficients of a guard that is resolved
+NOISE = 1e-12  # a guard that is no larger is zero all along, such as the slip of a block at rest
+HALVINGS = 40  # of a window: as far as doubles tell times apart
+WINDOW = 4.0  # times the time at which a guard comes back, as its first derivatives say
+
+_POINTS = np.cos(math.pi * (np.arange(NODES) + 0.5) / NODES)[::-1]  # ascending in (-1, 1)
+_TO_SERIES = np.linalg.inv(chebyshev.chebvander(_POINTS, NODES - 1))
+
+
+Watched = Callable[[Floats], Floats]
+"""Values (guards, b) of guards at many states (b, N)."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """How a guard begins.
+
+    Attributes
+    ----------
+    order
+        How many derivatives, from the value on, are exactly zero.
+    jet
+        Its derivatives as computed, those included.
+    is_section
+        Whether it is that of a section, which may be negative: it fires only as it falls through
+        zero.
+    """
+
+    order: int
+    jet: Sequence[float]
+    is_section: bool = False
+
+    def noise(self, t: Floats) -> Floats:
+        """What rounding has left of the derivatives that are zero."""
+        found = np.zeros_like(t)
+        for k in range(self.order):
+            found += self.jet[k] * t**k / math.factorial(k)
+        return found
+
+    def comes_back(self) -> float:
+        """Time at which it comes back to zero, as its first two derivatives say; else infinite."""
+        k = self.order
+        if k == 0 or len(self.jet) <= k + 1:
+            return math.inf
+        first, second = self.jet[k], self.jet[k + 1]
+        return -(k + 1) * first / second if first > 0.0 > second else math.inf
+
+    def soon(self, length: float) -> float:
+        """That time by all known derivatives, if it is short in a step of a length; else infinite.
+
+        In so short a time the guard stays below the rounding of what it is computed from.
+        """
+        t, k = self.comes_back(), self.order
+        if not WINDOW * t <= SHORT * length or len(self.jet) < k + 3:
+            return math.inf
+        c = [value / math.factorial(k + j) for j, value in enumerate(self.jet[k:])]
+        for _ in range(SOLVED):
+            value = sum(a * t**j for j, a in enumerate(c))
+            slope = sum(j * a * t ** (j - 1) for j, a in enumerate(c) if j)
+            if slope == 0.0:
+                return math.inf
+            t -= value / slope
+        return t if t > 0.0 else math.inf
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Series:
+    """A guard over an interval of a phase, as a Chebyshev series.
+
+    Attributes
+    ----------
+    low, high
+        The interval, in time from the start of the phase.
+    c
+        The coefficients; of the guard over t**order.
+    order
+        As above; 0 unless the interval begins where the phase does.
+    at_once
+        Whether it fires where it begins at zero or below, and falls.
+    """
+
+    low: float
+    high: float
+    c: Floats
+    order: int = 0
+    at_once: bool = False
+
+    def __call__(self, t: float) -> float:
+        """Its value, divided."""
+        return float(chebyshev.chebval(2.0 * (t - self.low) / (self.high - self.low) - 1.0, self.c))
+
+    @property
+    def is_positive(self) -> bool:
+        """Whether the coefficients alone say that it has no root."""
+        return bool(self.c[0] > np.abs(self.c[1:]).sum())
+
+    def extremes(self, order: int | None = None) -> Floats:
+        """Times inside at which its slope vanishes; ascending."""
+        c = self.c
+        size = np.abs(c).max(initial=0.0)
+        kept = np.flatnonzero(np.abs(c) > CHOPPED * size)
+        if not kept.size or kept[-1] < 2:
+            return np.empty(0)
+        roots = chebyshev.chebroots(chebyshev.chebder(c[: kept[-1] + 1]))
+        inside = np.sort(roots.real[(np.abs(roots.imag) < REAL) & (np.abs(roots.real) < 1.0)])
+        return np.asarray(self.low + 0.5 * (inside + 1.0) * (self.high - self.low))
+
+    def falls(self) -> float:
+        """The first time at which it falls through zero; infinite if there is none."""
+        if self.is_positive or np.abs(self.c).max() <= NOISE**2:
+            return math.inf
+        times = [self.low, *self.extremes().tolist(), self.high]
+        values = [self(t) for t in times]
+        if self.at_once and values[0] <= 0.0 and values[1] < values[0]:
+            return 0.0
+        for t, value, after, next_value in zip(times, values, times[1:], values[1:], strict=False):
+            if value > 0.0 >= next_value:
+                if next_value == 0.0:
+                    return float(after)
+                return float(brentq(self, t, after, xtol=1e-300, rtol=8.9e-16))
+        return math.inf
+
+
+def series(
+    step: Step, begin: float, watch: Watched, starts: Sequence[Start]
+) -> Iterator[list[Series]]:
+    """Series of all guards over the windows of a step that begins at a time of the phase.
+
+    A window in which a guard is not resolved is halved: the motion may be smoother than they are.
+    """
+    bounces = [each.comes_back() for each in starts if each.order == 1]
+    soon = WINDOW * min(bounces, default=math.inf)
+    left = [(0.0, step.length, 0)]
+    if begin == 0.0 and 0.0 < soon < step.length:
+        left = [(soon, step.length, 0), (0.0, soon, 0)]
+    while left:
+        low, high, depth = left.pop()
+        first = begin == 0.0 == low
+        times = low + 0.5 * (_POINTS + 1.0) * (high - low)
+        values = watch(step.states(times))
+        if depth < HALVINGS and not _are_resolved(values):
+            middle = 0.5 * (low + high)
+            left += [(middle, high, depth + 1), (low, middle, depth + 1)]
+            continue
+        yield [
+            _series(value, start, times, (begin + low, begin + high), first=first)
+            for value, start in zip(values, starts, strict=True)
+        ]
+
+
+def _are_resolved(values: Floats) -> bool:
+    """Whether the last coefficients of all guards are small, or rounding."""
+    c = np.abs(values @ _TO_SERIES.T)
+    size = np.maximum(RESOLVED * c.max(axis=1, initial=0.0), NOISE)
+    return bool((c[:, -3:].max(axis=1, initial=0.0) <= size).all())
+
+
+def _series(
+    value: Floats, start: Start, times: Floats, window: tuple[float, float], *, first: bool
+) -> Series:
+    order = start.order if first else 0
+    row = (value - start.noise(times)) / times**order if order else value
+    at_once = first and order == 0 and not start.is_section
+    return Series(*window, _TO_SERIES @ row, order, at_once)
+
+
+@dataclass(slots=True, eq=False)
+class Least:
+    """The least values of guards at minima inside of a phase, as they come."""
+
+    value: dict[int, float] = field(default_factory=dict)
+    time: dict[int, float] = field(default_factory=dict)
+
+    def add(self, key: int, one: Series, until: float, *, lowest: bool = True) -> None:
+        """Note the least minimum of a guard before a time; or the highest maximum."""
+        sign = 1.0 if lowest else -1.0
+        times = [t for t in one.extremes().tolist() if t < until]
+        for t in times:
+            value = sign * one(t) * t**one.order
+            width = 1e-4 * (one.high - one.low)
+            bends = sign * (one(t + width) + one(t - width) - 2.0 * one(t))
+            if bends > 0.0 and value < self.value.get(key, math.inf):
+                self.value[key], self.time[key] = value, t

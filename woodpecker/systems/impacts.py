@@ -1,0 +1,455 @@
+"""Impacts: compression and expansion of all touching contacts [Leine2001; Pfeiffer1996].
+
+One phase of an impact seeks impulses Lambda with
+
+    M (u' - u) = W_N Lambda_N + W_T Lambda_T,
+    0 <= gamma_N'  perp  Lambda_N - floor >= 0,
+    |Lambda_T| <= B,  Lambda_T = -B sign(gamma_T') where gamma_T' != 0,  B = mu F Lambda_N.
+
+Compression has floor 0, expansion floor eps_N Lambda_NC (Poisson); Newton's law is one phase with
+gamma_N' + eps_N gamma_N in place of gamma_N'. For each contact a *case* says which equations hold:
+its gap rate or its impulse is given, and it sticks or slides. All cases of few contacts are tried,
+so that a missing solution or a second one is seen; of many, Lemke's path proposes one.
+
+With its cases prescribed a phase is linear in the velocities, and its derivatives solve the same
+equations.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import Enum
+from functools import lru_cache
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+
+from woodpecker.base.arrays import Bools, Floats, Ints
+from woodpecker.mechanics.lcp import solve_contact_lcp
+from woodpecker.systems.equations import Equations, Terms
+from woodpecker.systems.model import FrictionBound, ImpactLaw
+
+FORWARD, BACKWARD, HOLD = 0, 1, 2  # what a contact does in the tangential direction,
+REST, FREE = 0, 3  # and in the normal one: the sum is its case
+ENUMERATED = 3  # contacts of an impact of which all 216 cases are tried
+SLACK = 1e-11  # relative: rounding in the inequalities of a solution on a boundary
+EXACT = 2.0**-47  # relative: no more than the rounding of few operations
+SAME = 1e-8  # relative: solutions that are closer are one
+
+Cases = tuple[int, ...]
+
+
+class Outcome(Enum):
+    """What became of a contact problem; the value is the sentence a user reads."""
+
+    SOLVED = "the contact problem is solved"
+    NO_SOLUTION = "a contact problem has no solution"
+    AMBIGUOUS = "a contact problem has several solutions"
+    INDETERMINATE = "the contact laws leave the impulses of an impact open"
+
+
+@dataclass(frozen=True, slots=True)
+class Impact:
+    """What is decided at an impact; with it, the impact is a smooth map.
+
+    Attributes
+    ----------
+    contacts
+        Those that take part, ascending.
+    compression
+        Their cases; twice, if it is indeterminate: both ends of the segment of solutions.
+    expansion
+        Their cases; none without an expansion.
+    stores
+        Contacts that have impulse to give back in the expansion.
+    rebounds
+        Contacts whose gap rate Newton's law reverses.
+    """
+
+    contacts: tuple[int, ...]
+    compression: tuple[Cases, ...]
+    expansion: Cases = ()
+    stores: tuple[int, ...] = ()
+    rebounds: tuple[int, ...] = ()
+
+    @property
+    def last(self) -> Cases:
+        """The cases in which the impact ends."""
+        return self.expansion or self.compression[0]
+
+    @property
+    def resting(self) -> frozenset[int]:
+        """Contacts that stay closed."""
+        return frozenset(
+            i
+            for i, case in zip(self.contacts, self.last, strict=True)
+            if case < FREE and i not in self.rebounds
+        )
+
+    @property
+    def held(self) -> frozenset[int]:
+        """Contacts whose slip is exactly zero afterwards."""
+        return frozenset(
+            i for i, case in zip(self.contacts, self.last, strict=True) if case % 3 == HOLD
+        )
+
+    @property
+    def symbol(self) -> str:
+        """Its letters in a word, see :mod:`woodpecker.simulation.words`."""
+        if len(self.compression) > 1:
+            ends = zip(*self.compression, strict=True)
+            marks = [f"e{one % 3 + 3 * (other % 3)}" for one, other in ends]
+            return "I~" + "+".join(
+                f"{i + 1}{mark}" for i, mark in zip(self.contacts, marks, strict=True)
+            )
+        texts = []
+        for k, i in enumerate(self.contacts):
+            first = self.compression[0][k]
+            text = "f" if first >= FREE else "s" if first % 3 == HOLD else ""
+            if self.expansion:
+                usual = FREE if i in self.stores else REST
+                second = self.expansion[k]
+                late = ("" if second // 3 * 3 == usual else "r") + (
+                    "s" if second % 3 == HOLD else ""
+                )
+                text += f"-{late}" if late else ""
+            texts.append(f"{i + 1}{text}")
+        return "I" + "+".join(texts)
+
+
+class Phase(NamedTuple):
+    """One phase of an impact of c contacts as a problem in the normal form above.
+
+    Attributes
+    ----------
+    delassus
+        (2c, 2c) W M^-1 W^T, normals first.
+    free
+        (2c,) velocities that would be left without impulses.
+    bound
+        (c, c) mu F.
+    floor
+        (c,) least normal impulses.
+    rubs
+        (c,) which contacts have friction.
+    """
+
+    delassus: Floats
+    free: Floats
+    bound: Floats
+    floor: Floats
+    rubs: tuple[bool, ...]
+
+
+def decide(eq: Equations, terms: Terms, contacts: tuple[int, ...]) -> tuple[Outcome, Impact | None]:
+    """Find the cases of an impact at a state whose terms are given."""
+    c = list(contacts)
+    newton = eq.system.law is ImpactLaw.NEWTON
+    w = np.vstack([terms.w_n[c], terms.w_t[c]])
+    delassus = w @ np.linalg.solve(terms.mass, w.T)
+    free = np.concatenate([terms.gap_rate[c], terms.slip[c]])
+    eps, rubs = terms.eps[c], tuple(eq.rubs[c].tolist())
+    if newton:
+        free[: len(c)] *= 1.0 + eps
+    none = np.zeros(len(c))
+    first = Phase(delassus, free, np.diag(terms.mu[c]), none, rubs)
+    feeds = none if newton else eps
+    outcome, ends, impulse = solutions(first, feeds > 0.0)
+    if impulse is None:
+        return outcome, None
+    floor = feeds * impulse[: len(c)]
+    if not (floor > 0.0).any():
+        rates = terms.gap_rate[c]
+        back = newton & (eps > 0.0) & (rates < -SLACK * np.abs(rates).max())
+        reversed_ = tuple(i for i, is_back in zip(contacts, back, strict=True) if is_back)
+        return outcome, Impact(contacts, ends, rebounds=reversed_)
+    after = free + delassus @ impulse
+    _zero(after, ends[0])
+    bound = _bound(eq, terms.mu[c])
+    final, cases, _ = solutions(Phase(delassus, after, bound, floor, rubs), none > 0.0)
+    if final not in (Outcome.SOLVED, Outcome.INDETERMINATE):
+        return final, None
+    stores = tuple(i for i, least in zip(contacts, floor, strict=True) if least > 0.0)
+    return outcome, Impact(contacts, ends, cases[0], stores)
+
+
+def _bound(eq: Equations, mu: Floats) -> Floats:
+    """Bounds (c, c) of friction in the expansion."""
+    if eq.system.expansion_friction is FrictionBound.SUMMED:
+        return np.repeat(mu[:, None], len(mu), axis=1)
+    return np.diag(mu)
+
+
+def _zero(velocity: Floats, cases: Cases) -> None:
+    """Exact zeros where the cases say so."""
+    n = len(cases)
+    for k, case in enumerate(cases):
+        if case < FREE:
+            velocity[k] = 0.0
+        if case % 3 == HOLD:
+            velocity[n + k] = 0.0
+
+
+def solutions(phase: Phase, feeds: Bools) -> tuple[Outcome, tuple[Cases, ...], Floats | None]:
+    """The cases that solve a phase, and its impulses (2c,).
+
+    Where several cases solve it with the same velocities, the one with the least violation counts;
+    of several that solve it but for rounding the first.
+    If their normal impulses differ at contacts where these ``feed`` an expansion, it is
+    indeterminate: the two ends of the segment, and its middle.
+    """
+    tried = _combinations(phase.rubs) if len(phase.rubs) <= ENUMERATED else _proposed(phase)
+    impulses, velocities, worst = _try(phase, tried)
+    kept = np.flatnonzero(worst <= SLACK)
+    if not kept.size:
+        return Outcome.NO_SOLUTION, (), None
+    exact = np.flatnonzero(worst <= EXACT)  # of several the first: to rest, and to stick
+    best = int(exact[0] if exact.size else kept[worst[kept].argmin()])
+    size = np.abs(phase.free) + np.abs(phase.delassus).sum(axis=1) * np.abs(impulses[best]).max()
+    if (np.abs(velocities[kept] - velocities[best]) > SAME * size).any():
+        return Outcome.AMBIGUOUS, (), None
+    n = len(phase.rubs)
+    apart = np.abs(impulses[kept] - impulses[best])[:, :n] * feeds
+    if (apart <= SAME * np.abs(impulses[best]).max()).all():
+        return Outcome.SOLVED, (tuple(tried[best].tolist()),), impulses[best]
+    widest = int(np.ptp(impulses[kept], axis=0).argmax())
+    low = int(kept[impulses[kept, widest].argmin()])
+    high = int(kept[impulses[kept, widest].argmax()])
+    ends = tuple(tried[low].tolist()), tuple(tried[high].tolist())
+    return Outcome.INDETERMINATE, ends, 0.5 * (impulses[low] + impulses[high])
+
+
+@lru_cache(maxsize=64)
+def _combinations(rubs: tuple[bool, ...]) -> Ints:
+    """All cases (count, c) of contacts; without friction a contact slides, one way."""
+    with_friction = [normal + each for normal in (REST, FREE) for each in (HOLD, FORWARD, BACKWARD)]
+    one = [with_friction if each else (REST, FREE) for each in rubs]
+    return np.array(list(product(*one)))
+
+
+def _proposed(phase: Phase) -> Ints:
+    """The cases (1, c) of the solution to which Lemke's path leads."""
+    n = len(phase.rubs)
+    found = solve_contact_lcp(phase.delassus, phase.free, phase.bound, phase.floor)
+    if not found.success:
+        return np.empty((0, n), dtype=int)
+    size = np.abs(found.impulse_n).max()
+    rests = found.impulse_n - phase.floor > SLACK * size
+    forward = found.gamma_t > 0.0
+    slides = np.where(forward, FORWARD, BACKWARD)
+    sticks = (found.gamma_t == 0.0) & np.array(phase.rubs)
+    cases = np.where(rests, REST, FREE) + np.where(sticks, HOLD, slides)
+    return np.where(phase.rubs, cases, np.where(rests, REST, FREE))[None]
+
+
+def _try(phase: Phase, tried: Ints) -> tuple[Floats, Floats, Floats]:
+    """Impulses and velocities (count, 2c) of cases, and their largest relative violation."""
+    count, n = tried.shape
+    rests, tangential = tried < FREE, tried % 3
+    sign = np.where(tangential == FORWARD, -1.0, 1.0)  # of friction
+    matrix, right = np.zeros((count, 2 * n, 2 * n)), np.zeros((count, 2 * n))
+    eye = np.eye(n)
+    matrix[:, :n] = np.where(rests[..., None], phase.delassus[:n], np.hstack([eye, 0.0 * eye]))
+    right[:, :n] = np.where(rests, -phase.free[:n], phase.floor)
+    holds = tangential == HOLD
+    slide = np.concatenate(
+        [-sign[..., None] * phase.bound, np.broadcast_to(eye, (count, n, n))], axis=2
+    )
+    matrix[:, n:] = np.where(holds[..., None], phase.delassus[n:], slide)
+    right[:, n:] = np.where(holds, -phase.free[n:], 0.0)
+    impulses = solved(matrix, right)
+    velocities = impulses @ phase.delassus.T + phase.free
+    most = np.abs(impulses).max(axis=1, initial=0.0)
+    size = np.abs(phase.free) + np.abs(phase.delassus).sum(axis=1) * most[:, None]
+    bound = impulses[:, :n] @ phase.bound.T
+    most = np.maximum(most, phase.floor.max(initial=0.0))[:, None]
+    with np.errstate(all="ignore"):
+        normal = np.where(
+            rests, (phase.floor - impulses[:, :n]) / most, -velocities[:, :n] / size[:, :n]
+        )
+        along = np.where(
+            holds, (np.abs(impulses[:, n:]) - bound) / most, sign * velocities[:, n:] / size[:, n:]
+        )
+    along = np.where(np.array(phase.rubs), along, 0.0)
+    zero = np.isfinite(impulses).all(axis=1).reshape(-1, 1)
+    violations = np.hstack([normal, along])
+    violations = np.where(np.isnan(violations), np.where(zero, 0.0, np.inf), violations)
+    return impulses, velocities, np.maximum(violations, 0.0).max(axis=1)
+
+
+def solved(matrix: Floats, right: Floats) -> Floats:
+    """Solutions (b, n) of a batch of linear systems; nan where one is singular."""
+    n = matrix.shape[-1]
+    with np.errstate(all="ignore"):
+        size = np.abs(matrix).max(axis=-1, keepdims=True)
+        bad = np.abs(np.linalg.det(matrix / np.where(size > 0.0, size, 1.0))) < SLACK
+        usable = np.where((bad | ~np.isfinite(matrix).all((-1, -2)))[..., None, None],
+                          np.eye(n), matrix)  # fmt: skip
+        found = np.linalg.solve(usable, right[..., None])[..., 0]
+    found[bad] = np.nan
+    return np.asarray(found)
+
+
+# --- With the cases prescribed --------------------------------------------------------------------
+
+
+class Struck(NamedTuple):
+    """A state after an impact.
+
+    Attributes
+    ----------
+    z, tangents
+        The state (N,) and its derivatives (N, columns).
+    slacks, gradients, items
+        Of all strict inequalities (s,), their derivatives (s, columns), and what they are: the
+        phase (0 compression, 1 its second end, 2 expansion) * 4m + 4 * contact + which.
+    impulses
+        (2, 2, m) normal and tangential impulses of compression and expansion.
+    """
+
+    z: Floats
+    tangents: Floats
+    slacks: Floats
+    gradients: Floats
+    items: list[int]
+    impulses: Floats
+
+
+NORMAL_SIDE, ALONG, CONE_PLUS, CONE_MINUS = range(4)  # the inequalities of a contact
+
+
+def carry_out(
+    eq: Equations, impact: Impact, z: Floats, p: Floats, tangents: Floats | None = None
+) -> Struck:
+    """The state after an impact with its cases prescribed; derivatives if tangents are given."""
+    if tangents is None:
+        tangents = np.zeros((eq.size, 0))
+    c, columns = len(impact.contacts), tangents.shape[1]
+    none, nothing = np.zeros(c), np.zeros((c, columns))
+    slacks, items = list[Floats](), list[int]()
+    impulses = np.zeros((2, 2, eq.m))
+    ends = [
+        _carry(eq, impact.contacts, cases, z, p, tangents, (none, nothing), expands=False)
+        for cases in impact.compression
+    ]
+    for side, (end, cases) in enumerate(zip(ends, impact.compression, strict=True)):
+        _slacks(eq, impact.contacts, cases, end, side, (slacks, items))
+    z, tangents, impulse, change = (
+        np.mean(part, axis=0) for part in zip(*(end[:4] for end in ends), strict=True)
+    )
+    impulses[0][:, impact.contacts] = impulse.reshape(2, c)
+    if impact.expansion:
+        terms = eq.terms(z, p)
+        eps = terms.eps[list(impact.contacts)]
+        d_eps = eq.impact_changes(z, p, z[eq.n : 2 * eq.n], *np.zeros((2, eq.m)))[5]
+        d_floor = eps[:, None] * change[:c] + impulse[:c, None] * _total(
+            eq, d_eps[list(impact.contacts)], tangents
+        )
+        end = _carry(
+            eq, impact.contacts, impact.expansion, z, p, tangents, (eps * impulse[:c], d_floor),
+            expands=True,
+        )  # fmt: skip
+        _slacks(eq, impact.contacts, impact.expansion, end, 2, (slacks, items))
+        z, tangents, impulse, _ = end[:4]
+        impulses[1][:, impact.contacts] = impulse.reshape(2, c)
+    rows = np.array(slacks).reshape(-1, 1 + columns)
+    return Struck(z, tangents, rows[:, 0], rows[:, 1:], items, impulses)
+
+
+class _End(NamedTuple):
+    """State, impulses (2c,) and their derivatives after a phase; what its inequalities say."""
+
+    z: Floats
+    tangents: Floats
+    impulse: Floats
+    change: Floats
+    sides: Floats  # (4, c) values of the inequalities
+    turns: Floats  # (4, c, columns)
+
+
+def _carry(
+    eq: Equations, contacts: tuple[int, ...], cases: Cases, z: Floats, p: Floats,
+    tangents: Floats, floor: tuple[Floats, Floats], *, expands: bool,
+) -> _End:  # fmt: skip
+    """One phase: solve for u' and Lambda at once, and for their derivatives."""
+    n, c, at = eq.n, len(contacts), list(contacts)
+    newton = eq.system.law is ImpactLaw.NEWTON
+    terms = eq.terms(z, p)
+    w_n, w_t, mu = terms.w_n[at], terms.w_t[at], terms.mu[at]
+    bound = _bound(eq, mu) if expands else np.diag(mu)
+    case = np.array(cases)
+    rests, holds = case < FREE, case % 3 == HOLD
+    sign = np.where(case % 3 == FORWARD, -1.0, 1.0)
+    k = np.zeros((n + 2 * c, n + 2 * c))
+    k[:n, :n], k[:n, n : n + c], k[:n, n + c :] = terms.mass, -w_n.T, -w_t.T
+    k[n : n + c, :n], k[n + c :, :n] = rests[:, None] * w_n, holds[:, None] * w_t
+    k[n : n + c, n : n + c] = np.diag(~rests)
+    k[n + c :, n : n + c] = np.where(holds, 0.0, -sign)[:, None] * bound
+    k[n + c :, n + c :] = np.diag(~holds)
+    u = z[n : 2 * n]
+    hat_n, hat_t = terms.gap_rate[at] - w_n @ u, terms.slip[at] - w_t @ u
+    kept = terms.eps[at] * terms.gap_rate[at] if newton else 0.0
+    right = np.concatenate(
+        [terms.mass @ u, np.where(rests, -hat_n - kept, floor[0]), np.where(holds, -hat_t, 0.0)]
+    )
+    found = np.linalg.solve(k, right)
+    new, impulse = found[:n], found[n:]
+    after = z.copy()
+    after[n : 2 * n] = new
+    l_n, l_t = np.zeros((2, eq.m))
+    l_n[at], l_t[at] = impulse[:c], impulse[c:]
+    rate, slip = w_n @ new + hat_n, w_t @ new + hat_t
+    normal, along = np.where(rests, impulse[:c] - floor[0], rate), -sign * slip
+    cone = bound @ impulse[:c]
+    sides = np.array([normal, along, cone - impulse[c:], cone + impulse[c:]])
+    columns = tangents.shape[1]
+    if not columns:
+        nothing = np.zeros((2 * c, 0))
+        return _End(after, tangents, impulse, nothing, sides, np.zeros((4, c, 0)))
+    kick, d_rate, d_slip, d_old, d_mu, d_eps = (
+        _total(eq, each, tangents) for each in eq.impact_changes(z, p, new, l_n, l_t)
+    )
+    d_kept = terms.eps[at][:, None] * d_old[at] + terms.gap_rate[at][:, None] * d_eps[at]
+    load = (impulse[:c].sum() if expands and not np.array_equal(bound, np.diag(mu))
+            else impulse[:c])  # fmt: skip
+    d_bound = d_mu[at] * np.broadcast_to(load, (c,))[:, None]
+    right = -np.concatenate([
+        kick,
+        np.where(rests[:, None], d_rate[at] + (d_kept if newton else 0.0), -floor[1]),
+        np.where(holds[:, None], d_slip[at], -sign[:, None] * d_bound),
+    ])  # fmt: skip
+    turned = np.linalg.solve(k, right)
+    moved = tangents.copy()
+    moved[n : 2 * n] = turned[:n]
+    change = turned[n:]
+    turn_rate, turn_slip = d_rate[at] + w_n @ turned[:n], d_slip[at] + w_t @ turned[:n]
+    cone = bound @ change[:c] + d_bound
+    turns = np.array([
+        np.where(rests[:, None], change[:c] - floor[1], turn_rate), -sign[:, None] * turn_slip,
+        cone - change[c:], cone + change[c:],
+    ])  # fmt: skip
+    return _End(after, moved, impulse, change, sides, turns)
+
+
+def _total(eq: Equations, change: Floats, tangents: Floats) -> Floats:
+    """Derivatives along the tangents, of which the last ones move the free parameters."""
+    found = change[:, : eq.size] @ tangents
+    k = len(eq.free)
+    if k and tangents.shape[1]:
+        found[:, tangents.shape[1] - k :] += change[:, eq.size :]
+    return np.asarray(found)
+
+
+def _slacks(
+    eq: Equations, contacts: tuple[int, ...], cases: Cases, end: _End, side: int,
+    into: tuple[list[Floats], list[int]],
+) -> None:  # fmt: skip
+    """Collect the strict inequalities of a phase."""
+    for k, (i, case) in enumerate(zip(contacts, cases, strict=True)):
+        which = [NORMAL_SIDE]
+        if eq.rubs[i]:
+            which += [CONE_PLUS, CONE_MINUS] if case % 3 == HOLD else [ALONG]
+        for each in which:
+            into[0].append(np.append(end.sides[each, k], end.turns[each, k]))
+            into[1].append(4 * (eq.m * side + i) + each)

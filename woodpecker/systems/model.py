@@ -1,0 +1,396 @@
+"""Mechanical systems with contacts: Eq. (1)-(3) of the paper as data, checked once.
+
+A system is its mass matrix, its forces and its contacts, as expressions of sympy in coordinates,
+velocities, time and parameters. Everything else is derived from them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from enum import Enum
+from typing import Any
+
+import sympy
+
+from woodpecker.base.checks import number
+from woodpecker.base.shown import shown
+
+MOST_CONTACTS = 30  # a mask of them, and any problem a person writes down
+
+
+class ImpactLaw(Enum):
+    """What an impact does in the normal direction [Leine2001, Pfeiffer1996]."""
+
+    POISSON = "poisson"  # an expansion gives back part of the impulse of the compression
+    NEWTON = "newton"  # the gap rate is reversed in part, in one phase
+
+
+class FrictionBound(Enum):
+    """Which normal impulses bound friction where several contacts expand at once."""
+
+    SEPARATE = "separate"  # its own: Coulomb's law contact by contact
+    SUMMED = "summed"  # those of all contacts of the impact
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Contact:
+    """A unilateral contact with Coulomb friction.
+
+    Parameters
+    ----------
+    name
+        Letters for people, as in "the stop".
+    gap
+        g_N [m], an expression of coordinates and time; positive where the contact is open.
+    slip
+        Tangential relative velocity [m/s], linear in the velocities; without it there is no
+        friction.
+    mu
+        Friction coefficient [-], a number or an expression of parameters.
+    eps_n
+        Normal restitution [-] in 0..1, a number or an expression of parameters.
+
+    Raises
+    ------
+    ValueError
+        If a number lies outside of its range, or there is friction but no slip.
+    TypeError
+        If something is no expression.
+    """
+
+    name: str
+    gap: Any
+    slip: Any = None
+    mu: Any = 0
+    eps_n: Any = 0
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name.strip():
+            raise ValueError(f"a contact needs a name, got {shown(self.name)}")
+        for part in ("gap", "slip", "mu", "eps_n"):
+            if part != "slip" or self.slip is not None:
+                text = f"{part} of {self.name!r}"
+                object.__setattr__(self, part, expression(text, getattr(self, part)))
+        for part, high in (("mu", math.inf), ("eps_n", 1.0)):
+            value = getattr(self, part)
+            if value.is_number and not 0.0 <= real(f"{part} of {self.name!r}", value) <= high:
+                limit = ">= 0" if high == math.inf else "in [0, 1]"
+                raise ValueError(f"{part} of {self.name!r} must be {limit}, got {value}")
+        if self.slip is None and self.mu != 0:
+            raise ValueError(f"{self.name!r} has friction, and needs a slip: mu is {self.mu}")
+
+    @property
+    def rubs(self) -> bool:
+        """Whether it has friction."""
+        return bool(self.mu != 0)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactSystem:
+    """M(q, t) u' = h(q, u, t) + sum (w_N lambda_N + w_T lambda_T) [Leine2001, Eq. 1].
+
+    Parameters
+    ----------
+    q
+        The n coordinates, symbols or dynamic symbols of sympy.
+    M
+        (n, n) mass matrix, symmetric; of coordinates, time and parameters.
+    h
+        (n,) all smooth forces; of coordinates, velocities, time and parameters.
+    contacts
+        At least one.
+    parameters
+        Values of all parameters, in SI units, by symbol or by name.
+    u
+        The n velocities q'; by default the symbols ``u_x`` of a coordinate ``x``.
+    time
+        The symbol of time.
+    law
+        ``"poisson"`` (the paper) or ``"newton"``.
+    expansion_friction
+        ``"separate"``: friction in the expansion of several contacts is bounded by each contact's
+        own impulse; ``"summed"``: by that of all of them.
+
+    Raises
+    ------
+    ValueError
+        If shapes do not fit, a symbol is unknown, or it is no system of this kind; the sentence
+        says which.
+    TypeError
+        If something is no expression, or no contact.
+
+    Examples
+    --------
+    >>> from sympy import symbols
+    >>> from woodpecker.systems import Contact, ContactSystem
+    >>> y, g, eps = symbols("y g eps")
+    >>> floor = Contact(name="floor", gap=y, eps_n=eps)
+    >>> ball = ContactSystem([y], [[1]], [-g], [floor], {g: 9.81, eps: 0.8})
+    >>> ball.q, ball.u, ball.n
+    ((y,), (u_y,), 1)
+    """
+
+    q: Sequence[Any]
+    M: Any
+    h: Any
+    contacts: Sequence[Contact]
+    parameters: Mapping[Any, float]
+    u: Sequence[Any] | None = None
+    time: sympy.Symbol = sympy.Symbol("t")  # noqa: RUF009  # symbols do not change
+    law: ImpactLaw | str = ImpactLaw.POISSON
+    expansion_friction: FrictionBound | str = FrictionBound.SEPARATE
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        put(self, "q", names("q", self.q))
+        n = len(self.q)
+        put(self, "u", _velocities(self.q) if self.u is None else names("u", self.u))
+        assert self.u is not None
+        if len(self.u) != n:
+            raise ValueError(
+                f"u must have {n} velocities, one of each coordinate, got {len(self.u)}"
+            )
+        put(self, "time", names("time", [self.time])[0])
+        put(self, "law", _choice("law", self.law, ImpactLaw))
+        bound = _choice("expansion_friction", self.expansion_friction, FrictionBound)
+        put(self, "expansion_friction", bound)
+        put(self, "M", _matrix("M", self.M, (n, n)))
+        put(self, "h", _matrix("h", self.h, (n, 1)))
+        put(self, "contacts", _contacts(self.contacts))
+        put(self, "parameters", _parameters(self.parameters))
+        self._check_symbols()
+        self._check_mechanics()
+
+    @property
+    def n(self) -> int:
+        """How many coordinates there are."""
+        return len(self.q)
+
+    @property
+    def state(self) -> tuple[sympy.Symbol, ...]:
+        """Coordinates, velocities and time: the symbols of a state."""
+        assert self.u is not None
+        return (*self.q, *self.u, self.time)
+
+    def replace(self, **values: float) -> ContactSystem:
+        """The same system with other values of parameters, by name.
+
+        Raises
+        ------
+        ValueError
+            If a parameter is unknown or a value is not finite.
+        """
+        known = {str(symbol): symbol for symbol in self.parameters}
+        for name in values:
+            if name not in known:
+                raise ValueError(f"unknown parameter {name!r}, the system has {sorted(known)}")
+        new = dict(self.parameters) | {known[name]: value for name, value in values.items()}
+        return ContactSystem(
+            self.q, self.M, self.h, self.contacts, new, self.u, self.time, self.law,
+            self.expansion_friction,
+        )  # fmt: skip
+
+    def _check_symbols(self) -> None:
+        assert self.u is not None
+        listed = (*self.q, *self.u, self.time, *self.parameters)
+        twice = sorted({str(s) for s in listed if [str(r) for r in listed].count(str(s)) > 1})
+        if twice:
+            raise ValueError(f"{twice[0]} is used twice among q, u, time and parameters")
+        place, held = {*self.q, self.time, *self.parameters}, set(self.parameters)
+        self._within("M", self.M, place, "coordinates, time and parameters")
+        self._within("h", self.h, set(listed), "q, u, time and parameters")
+        for each in self.contacts:
+            of = f"of {each.name!r}"
+            self._within(f"the gap {of}", each.gap, place, "coordinates, time and parameters")
+            self._within(f"mu {of}", each.mu, held, "parameters")
+            self._within(f"eps_n {of}", each.eps_n, held, "parameters")
+            if each.slip is not None:
+                self._within(f"the slip {of}", each.slip, set(listed), "q, u, time and parameters")
+
+    def _within(self, what: str, value: Any, allowed: set[sympy.Symbol], said: str) -> None:
+        assert self.u is not None
+        for symbol in sorted(value.free_symbols - allowed, key=str):
+            if symbol in self.u:
+                raise ValueError(f"{what} must not depend on the velocity {symbol}")
+            raise ValueError(f"{what} has the unknown symbol {symbol}; it may have {said}")
+
+    def _check_mechanics(self) -> None:
+        assert self.u is not None
+        if not _is_zero(self.M - self.M.T):
+            raise ValueError("M must be symmetric")
+        if _is_zero(sympy.Matrix([[self.M.det()]])):
+            raise ValueError("M is singular: every coordinate needs inertia")
+        for each in self.contacts:
+            if all(each.gap.diff(q) == 0 for q in self.q):
+                raise ValueError(f"the gap of {each.name!r} is one that no coordinate moves")
+            if each.slip is None:
+                continue
+            if any(_is_nonzero(each.slip.diff(v, w)) for v in self.u for w in self.u):
+                raise ValueError(f"the slip of {each.name!r} must be linear in the velocities")
+            if each.rubs and all(each.slip.diff(v) == 0 for v in self.u):
+                raise ValueError(f"the slip of {each.name!r} is one that no velocity moves")
+
+
+def from_kane(method: Any, contacts: Sequence[Contact], parameters: Mapping[Any, float],
+              **options: Any) -> ContactSystem:  # fmt: skip
+    """A system from ``sympy.physics.mechanics``: KanesMethod or LagrangesMethod, formed already.
+
+    Parameters
+    ----------
+    method
+        Its mass matrix and forcing are those without contact forces. Of Kane's method the
+        velocities must be the rates of the coordinates.
+    contacts, parameters, **options
+        As :class:`ContactSystem` takes them, in the method's dynamic symbols.
+
+    Returns
+    -------
+    ContactSystem
+        With plain symbols in place of dynamic ones.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer velocities than coordinates, or other ones, or constraints.
+    TypeError
+        If it is no such method.
+    """
+    from sympy.physics.mechanics import dynamicsymbols
+
+    t = dynamicsymbols._t
+    coordinates = list(getattr(method, "q", ()))
+    if not coordinates or not hasattr(method, "mass_matrix"):
+        raise TypeError(f"expected a KanesMethod or LagrangesMethod, got {shown(method)}")
+    speeds = list(method.u)
+    if len(speeds) != len(coordinates):
+        raise ValueError(
+            f"as many velocities as coordinates are needed, got {len(speeds)} and "
+            f"{len(coordinates)}"
+        )
+    rates = {q.diff(t): u for q, u in zip(coordinates, speeds, strict=True)}
+    kinematics: dict[Any, Any] = getattr(method, "kindiffdict", dict)()
+    for q, u in zip(coordinates, speeds, strict=True):
+        if kinematics and sympy.simplify(kinematics[q.diff(t)] - u) != 0:
+            raise ValueError(f"{u} must be the rate of {q}, it is another velocity")
+    plain = {each: sympy.Symbol(each.func.__name__) for each in coordinates}
+    plain |= {
+        u: sympy.Symbol(u.func.__name__ if u not in rates else f"u_{plain[q]}")
+        for q, u in zip(coordinates, speeds, strict=True)
+    }
+
+    def changed(value: Any) -> Any:
+        return sympy.sympify(value).subs(rates).subs(plain)
+
+    made = [
+        Contact(
+            name=c.name, gap=changed(c.gap), mu=c.mu, eps_n=c.eps_n,
+            slip=None if c.slip is None else changed(c.slip),
+        )
+        for c in contacts
+    ]  # fmt: skip
+    return ContactSystem(
+        tuple(plain[q] for q in coordinates), changed(method.mass_matrix), changed(method.forcing),
+        tuple(made), parameters, u=tuple(plain[u] for u in speeds), time=t, **options,
+    )  # fmt: skip
+
+
+# --- Checks ---------------------------------------------------------------------------------------
+
+
+def expression(name: str, value: Any) -> sympy.Expr:
+    """A value as an expression of sympy; TypeError unless it is one."""
+    try:
+        found = sympy.sympify(value, strict=not isinstance(value, str))
+    except (sympy.SympifyError, SyntaxError, TypeError):
+        found = None
+    if not isinstance(found, sympy.Expr):
+        raise TypeError(f"{name} must be an expression of sympy or a number, got {shown(value)}")
+    if found.has(sympy.nan, sympy.oo, sympy.zoo):
+        raise ValueError(f"{name} must be finite, got {found}")
+    return found
+
+
+def real(name: str, value: sympy.Expr) -> float:
+    """A number of sympy as a float; ValueError unless it is real."""
+    if value.is_real is False or not value.is_number:
+        raise ValueError(f"{name} must be a real number, got {value}")
+    return float(value)
+
+
+def names(name: str, value: Any) -> tuple[sympy.Symbol, ...]:
+    """Distinct symbols; names become symbols."""
+    if isinstance(value, str | sympy.Basic) or not isinstance(value, Iterable):
+        raise TypeError(f"{name} must be a list of symbols, got {shown(value)}")
+    found = tuple(sympy.Symbol(each) if isinstance(each, str) else each for each in value)
+    for each in found:
+        if not isinstance(each, sympy.Symbol):
+            raise TypeError(f"{name} must be symbols, got {shown(each)}")
+    if not found:
+        raise ValueError(f"{name} must not be empty")
+    return found
+
+
+def _velocities(q: Sequence[sympy.Symbol]) -> tuple[sympy.Symbol, ...]:
+    return tuple(sympy.Symbol(f"u_{each}") for each in q)
+
+
+def _choice(name: str, value: Any, kind: type[Enum]) -> Any:
+    try:
+        return kind(value)
+    except ValueError:
+        known = " or ".join(repr(each.value) for each in kind)
+        raise ValueError(f"{name} must be {known}, got {shown(value)}") from None
+
+
+def _matrix(name: str, value: Any, shape: tuple[int, int]) -> sympy.ImmutableMatrix:
+    try:
+        found = sympy.ImmutableMatrix(value)
+    except (TypeError, ValueError, sympy.SympifyError):
+        raise TypeError(f"{name} must be a matrix of expressions, got {shown(value)}") from None
+    if found.shape != shape:
+        wanted = shape if shape[1] > 1 or name == "M" else f"({shape[0]},)"
+        raise ValueError(f"{name} must have the shape {wanted}, got {found.shape}")
+    for each in found:
+        expression(f"an entry of {name}", each)
+    return found
+
+
+def _contacts(value: Any) -> tuple[Contact, ...]:
+    if isinstance(value, Contact) or not isinstance(value, Iterable):
+        raise TypeError(f"contacts must be a list of Contact, got {shown(value)}")
+    found = tuple(value)
+    for each in found:
+        if not isinstance(each, Contact):
+            raise TypeError(f"contacts must be Contact, got {shown(each)}")
+    if not 1 <= len(found) <= MOST_CONTACTS:
+        raise ValueError(f"a system has 1 to {MOST_CONTACTS} contacts, got {len(found)}")
+    called = [each.name for each in found]
+    if len(set(called)) < len(called):
+        raise ValueError(f"contacts need different names, got {called}")
+    return found
+
+
+def _parameters(value: Any) -> dict[sympy.Symbol, float]:
+    if not isinstance(value, Mapping):
+        raise TypeError(f"parameters must be a mapping of symbols to values, got {shown(value)}")
+    found = {}
+    for symbol, given in value.items():
+        (key,) = names("parameters", [symbol])
+        found[key] = number(f"parameter {key}", float(given) if _is_number(given) else given)
+        if not math.isfinite(found[key]):
+            raise ValueError(f"parameter {key} must be finite, got {given}")
+    return found
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, sympy.Expr) and bool(value.is_real)
+
+
+def _is_zero(matrix: Any) -> bool:
+    return all(sympy.simplify(each) == 0 for each in matrix)
+
+
+def _is_nonzero(value: Any) -> bool:
+    return bool(value != 0 and sympy.simplify(value) != 0)

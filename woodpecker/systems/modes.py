@@ -1,0 +1,380 @@
+"""Index sets: accelerations, forces, guards, and the contact problem on acceleration level.
+
+A mode is the state of every contact. In it accelerations and contact forces solve
+
+    M a - W_N lambda_N - W_T lambda_T = h,   gap acceleration zero where a contact is closed,
+    slip acceleration zero where it sticks,  lambda_T = -+mu lambda_N where it slides.
+
+A guard is a function of the state that is positive as long as the mode lasts.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import product
+from typing import NamedTuple
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats
+from woodpecker.mechanics.lcp import solve_contact_lcp
+from woodpecker.systems.equations import Equations, Terms
+from woodpecker.systems.impacts import Outcome, solved
+
+OPEN, STICK, SLIDE_UP, SLIDE_DOWN = range(4)  # states of a contact; SLIDE_UP: its slip is positive
+GAP, NORMAL, CONE_UP, CONE_DOWN, SLIP = range(5)  # kinds of guards: kind * m + contact
+SECTION = 5  # 5 m is the guard of a section
+MOST_MODES = 256  # combinations that are tried on acceleration level
+ROUNDING = 1e-12  # relative size of a force that rounding may have made of zero
+SAME = 1e-9  # relative: accelerations that are closer are one motion
+
+Mode = tuple[int, ...]
+
+
+def guards_of(eq: Equations, mode: Mode) -> list[int]:
+    """All guards of a mode: gaps of open contacts, forces of closed ones, slips of sliding ones.
+
+    Where a contact sticks its force vanishes only where a cone is reached, too.
+    """
+    m, found = eq.m, list[int]()
+    for i, state in enumerate(mode):
+        if state == OPEN:
+            found.append(GAP * m + i)
+        elif state == STICK:
+            found += [CONE_UP * m + i, CONE_DOWN * m + i]
+        else:
+            found.append(NORMAL * m + i)
+            if eq.rubs[i]:
+                found.append(SLIP * m + i)
+    return found
+
+
+class Balance(NamedTuple):
+    """Accelerations and forces, and what they were solved from."""
+
+    a: Floats  # (..., n)
+    l_n: Floats  # (..., m)
+    l_t: Floats  # (..., m)
+    matrix: Floats  # (..., n + c, n + c)
+
+
+def balance(eq: Equations, mode: Mode, terms: Terms) -> Balance:
+    """Accelerations and forces in a mode, at one state or a batch; nan where there are none."""
+    n, m = eq.n, eq.m
+    states = np.array(mode)
+    closed, stuck = np.flatnonzero(states != OPEN), np.flatnonzero(states == STICK)
+    sign = _signs(states)
+    batch = terms.force.shape[:-1]
+    size = n + len(closed) + len(stuck)
+    k, right = np.zeros((*batch, size, size)), np.zeros((*batch, size))
+    k[..., :n, :n], right[..., :n] = terms.mass, terms.force
+    if len(closed):
+        pull = terms.w_n + (sign * terms.mu)[..., None] * terms.w_t
+        middle = n + len(closed)
+        k[..., :n, n:middle] = -np.swapaxes(pull[..., closed, :], -1, -2)
+        k[..., :n, middle:] = -np.swapaxes(terms.w_t[..., stuck, :], -1, -2)
+        k[..., n:middle, :n], k[..., middle:, :n] = (
+            terms.w_n[..., closed, :],
+            terms.w_t[..., stuck, :],
+        )
+        right[..., n:middle], right[..., middle:] = (
+            -terms.bar_n[..., closed],
+            -terms.bar_t[..., stuck],
+        )
+    x = _solve(k, right)
+    l_n, l_t = np.zeros((*batch, m)), np.zeros((*batch, m))
+    l_n[..., closed] = x[..., n : n + len(closed)]
+    l_t[...] = sign * terms.mu * l_n
+    l_t[..., stuck] = x[..., n + len(closed) :]
+    return Balance(x[..., :n], l_n, l_t, k)
+
+
+def _solve(k: Floats, right: Floats) -> Floats:
+    try:
+        return np.asarray(np.linalg.solve(k, right[..., None])[..., 0])
+    except np.linalg.LinAlgError:
+        return solved(k.reshape(-1, *k.shape[-2:]), right.reshape(-1, right.shape[-1])).reshape(
+            right.shape
+        )
+
+
+def _signs(states: Floats) -> Floats:
+    """Signs of lambda_T = sign mu lambda_N where contacts slide."""
+    return np.where(states == SLIDE_UP, -1.0, np.where(states == SLIDE_DOWN, 1.0, 0.0))
+
+
+def guard_values(eq: Equations, mode: Mode, guards: Sequence[int], terms: Terms) -> Floats:
+    """Values (guards, b) of guards at a batch of states."""
+    m = eq.m
+    kinds = {guard // m for guard in guards}
+    forces = balance(eq, mode, terms) if kinds & {NORMAL, CONE_UP, CONE_DOWN} else None
+    rows = []
+    for guard in guards:
+        kind, i = divmod(guard, m)
+        if kind == GAP:
+            rows.append(terms.gap[:, i])
+        elif kind == SLIP:
+            rows.append(terms.slip[:, i] if mode[i] == SLIDE_UP else -terms.slip[:, i])
+        else:
+            assert forces is not None
+            rows.append(_force_guard(kind, terms.mu[:, i], forces.l_n[:, i], forces.l_t[:, i]))
+    return np.array(rows).reshape(len(guards), len(terms.gap))
+
+
+def _force_guard(kind: int, mu: Floats, l_n: Floats, l_t: Floats) -> Floats:
+    if kind == NORMAL:
+        return l_n
+    return mu * l_n - l_t if kind == CONE_UP else mu * l_n + l_t
+
+
+@dataclass(frozen=True, eq=False)
+class Local:
+    """A mode at one state: motion and guards, and their derivatives where they are asked for."""
+
+    eq: Equations
+    mode: Mode
+    z: Floats
+    p: Floats
+
+    @cached_property
+    def terms(self) -> Terms:
+        """The terms of the equations of motion."""
+        return self.eq.terms(self.z, self.p)
+
+    @cached_property
+    def balance(self) -> Balance:
+        """Accelerations and forces."""
+        return balance(self.eq, self.mode, self.terms)
+
+    @cached_property
+    def flow(self) -> Floats:
+        """(N,) z' = (u, a, 1)."""
+        n = self.eq.n
+        return np.concatenate([self.z[n : 2 * n], self.balance.a, [1.0]])
+
+    @cached_property
+    def changes(self) -> tuple[Floats, Floats, Floats]:
+        """Derivatives (.., columns) of accelerations and forces, in z and free parameters."""
+        eq, t = self.eq, self.terms
+        _, l_n, _, k = self.balance
+        n, states = eq.n, np.array(self.mode)
+        closed, stuck = np.flatnonzero(states != OPEN), np.flatnonzero(states == STICK)
+        sign = _signs(states)
+        motion, d_n, d_t, d_mu = self._partial
+        load = (sign * l_n)[:, None] * d_mu
+        right = -np.vstack([motion - t.w_t.T @ load, d_n[closed], d_t[stuck]])
+        x = _solve(np.broadcast_to(k, (right.shape[1], *k.shape)), right.T).T
+        change_n, change_t = np.zeros((eq.m, eq.columns)), np.zeros((eq.m, eq.columns))
+        change_n[closed] = x[n : n + len(closed)]
+        change_t[:] = (sign * t.mu)[:, None] * change_n + load
+        change_t[stuck] = x[n + len(closed) :]
+        return x[:n], change_n, change_t
+
+    @cached_property
+    def _partial(self) -> list[Floats]:
+        a, l_n, l_t, _ = self.balance
+        return self.eq.motion_changes(self.z, self.p, a, l_n, l_t)
+
+    @cached_property
+    def jacobian(self) -> Floats:
+        """(N, columns) derivatives of z'."""
+        n, size = self.eq.n, self.eq.size
+        found = np.zeros((size, self.eq.columns))
+        found[:n, n : 2 * n] = np.eye(n)
+        found[n : 2 * n] = self.changes[0]
+        return found
+
+    def jet(self, guard: int, order: int = 3) -> list[float]:
+        """Value of a guard and its derivatives in time, up to an order or as far as known.
+
+        Known are three derivatives of gaps, two of slips, one of forces.
+        """
+        kind, i = divmod(guard, self.eq.m)
+        t = self.terms
+        if kind in (GAP, SLIP):
+            sign = 1.0 if kind == GAP or self.mode[i] == SLIDE_UP else -1.0
+            found = [t.gap[i], t.gap_rate[i]] if kind == GAP else [sign * t.slip[i]]
+            if len(found) <= order:
+                w, bar = (t.w_n, t.bar_n) if kind == GAP else (t.w_t, t.bar_t)
+                found.append(sign * (w[i] @ self.balance.a + bar[i]))
+            if len(found) <= order:
+                found.append(
+                    sign * (self._acceleration_change(kind, i)[: self.eq.size] @ self.flow)
+                )
+            return found[: order + 1]
+        value = _force_guard(kind, t.mu[i], self.balance.l_n[i], self.balance.l_t[i])
+        return [float(value), float(self.gradient(guard)[: self.eq.size] @ self.flow)][: order + 1]
+
+    def _acceleration_change(self, kind: int, i: int) -> Floats:
+        """Derivatives (columns,) of the acceleration of a gap or a slip."""
+        w = self.terms.w_n if kind == GAP else self.terms.w_t
+        return np.asarray(self._partial[1 if kind == GAP else 2][i] + w[i] @ self.changes[0])
+
+    def rate(self, guard: int) -> float:
+        """The derivative of a guard in time."""
+        return self.jet(guard, 1)[1]
+
+    def gradient(self, guard: int, order: int = 0) -> Floats:
+        """Derivatives (columns,) of a guard, or of its derivative in time of an order.
+
+        Known are those of gaps to order 2, of slips to order 1, of forces to order 0.
+        """
+        kind, i = divmod(guard, self.eq.m)
+        sign = -1.0 if kind == SLIP and self.mode[i] != SLIDE_UP else 1.0
+        if kind in (GAP, SLIP):
+            if order == (2 if kind == GAP else 1):
+                return sign * self._acceleration_change(kind, i)
+            gap, rate, slip = self.eq.kinematic_changes(self.z, self.p)
+            return np.asarray(sign * (slip if kind == SLIP else rate if order else gap)[i])
+        _, change_n, change_t = self.changes
+        if kind == NORMAL:
+            return np.asarray(change_n[i])
+        cone = self.terms.mu[i] * change_n[i] + self.balance.l_n[i] * self._partial[3][i]
+        return np.asarray(cone - change_t[i] if kind == CONE_UP else cone + change_t[i])
+
+
+# --- The contact problem on acceleration level ----------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Touch:
+    """What an event leaves: the contacts that touch and stay, and what is exactly zero.
+
+    Attributes
+    ----------
+    closed
+        Contacts with zero gap and zero gap rate.
+    held
+        Those of them whose slip is exactly zero.
+    leaving
+        Contacts with zero gap that open.
+    fired
+        The guard that brought us here; -1: none that leaves a zero on acceleration level.
+    """
+
+    closed: frozenset[int]
+    held: frozenset[int] = frozenset()
+    leaving: frozenset[int] = frozenset()
+    fired: int = -1
+
+    def order(self, eq: Equations, mode: Mode, guard: int) -> int:
+        """How many derivatives of a guard, from its value on, are exactly zero.
+
+        At a detachment the gap has no acceleration yet; at a slip start the slip has none, because
+        lambda_T = +mu lambda_N at the edge of the cone is just the force of negative slip.
+        """
+        kind, i = divmod(guard, eq.m)
+        if kind == GAP:
+            if i in self.closed:
+                return 3 if self.fired == NORMAL * eq.m + i else 2
+            return 1 if i in self.leaving else 0
+        if kind == SLIP:
+            if i not in self.held:
+                return 0
+            edge = CONE_UP if mode[i] == SLIDE_DOWN else CONE_DOWN
+            return 2 if self.fired == edge * eq.m + i else 1
+        return 1 if guard == self.fired else 0
+
+
+def settle(eq: Equations, z: Floats, p: Floats, touch: Touch) -> tuple[Outcome, Mode]:
+    """The mode that starts now: all combinations of states of the closed contacts are tried.
+
+    One is admissible if all its guards of these contacts are positive right after now, judged by
+    the first derivative that the event has not made zero. If none is, forces and accelerations
+    within rounding of zero are passed over.
+    """
+    if not touch.closed:
+        return Outcome.SOLVED, (OPEN,) * eq.m
+    terms = eq.terms(z, p)
+    tried = [Local(eq, mode, z, p) for mode in _modes(eq, terms, touch)]
+    for slack in (0.0, ROUNDING):
+        kept = [each for each in tried if _admissible(each, touch, slack)]
+        if not kept:
+            continue
+        first = kept[0]
+        size = (
+            np.abs(first.balance.a).max() + np.abs(np.linalg.solve(terms.mass, terms.force)).max()
+        )
+        for other in kept[1:]:
+            if np.abs(other.balance.a - first.balance.a).max() > SAME * size:
+                return Outcome.AMBIGUOUS, first.mode
+        return Outcome.SOLVED, first.mode
+    return Outcome.NO_SOLUTION, (OPEN,) * eq.m
+
+
+def _modes(eq: Equations, terms: Terms, touch: Touch) -> Iterator[Mode]:
+    """Combinations of states to be tried: sticking first, opening last."""
+    choices, count = list[tuple[int, ...]](), 1
+    for i in range(eq.m):
+        states: tuple[int, ...] = (OPEN,)
+        if i in touch.closed:
+            if not eq.rubs[i]:
+                states = (SLIDE_UP, OPEN)
+            elif i in touch.held:
+                states = (STICK, SLIDE_UP, SLIDE_DOWN, OPEN)
+            else:
+                states = (SLIDE_UP if terms.slip[i] > 0.0 else SLIDE_DOWN, OPEN)
+        choices.append(states)
+        count *= len(states)
+    return iter(product(*choices) if count <= MOST_MODES else _proposed(eq, terms, touch))
+
+
+def _proposed(eq: Equations, terms: Terms, touch: Touch) -> list[Mode]:
+    """The combination of the solution to which Lemke's path leads."""
+    c = sorted(touch.closed)
+    w = np.vstack([terms.w_n[c], terms.w_t[c]])
+    response = np.linalg.solve(terms.mass, np.column_stack([w.T, terms.force]))
+    free = w @ response[:, -1] + np.concatenate([terms.bar_n[c], terms.bar_t[c]])
+    slides = np.array(
+        [0 if i in touch.held or not eq.rubs[i] else np.sign(terms.slip[i]) for i in c]
+    )
+    found = solve_contact_lcp(w @ response[:, :-1], free, terms.mu[c], 0.0, slides)
+    if not found.success:
+        return []
+    mode = [OPEN] * eq.m
+    for k, i in enumerate(c):
+        if found.impulse_n[k] > 0.0:
+            slip = slides[k] or np.sign(found.gamma_t[k])
+            sticks = eq.rubs[i] and slip == 0.0
+            mode[i] = STICK if sticks else SLIDE_DOWN if slip < 0.0 and eq.rubs[i] else SLIDE_UP
+    return [tuple(mode)]
+
+
+def _admissible(here: Local, touch: Touch, slack: float) -> bool:
+    """Whether all guards of the closed contacts are positive right after now."""
+    eq, mode = here.eq, here.mode
+    if not np.isfinite(here.balance.a).all():
+        return False
+    for guard in guards_of(eq, mode):
+        kind, i = divmod(guard, eq.m)
+        if i not in touch.closed:
+            continue
+        if kind == SLIP and i not in touch.held:
+            continue
+        order = touch.order(eq, mode, guard)
+        if not _starts_positive(here, guard, order, slack * _size(here, kind, i)):
+            return False
+    return True
+
+
+def _starts_positive(here: Local, guard: int, order: int, rounding: float) -> bool:
+    """The sign of a guard right after now; a guard that stays zero counts as positive."""
+    for k in range(order, 4):
+        known = here.jet(guard, k)
+        if len(known) <= k:
+            break
+        if not abs(known[k]) <= (rounding if k == order else 0.0):
+            return known[k] > 0.0
+    return True
+
+
+def _size(here: Local, kind: int, i: int) -> float:
+    """How large the terms are that a force, or an acceleration of a contact, is the sum of."""
+    t, (a, l_n, l_t, _) = here.terms, here.balance
+    if kind not in (GAP, SLIP):
+        return float(np.abs(l_n).max() + np.abs(l_t).max() + np.abs(t.force).max())
+    w, bar = (t.w_n, t.bar_n) if kind == GAP else (t.w_t, t.bar_t)
+    free = np.linalg.solve(t.mass, t.force)
+    return float(np.abs(w[i]) @ (np.abs(a) + np.abs(free)) + np.abs(bar[i]))

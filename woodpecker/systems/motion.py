@@ -1,0 +1,590 @@
+"""From event to event: the loop of Figure 1 for any system [Leine2001].
+
+The equations of motion are integrated for given index sets until an event; an impact event has its
+contact problems of compression and expansion; then the contact problem on acceleration level sets
+up the new index sets. What happened is recorded as a path, along which derivatives are taken.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from importlib.util import find_spec
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats
+from woodpecker.systems.equations import Equations, Terms
+from woodpecker.systems.flows import Flow, LostError, RungeFlow, Step
+from woodpecker.systems.guards import Start, series
+from woodpecker.systems.impacts import Impact, Outcome, carry_out, decide
+from woodpecker.systems.model import ContactSystem
+from woodpecker.systems.modes import (
+    CONE_UP,
+    GAP,
+    OPEN,
+    SECTION,
+    SLIDE_UP,
+    SLIP,
+    STICK,
+    Local,
+    Mode,
+    Touch,
+    guard_values,
+    guards_of,
+    settle,
+)
+from woodpecker.systems.sections import Embedding
+
+EVENTS_MOST = 2000  # of one return, unless a caller says otherwise
+STEPS_MOST = 20_000  # of one phase of one return
+CHATTER = 2.0**-26  # relative change of acceleration in a bounce below which the rest is a series
+PENETRATED = 1e-7  # relative: far more than rounding leaves of a gap
+IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
+COLLAPSED = 2.0**-50  # of time: impacts of several contacts in turns within it have come to an end
+TOGETHER = 2.0**-44  # of a phase: gaps that close within it do so at once
+POLISHED = 1e-6  # of a window: Newton's step from a root of the series is shorter, or not taken
+NO_FORCE = 1e-9  # relative: a normal force that vanishes where a cone is reached
+TIME = -2  # the guard of a phase that lasts to the end of time asked for
+
+
+class Backend(Enum):
+    """What integrates the motion within a mode."""
+
+    TAYLOR = "heyoka"
+    RUNGE = "scipy"
+
+
+class MotionStatus(Enum):
+    """How a motion ended; the value is the sentence a user reads."""
+
+    RETURNED = "the system returned to the section"
+    TIME_REACHED = "the requested time was reached"
+    AT_REST = "the system stays at rest: contacts hold all of it"
+    HORIZON = "no return within the longest time of the section"
+    STEPS_LIMIT = "no event within as many steps as allowed"
+    EVENT_LIMIT = "the event limit was reached"
+    NO_SOLUTION = "a contact problem has no solution"
+    AMBIGUOUS = "a contact problem has several solutions"
+    OVERFLOW = "the motion leaves the numbers that double precision can hold"
+    PASSED = "rounding has carried the system through a contact, where impacts accumulate in turns"
+    NO_FORCES = "more contacts hold than there are coordinates: their forces are open"
+
+    @property
+    def success(self) -> bool:
+        """Whether the motion ended as asked."""
+        return self in (MotionStatus.RETURNED, MotionStatus.TIME_REACHED)
+
+
+_OF_OUTCOME = {
+    Outcome.NO_SOLUTION: MotionStatus.NO_SOLUTION, Outcome.AMBIGUOUS: MotionStatus.AMBIGUOUS,
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True)
+class Leg:
+    """One phase of a path, and the event that begins it.
+
+    Attributes
+    ----------
+    impact
+        The impact that it begins with, if any.
+    closes
+        The contact at which bounces have accumulated then; -1: none.
+    touch
+        What touches where it begins.
+    mode, guard
+        The states of the contacts, and which guard ends it.
+    """
+
+    impact: Impact | None
+    closes: int
+    touch: Touch
+    mode: Mode
+    guard: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Event:
+    """What happened at one instant.
+
+    Attributes
+    ----------
+    symbol
+        Kind and contacts, such as ``I1+3``: see :mod:`woodpecker.simulation.words`.
+    time
+        In s.
+    before, after
+        (n,) velocities.
+    impulses
+        (2, 2, m) normal and tangential impulses [N s] of compression and expansion; else empty.
+    """
+
+    symbol: str
+    time: float
+    before: Floats
+    after: Floats
+    impulses: Floats
+
+
+class Machine:
+    """A system with its equations, and the integrators of all modes that it has met.
+
+    Parameters
+    ----------
+    system
+        The system.
+    free
+        Names of parameters in which derivatives are taken.
+    backend
+        What integrates; heyoka where it is installed.
+    """
+
+    def __init__(
+        self, system: ContactSystem, free: Sequence[str] = (), backend: Backend | str | None = None
+    ) -> None:
+        if backend is None:
+            backend = Backend.TAYLOR if find_spec("heyoka") else Backend.RUNGE
+        self.backend = Backend(backend)
+        self.eq = Equations(system, free)
+        self._flows: dict[tuple[Mode, bool], Flow] = {}
+        time = system.time
+        parts = [*system.M, *system.h, *(c.gap for c in system.contacts)]
+        parts += [c.slip for c in system.contacts if c.slip is not None]
+        self.is_autonomous = not any(part.has(time) for part in parts)
+
+    def flow(self, mode: Mode, *, varies: bool = False) -> Flow:
+        """The flow of a mode; it is compiled when it is first asked for."""
+        key = mode, varies
+        if key not in self._flows:
+            if self.backend is Backend.TAYLOR:
+                from woodpecker.systems.taylor import TaylorFlow
+
+                self._flows[key] = TaylorFlow(self.eq, mode, varies=varies)
+            else:
+                self._flows[key] = RungeFlow(self.eq, mode, varies=varies)
+        return self._flows[key]
+
+
+@dataclass(slots=True, eq=False)
+class Run:
+    """A motion as it was found.
+
+    Attributes
+    ----------
+    z
+        The state that was reached.
+    status
+        Why it ended.
+    legs, durations
+        Its phases.
+    last
+        The impact that it ended with, on a section of impacts.
+    symbols, events
+        What happened; equal bounces that accumulate are one symbol.
+    steps
+        Where each step began [s], and the step, if they are kept.
+    """
+
+    z: Floats
+    status: MotionStatus = MotionStatus.EVENT_LIMIT
+    legs: list[Leg] = field(default_factory=list)
+    durations: list[float] = field(default_factory=list)
+    last: Impact | None = None
+    symbols: list[str] = field(default_factory=list)
+    events: list[Event] = field(default_factory=list)
+    steps: list[tuple[float, Step]] = field(default_factory=list)
+
+
+class Search:
+    """A motion from a state until its return, or until a time.
+
+    Parameters
+    ----------
+    machine, p
+        The system, and the values of all its parameters.
+    embedding
+        The section; None for a motion until a time.
+    t_end
+        Time at which it ends.
+    events_most
+        So many events at most.
+    keeps
+        Whether steps are kept, for samples.
+    """
+
+    def __init__(
+        self, machine: Machine, p: Floats, embedding: Embedding | None = None, *,
+        t_end: float = math.inf, events_most: int = EVENTS_MOST, keeps: bool = False,
+    ) -> None:  # fmt: skip
+        self.machine, self.eq, self.p, self.embedding = machine, machine.eq, p, embedding
+        self.t_end, self.events_most, self.keeps = t_end, events_most, keeps
+
+    def run(self, z: Floats, touch: Touch, striking: Sequence[int] = ()) -> Run:
+        """The loop of Figure 1 [Leine2001]."""
+        found = self._run = Run(z)
+        self._bounce: tuple[Impact, int, Floats] | None = None
+        if self.embedding is not None:
+            self.t_end = float(z[-1]) + self.embedding.section.horizon
+        before = _before(self.eq, touch)
+        try:
+            impact = (
+                self._strike(tuple(sorted({*striking, *touch.closed})), -1) if striking else None
+            )
+            touch = self._touch if striking else touch
+            while len(found.legs) < self.events_most:
+                outcome, mode = settle(self.eq, found.z, self.p, touch)
+                if outcome is not Outcome.SOLVED:
+                    raise _StoppedError(_OF_OUTCOME[outcome])
+                self._name_transitions(before, mode, touch)
+                self._check_forces(mode)
+                guard = self._flow(mode, touch)  # integrate until an event
+                found.legs.append(Leg(impact, self._closes, touch, mode, guard))
+                before, (impact, touch) = mode, self._event(mode, guard)
+                if self._closes >= 0 or impact is not None:
+                    before = _after_impact(self.eq, before, touch)
+        except _StoppedError as stop:
+            found.status = stop.status
+        except LostError:
+            found.status = MotionStatus.OVERFLOW
+        return found
+
+    _touch: Touch
+    _closes = -1
+
+    # --- Phases -----------------------------------------------------------------------------------
+
+    def _flow(self, mode: Mode, touch: Touch) -> int:
+        """Integrate the equations of motion for given index sets until an event; which guard."""
+        found = self._run
+        begins = self.embedding is not None and not found.legs
+        guard, t, z = self.first_event(
+            mode, found.z, touch, self.t_end - found.z[-1], on_section=begins
+        )
+        found.durations.append(t)
+        found.z = z
+        self._check_gaps(mode)
+        if guard == TIME:
+            found.legs.append(Leg(None, -1, touch, mode, TIME))
+            done = MotionStatus.TIME_REACHED if self.embedding is None else MotionStatus.HORIZON
+            raise _StoppedError(done)
+        return guard
+
+    def _check_gaps(self, mode: Mode) -> None:
+        """Stop where an open contact is penetrated by more than rounding explains."""
+        z, eq = self._run.z, self.eq
+        terms = eq.terms(z, self.p)
+        size = 1.0 + np.abs(terms.w_n) @ np.abs(z[: eq.n])
+        if (terms.gap < -PENETRATED * size)[np.array(mode) == OPEN].any():
+            raise _StoppedError(MotionStatus.PASSED)
+
+    def first_event(
+        self, mode: Mode, z: Floats, touch: Touch, most: float, *, on_section: bool = False,
+        ignored: int = -1, keeps: bool = True,
+    ) -> tuple[int, float, Floats]:  # fmt: skip
+        """The guard that fires first in a phase, when, and the state there."""
+        eq, embedding = self.eq, self.embedding
+        here = Local(eq, mode, z, self.p)
+        guards = [guard for guard in guards_of(eq, mode) if guard != ignored]
+        starts = [started(here, touch, guard) for guard in guards]
+        watched = list(guards)
+        section = None
+        if embedding is not None and embedding.counts(mode):
+            section = embedding.guard
+            assert section is not None
+            watched.append(SECTION * eq.m)
+            starts.append(Start(1, section.jet(here), True) if on_section else Start(0, (), True))
+
+        def watch(states: Floats) -> Floats:
+            values = guard_values(eq, mode, guards, eq.terms(states, self.p))
+            if section is None:
+                return values
+            return np.vstack([values, section.values(states, self.p)])
+
+        t = 0.0
+        if most <= 0.0:
+            return TIME, t, z
+        for count, step in enumerate(self.machine.flow(mode).steps(z, self.p, most)):
+            if self.keeps and keeps:
+                self._run.steps.append((float(z[-1]) + t, step))
+            for window in series(step, t, watch, starts):
+                early = [start.soon(step.length) if t == 0.0 else math.inf for start in starts]
+                falls = [
+                    time if time < math.inf else each.falls()
+                    for time, each in zip(early, window, strict=True)
+                ]
+                k = min(range(len(falls)), key=falls.__getitem__, default=-1)
+                if k >= 0 and early[k] == falls[k] < math.inf:
+                    return watched[k], early[k], step.exact(early[k])[0]
+                if k >= 0 and falls[k] < math.inf:
+                    width = window[k].high - window[k].low
+                    return watched[k], *self._polished(
+                        mode, watched[k], starts[k], step, t, falls[k], width
+                    )
+            t += step.length
+            if count > STEPS_MOST:
+                raise _StoppedError(MotionStatus.STEPS_LIMIT)
+        return TIME, t, step.exact(step.length)[0]
+
+    def _polished(
+        self, mode: Mode, guard: int, start: Start, step: Step, begin: float, t: float, width: float
+    ) -> tuple[float, Floats]:
+        """A root of a series, made exact by a step of Newton's method."""
+        z, _ = step.exact(t - begin)
+        here = Local(self.eq, mode, z, self.p)
+        value, rate = self.value_and_rate(here, guard)
+        if begin == 0.0:
+            value -= float(start.noise(np.array(t)))
+        if rate < 0.0 and abs(value) < POLISHED * width * -rate:
+            t -= value / rate
+            z, _ = step.exact(t - begin)
+        return t, z
+
+    def value_and_rate(self, here: Local, guard: int) -> tuple[float, float]:
+        """Those of a guard, also of the section's."""
+        if guard == SECTION * self.eq.m:
+            assert self.embedding is not None
+            assert self.embedding.guard is not None
+            return self.embedding.guard.jet(here)
+        value, rate = here.jet(guard, 1)
+        return value, rate
+
+    # --- Events -----------------------------------------------------------------------------------
+
+    def _event(self, mode: Mode, guard: int) -> tuple[Impact | None, Touch]:
+        """What a guard brings about: the end, an impact, or only new index sets."""
+        found, m = self._run, self.eq.m
+        self._closes = -1
+        if guard == SECTION * m:
+            raise _StoppedError(MotionStatus.RETURNED)
+        kind, i = divmod(guard, m)
+        closed = frozenset(k for k in range(m) if mode[k] != OPEN)
+        if kind == GAP:
+            terms = self.eq.terms(found.z, self.p)
+            if terms.gap_rate[i] >= 0.0:  # it grazes, but for rounding
+                held = frozenset(k for k in closed if mode[k] == STICK)
+                return None, Touch(closed | {i}, held)
+            near = TOGETHER * found.durations[-1]
+            more = {
+                k for k in range(m)
+                if mode[k] == OPEN and k != i and terms.gap_rate[k] < 0.0
+                and terms.gap[k] <= -terms.gap_rate[k] * near
+            }  # fmt: skip
+            impact = self._strike(tuple(sorted(closed | more | {i})), i)
+            if self.embedding is not None and self.embedding.contact in ({i} | more):
+                found.last = impact
+                raise _StoppedError(MotionStatus.RETURNED)
+            return impact, self._accumulated(impact, i) or self._touch
+        self._bounce = None
+        held = frozenset(k for k in closed if mode[k] == STICK or (kind == SLIP and k == i))
+        if kind >= CONE_UP and kind != SLIP and _without_force(self.eq, mode, found.z, self.p, i):
+            guard = m + i  # where the cone shrinks to nothing the contact opens
+        return None, Touch(closed, held, frozenset(), guard)
+
+    def _strike(self, contacts: tuple[int, ...], _: int) -> Impact:
+        """The contact problems of compression and expansion."""
+        found, n = self._run, self.eq.n
+        outcome, impact = decide(self.eq, self.eq.terms(found.z, self.p), contacts)
+        if impact is None:
+            raise _StoppedError(_OF_OUTCOME.get(outcome, MotionStatus.AMBIGUOUS))
+        struck = carry_out(self.eq, impact, found.z, self.p)
+        before = found.z[n : 2 * n]
+        found.z = struck.z
+        self._note(impact.symbol, before, struck.impulses)
+        self._touch = self._collapsed(impact)
+        return impact
+
+    def _collapsed(self, impact: Impact) -> Touch:
+        """What touches after an impact; also contacts that come back within the rounding of time.
+
+        Impacts of several contacts accumulate in turns: there is no series to sum, because their
+        order need not repeat, but what remains of them soon falls below rounding.
+        """
+        z, eq = self._run.z, self.eq
+        terms = eq.terms(z, self.p)
+        touch = implied(terms, after(impact), impact.held)
+        free = np.abs(np.linalg.solve(terms.mass, terms.force))
+        pull = np.abs(terms.w_n) @ free + np.abs(terms.bar_n)
+        instant = COLLAPSED * max(abs(z[-1]), *self._run.durations[-1:], 0.0)
+        back = {i for i in touch.leaving if 2.0 * terms.gap_rate[i] <= instant * pull[i]}
+        if not back:
+            return touch
+        held = touch.held | (frozenset(back) & impact.held)
+        return Touch(touch.closed | back, held, touch.leaving - back)
+
+    def _note(
+        self, symbol: str, before: Floats | None = None, impulses: Floats | None = None
+    ) -> None:
+        found, n = self._run, self.eq.n
+        u = found.z[n : 2 * n]
+        found.symbols.append(symbol)
+        found.events.append(
+            Event(
+                symbol=symbol, time=float(found.z[-1]), before=u if before is None else before,
+                after=u, impulses=np.zeros((0, 2, 0)) if impulses is None else impulses,
+            )
+        )  # fmt: skip
+
+    def _name_transitions(self, before: Mode, mode: Mode, touch: Touch) -> None:
+        """Symbols of contacts that opened, stuck, began to slip or reversed."""
+        m = self.eq.m
+        for i, (old, new) in enumerate(zip(before, mode, strict=True)):
+            if not self.eq.rubs[i] and new != OPEN:
+                continue
+            letter = ""
+            if new == OPEN:
+                letter = "D" if old != OPEN else ""
+            elif new == STICK:
+                letter = "J" if old != STICK else ""
+            elif old == STICK:
+                letter = "S"
+            elif touch.fired >= SLIP * m and new != old:
+                letter = "R"
+            if letter:
+                self._bounce = None if letter != "D" or i not in touch.leaving else self._bounce
+                self._note(f"{letter}{i + 1}")
+
+    def _check_forces(self, mode: Mode) -> None:
+        """Stop where contacts hold all coordinates."""
+        eq, z = self.eq, self._run.z
+        held = [i for i, state in enumerate(mode) if state != OPEN]
+        stuck = [i for i in held if mode[i] == STICK]
+        count = len(held) + len(stuck)
+        if count < eq.n:
+            return
+        still = z.copy()
+        still[eq.n : 2 * eq.n] = 0.0
+        terms = eq.terms(still, self.p)
+        rank = int(np.linalg.matrix_rank(np.vstack([terms.w_n[held], terms.w_t[stuck]])))
+        moved = terms.gap_rate[held].any() or terms.slip[stuck].any()  # by a belt, a support
+        if rank == eq.n and self.machine.is_autonomous and not moved:
+            raise _StoppedError(MotionStatus.AT_REST)
+        if rank < count:
+            raise _StoppedError(MotionStatus.NO_FORCES)
+
+    # --- Accumulation -----------------------------------------------------------------------------
+
+    def _accumulated(self, impact: Impact, i: int) -> Touch | None:
+        """Sum the bounces at a contact if they are so small that the rest is a geometric series."""
+        found, eq = self._run, self.eq
+        last, self._bounce = self._bounce, None
+        if i not in self._touch.leaving:
+            return None
+        speed = float(eq.terms(found.z, self.p).gap_rate[i])
+        self._bounce = impact, len(found.legs), found.z
+        if last is None or last[0] != impact or last[1] != len(found.legs) - 1:
+            return None
+        mark = last[2]
+        fast = float(eq.terms(mark, self.p).gap_rate[i])
+        ratio = speed / fast if fast > 0.0 else 1.0
+        if not (0.0 <= ratio < 1.0 and self._is_series(i, speed, ratio, mark)):
+            return None
+        rest = ratio / (1.0 - ratio)
+        found.z = found.z + (found.z - mark) * rest
+        while found.symbols and found.symbols[-1] == impact.symbol:
+            found.symbols.pop()
+        self._closes, self._bounce = i, None
+        self._note(f"C{i + 1}")
+        return closing(impact, i)
+
+    def _is_series(self, i: int, speed: float, ratio: float, mark: Floats) -> bool:
+        """Whether acceleration hardly changes in a bounce, and nothing else happens soon."""
+        found = self._run
+        mode = tuple(OPEN if k not in self._touch.closed else SLIDE_UP for k in range(self.eq.m))
+        outcome, mode = settle(self.eq, found.z, self.p, self._touch)
+        if outcome is not Outcome.SOLVED:
+            return False
+        here = Local(self.eq, mode, found.z, self.p)
+        flight = short_flight(here, i, speed)
+        if not flight < math.inf:
+            return False
+        lap = float(found.z[-1] - mark[-1])
+        tail = lap * ratio / (1.0 - ratio)
+        guard, _, _ = self.first_event(
+            mode, found.z, self._touch, 2.0 * tail, ignored=GAP * self.eq.m + i, keeps=False
+        )
+        return guard == TIME
+
+
+def short_flight(here: Local, i: int, speed: float) -> float:
+    """The time of a bounce in which acceleration hardly changes; infinite if it does, or is up."""
+    _, _, second, third = here.jet(GAP * here.eq.m + i)
+    if not second < 0.0:
+        return math.inf
+    flight = -2.0 * speed / second
+    if not flight * abs(third / second) <= CHATTER:
+        return math.inf
+    fastest = np.abs(np.linalg.eigvals(here.jacobian[:, : here.eq.size])).max()
+    return flight if flight * fastest <= CHATTER else math.inf
+
+
+def started(here: Local, touch: Touch, guard: int) -> Start:
+    """How a guard begins, where an event has made some of its derivatives zero."""
+    order = touch.order(here.eq, here.mode, guard)
+    return Start(order, here.jet(guard) if order else ())
+
+
+def implied(terms: Terms, touch: Touch, stopped: frozenset[int]) -> Touch:
+    """The same with contacts that cannot but rest or stick, because others do.
+
+    Stopped are those whose slip an impact has made zero, also where they leave.
+    """
+    closed, held = set(touch.closed), set(touch.held)
+    if len(closed | touch.leaving) < 2:
+        return touch
+    rows = np.vstack([terms.w_n[sorted(closed)], terms.w_t[sorted(held | stopped)]])
+    fixed = np.linalg.pinv(rows) @ rows  # projects on the velocities that are zero
+    for i in touch.leaving:
+        if _within(terms.w_n[i], fixed) and abs(terms.gap_rate[i]) <= IMPLIED:
+            closed.add(i)
+    for i in closed - held:
+        if _within(terms.w_t[i], fixed) and abs(terms.slip[i]) <= IMPLIED:
+            held.add(i)
+    return Touch(frozenset(closed), frozenset(held), touch.leaving - closed, touch.fired)
+
+
+def _within(row: Floats, fixed: Floats) -> bool:
+    return bool(np.abs(row - row @ fixed).max() <= IMPLIED * np.abs(row).max())
+
+
+def after(impact: Impact) -> Touch:
+    """What touches after an impact."""
+    resting = impact.resting
+    return Touch(resting, impact.held & resting, frozenset(impact.contacts) - resting)
+
+
+def closing(impact: Impact, i: int) -> Touch:
+    """What touches where the bounces at a contact have accumulated."""
+    closed = impact.resting | {i}
+    return Touch(closed, impact.held & closed, frozenset(impact.contacts) - closed)
+
+
+class _StoppedError(Exception):
+    """A motion ends."""
+
+    def __init__(self, status: MotionStatus) -> None:
+        self.status = status
+
+
+def _before(eq: Equations, touch: Touch) -> Mode:
+    """States of contacts at a start: as they would be without a contact problem."""
+    return tuple(
+        OPEN if i not in touch.closed else STICK if i in touch.held and eq.rubs[i] else SLIDE_UP
+        for i in range(eq.m)
+    )
+
+
+def _after_impact(eq: Equations, before: Mode, touch: Touch) -> Mode:
+    """States before transitions are named: a contact that has just closed slides."""
+    return tuple(
+        SLIDE_UP if state == OPEN and i in touch.closed else state for i, state in enumerate(before)
+    )
+
+
+def _without_force(eq: Equations, mode: Mode, z: Floats, p: Floats, i: int) -> bool:
+    """Whether the normal force of a sticking contact has vanished."""
+    here = Local(eq, mode, z, p)
+    size = np.abs(here.balance.l_n).max() + np.abs(here.terms.force).max()
+    return bool(abs(here.balance.l_n[i]) <= NO_FORCE * size)

@@ -1,0 +1,607 @@
+"""A return along a prescribed path: a smooth map with derivatives, also beyond its borders.
+
+With the word prescribed (which guard ends each phase, which cases each impact has) a return is a
+composition of flows, whose durations follow by Newton's method from those of a neighbour, and of
+impacts. Where it is admissible is said by margins.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import NamedTuple
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.systems.flows import LostError, Step
+from woodpecker.systems.guards import Least, Series, Start, series
+from woodpecker.systems.impacts import (
+    ALONG,
+    NORMAL_SIDE,
+    Impact,
+    carry_out,
+)
+from woodpecker.systems.modes import (
+    CONE_UP,
+    GAP,
+    NORMAL,
+    SECTION,
+    SLIP,
+    Local,
+    guard_values,
+    guards_of,
+)
+from woodpecker.systems.motion import Leg, Machine, Run, short_flight, started
+from woodpecker.systems.sections import Embedding
+
+# Kinds of margins, in the order in which a phase meets them.
+SLACK, BOUNCES, START, EARLY, SPEED, MEETING, DIP, PHASE = range(8)
+# SLACK: an inequality of an impact; BOUNCES: 1 - ratio of bounces that accumulate; START: a guard
+# of a contact at rest where the phase begins; EARLY: the duration of a phase, if it is negative;
+# SPEED: the rate of the guard that fires, times its modulus; MEETING: another guard then; DIP: the
+# least value of a guard at a minimum in the phase; PHASE: time from the ends of a period
+KINDS, ITEMS = 10, 512  # codes are (KINDS * phase + kind) * ITEMS + item
+NEWTON_MOST = 12  # iterations of an event time; more say that there is no root nearby
+SETTLED = 2.0**-50  # relative: an event time that moves by less has converged
+BOUNCES_MOST = 1000  # that accumulate; a ratio of 0.98 needs so many
+FURTHER = 4.0  # times the neighbour's duration until which a first root is looked for
+SOON = 1e-3  # of a step: a guard that its first derivatives bring back within it does fall
+DIFFERENCE = 1e-5  # relative step of central differences of rates of forces
+NOTHING = 1e-14  # a margin that is smaller than this with all its derivatives is identically zero
+
+
+@dataclass(frozen=True, slots=True)
+class Path:
+    """What happens in a return.
+
+    Attributes
+    ----------
+    legs
+        The phases, with the events that begin them. Of bounces that accumulate one is left.
+    last
+        The impact that it ends with, on a section of impacts.
+    turns
+        By how many periods time has gone on.
+    word
+        For people; it is no part of what tells paths apart.
+    """
+
+    legs: tuple[Leg, ...]
+    last: Impact | None
+    turns: int
+    word: str = field(compare=False)
+
+
+def path_of(run: Run, turns: int) -> tuple[Path, Floats]:
+    """The path of a motion, and the durations of its phases; equal bounces are one."""
+    legs, times = list[Leg](), list[float]()
+    for leg, t in zip(run.legs, run.durations, strict=True):
+        if leg.closes >= 0:
+            while len(legs) > 1 and legs[-1] == legs[-2]:
+                legs.pop()
+                times.pop()
+        legs.append(leg)
+        times.append(t)
+    return Path(tuple(legs), run.last, turns, " ".join(run.symbols)), np.array(times)
+
+
+class Along(NamedTuple):
+    """A return along a path, with derivatives in the point and in free parameters.
+
+    Attributes
+    ----------
+    value, jacobian
+        (d,) and (d, d + k).
+    margins, gradients, codes
+        (s,), (s, d + k), (s,) ascending.
+    times
+        Durations of the phases.
+    z
+        The state that is reached.
+    """
+
+    value: Floats
+    jacobian: Floats
+    margins: Floats
+    gradients: Floats
+    codes: Ints
+    times: Floats
+    z: Floats
+
+
+class NoRootError(Exception):
+    """A guard of the path has no root here."""
+
+
+class Following:
+    """A return along a path from one point."""
+
+    def __init__(self, machine: Machine, embedding: Embedding, path: Path, p: Floats) -> None:
+        self.machine, self.eq, self.embedding = machine, machine.eq, embedding
+        self.path, self.p = path, p
+        self.notes: dict[int, tuple[float, Floats]] = {}
+        self._fired: int = 0  # the contact of the guard that ended the last phase
+        self._flight: tuple[float, Floats] | None = None  # its duration, if it began at rest
+
+    def follow(self, x: Floats, times: Floats) -> Along:
+        """The return; NoRootError or LostError if the path does not reach so far."""
+        z, tangents = self.embedding.state(x, self.p)
+        self._z, self._tangents, found = z, tangents, times.copy()
+        self._mark = z, tangents
+        self._fired, self._flight = 0, None
+        k = repeated = 0
+        while k < len(self.path.legs):
+            leg = self.path.legs[k]
+            self._begin(leg, k)
+            here = Local(self.eq, leg.mode, self._z, self.p)
+            self._start_margins(here, leg, k)
+            again = self._repeats(k) and self._is_long(here, leg)
+            t = self._phase(here, leg, k, None if repeated else float(times[k]))
+            if not repeated:
+                found[k] = t
+            if not again:
+                k, repeated = k + 1, 0
+            else:
+                repeated += 1
+            if repeated > BOUNCES_MOST:
+                raise NoRootError
+        if self.path.last is not None:
+            self._impact(self.path.last, k)
+        return self._result(found)
+
+    def _result(self, times: Floats) -> Along:
+        """The image, with all margins in ascending order of their codes."""
+        embedding, turns, p = self.embedding, self.path.turns, self.p
+        value = embedding.point(self._z, p, turns)
+        jacobian = embedding.changes(self._tangents, p, turns)
+        if embedding.section.period is not None:
+            margins, rows = embedding.phase_margins(value, p)
+            for item in range(2):
+                gradient = rows[item, 0] * jacobian[embedding.of_time]
+                k = len(self.eq.free)
+                if k:
+                    gradient[-k:] += rows[item, 1:]
+                self._note(len(times), PHASE, item, float(margins[item]), gradient)
+        codes = sorted(self.notes)
+        columns = jacobian.shape[1]
+        return Along(
+            value, jacobian, np.array([self.notes[c][0] for c in codes]),
+            np.array([self.notes[c][1] for c in codes]).reshape(len(codes), columns),
+            np.array(codes, dtype=np.int64), times, self._z,
+        )  # fmt: skip
+
+    def _note(self, k: int, kind: int, item: int, margin: float, gradient: Floats) -> None:
+        """Enter a margin; where a bounce repeats the least one of each code counts."""
+        if abs(margin) <= NOTHING and np.abs(gradient).max(initial=0.0) <= NOTHING:
+            return
+        code = (KINDS * k + kind) * ITEMS + item
+        if code not in self.notes or margin < self.notes[code][0]:
+            self.notes[code] = margin, gradient
+
+    def _total(self, gradient: Floats, tangents: Floats) -> Floats:
+        """A derivative (columns,) in state and parameters, along the tangents of a state."""
+        found = gradient[: self.eq.size] @ tangents
+        k = len(self.eq.free)
+        if k:
+            found[-k:] += gradient[self.eq.size :]
+        return np.asarray(found)
+
+    # --- Events -----------------------------------------------------------------------------------
+
+    def _begin(self, leg: Leg, k: int) -> None:
+        """Carry out what begins a phase."""
+        if leg.impact is None:
+            return
+        before = self._mark
+        self._impact(leg.impact, k)
+        if leg.closes >= 0:
+            self._sum(leg.closes, k, *before)
+        else:
+            self._mark = self._z, self._tangents
+
+    def _impact(self, impact: Impact, k: int) -> None:
+        struck = carry_out(self.eq, impact, self._z, self.p, self._tangents)
+        fast, turn = self._gap_rate(self._fired, self._z, self._tangents)
+        if fast == 0.0:
+            raise NoRootError
+        for slack, gradient, item in zip(
+            struck.slacks, struck.gradients, struck.items, strict=True
+        ):  # all are in proportion to the speed at which the gap closes, and do not vanish with it
+            quotient = float(slack) / -fast
+            self._note(k, SLACK, item, quotient, -(gradient + quotient * turn) / fast)
+        self._z, self._tangents = struck.z, struck.tangents
+
+    def _sum(self, i: int, k: int, mark: Floats, memory: Floats) -> None:
+        """The state in which bounces at a contact end, which shrink by a ratio."""
+        speed, turn = self._gap_rate(i, self._z, self._tangents)
+        fast, fast_turn = self._gap_rate(i, mark, memory)
+        if fast == 0.0 or speed == fast:
+            raise NoRootError
+        ratio = speed / fast
+        change = (turn - ratio * fast_turn) / fast
+        self._note(k, BOUNCES, i, 1.0 - ratio, -change)
+        rest, away = ratio / (1.0 - ratio), self._z - mark
+        self._tangents = (
+            self._tangents + (self._tangents - memory) * rest
+            + np.outer(away, change / (1.0 - ratio) ** 2)
+        )  # fmt: skip
+        self._z = self._z + away * rest
+
+    def _gap_rate(self, i: int, z: Floats, tangents: Floats) -> tuple[float, Floats]:
+        gradient = self.eq.kinematic_changes(z, self.p)[1][i]
+        return float(self.eq.terms(z, self.p).gap_rate[i]), self._total(gradient, tangents)
+
+    def _repeats(self, k: int) -> bool:
+        """Whether a phase is a bounce that repeats until the next one closes its contact."""
+        legs = self.path.legs
+        return k + 1 < len(legs) and legs[k + 1].closes >= 0
+
+    def _is_long(self, here: Local, leg: Leg) -> bool:
+        """Whether the bounce that begins is too long for the rest to be summed after it."""
+        i = leg.guard % self.eq.m
+        return not short_flight(here, i, float(here.terms.gap_rate[i])) < math.inf
+
+    # --- Phases -----------------------------------------------------------------------------------
+
+    def _phase(self, here: Local, leg: Leg, k: int, near: float | None) -> float:
+        """Follow the motion to the event that ends a phase; how long it takes."""
+        eq = self.eq
+        guards = guards_of(eq, leg.mode)
+        starts = {guard: started(here, leg.touch, guard) for guard in guards}
+        section = SECTION * eq.m
+        if self.embedding.counts(leg.mode):
+            assert self.embedding.guard is not None
+            jet = self.embedding.guard.jet(here)
+            starts[section] = Start(1, jet, True) if k == 0 else Start(0, (), True)
+        most = self.embedding.section.horizon
+        steps = _Steps(self.machine, leg, here.z, self.p, most)
+        watch = list(starts)
+        t = math.nan if near is None else self._root_near(steps, leg, starts[leg.guard], near)
+        if not math.isfinite(t):
+            t = self._first_root(steps, leg, watch, list(starts.values()), near)
+        z, changes = steps.exact(t)
+        there = Local(eq, leg.mode, z, self.p)
+        tangents = changes[:, : eq.size] @ self._tangents
+        if eq.free:
+            tangents[:, -len(eq.free) :] += changes[:, eq.size :]
+        length = steps.first.length
+        delay = self._fired_margins(there, leg, k, t, starts[leg.guard], tangents, length)
+        for guard in watch:
+            if guard != leg.guard:
+                self._meeting(there, guard, k, t, starts[guard], tangents, delay, length)
+        self._dips(steps, leg, k, t, starts)
+        self._z, self._tangents = z, tangents + np.outer(there.flow, delay)
+        self._fired = leg.guard % eq.m
+        rested = leg.guard // eq.m == GAP and starts[leg.guard].order == 2
+        self._flight = (t, delay) if rested else None
+        return t
+
+    def _value(self, here: Local, guard: int) -> tuple[float, float]:
+        """Value and rate of a guard."""
+        if guard == SECTION * self.eq.m:
+            assert self.embedding.guard is not None
+            return self.embedding.guard.jet(here)
+        value, rate = here.jet(guard, 1)
+        return float(value), float(rate)
+
+    def _root_near(self, steps: _Steps, leg: Leg, start: Start, near: float) -> float:
+        """The root of the guard that fires, by Newton's method from a neighbour's; nan if none."""
+        t, order = start.soon(steps.first.length), start.order
+        if t < math.inf:
+            return t
+        t = near
+        for _ in range(NEWTON_MOST):
+            if abs(t - near) > FURTHER * abs(near) + steps.first.length or (order and t <= 0.0):
+                return math.nan
+            z, _ = steps.exact(t)
+            here = Local(self.eq, leg.mode, z, self.p)
+            value, rate = self._value(here, leg.guard)
+            if order:
+                value -= float(start.noise(np.array(t)))
+                rate -= order * value / t
+            step = -value / rate if rate != 0.0 else math.nan
+            t += step
+            if not math.isfinite(t):
+                return math.nan
+            if abs(step) <= SETTLED * max(abs(t), abs(near)) or step == 0.0:
+                return t if rate < 0.0 else math.nan
+        return t if abs(step) <= 1e-9 * abs(t) and rate < 0.0 else math.nan
+
+    def _first_root(
+        self, steps: _Steps, leg: Leg, watch: Sequence[int], starts: Sequence[Start],
+        near: float | None,
+    ) -> float:  # fmt: skip
+        """The first root of the guard that fires; NoRootError if there is none soon."""
+        k = watch.index(leg.guard)
+        begin = 0.0
+        for step in steps.all():
+            for window in self._series(leg, step, begin, watch, starts):
+                t = starts[k].soon(step.length) if begin == 0.0 else math.inf
+                if t < math.inf:
+                    return t
+                t = window[k].falls()
+                if t < math.inf:
+                    better = self._root_near(steps, leg, starts[k], t) if t > 0.0 else t
+                    return better if math.isfinite(better) else t
+            begin += step.length
+            if near is not None and begin > FURTHER * abs(near) + steps.first.length:
+                break
+        raise NoRootError
+
+    def _series(
+        self, leg: Leg, step: Step, begin: float, watch: Sequence[int], starts: Sequence[Start]
+    ) -> Iterator[list[Series]]:
+        own = [guard for guard in watch if guard != SECTION * self.eq.m]
+
+        def values(states: Floats) -> Floats:
+            found = guard_values(self.eq, leg.mode, own, self.eq.terms(states, self.p))
+            if len(own) == len(watch):
+                return found
+            assert self.embedding.guard is not None
+            return np.vstack([found, self.embedding.guard.values(states, self.p)])
+
+        return series(step, begin, values, starts)
+
+    # --- Margins ----------------------------------------------------------------------------------
+
+    def _start_margins(self, here: Local, leg: Leg, k: int) -> None:
+        """What keeps each contact at rest in its state where a phase begins.
+
+        A gap that opens as its force vanishes has, and a slip that starts at the edge of its cone,
+        an acceleration in proportion to how fast the bound was reached: no border by itself.
+        """
+        for guard in guards_of(self.eq, leg.mode):
+            kind, i = divmod(guard, self.eq.m)
+            if i not in leg.touch.closed or (kind == SLIP and i not in leg.touch.held):
+                continue
+            order = leg.touch.order(self.eq, leg.mode, guard)
+            most = 2 if kind == GAP else 1 if kind == SLIP else 0
+            if order > most:
+                continue
+            margin = float(here.jet(guard, order)[order])
+            gradient = self._total(here.gradient(guard, order), self._tangents)
+            if self._flight is not None and guard == NORMAL * self.eq.m + self._fired:
+                t, delay = self._flight  # the force is in proportion to a flight that began at rest
+                margin /= t
+                gradient = (gradient - margin * delay) / t
+            self._note(k, START, guard, margin, gradient)
+
+    def _gradients(self, here: Local, guard: int, tangents: Floats) -> tuple[Floats, Floats]:
+        """Derivatives of a guard and of its rate, along the tangents at a fixed time."""
+        if guard == SECTION * self.eq.m:
+            assert self.embedding.guard is not None
+            value, rate = self.embedding.guard.gradients(here)
+            return self._total(value, tangents), self._total(rate, tangents)
+        kind = guard // self.eq.m
+        value = self._total(here.gradient(guard), tangents)
+        if kind in (GAP, SLIP):
+            return value, self._total(here.gradient(guard, 1), tangents)
+        return value, self._rate_by_differences(here, guard, tangents)
+
+    def _rate_by_differences(self, here: Local, guard: int, tangents: Floats) -> Floats:
+        """Derivatives of the rate of a force, which has second derivatives of the equations."""
+        eq, found = self.eq, np.zeros(tangents.shape[1])
+        k = len(eq.free)
+        for column in range(len(found)):
+            way = tangents[:, column]
+            length = float(np.abs(way).max())
+            h = DIFFERENCE / length if length > 0.0 else DIFFERENCE
+            sides = []
+            for sign in (1.0, -1.0):
+                p = self.p.copy()
+                if column >= len(found) - k:
+                    p[eq.places[column - len(found) + k]] += sign * h
+                sides.append(Local(eq, here.mode, here.z + sign * h * way, p).rate(guard))
+            found[column] = (sides[0] - sides[1]) / (2.0 * h)
+        return found
+
+    def _fired_margins(
+        self, there: Local, leg: Leg, k: int, t: float, start: Start, tangents: Floats,
+        length: float,
+    ) -> Floats:  # fmt: skip
+        """That the guard which fires falls; how its time changes (d + k,)."""
+        _, rate = self._value(there, leg.guard)
+        value_turn, rate_turn = self._gradients(there, leg.guard, tangents)
+        if rate == 0.0 or not math.isfinite(rate):
+            raise NoRootError
+        delay = -value_turn / rate
+        bends = self._second_rate(there, leg.guard)
+        scale = t**start.order if start.order and t > 0.0 else 1.0
+        slope = rate / scale
+        turn = (rate_turn + bends * delay) / scale
+        if start.order and t > 0.0:
+            turn -= start.order * slope * delay / t
+        if not (start.order and start.comes_back() < SOON * length):  # else it falls for certain
+            self._note(k, SPEED, leg.guard, -slope * abs(slope), -2.0 * abs(slope) * turn)
+        if t < 0.0:
+            self._note(k, EARLY, leg.guard, t, delay)
+        return delay
+
+    def _second_rate(self, here: Local, guard: int) -> float:
+        """The second derivative of a guard in time."""
+        if guard == SECTION * self.eq.m:
+            assert self.embedding.guard is not None
+            rate = self.embedding.guard.gradients(here)[1]
+            return float(rate[: self.eq.size] @ here.flow)
+        known = here.jet(guard, 2)
+        if len(known) > 2:
+            return known[2]
+        flow = np.column_stack([here.flow, *np.zeros((len(self.eq.free), self.eq.size))])
+        return float(self._rate_by_differences(here, guard, flow)[0])
+
+    def _meeting(
+        self, there: Local, guard: int, k: int, t: float, start: Start, tangents: Floats,
+        delay: Floats, length: float,
+    ) -> None:  # fmt: skip
+        """That another guard has not fired before, or at once.
+
+        In a short phase one that begins at zero has the sign of its first derivative, which is
+        watched where the phase begins.
+        """
+        if start.order and t < min(SOON * length, 0.25 * start.comes_back()):
+            return
+        if guard == SECTION * self.eq.m:
+            assert self.embedding.guard is not None
+            value, rate = self.embedding.guard.jet(there)
+            if value <= 0.0 or rate >= 0.0:
+                return  # it does not fall through zero
+            gradient = self.embedding.guard.gradients(there)[0]
+        else:
+            value, rate = there.jet(guard, 1)
+            gradient = there.gradient(guard)
+        turn = self._total(gradient, tangents) + rate * delay
+        if start.order and t > 0.0:
+            value -= float(start.noise(np.array(t)))
+            scale = t**start.order
+            value, turn = value / scale, turn / scale - start.order * value / scale / t * delay
+        self._note(k, MEETING, guard, float(value), turn)
+
+    def _dips(self, steps: _Steps, leg: Leg, k: int, t: float, starts: dict[int, Start]) -> None:
+        """Least values of guards at their minima within a phase, where they may come near zero."""
+        least, highest, watch = Least(), Least(), list(starts)
+        for window in self._windows(steps, leg, t, starts):
+            for guard, one in zip(watch, window, strict=True):
+                if guard == leg.guard or one.is_positive:
+                    continue
+                least.add(guard, one, t)
+                if guard == SECTION * self.eq.m:
+                    highest.add(guard, one, t, lowest=False)
+        for found, sign in ((least, 1.0), (highest, -1.0)):
+            for guard, value in found.value.items():
+                if guard == SECTION * self.eq.m and value <= 0.0:
+                    continue  # it does not fall through zero there
+                self._note_dip(steps, leg, k, guard, found.time[guard], sign)
+
+    def _windows(
+        self, steps: _Steps, leg: Leg, t: float, starts: dict[int, Start]
+    ) -> Iterator[list[Series]]:
+        """The series of all guards until a time."""
+        begin, k = 0.0, 0
+        while begin < t:
+            step = steps.step(k)
+            for window in self._series(leg, step, begin, list(starts), list(starts.values())):
+                if not window or window[0].low >= t:
+                    return
+                yield window
+            begin, k = begin + step.length, k + 1
+
+    def _note_dip(self, steps: _Steps, leg: Leg, k: int, guard: int, t: float, sign: float) -> None:
+        z, changes = steps.exact(t)
+        here, eq = Local(self.eq, leg.mode, z, self.p), self.eq
+        tangents = changes[:, : eq.size] @ self._tangents
+        if eq.free:
+            tangents[:, -len(eq.free) :] += changes[:, eq.size :]
+        value, _ = self._value(here, guard)
+        gradient, _ = self._gradients(here, guard, tangents)
+        item = guard + (0 if sign > 0.0 else 1)
+        self._note(k, DIP, item, sign * value, sign * gradient)
+
+
+class _Steps:
+    """The steps of a phase, made as far as they are asked for."""
+
+    def __init__(self, machine: Machine, leg: Leg, z: Floats, p: Floats, most: float) -> None:
+        self._source = machine.flow(leg.mode, varies=True).steps(z, p, most)
+        self._made: list[Step] = []
+        self._begins = [0.0]
+
+    def _more(self) -> Step:
+        try:
+            step = next(self._source)
+        except StopIteration:
+            raise LostError from None
+        self._made.append(step)
+        self._begins.append(self._begins[-1] + step.length)
+        return step
+
+    @property
+    def first(self) -> Step:
+        """The first step."""
+        return self._made[0] if self._made else self._more()
+
+    def all(self) -> Sequence[Step]:
+        """All steps, one after the other, without end."""
+        return _Endless(self)
+
+    def exact(self, t: float) -> tuple[Floats, Floats]:
+        """State and derivatives at a time, also before the start of the phase."""
+        while self._begins[-1] < t or not self._made:
+            self._more()
+        k = max(0, int(np.searchsorted(self._begins, t)) - 1)
+        return self._made[k].exact(t - self._begins[k])
+
+    def step(self, k: int) -> Step:
+        """The k-th step."""
+        while len(self._made) <= k:
+            self._more()
+        return self._made[k]
+
+
+class _Endless(Sequence[Step]):
+    """Steps as a sequence without end; whoever reads it must stop."""
+
+    def __init__(self, steps: _Steps) -> None:
+        self._steps = steps
+
+    def __getitem__(self, k: int) -> Step:  # type: ignore[override]
+        return self._steps.step(k)
+
+    def __len__(self) -> int:
+        return 10**9
+
+
+# --- Causes ---------------------------------------------------------------------------------------
+
+_GUARDS = {
+    GAP: "{} touches", NORMAL: "the normal force of {} vanishes",
+    CONE_UP: "{} reaches the edge of its friction cone",
+    CONE_UP + 1: "{} reaches the edge of its friction cone", SLIP: "{} stops sliding",
+}  # fmt: skip
+
+
+def cause_of(path: Path, code: int, names: Sequence[str]) -> str:
+    """A sentence on what happens where a margin of a path vanishes."""
+    m = len(names)
+    rest, item = divmod(code, ITEMS)
+    k, kind = divmod(rest, KINDS)
+    if kind == PHASE:
+        return "the return falls on the end of a period"
+    if kind == SLACK:
+        return _slack(item, k, names)
+    if kind == BOUNCES:
+        return f"bounces at {names[item]} cease to accumulate"
+    fired = _guard(path.legs[k].guard, names)
+    if kind == SPEED:
+        grazes = path.legs[k].guard < m
+        return (
+            f"{names[path.legs[k].guard]} grazes in phase {k}"
+            if grazes
+            else f"{fired} for an instant only in phase {k}"
+        )
+    if kind == EARLY:
+        return f"{fired} before phase {k} begins"
+    if kind == MEETING:
+        return f"{_guard(item, names)} in the instant in which {fired} at the end of phase {k}"
+    if kind == START:
+        return f"{_guard(item, names)} where phase {k} begins"
+    if item // m == GAP:
+        return f"{names[item]} grazes in phase {k}"
+    return f"{_guard(min(item, SECTION * m), names)} for an instant in phase {k}"
+
+
+def _guard(guard: int, names: Sequence[str]) -> str:
+    kind, i = divmod(guard, len(names))
+    return _GUARDS[kind].format(names[i]) if kind in _GUARDS else "the section is reached"
+
+
+def _slack(item: int, k: int, names: Sequence[str]) -> str:
+    side, rest = divmod(item, 4 * len(names))
+    i, which = divmod(rest, 4)
+    phase = "expansion" if side == 2 else "compression"
+    if which == NORMAL_SIDE:
+        return f"{names[i]} just leaves in the {phase} at the start of phase {k}"
+    if which == ALONG:
+        return f"{names[i]} just stops sliding in the {phase} at the start of phase {k}"
+    return f"{names[i]} just sticks in the {phase} at the start of phase {k}"

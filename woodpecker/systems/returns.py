@@ -1,0 +1,231 @@
+"""The return map of a system: a piecewise-smooth map of R^d for the engine."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from copy import copy
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.engine.maps import ACCUMULATE, Image
+from woodpecker.systems.flows import LostError
+from woodpecker.systems.model import ContactSystem
+from woodpecker.systems.motion import EVENTS_MOST, Backend, Machine, MotionStatus, Run, Search
+from woodpecker.systems.paths import Along, Following, NoRootError, Path, cause_of, path_of
+from woodpecker.systems.sections import Embedding, Section
+
+TOO_FAR = "the path does not reach so far"
+DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 16, 10))  # of proposals of what lies beside
+CLOSER = 2.0**-33  # where slopes still have some digits left, and next to no curvature
+SMOOTH = 2.0**-18  # of derivatives: those of a smooth piece differ by less at the distances above
+ROOT = 4.0  # times steeper at that distance, or times as high as that slope says: a root
+
+
+class SystemMap:
+    """The return map of a system on a section, with derivatives in some parameters.
+
+    Parameters
+    ----------
+    system
+        The system; its own values of the free parameters do not matter.
+    section
+        The section, of dimension d.
+    parameters
+        Names of the k parameters that are free.
+    backend
+        ``"heyoka"`` or ``"scipy"``; by default the first if it is installed.
+    x_scale, p_scale
+        Lengths of coordinates and parameters that count as 1; by default all are 1.
+    events_most
+        Events of one return at most.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the section is none of the system, or a parameter is unknown.
+    """
+
+    def __init__(
+        self, system: ContactSystem, section: Section, parameters: Sequence[str] = (), *,
+        backend: Backend | str | None = None, x_scale: Sequence[float] | None = None,
+        p_scale: Sequence[float] | None = None, events_most: int = EVENTS_MOST,
+    ) -> None:  # fmt: skip
+        if isinstance(parameters, str):
+            raise TypeError(f"parameters must be a list of names, got {parameters!r}")
+        self.system, self.section, self.parameters = system, section, tuple(parameters)
+        self.machine = Machine(system, self.parameters, backend)
+        self.embedding = Embedding(self.machine.eq, section)
+        self.d, self.k = self.embedding.d, len(self.parameters)
+        self.x_scale = tuple(x_scale or (1.0,) * self.d)
+        self.p_scale = tuple(p_scale or (1.0,) * self.k)
+        self.events_most = events_most
+        self.names = self.embedding.names
+        self._own = self.machine.eq.p
+
+    def holding(self, **values: float) -> SystemMap:
+        """The same map with other values of the system's parameters; it shares what is compiled.
+
+        Raises
+        ------
+        ValueError
+            If a parameter is unknown or a value is not finite.
+        """
+        other = copy(self)
+        other.system = self.system.replace(**values)
+        other._own = np.array(list(other.system.parameters.values()))
+        return other
+
+    @property
+    def p(self) -> Floats:
+        """(k,) the system's own values of the free parameters."""
+        return np.asarray(self._own[self.machine.eq.places])
+
+    def values(self, p: Floats) -> Floats:
+        """All parameters, with those of the map in their places."""
+        found = self._own.copy()
+        found[self.machine.eq.places] = p
+        return found
+
+    def search(self, x: Floats, p: Floats) -> Run:
+        """The motion from a point (d,) of the section until it returns."""
+        values = self.values(p)
+        z, _ = self.embedding.state(x, values)
+        if not np.isfinite(z).all():
+            return Run(z, MotionStatus.OVERFLOW)
+        search = Search(self.machine, values, self.embedding, events_most=self.events_most)
+        return search.run(z, self.embedding.touch)
+
+    def at(self, x: Floats, p: Floats) -> Image:
+        """The return from a point (d,) of the section along the path that the system takes."""
+        run = self.search(x, p)
+        if not run.status.success:
+            return self._nowhere(run.status.value)
+        turns = self.embedding.turns(run.z, self.values(p))
+        path, times = path_of(run, turns)
+        return SystemPiece(self, path, times).at(x, p)
+
+    def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
+        """The return along the path that the system takes infinitesimally beside a point.
+
+        Paths are proposed by points at small distances, and accepted by the signs of margins and of
+        their derivatives at the point itself.
+        """
+        lengths = np.array([*self.x_scale, *self.p_scale])
+        length = float(np.abs(direction / lengths).max())
+        if length == 0.0:
+            return replace(self.at(x, p), reason=ACCUMULATE)
+        unit, seen = direction / length, set[Hashable]()
+        lost, around = "", None
+        for distance in DISTANCES:
+            near = self.at(x + distance * unit[: self.d], p + distance * unit[self.d :])
+            lost = lost or near.reason
+            if near.reason or near.piece.key in seen:
+                continue
+            seen.add(near.piece.key)
+            image = limit(near, x, p, unit)
+            if image.reason or not image.begins_along(x, p, unit):
+                continue
+            if image.tied(x, p).any():
+                return image
+            around = around or image
+        return around or replace(self.at(x, p), reason=lost or ACCUMULATE)
+
+    def _nowhere(self, reason: str) -> Image:
+        return undefined(SystemPiece(self, Path((), None, 0, reason), np.zeros(0)), reason)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SystemPiece:
+    """Returns along one path.
+
+    Attributes
+    ----------
+    whole
+        The map that it belongs to.
+    path
+        What happens.
+    times
+        Durations of its phases where it was met last.
+    """
+
+    whole: SystemMap
+    path: Path
+    times: Floats = field(repr=False)
+
+    @property
+    def key(self) -> Hashable:
+        """The same for two pieces just if they are one."""
+        return self.path
+
+    @property
+    def word(self) -> str:
+        """The sequence of events."""
+        return self.path.word
+
+    def along(self, x: Floats, p: Floats) -> Along | None:
+        """The return along the path; None if it does not reach so far."""
+        whole = self.whole
+        following = Following(whole.machine, whole.embedding, self.path, whole.values(p))
+        try:
+            found = following.follow(np.asarray(x, dtype=float), self.times)
+        except (NoRootError, LostError, np.linalg.LinAlgError):
+            return None
+        return found if np.isfinite(found.jacobian).all() else None
+
+    def at(self, x: Floats, p: Floats) -> Image:
+        """The return along this path, also where the system takes another one."""
+        if not self.path.legs:
+            return undefined(self, self.path.word)
+        found = self.along(x, p)
+        if found is None:
+            return undefined(self, TOO_FAR)
+        here = SystemPiece(self.whole, self.path, found.times)
+        return Image(found.value, found.jacobian, found.margins, found.gradients, found.codes, here)
+
+    def cause(self, code: int) -> str:
+        """A sentence on what happens where a margin vanishes."""
+        return cause_of(self.path, code, self.whole.names)
+
+
+def undefined(piece: SystemPiece, reason: str) -> Image:
+    """An image without a value."""
+    d, columns = piece.whole.d, piece.whole.d + piece.whole.k
+    none: Ints = np.zeros(0, dtype=np.int64)
+    return Image(
+        np.full(d, np.nan), np.full((d, columns), np.nan), np.zeros(0), np.zeros((0, columns)),
+        none, piece, reason,
+    )  # fmt: skip
+
+
+def limit(near: Image, x: Floats, p: Floats, unit: Floats) -> Image:
+    """The one-sided limit at (x, p) of the piece of an image that lies a little away.
+
+    Where a time goes like a root of the distance the piece may have no value right at the point:
+    its derivatives are those beside it then. If those grow without bound the image says so by their
+    size, and its value is that of a root.
+    """
+    d = len(x)
+    there = near.piece.at(x, p)
+    if not there.reason and _alike(there.jacobian, near.jacobian):
+        return there
+    away = CLOSER * unit
+    closer = near.piece.at(x + away[:d], p + away[d:])
+    if closer.reason:
+        return closer
+    change = np.abs(closer.jacobian - there.jacobian).max() if not there.reason else np.inf
+    if change <= 0.5 * np.abs(near.jacobian - there.jacobian).max():
+        return there
+    grown = float(np.abs(closer.jacobian).max())
+    rooted = grown > ROOT * max(1.0, float(np.abs(near.jacobian).max()))
+    along = closer.jacobian @ away
+    value = closer.value - (2.0 * along if rooted else along)
+    if not there.reason and np.abs(there.value - value).max() <= ROOT * np.abs(along).max():
+        value = there.value
+    return replace(closer, value=value, margins=closer.margins - closer.gradients @ away)
+
+
+def _alike(one: Floats, other: Floats) -> bool:
+    size = max(1.0, float(np.abs(one).max()), float(np.abs(other).max()))
+    return bool(np.abs(one - other).max() <= SMOOTH * size)

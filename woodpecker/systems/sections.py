@@ -1,0 +1,302 @@
+"""Sections: where a return map starts and ends, and the d numbers that it leaves free."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+import sympy
+
+from woodpecker.base.arrays import Floats
+from woodpecker.base.checks import number, positive
+from woodpecker.base.shown import shown
+from woodpecker.systems.equations import Equations
+from woodpecker.systems.model import ContactSystem, expression, names
+from woodpecker.systems.modes import OPEN, STICK, Local, Touch
+
+HORIZON = 1e4  # of one return [s] unless a section says otherwise
+SAMPLES = 5  # random points at which an expression is tried for being zero
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Section:
+    """An event, and what it leaves free.
+
+    Parameters
+    ----------
+    when
+        The event: the name of a contact, for its impacts (the state after one counts); or an
+        expression of state and parameters that rises through zero, such as ``sin(w*t)`` for a
+        phase, or a velocity for a minimum.
+    free
+        The d symbols of the state that are free on the section: the coordinates of the map.
+    at
+        What all other symbols of the state are there, as expressions of free ones and of
+        parameters; those that are not named are zero.
+    sticking
+        Names of contacts that must stick when the event counts.
+    period
+        Of time, where time is free: it is taken modulo this, from ``first`` on.
+    first
+        The least time [s] of the section's copies.
+    horizon
+        Longest time of one return [s].
+
+    Raises
+    ------
+    ValueError, TypeError
+        If an argument cannot be what it says.
+
+    Examples
+    --------
+    >>> from sympy import symbols
+    >>> from woodpecker.systems import Section
+    >>> Section(when="floor", free=["u_y"]).free
+    (u_y,)
+    """
+
+    when: Any
+    free: Sequence[Any]
+    at: Mapping[Any, Any] = field(default_factory=dict)
+    sticking: Sequence[str] = ()
+    period: Any = None
+    first: float = 0.0
+    horizon: float = HORIZON
+
+    def __post_init__(self) -> None:
+        put = object.__setattr__
+        if not isinstance(self.when, str):
+            put(self, "when", expression("when", self.when))
+        put(self, "free", names("free", self.free))
+        if not isinstance(self.at, Mapping):
+            raise TypeError(f"at must be a mapping of symbols to expressions, got {shown(self.at)}")
+        made = {
+            names("at", [key])[0]: expression(f"at {key}", each) for key, each in self.at.items()
+        }
+        put(self, "at", made)
+        if isinstance(self.sticking, str):
+            raise TypeError(f"sticking must be a list of names, got {self.sticking!r}")
+        put(self, "sticking", tuple(self.sticking))
+        if self.period is not None:
+            put(self, "period", expression("period", self.period))
+        put(self, "first", number("first", self.first))
+        put(self, "horizon", positive("horizon", self.horizon))
+
+
+class Embedding:
+    """A section of a system in numbers: its points as states, and back.
+
+    Parameters
+    ----------
+    eq
+        The equations, with the free parameters of the map.
+    section
+        The section.
+
+    Attributes
+    ----------
+    d
+        How many coordinates are free.
+    touch
+        Which contacts touch on the section.
+    contact
+        The contact whose impacts it is; -1 for an expression.
+    """
+
+    def __init__(self, eq: Equations, section: Section) -> None:
+        self.eq, self.section = eq, section
+        system = eq.system
+        self.names = [each.name for each in system.contacts]
+        self._check(system)
+        self.d = len(section.free)
+        self.contact = self.names.index(section.when) if isinstance(section.when, str) else -1
+        self.sticking = [self.names.index(each) for each in section.sticking]
+        self.places = [system.state.index(each) for each in section.free]
+        zero = sympy.Integer(0)
+        whole = [s if s in section.free else section.at.get(s, zero) for s in system.state]
+        self._at = dict(zip(system.state, whole, strict=True))
+        along = (*section.free, *eq.along[eq.size :])
+        rows = sympy.Matrix(whole)
+        symbols = (*section.free, *system.parameters)
+        from woodpecker.systems.equations import Function
+
+        self._embed = Function(
+            symbols, [np.array(whole, dtype=object), np.array(rows.jacobian(along), dtype=object)]
+        )
+        self._period = Function(
+            tuple(system.parameters),
+            [np.array([section.period or zero, *(
+                (section.period or zero).diff(s) for s in eq.along[eq.size :])], dtype=object)],
+        )  # fmt: skip
+        self.touch = self._touching(symbols)
+        self.guard = None if self.contact >= 0 else SectionGuard(eq, section.when)
+
+    def _check(self, system: ContactSystem) -> None:
+        section = self.section
+        known, parameters = set(system.state), set(system.parameters)
+        for each in section.free:
+            if each not in known:
+                raise ValueError(f"free has {each}, which is no symbol of the state {system.state}")
+        for each, value in section.at.items():
+            if each not in known or each in section.free:
+                raise ValueError(f"at has {each}, which is free or no symbol of the state")
+            for other in sorted(value.free_symbols - parameters - set(section.free), key=str):
+                raise ValueError(f"at {each} has {other}, which is neither free nor a parameter")
+        for name in (*section.sticking, *([section.when] if isinstance(section.when, str) else [])):
+            if name not in self.names:
+                raise ValueError(f"{name!r} is no contact, the system has {self.names}")
+        if not isinstance(section.when, str):
+            for other in sorted(section.when.free_symbols - parameters - known, key=str):
+                raise ValueError(f"when has the unknown symbol {other}")
+        if (section.period is not None) != (system.time in section.free):
+            raise ValueError("a period is needed just if time is free on the section")
+        if section.period is not None:
+            for other in sorted(section.period.free_symbols - parameters, key=str):
+                raise ValueError(f"period has {other}, which is no parameter")
+
+    def _touching(self, symbols: Sequence[sympy.Symbol]) -> Touch:
+        """Contacts that touch at every point of the section."""
+        system, rng = self.eq.system, np.random.default_rng(7)
+        closed, held, leaving = set[int](), set[int](), set[int]()
+        assert system.u is not None
+        for i, each in enumerate(system.contacts):
+            rate = sum(
+                each.gap.diff(q) * u for q, u in zip(system.q, system.u, strict=True)
+            ) + each.gap.diff(system.time)
+            if not self._vanishes(each.gap, symbols, rng):
+                continue
+            if not self._vanishes(sympy.sympify(rate), symbols, rng):
+                leaving.add(i)
+                continue
+            closed.add(i)
+            if each.rubs and self._vanishes(each.slip, symbols, rng):
+                held.add(i)
+        return Touch(frozenset(closed), frozenset(held), frozenset(leaving))
+
+    def _vanishes(
+        self, value: sympy.Expr, symbols: Sequence[sympy.Symbol], rng: np.random.Generator
+    ) -> bool:
+        """Whether an expression is zero all over the section."""
+        there = value.subs(self._at)
+        if there == 0:
+            return True
+        tried = sympy.lambdify(symbols, there, modules="numpy")
+        points = rng.uniform(0.5, 1.5, (SAMPLES, len(symbols)))
+        return all(abs(complex(tried(*point))) < 1e-9 for point in points)
+
+    def state(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
+        """The state (N,) of a point, and its derivatives (N, d + k)."""
+        z, tangents = self._embed(x, p)
+        return z, tangents
+
+    def point(self, z: Floats, p: Floats, turns: int) -> Floats:
+        """The coordinates (d,) of a state on the section, time less so many periods."""
+        x = z[self.places].copy()
+        if self.section.period is not None:
+            x[self._of_time] -= turns * self._period(p)[0][0]
+        return x
+
+    def changes(self, tangents: Floats, p: Floats, turns: int) -> Floats:
+        """Derivatives (d, d + k) of those coordinates."""
+        found = tangents[self.places].copy()
+        k = len(self.eq.free)
+        if self.section.period is not None and k:
+            found[self._of_time, -k:] -= turns * self._period(p)[0][1:]
+        return np.asarray(found)
+
+    def turns(self, z: Floats, p: Floats) -> int:
+        """How many periods time has gone on."""
+        if self.section.period is None:
+            return 0
+        period = float(self._period(p)[0][0])
+        t = z[self.places[self._of_time]]
+        return int(np.floor((t - self.section.first) / period)) if period > 0.0 else 0
+
+    def phase_margins(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
+        """How far time on the section is from both ends of a period (2,), derivatives (2, 1 + k).
+
+        The derivatives are those in time and in the parameters.
+        """
+        values = self._period(p)[0]
+        t = x[self._of_time] - self.section.first
+        rows = np.zeros((2, 1 + len(values) - 1))
+        rows[:, 0] = 1.0, -1.0
+        rows[1, 1:] = values[1:]
+        return np.array([t, values[0] - t]), rows
+
+    @property
+    def _of_time(self) -> int:
+        return list(self.section.free).index(self.eq.system.time)
+
+    @property
+    def of_time(self) -> int:
+        """Which coordinate is time."""
+        return self._of_time
+
+    def counts(self, mode: Sequence[int]) -> bool:
+        """Whether the event counts in a mode."""
+        return self.guard is not None and all(mode[i] == STICK for i in self.sticking)
+
+
+class SectionGuard:
+    """An expression that rises through zero, as a guard that falls."""
+
+    def __init__(self, eq: Equations, when: sympy.Expr) -> None:
+        a = sympy.symbols(f"_a:{eq.n}")
+        system = eq.system
+        flow = (*system.u, *a, sympy.Integer(1)) if system.u is not None else ()
+        value = -when
+        rate = sum(value.diff(s) * v for s, v in zip(system.state, flow, strict=True))
+        both = sympy.Matrix([value, rate])
+        self._function = eq.function([both.jacobian(eq.along), both.jacobian(a)], a)
+        self._values = eq.function([both], a)
+        self._value = eq.function([sympy.Matrix([value])])
+        self._n = eq.n
+
+    def values(self, z: Floats, p: Floats) -> Floats:
+        """Values (b,) at states (b, N)."""
+        return self._value.batch(z, p)[0][:, 0, 0]
+
+    def jet(self, here: Local) -> tuple[float, float]:
+        """Value and rate."""
+        value, rate = self._values(here.z, here.p, here.balance.a)[0][:, 0].tolist()
+        return value, rate
+
+    def gradients(self, here: Local) -> tuple[Floats, Floats]:
+        """Derivatives (columns,) of value and rate."""
+        along, per_a = self._function(here.z, here.p, here.balance.a)
+        return along[0], along[1] + per_a[1] @ here.changes[0]
+
+
+def touching(eq: Equations, z: Floats, p: Floats, rounding: float) -> tuple[Touch, list[int]]:
+    """The contacts that touch at any state: those that stay or leave, and those that strike.
+
+    Raises
+    ------
+    ValueError
+        If a contact is penetrated.
+    """
+    terms = eq.terms(z, p)
+    closed, held, leaving, striking = set[int](), set[int](), set[int](), list[int]()
+    for i, each in enumerate(eq.system.contacts):
+        gap, rate, slip = terms.gap[i], terms.gap_rate[i], terms.slip[i]
+        if gap < -rounding:
+            raise ValueError(f"the start penetrates {each.name!r}: its gap is {gap:.3g}")
+        if gap > rounding:
+            continue
+        if rate < -rounding:
+            striking.append(i)
+        elif rate > rounding:
+            leaving.add(i)
+        else:
+            closed.add(i)
+            if abs(slip) <= rounding:
+                held.add(i)
+    return Touch(frozenset(closed), frozenset(held), frozenset(leaving)), striking
+
+
+def opened(eq: Equations) -> tuple[int, ...]:
+    """The mode without contact."""
+    return (OPEN,) * eq.m

@@ -1,0 +1,441 @@
+"""What a user calls: simulate, return_map, shoot, continuation of any system."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import Enum
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from woodpecker.base.arrays import Floats
+from woodpecker.base.checks import instance, interval, number, positive, real_array, whole
+from woodpecker.base.shown import shown
+from woodpecker.engine.curves import CurveSettings
+from woodpecker.engine.maps import Image, chained
+from woodpecker.engine.network import Connected, connected
+from woodpecker.systems.flows import Step
+from woodpecker.systems.model import ContactSystem
+from woodpecker.systems.motion import (
+    Backend,
+    Event,
+    Machine,
+    MotionStatus,
+    Search,
+)
+from woodpecker.systems.returns import SystemMap
+from woodpecker.systems.sections import touching
+
+SAMPLES = 1001  # of a motion unless a caller says otherwise
+ROUNDING = 1e-12  # gaps and rates [m, m/s] of a start that are smaller are zero
+EVENTS_MOST, COUNTED_MOST = 20_000, 10**6
+NEWTON_MOST = 50  # iterations of shooting
+HALVINGS_MOST = 12  # of one step
+CONVERGED = 1e-12  # relative residual of a cycle, times how much the map amplifies rounding
+ORDER_MOST = 100
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Motion:
+    """A motion of a system.
+
+    Attributes
+    ----------
+    t, q, u
+        Samples: times (s,) [s], coordinates and velocities (s, n). Times of events come twice,
+        before and after.
+    events
+        In order of time.
+    word
+        Their symbols.
+    status
+        Why it ended.
+    z
+        (2n + 1,) the last state.
+    """
+
+    t: Floats
+    q: Floats
+    u: Floats
+    events: tuple[Event, ...]
+    word: str
+    status: MotionStatus
+    z: Floats = field(repr=False)
+
+
+def simulate(
+    system: ContactSystem, start: Mapping[Any, float], t_end: float, *, samples: int = SAMPLES,
+    max_events: int = EVENTS_MOST, backend: Backend | str | None = None,
+) -> Motion:  # fmt: skip
+    """Follow a system from a state until a time.
+
+    Parameters
+    ----------
+    system
+        The system.
+    start
+        Values of symbols of the state, by symbol or by name; those that are not named are zero.
+    t_end
+        Time to stop at [s], after that of the start.
+    samples
+        Number of evenly spaced samples.
+    max_events
+        Limit on the number of events.
+    backend
+        ``"heyoka"`` or ``"scipy"``; by default the first if it is installed.
+
+    Returns
+    -------
+    Motion
+        It ends before ``t_end`` where the contact laws leave open what follows, or contacts hold
+        the system for ever; the status says so.
+
+    Raises
+    ------
+    TypeError
+        If it is no system, or the start no mapping.
+    ValueError
+        If a symbol is unknown, a value not finite, or a contact penetrated.
+
+    Examples
+    --------
+    >>> from sympy import symbols
+    >>> from woodpecker.systems import Contact, ContactSystem, simulate
+    >>> y, g = symbols("y g")
+    >>> floor = Contact(name="floor", gap=y, eps_n=0.5)
+    >>> ball = ContactSystem([y], [[1]], [-g], [floor], {g: 10.0})
+    >>> motion = simulate(ball, {"y": 5.0}, 5.0)  # it rests after 1 + 2 s
+    >>> motion.word, motion.status.name, round(motion.events[-1].time, 12)
+    ('C1', 'AT_REST', 3.0)
+    """
+    instance("system", system, ContactSystem)
+    machine = Machine(system, (), backend)
+    z = state_of(system, start)
+    t_end = number("t_end", t_end)
+    if not z[-1] < t_end < math.inf:
+        raise ValueError(f"t_end must lie after the start at t = {z[-1]}, got {t_end}")
+    samples = whole("samples", samples, 2, COUNTED_MOST)
+    most = whole("max_events", max_events, 1, COUNTED_MOST)
+    p = machine.eq.p
+    touch, striking = touching(machine.eq, z, p, ROUNDING)
+    search = Search(machine, p, t_end=t_end, events_most=most, keeps=True)
+    run = search.run(z, touch, striking)
+    t, states = _sampled(z, run.z, run.steps, samples, run.events)
+    n = system.n
+    return Motion(
+        t=t, q=states[:, :n], u=states[:, n : 2 * n], events=tuple(run.events),
+        word=" ".join(run.symbols), status=run.status, z=run.z,
+    )  # fmt: skip
+
+
+def state_of(system: ContactSystem, start: Mapping[Any, float]) -> Floats:
+    """A state (2n + 1,) from values by symbol or name; ValueError if one is unknown."""
+    if not isinstance(start, Mapping):
+        raise TypeError(f"start must be a mapping of symbols to values, got {shown(start)}")
+    known = {str(symbol): k for k, symbol in enumerate(system.state)}
+    z = np.zeros(len(known))
+    for key, value in start.items():
+        if str(key) not in known:
+            raise ValueError(f"start has {str(key)!r}, the state has {list(known)}")
+        z[known[str(key)]] = number(str(key), value)
+    if not np.isfinite(z).all():
+        raise ValueError(f"start must be finite, got {dict(start)}")
+    return z
+
+
+def _sampled(
+    first: Floats, last: Floats, steps: Sequence[tuple[float, Step]], samples: int,
+    events: Sequence[Event],
+) -> tuple[Floats, Floats]:  # fmt: skip
+    """Times and states: evenly spaced ones, and where each step begins and ends."""
+    grid = np.linspace(first[-1], last[-1], samples)
+    times, states = [np.array([first[-1]])], [first[None]]
+    ends = [begin for begin, _ in steps[1:]] + [float(last[-1])]
+    for (begin, step), end in zip(steps, ends, strict=True):
+        inside = grid[(grid > begin) & (grid < min(end, begin + step.length))]
+        at = np.concatenate([[begin], inside, [min(end, begin + step.length)]])
+        times.append(at)
+        states.append(step.states(at - begin))
+    times.append(np.array([last[-1]]))
+    states.append(last[None])
+    return np.concatenate(times), np.concatenate(states)
+
+
+# --- Return maps ----------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SystemReturns:
+    """Returns from many points of a section.
+
+    Attributes
+    ----------
+    x, images
+        (s, d) the points, and where they return; nan where they do not.
+    words, status
+        What happens, and how it ended.
+    """
+
+    x: Floats
+    images: Floats
+    words: tuple[str, ...]
+    status: tuple[MotionStatus, ...]
+
+
+def return_map(
+    map_: SystemMap, x: npt.ArrayLike, *, order: int = 1, p: npt.ArrayLike | None = None
+) -> SystemReturns:
+    """Returns from many points of a section, without derivatives.
+
+    Parameters
+    ----------
+    map_
+        The return map of a system.
+    x
+        (s, d) points, or (s,) if d = 1.
+    order
+        So many returns in turn.
+    p
+        (k,) values of the free parameters; by default those of the system.
+
+    Returns
+    -------
+    SystemReturns
+        Images, words and statuses.
+
+    Raises
+    ------
+    TypeError
+        If ``map_`` is no return map.
+    ValueError
+        If shapes do not fit, or ``order`` is no positive whole number.
+    """
+    instance("map_", map_, SystemMap)
+    order = whole("order", order, 1, ORDER_MOST)
+    points = real_array("x", x)
+    points = points.reshape(-1, 1) if points.ndim < 2 and map_.d == 1 else np.atleast_2d(points)
+    if points.ndim != 2 or points.shape[1] != map_.d:
+        raise ValueError(f"x must have shape (s, {map_.d}), got {points.shape}")
+    values = _parameters(map_, p)
+    images, words, status = np.full_like(points, np.nan), list[str](), list[MotionStatus]()
+    for k, point in enumerate(points):
+        found, word = point, list[str]()
+        for _ in range(order):
+            run = map_.search(found, values)
+            word.append(" ".join(run.symbols))
+            if not run.status.success:
+                break
+            whole_p = map_.values(values)
+            found = map_.embedding.point(run.z, whole_p, map_.embedding.turns(run.z, whole_p))
+        words.append(" | ".join(word))
+        status.append(run.status)
+        if run.status.success:
+            images[k] = found
+    return SystemReturns(x=points, images=images, words=tuple(words), status=tuple(status))
+
+
+def _parameters(map_: SystemMap, p: npt.ArrayLike | None) -> Floats:
+    if p is None:
+        return map_.p
+    values = np.atleast_1d(real_array("p", p))
+    if values.shape != (map_.k,):
+        raise ValueError(f"p must have shape ({map_.k},), got {values.shape}")
+    return values
+
+
+class CycleStatus(Enum):
+    """How shooting ended; the value is the sentence a user reads."""
+
+    CONVERGED = "a periodic solution was found"
+    NOT_CONVERGED = "no periodic solution was found from this guess"
+    LOST = "a start on the way does not return to the section"
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Cycle:
+    """A periodic solution: a cycle of a return map.
+
+    Attributes
+    ----------
+    x
+        (order, d) its points.
+    p
+        (k,) values of the free parameters.
+    multipliers
+        (d,) of the whole cycle, the largest first.
+    word
+        What happens; returns are separated by ``|``.
+    residual
+        How far the last image is from the first point, in units of the scales.
+    status
+        Whether it was found.
+    """
+
+    x: Floats
+    p: Floats
+    multipliers: npt.NDArray[np.complex128]
+    word: str
+    residual: float
+    status: CycleStatus
+
+    @property
+    def success(self) -> bool:
+        """Whether it was found."""
+        return self.status is CycleStatus.CONVERGED
+
+    @property
+    def stable(self) -> bool:
+        """Whether all multipliers lie inside of the unit circle."""
+        return bool(self.success and (np.abs(self.multipliers) < 1.0).all())
+
+
+def shoot(
+    map_: SystemMap, guess: npt.ArrayLike, *, order: int = 1, p: npt.ArrayLike | None = None
+) -> Cycle:
+    """A cycle near a guess, by Newton's method; words may change on the way.
+
+    Parameters
+    ----------
+    map_
+        The return map of a system.
+    guess
+        (d,) its first point.
+    order
+        After so many returns it closes.
+    p
+        (k,) values of the free parameters; by default those of the system.
+
+    Returns
+    -------
+    Cycle
+        Its status says whether it was found.
+
+    Raises
+    ------
+    TypeError
+        If ``map_`` is no return map.
+    ValueError
+        If shapes do not fit, or ``order`` is no positive whole number.
+    """
+    instance("map_", map_, SystemMap)
+    order = whole("order", order, 1, ORDER_MOST)
+    x = np.atleast_1d(real_array("guess", guess))
+    if x.shape != (map_.d,):
+        raise ValueError(f"guess must have shape ({map_.d},), got {x.shape}")
+    values, scale = _parameters(map_, p), np.array(map_.x_scale)
+    images = _images(map_, x, values, order)
+    if images is None:
+        return _cycle(map_, x, values, [], CycleStatus.LOST)
+    status = CycleStatus.NOT_CONVERGED
+    for _ in range(NEWTON_MOST):
+        whole_ = chained(images)
+        away = whole_.value - x
+        jacobian = whole_.jacobian[:, : map_.d]
+        sensitive = 1.0 + float(np.abs(jacobian).max())
+        if np.abs(away / scale).max() <= CONVERGED * sensitive:
+            status = CycleStatus.CONVERGED
+            break
+        step = np.asarray(np.linalg.lstsq(np.eye(map_.d) - jacobian, away)[0], dtype=float)
+        found = _damped(map_, x, values, order, step, float(np.abs(away / scale).max()))
+        if found is None:
+            break
+        x, images = found
+    return _cycle(map_, x, values, images, status)
+
+
+def _images(map_: SystemMap, x: Floats, p: Floats, order: int) -> list[Image] | None:
+    """The images in turn; None if one has no value."""
+    found = list[Image]()
+    for _ in range(order):
+        found.append(map_.at(found[-1].value if found else x, p))
+        if found[-1].reason:
+            return None
+    return found
+
+
+def _damped(
+    map_: SystemMap, x: Floats, p: Floats, order: int, step: Floats, before: float
+) -> tuple[Floats, list[Image]] | None:
+    """A step of Newton's method, halved until the residual falls; the first that returns else."""
+    first = None
+    for k in range(HALVINGS_MOST):
+        there = x + step / 2**k
+        images = _images(map_, there, p, order)
+        if images is None:
+            continue
+        first = first or (there, images)
+        if np.abs((images[-1].value - there) / map_.x_scale).max() < before:
+            return there, images
+    return first
+
+
+def _cycle(
+    map_: SystemMap, x: Floats, p: Floats, images: Sequence[Image], status: CycleStatus
+) -> Cycle:
+    if not images:
+        none = np.full(map_.d, np.nan, dtype=complex)
+        return Cycle(x=x[None], p=p, multipliers=none, word="", residual=math.nan, status=status)
+    whole_ = chained(list(images))
+    multipliers = np.linalg.eigvals(whole_.jacobian[:, : map_.d]).astype(complex)
+    multipliers = multipliers[np.argsort(-np.abs(multipliers))]
+    return Cycle(
+        x=np.array([x, *(image.value for image in images[:-1])]), p=p, multipliers=multipliers,
+        word=whole_.piece.word, status=status,
+        residual=float(np.abs((whole_.value - x) / map_.x_scale).max()),
+    )  # fmt: skip
+
+
+def continuation(
+    map_: SystemMap, cycle: Cycle, span: tuple[float, float],
+    window: Sequence[tuple[float, float]], *, orders: Sequence[int] = (1, 2), step: float = 0.01,
+    min_step: float = 1e-9, max_step: float = 0.05, max_branches: int = 500,
+) -> Connected:  # fmt: skip
+    """Follow a cycle over the first free parameter, and all branches connected with it.
+
+    Parameters
+    ----------
+    map_
+        The return map of a system, of d coordinates.
+    cycle
+        A cycle of it.
+    span
+        Ends of the parameter.
+    window
+        (d, 2) ends of the coordinates.
+    orders
+        Iterates whose cycles and jump crossings are followed.
+    step, min_step, max_step
+        First, shortest and longest step, in units of the map's scales.
+    max_branches
+        So many are followed at most.
+
+    Returns
+    -------
+    Connected
+        ``diagram`` with branches and special points, and ``orbits`` at these.
+
+    Raises
+    ------
+    TypeError
+        If ``map_`` is no return map or ``cycle`` no cycle.
+    ValueError
+        If the map has no free parameter, the cycle was not found, or an interval is empty.
+    """
+    instance("map_", map_, SystemMap)
+    instance("cycle", cycle, Cycle)
+    if not map_.k:
+        raise ValueError("the map has no free parameter to be followed over")
+    if not cycle.success:
+        raise ValueError(f"there is no cycle to be followed: {cycle.status.value}")
+    settings = CurveSettings(
+        spans=(interval("span", span),), step=positive("step", step), max_step=max_step,
+        window=tuple(interval("window", each) for each in window), min_step=min_step,
+    )  # fmt: skip
+    return connected(
+        map_, cycle.x, cycle.p, settings, orders=orders, x_scale=map_.x_scale,
+        p_scale=map_.p_scale, names=(map_.parameters[0], *map(str, map_.section.free)),
+        max_branches=max_branches,
+    )  # fmt: skip
