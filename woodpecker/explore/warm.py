@@ -1,0 +1,8 @@
+"""Loads what jobs of the explorer need, and the compiled kernel: in the process they are forked from."""
+
+from woodpecker import Toy, first_return, shoot, simulate
+from woodpecker.explore import branches, exports, model  # noqa: F401
+
+simulate(Toy(), -0.53, 0.2)
+first_return(Toy(), -0.53)
+shoot(Toy(), -0.53)
