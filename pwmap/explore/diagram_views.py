@@ -11,10 +11,6 @@ from bokeh.models import Range1d, Span
 from pwmap.explore.diagrams import Shown
 from pwmap.explore.figures import (
     FONT,
-    GREY,
-    INK,
-    SELECTED,
-    VIOLET,
     hover,
     new_figure,
     patch,
@@ -23,6 +19,7 @@ from pwmap.explore.figures import (
     source,
 )
 from pwmap.explore.labels import place
+from pwmap.plot import GREY, INK, VIOLET
 
 LINES = ("xs", "ys", "color", "dash", "width", "branch")
 SAMPLES = ("x", "y", "branch", "kind", "word", "multiplier")
@@ -48,7 +45,8 @@ def _marks(figure: Any, table: Any) -> Any:
 def _texts(figure: Any, table: Any, color: str = INK) -> Any:
     return figure.text(
         "x", "y", text="text", x_offset="dx", y_offset="dy", source=table, text_color=color,
-        text_font={"value": FONT}, text_font_size="11px", text_align="center", text_baseline="middle",
+        text_font={"value": FONT}, text_font_size="11px", text_align="center",
+        text_baseline="middle",
         level="annotation",
     )  # fmt: skip
 
@@ -70,7 +68,10 @@ class DiagramView:
         self.here = source("x", "y")
         self.moved = False  # whether somebody looks closer than at the whole
         self._shown: Shown | None = None
-        at, figure = Span(dimension="height", line_color=VIOLET, line_alpha=0.7), self.figure
+        at, figure = (
+            Span(dimension="height", line_color=VIOLET, line_alpha=0.7, level="overlay"),
+            self.figure,
+        )
         figure.add_layout(at)
         self.at = at
         figure.scatter("x", "y", source=self.orbits, size=1.6, color="#636363", alpha=0.35)
@@ -83,7 +84,7 @@ class DiagramView:
         _texts(figure, self.names)
         figure.scatter(
             "x", "y", source=self.here, size=12, fill_color=None, line_color=VIOLET, line_width=2.5,
-            level="annotation",
+            level="overlay",
         )  # fmt: skip
         figure.add_tools(hover(marks, OF_POINT), hover(samples, OF_BRANCH))
         for axis_range in (figure.x_range, figure.y_range):
@@ -226,6 +227,3 @@ def _named_together(figure: Any, *tables: Any) -> list[dict[str, Any]]:
         for column, value in zip(found[k].values(), values, strict=True):
             column.append(value)
     return found
-
-
-__all__ = ["SELECTED", "DiagramView", "GraphView"]

@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
-from pwmap.explore.figures import COLORS, DASHES, GREY, MARKS
-from pwmap.plot import MARKERS, WIDTHS
+from pwmap.explore.figures import COLORS, DASHES, MARKS
+from pwmap.plot import GREY, MARKERS, WIDTHS
 
 Floats = npt.NDArray[np.float64]
 Table = dict[str, Any]
@@ -245,6 +245,4 @@ def _distance(way: Floats, place: Floats) -> float:
 
 def nearest_sample(branch: Branch, p: float, x: float, scale: tuple[float, float]) -> int:
     """The sample of a branch nearest to a place, in pixels."""
-    return int(
-        np.argmin(np.hypot((branch.parameter - p) * scale[0], (branch.x - x) * scale[1]))
-    )
+    return int(np.argmin(np.hypot((branch.parameter - p) * scale[0], (branch.x - x) * scale[1])))

@@ -9,7 +9,7 @@ import numpy as np
 from bokeh.models import ColumnDataSource, CrosshairTool, HoverTool, PanTool, Range1d, WheelZoomTool
 from bokeh.plotting import figure
 
-from pwmap.plot import GREY, INK, JUMP, STABLE, UNSTABLE, VIOLET
+from pwmap.plot import GREY, INK, JUMP, STABLE, UNSTABLE
 
 FONT = "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif"
 DOTTED, DASHED = [2, 3], [6, 3]
@@ -20,11 +20,17 @@ MARKS = {  # symbols of pwmap.plot.MARKERS as Bokeh calls them
     "v": "inverted_triangle", "|": "dash", "^": "triangle", "X": "x",
 }  # fmt: skip
 SELECTED = "#fec44f"  # around what is selected, under everything else
+SHRUNK = 0.6  # of an axis: what fills less of it is shown larger
 SMALL, PLAIN = "11px", "12px"
 
 
 def new_figure(
-    name: str, x_label: str, y_label: str, *, crosshair: bool = False, ticks: tuple[int, int] = (6, 5),
+    name: str,
+    x_label: str,
+    y_label: str,
+    *,
+    crosshair: bool = False,
+    ticks: tuple[int, int] = (6, 5),
     **options: Any,
 ) -> Any:
     """Axes in the common look, named for the page; pan by dragging, zoom by the wheel."""
@@ -67,6 +73,17 @@ def set_range(axis_range: Any, low: float, high: float) -> None:
         axis_range.update(start=low, end=high, reset_start=low, reset_end=high)
 
 
+def keep_in(axis_range: Any, low: float, high: float, *, moving: bool) -> None:
+    """Show an interval; while a slider moves only if it has outgrown what is shown, or shrunk.
+
+    An axis that moves is laid out anew, which costs more than its curves.
+    """
+    start, end = axis_range.start, axis_range.end
+    fits = start <= low and high <= end and (high - low) >= SHRUNK * (end - start)
+    if not (moving and fits):
+        set_range(axis_range, low, high)
+
+
 def patch(table: ColumnDataSource, /, **columns: Any) -> None:
     """Put new columns into a table, all at once."""
     table.data = columns
@@ -92,10 +109,3 @@ def cobweb(orbit: Any) -> dict[str, Any]:
 def select_style() -> Mapping[str, Any]:
     """The line under what is selected."""
     return {"line_color": SELECTED, "line_width": 8, "line_alpha": 0.75, "line_cap": "round"}
-
-
-__all__ = [
-    "COLORS", "DASHED", "DASHES", "DOTTED", "FONT", "GREY", "INK", "JUMP", "MARKS", "PLAIN",
-    "SELECTED", "SMALL", "STABLE", "UNSTABLE", "VIOLET", "cobweb", "hover", "new_figure", "patch",
-    "select_style", "set_range", "source", "strokes",
-]  # fmt: skip

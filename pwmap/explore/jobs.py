@@ -1,8 +1,8 @@
 """Long work in other processes, with its results as they come.
 
-A job is a generator at the top level of a module: whatever it yields is sent to the page at once.
-Processes are forked from one that has loaded the package already (``warm_up``), so that a job begins
-within milliseconds; where there is no such thing (Windows) each is started anew.
+A job is a generator at the top level of a module: whatever it yields is sent to the page at
+once. Processes are forked from one that has loaded the package already (``warm_up``), so that a job
+begins within milliseconds; where there is no such thing (Windows) each is started anew.
 """
 
 from __future__ import annotations
@@ -14,6 +14,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing import get_all_start_methods, get_context
 from multiprocessing.connection import Connection
+from threading import Event, Thread
 from typing import Any
 
 Work = Callable[..., Iterator[Any]]
@@ -55,7 +56,7 @@ class Job:
         self.is_over = False
 
     def results(self) -> list[Any]:
-        """What has come since the last call; a :class:`Failure` or :class:`Finished` is the last."""
+        """What has come since the last call; a Failure or Finished is the last."""
         found: list[Any] = []
         while not self.is_over:
             try:
@@ -81,15 +82,28 @@ class Job:
         self._results.close()
 
 
+_warm = Event()
+
+
 def warm_up(modules: Sequence[str]) -> None:
-    """Load modules in the process that jobs are forked from; returns when they are loaded."""
+    """Load modules in the process that jobs are forked from, in the background."""
     context: Any = get_context(METHOD)
     if METHOD == "forkserver":
         context.set_forkserver_preload(list(modules))
+    Thread(target=_first_job, daemon=True).start()
+
+
+def is_warm() -> bool:
+    """Whether jobs begin at once; until then to begin one is to wait for it."""
+    return _warm.is_set()
+
+
+def _first_job() -> None:
     job = Job(nothing)
     while not job.is_over:
         job.results()
         time.sleep(0.01)
+    _warm.set()
 
 
 def nothing() -> Iterator[None]:

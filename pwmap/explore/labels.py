@@ -19,7 +19,7 @@ DISTANCES = (1.0, 6.0, 14.0)  # px from the point
 class Placed(NamedTuple):
     """Labels that are shown: which, and where their middles are beside their points [px]."""
 
-    index: tuple[int, ...]
+    rows: tuple[int, ...]
     dx: tuple[float, ...]
     dy: tuple[float, ...]
 
@@ -42,7 +42,7 @@ def place(
     """
     taken: list[Floats] = []
     found: list[tuple[int, float, float]] = []
-    inside = ((points >= 0.0) & (points <= frame)).all(axis=1)
+    inside = np.all((points >= 0.0) & (points <= np.array(frame)), axis=1)
     order = sorted(range(len(texts)), key=lambda k: not must[k])
     for k in order:
         if not texts[k] or not inside[k]:
@@ -59,8 +59,8 @@ def place(
             found.append((k, float(middles[best, 0]), float(middles[best, 1])))
     if not found:
         return Placed((), (), ())
-    index, dx, dy = zip(*found, strict=True)
-    return Placed(index, dx, dy)
+    rows, dx, dy = zip(*found, strict=True)
+    return Placed(rows, dx, dy)
 
 
 def _costs(

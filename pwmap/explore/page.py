@@ -24,13 +24,13 @@ LONGEST = 20_000  # characters of a wish
 Verb = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 
 
-class Wish(DataModel):
+class Wish(DataModel):  # type: ignore[misc]
     """What the user wants, as JSON."""
 
     text = String(default="")
 
 
-class Answer(DataModel):
+class Answer(DataModel):  # type: ignore[misc]
     """What the page shows besides its views, as JSON."""
 
     text = String(default="")
@@ -119,7 +119,7 @@ def fill(
     roots[0].tags = [wish, answer]  # so that they are parts of the document
     for root in roots:
         document.add_root(root)
-    document.template = _environment(template.parent).get_template(template.name)  # type: ignore[assignment]
+    document.template = _environment(template.parent).get_template(template.name)
     document.template_variables.update(variables)
     return say
 
@@ -133,7 +133,8 @@ def _environment(folder: Path) -> Environment:
 
 def compare_page(title: str) -> str:
     """Two explorers side by side; both of their states are in the link."""
-    return _environment(FOLDER).get_template("compare.html").render(page_title=title)
+    text: str = _environment(FOLDER).get_template("compare.html").render(page_title=title)
+    return text
 
 
 def in_words(error: Exception) -> str:

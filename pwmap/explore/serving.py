@@ -142,7 +142,7 @@ def _patterns(site: Site) -> list[Any]:
     ]
 
 
-class _OwnName(RequestHandler):
+class _OwnName(RequestHandler):  # type: ignore[misc]
     """Answers only who calls this machine by its own name."""
 
     def prepare(self) -> None:

@@ -156,8 +156,9 @@ def _events_table(state: State) -> str:
     rows: list[tuple[object, ...]] = []
     for event in _trajectory(state).events:
         first = event.time, event.symbol, "+".join(map(str, event.contacts))
-        for impulse in event.impulses or (None,):
-            rows.append(first + (tuple(asdict(impulse).values()) if impulse else ("",) * 5))
+        rows += [first + tuple(asdict(impulse).values()) for impulse in event.impulses]
+        if not event.impulses:
+            rows.append((*first, "", "", "", "", ""))
     return table_as_text(header, rows)
 
 

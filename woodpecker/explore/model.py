@@ -31,7 +31,7 @@ from woodpecker.plot.curve import Curve, Detail, Link, refined
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
 
-COARSE, FINE = 320, 1000  # starts of a map: under a slider, and at rest
+COARSE, FINE = 256, 1000  # starts of a map: under a slider (those of one thread), and at rest
 DETAIL = Detail(budget=60_000)  # returns spent on steep places at rest
 BREAK = 0.08  # of the height: neighbours under a slider that differ more are not joined
 SAMPLES = 320  # of a motion
@@ -171,9 +171,7 @@ class ToyModel:
         if not (math.isfinite(back.period) and back.period > 0.0) and count > order:
             back = first_return(toy, state.phi_s, order)
         whole = math.isfinite(back.period) and back.period > 0.0
-        trajectory = simulate(
-            toy, state.phi_s, back.period if whole else FALLING, samples=SAMPLES
-        )
+        trajectory = simulate(toy, state.phi_s, back.period if whole else FALLING, samples=SAMPLES)
         numbers = {
             "period": back.period, "drop": back.drop if whole else trajectory.drop,
             "multiplier": back.slope, "phi_s": state.phi_s,

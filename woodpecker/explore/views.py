@@ -12,23 +12,20 @@ from pwmap.explore.figures import (
     DASHED,
     DOTTED,
     FONT,
-    GREY,
-    INK,
-    JUMP,
-    STABLE,
-    UNSTABLE,
-    VIOLET,
     cobweb,
     hover,
+    keep_in,
     new_figure,
     patch,
     set_range,
     source,
     strokes,
 )
+from pwmap.plot import GREY, INK, JUMP, STABLE, UNSTABLE, VIOLET
 from woodpecker import Toy
 from woodpecker.explore.model import MapCurve, Mark, Motion, as_columns
 from woodpecker.explore.state import PORTRAITS, State
+from woodpecker.mechanics.toy import description
 from woodpecker.plot.motions import STRUCK
 
 Floats = npt.NDArray[np.float64]
@@ -48,11 +45,29 @@ OF_FIXED = "<div class='tip'><b>@kind fixed point</b> of P_@order<br>φS = @x{0.
 WORD_ROOM = 30  # events that have room for their times
 
 
+PHI = r"$$\varphi_S\ [\mathrm{rad}]$$"
+
+
+def axis_label(parameter: str) -> str:
+    """A parameter as the paper writes it, with its unit, for an axis."""
+    letter, _, index = parameter.partition("_")
+    greek = {"mu": r"\mu", "eps": r"\varepsilon"}.get(letter, letter)
+    index = {"phi": r"\varphi", "n1": "N1", "n2": "N2", "n3": "N3"}.get(index, index.upper())
+    unit = description(parameter).unit
+    told = "" if unit == "-" else rf"\ [\mathrm{{{unit.replace(' ', chr(92) + ' ')}}}]"
+    return f"$${greek}{f'_{{{index}}}' if index else ''}{told}$$"
+
+
 class MapView:
     """The return map with the diagonal, its jumps and a cobweb."""
 
     def __init__(self) -> None:
-        self.figure = new_figure("map", r"$$\varphi_{S,k}\ [\mathrm{rad}]$$", r"$$\varphi_{S,k+1}\ [\mathrm{rad}]$$", crosshair=True)
+        self.figure = new_figure(
+            "map",
+            r"$$\varphi_{S,k}\ [\mathrm{rad}]$$",
+            r"$$\varphi_{S,k+1}\ [\mathrm{rad}]$$",
+            crosshair=True,
+        )
         self.curve, self.web = source("x", "y"), source("x", "y")
         self.jumps, self.crossings, self.steep = (source("x", "y") for _ in range(3))
         self.rings, self.start = source("x", "y"), source("x", "y")
@@ -109,8 +124,12 @@ class MotionView:
 
     def __init__(self) -> None:
         wide = Range1d(0, 1)
-        self.angles = new_figure("angles", "", r"$$\varphi\ [\mathrm{rad}]$$", x_range=wide, ticks=(5, 4))
-        self.fall = new_figure("fall", r"$$t\ [\mathrm{ms}]$$", r"$$y\ [\mathrm{mm}]$$", x_range=wide, ticks=(5, 4))
+        self.angles = new_figure(
+            "angles", "", r"$$\varphi\ [\mathrm{rad}]$$", x_range=wide, ticks=(5, 4)
+        )
+        self.fall = new_figure(
+            "fall", r"$$t\ [\mathrm{ms}]$$", r"$$y\ [\mathrm{mm}]$$", x_range=wide, ticks=(5, 4)
+        )
         self.portrait = new_figure("portrait", *LABELS["phi_s"], ticks=(4, 5))
         self.motion = source("t", "y", "phi_m", "phi_s", "dy", "dphi_m", "dphi_s", "closed")
         self.motion.name = "motion"
@@ -148,17 +167,17 @@ class MotionView:
         self.angles.scatter("t", "a", source=self.impacts, size=7, color="color")
         self.fall.scatter("t", "y", source=self.impacts, size=7, color="color")
 
-    def show(self, motion: Motion, state: State) -> None:
-        """Draw a motion."""
+    def show(self, motion: Motion, state: State, *, moving: bool) -> None:
+        """Draw a motion; while a slider moves axes stay where they are, if they can."""
         columns = as_columns(motion)
         patch(self.motion, **columns)
         self._show_impacts(motion, columns, state.toy)
         end = float(columns["t"][-1])
-        set_range(self.angles.x_range, 0.0, end)
+        keep_in(self.angles.x_range, 0.0, end * (1.04 if moving else 1.0), moving=moving)
         both = np.concatenate([columns["phi_s"], columns["phi_m"], [state.toy.phi_s_max]])
-        set_range(self.angles.y_range, *_room(both, 0.12))
-        set_range(self.fall.y_range, *_room(columns["y"], 0.08))
-        self.turn(motion, state.portrait)
+        for axis, values in ((self.angles, both), (self.fall, columns["y"])):
+            keep_in(axis.y_range, *_room(values, 0.1), moving=moving)
+        self._turn(motion, columns, state.portrait, moving)
 
     def _show_impacts(self, motion: Motion, columns: dict[str, Any], toy: Toy) -> None:
         limits = (-toy.phi_m_max, toy.phi_m_max, toy.phi_s_max)
@@ -174,9 +193,8 @@ class MotionView:
             symbol=[mark.symbol for mark in struck],
         )  # fmt: skip
 
-    def turn(self, motion: Motion, portrait: str) -> None:
+    def _turn(self, motion: Motion, columns: dict[str, Any], portrait: str, moving: bool) -> None:
         """Draw one of the phase portraits."""
-        columns = as_columns(motion)
         across = columns["phi_m" if portrait == "phi_m" else "phi_s"]
         up = columns[PORTRAITS[portrait]]
         struck = np.flatnonzero(np.diff(columns["t"]) == 0.0)
@@ -190,8 +208,8 @@ class MotionView:
             xs=[across[k : k + 2] for k in struck], ys=[up[k : k + 2] for k in struck],
             color=[by_time.get(float(columns["t"][k]), NO_COLOR) for k in struck],
         )  # fmt: skip
-        set_range(self.portrait.x_range, *_room(across, 0.06))
-        set_range(self.portrait.y_range, *_room(up, 0.06))
+        keep_in(self.portrait.x_range, *_room(across, 0.06), moving=moving)
+        keep_in(self.portrait.y_range, *_room(up, 0.06), moving=moving)
         labels = LABELS[portrait]
         self.portrait.xaxis.axis_label, self.portrait.yaxis.axis_label = labels
 
@@ -213,11 +231,13 @@ class WordView:
             fill_alpha="alpha", line_color="color", border_radius=4,
         )  # fmt: skip
         figure.text(
-            "x", 0.14, text="symbol", source=self.events, text_font={"value": FONT}, text_font_size="13px",
+            "x", 0.14, text="symbol", source=self.events, text_font={"value": FONT},
+            text_font_size="13px",
             text_align="center", text_baseline="middle", text_color=INK, text_font_style="bold",
         )  # fmt: skip
         self.times = figure.text(
-            "x", -0.42, text="t", source=self.events, text_font={"value": FONT}, text_font_size="10px",
+            "x", -0.42, text="t", source=self.events, text_font={"value": FONT},
+            text_font_size="10px",
             text_align="center", text_baseline="middle", text_color="#525252",
         )  # fmt: skip
         now = ColumnDataSource({"x": [-0.5]}, name="word_now", syncable=False)
@@ -241,7 +261,8 @@ class WordView:
 
 def color_of(contacts: tuple[int, ...]) -> str:
     """The colour of a contact, as in all pictures of motions; of several, that of both."""
-    return CONTACTS[contacts[0]] if len(contacts) == 1 else BOTH
+    found: str = CONTACTS[contacts[0]] if len(contacts) == 1 else BOTH
+    return found
 
 
 def _room(values: Floats, part: float) -> tuple[float, float]:

@@ -1,4 +1,4 @@
-"""Loads what jobs of the explorer need, and the compiled kernel: in the process they are forked from."""
+"""Loads what the explorer needs and its jobs, and the compiled kernel with it."""
 
 from woodpecker import Toy, first_return, shoot, simulate
 from woodpecker.explore import branches, exports, model  # noqa: F401

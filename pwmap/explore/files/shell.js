@@ -4,7 +4,7 @@ const $ = (query) => document.querySelector(query);
 const $$ = (query) => [...document.querySelectorAll(query)];
 const explorer = window.explorer = {
   ready: false, values: {}, defaults: {}, query: "", count: 0, sent: 0, waiting: null, next: null,
-  times: [], heard: [], doc: null, answer: {},
+  times: [], shown: {}, heard: [], doc: null, answer: {},
   // Send a wish, or keep it until the last one is answered; a later one of the same kind replaces it.
   ask(wish) {
     wish.at = wish.at ?? performance.now();
@@ -23,9 +23,9 @@ const explorer = window.explorer = {
     const told = JSON.parse(text);
     this.count = told.count;
     this.answer = { ...this.answer, ...told };
-    if (told.message !== undefined) $("#message").textContent = $("#message").title = told.message;
+    if (told.message !== undefined) write("#message", told.message);
     if (told.values) { this.values = told.values; show_values(told.values); }
-    if (told.query !== undefined) {
+    if (told.query !== undefined && !this.waiting?.drag) {
       this.query = told.query;
       history.replaceState(null, "", told.query ? "?" + told.query : location.pathname);
       if (parent !== window) parent.postMessage({ query: told.query, name: window.name }, location.origin);
@@ -43,12 +43,19 @@ const explorer = window.explorer = {
   },
 };
 
+// Nothing of the page is touched that stays as it is: whatever is touched is laid out anew.
+function write(query, text) {
+  const element = $(query);
+  if (element.textContent !== text) element.textContent = element.title = text;
+}
 function show_values(values) {
   for (const control of CONTROLS) {
     const value = values[control.name];
     if (value === undefined) continue;
     const slider = $("#slider-" + control.name), field = $("#field-" + control.name);
     const number = typeof value === "string" ? quotient(value) : value;
+    if (explorer.shown[control.name] === value) continue;
+    explorer.shown[control.name] = value;
     if (document.activeElement !== slider || !dragging) slider.value = number;
     if (document.activeElement !== field) {
       field.value = typeof value === "string" ? value : +value.toPrecision(9);
@@ -74,6 +81,7 @@ for (const field of $$("#sliders input[type=text]")) {
   field.addEventListener("change", () => {
     const value = exact ? field.value.trim() : Number(field.value.replace(",", "."));
     explorer.ask({ do: "set", values: { [field.dataset.name]: exact ? value : Number.isNaN(value) ? field.value : value } });
+    delete explorer.shown[field.dataset.name];
     field.blur();
   });
 }
@@ -111,6 +119,12 @@ addEventListener("click", (event) => {
   for (const menu of $$(".menu[open]")) if (!menu.contains(event.target) || event.target.matches("a.export, #python")) menu.open = false;
 });
 addEventListener("keydown", (event) => { if (event.key === "Escape") for (const menu of $$(".menu[open]")) menu.open = false; });
+
+// Bokeh asks the browser for a style of CSS before every stroke, in case a page themes it so. This one
+// does not, and a slider would pay a third of its time for it.
+try {
+  window.Bokeh.require("core/visuals/visual").VisualProperties.prototype._get_css_value = () => "";
+} catch { /* another version: only slower */ }
 
 // Begin when the document is there; after a lost session load the page again: the link holds the state.
 (function begin() {

@@ -28,6 +28,9 @@ const clock = {
     this.last = now;
     const s = this.state(this.at);
     if (!s || document.hidden) return;
+    const lit = this.lit[1] + this.lit[2] + this.lit[3];
+    const still = !this.playing && this.drawn === `${this.at} ${lit}` && this.fitted === s.data;
+    if (still) return;
     if (this.playing && s.end > 0) {
       this.at += elapsed / (+$("#speed").value) / s.end;
       if (this.at > 1) { this.at %= 1; this.row = 0; }
@@ -41,7 +44,9 @@ const clock = {
     const q = [s.value("y") / 1000, s.value("phi_m"), s.value("phi_s")];
     toy.draw($("#toy-canvas"), explorer.answer.shape, q, this.lit, this.at * s.drop / 1000);
     this.row = s.low;
-    if (this.frames++ % 2 === 0 || !this.playing) this.mark(s);
+    this.drawn = `${this.at} ${this.lit[1] + this.lit[2] + this.lit[3]}`;
+    // The cursors in other views follow more slowly, and slower still while a slider moves.
+    if (this.frames++ % (dragging ? 8 : 2) === 0 || !this.playing) this.mark(s);
   },
   mark(s) {
     const rate = { phi_s: ["phi_s", "dphi_s"], phi_m: ["phi_m", "dphi_m"], fall: ["phi_s", "dy"] }[explorer.answer.portrait ?? "phi_s"];
@@ -71,7 +76,7 @@ $("#compare").addEventListener("click", () => {
 function show_tour(tour) {
   $("#tour").hidden = !tour.step;
   const lit = new Set(tour.views ?? []);
-  for (const view of $$(".view")) view.classList.toggle("lit", lit.has(view.id.slice(5)) || (view.id === "view-motion" && lit.has("histories")));
+  for (const view of $$(".view")) view.classList.toggle("lit", lit.has(view.id.slice(5)));
   $("#law").classList.toggle("lit", lit.has("law"));
   if (!tour.step) return;
   $("#tour h2").textContent = `${tour.title} (${tour.figure})`;
@@ -82,14 +87,14 @@ const NUMBERS = [
   ["multiplier", "multiplier", (v) => v.toFixed(5)], ["period", "period", (v) => (1e3 * v).toFixed(4) + " ms"],
   ["drop", "fall", (v) => (1e3 * v).toFixed(4) + " mm"],
 ];
+$("#numbers").replaceChildren(...NUMBERS.flatMap(([name, text]) => {
+  const term = document.createElement("dt"), value = document.createElement("dd");
+  term.textContent = text;
+  value.id = "number-" + name;
+  return [term, value];
+}));
 function show_numbers(numbers) {
-  $("#numbers").replaceChildren(...NUMBERS.flatMap(([name, text, written]) => {
-    const term = document.createElement("dt"), value = document.createElement("dd");
-    term.textContent = text;
-    value.textContent = numbers[name] === null || numbers[name] === undefined ? "none" : written(numbers[name]);
-    value.id = "number-" + name;
-    return [term, value];
-  }));
+  for (const [name, , written] of NUMBERS) write("#number-" + name, numbers[name] == null ? "none" : written(numbers[name]));
 }
 explorer.heard.push((told) => {
   if (told.numbers) show_numbers(told.numbers);
