@@ -13,6 +13,8 @@ Floats = npt.NDArray[np.float64]
 CHARACTER, HEIGHT = 7.0, 13.0  # px: mean width of a character, height of a line
 MARKER = 7.0  # px: half the size of what markers take
 DIRECTIONS = ((1, 1), (-1, 1), (1, -1), (-1, -1), (1, 0), (-1, 0), (0, 1), (0, -1))
+GAP = 3.0  # px between labels
+COVERED = 5.0  # the cost of a marker under a label: those that cost more are left out
 DISTANCES = (1.0, 6.0, 14.0)  # px from the point
 
 
@@ -54,8 +56,8 @@ def place(
         boxes = np.hstack([points[k] + middles - size / 2.0, points[k] + middles + size / 2.0])
         costs = _costs(boxes, points, taken, frame)
         best = int(np.argmin(costs + 0.01 * np.arange(len(costs))))
-        if costs[best] < 10.0 or must[k]:
-            taken.append(boxes[best])
+        if costs[best] < COVERED or must[k]:
+            taken.append(boxes[best] + GAP * np.array([-1.0, -1.0, 1.0, 1.0]))
             found.append((k, float(middles[best, 0]), float(middles[best, 1])))
     if not found:
         return Placed((), (), ())
@@ -66,7 +68,7 @@ def place(
 def _costs(
     boxes: Floats, points: Floats, taken: Sequence[Floats], frame: tuple[float, float]
 ) -> Floats:
-    """10 for each label that is covered, or for leaving the frame; 1 for each marker."""
+    """10 for each label that is covered, or for leaving the frame; 5 for each marker."""
     outside = (boxes[:, :2] < 0.0).any(axis=1) | (boxes[:, 2:] > frame).any(axis=1)
     cost = 10.0 * outside.astype(float)
     for other in taken:
@@ -75,5 +77,5 @@ def _costs(
             & (boxes[:, 1] < other[3]) & (boxes[:, 3] > other[1])
         )  # fmt: skip
     low, high = boxes[:, None, :2] - MARKER, boxes[:, None, 2:] + MARKER
-    covered: Floats = cost + ((points > low) & (points < high)).all(axis=2).sum(axis=1)
+    covered: Floats = cost + COVERED * ((points > low) & (points < high)).all(axis=2).sum(axis=1)
     return covered

@@ -68,6 +68,7 @@ def make_page(document: Document, initial: State) -> Tab:
     tab = Tab(state)
     tab.begin()
     tab.message = refused or tab.message
+    tab.clicks()  # before its figures belong to the document, which asks for them once
     verbs = {name: _answering(tab, verb) for name, verb in tab.verbs().items()}
     tab.say = fill(
         document, TEMPLATE, tab.roots, verbs, page_title="Woodpecker Toy",
@@ -75,7 +76,6 @@ def make_page(document: Document, initial: State) -> Tab:
         open_group=FIRST, shapes=shapes(),
         over=[(name, PLAIN.get(name, name)) for name in parameters() if name != "pole"],
     )  # fmt: skip
-    tab.clicks()
     document.title = "Woodpecker Toy"
     document.add_periodic_callback(tab.tick, TICK)
     document.on_session_destroyed(lambda _: tab.work.stop())

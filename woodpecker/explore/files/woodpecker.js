@@ -18,13 +18,13 @@ const clock = {
   // Contacts are lit while they are closed, and an impact for a while after it, in time of the eye.
   light(s, before, elapsed) {
     let bits = s.closed;
-    for (let k = before; k <= s.low && k >= 0; k++) bits |= s.data.closed[k];
+    for (let k = before + 1; k <= s.low; k++) bits |= s.data.closed[k];
     for (const k of [1, 2, 3]) this.lit[k] = bits >> (k - 1) & 1 ? 1 : Math.max(0, this.lit[k] - elapsed / toy.LIGHT);
   },
   frame(now) {
     requestAnimationFrame((next) => this.frame(next));
     if (!explorer.doc || !explorer.answer.shape) return;
-    const elapsed = Math.min(100, now - this.last), before = this.row ?? 0;
+    const elapsed = Math.min(100, now - this.last), before = this.row ?? -1;
     this.last = now;
     const s = this.state(this.at);
     if (!s || document.hidden) return;
@@ -33,14 +33,14 @@ const clock = {
     if (still) return;
     if (this.playing && s.end > 0) {
       this.at += elapsed / (+$("#speed").value) / s.end;
-      if (this.at > 1) { this.at %= 1; this.row = 0; }
+      if (this.at > 1) { this.at %= 1; this.row = -1; }
     }
     this.show(elapsed, before);
   },
   show(elapsed, before) {
     const s = this.state(this.at);
     if (this.fitted !== s.data) { this.fitted = s.data; toy.fit(explorer.answer.shape, s.data); }
-    this.light(s, s.low >= before ? before : 0, elapsed);
+    this.light(s, s.low >= before ? before : -1, elapsed);
     const q = [s.value("y") / 1000, s.value("phi_m"), s.value("phi_s")];
     toy.draw($("#toy-canvas"), explorer.answer.shape, q, this.lit, this.at * s.drop / 1000);
     this.row = s.low;
