@@ -3,15 +3,16 @@
 import json
 import signal
 from collections.abc import Iterator
+from http.client import HTTPConnection
 from pathlib import Path
 from typing import Any
 from urllib.error import HTTPError
-from urllib.request import Request, urlopen
+from urllib.request import urlopen
 
 import numpy as np
 import pytest
-
 from explored import Seen, Served, browser, served, until
+
 from woodpecker import Toy, continuation, first_return, return_map, shoot, simulate
 
 pytestmark = pytest.mark.browser
@@ -252,7 +253,8 @@ def test_orbits_lie_under_the_branches(tab: Seen) -> None:
     p, x = np.array(data["x"]), np.array(data["y"])
     near = (p > 0.45) & (p < 0.55)
     assert near.any()
-    assert np.median(np.abs(x[near] + 0.53)) < 0.01  # most settle on the stable motion
+    on_branch = np.abs(x[near] + 0.53) < 0.01  # the stable motion, beside another attractor
+    assert 0.3 < on_branch.mean() < 1.0
 
 
 # --- Links, exports, the tour ---------------------------------------------------------------------
@@ -309,7 +311,7 @@ def test_files_are_what_the_lines_of_python_make(tab: Seen, server: Served) -> N
     exec(get("lines.py")[1].decode(), space)
     last = [float(value) for value in rows[-1].split(",")]
     assert np.abs(last[1:4] - space["motion"].q[-1]).max() < 1e-12
-    assert last[0] == space["motion"].t_end
+    assert abs(last[0] - space["motion"].t_end) < 1e-12  # both have converged
     saved = json.loads(get("diagram.json")[1])
     assert saved
     branches = get("branches.csv")[1].decode().splitlines()
@@ -432,17 +434,22 @@ def test_a_hostile_wish_is_refused(tab: Seen) -> None:
 
 
 def test_other_origins_and_names_are_refused(server: Served) -> None:
-    strange = Request(server.address + "export/state.json", headers={"Host": "evil.example:5310"})
-    with pytest.raises(HTTPError) as caught:
-        urlopen(strange, timeout=10)
-    assert caught.value.code == 403
+    def status(path: str, **headers: str) -> int:
+        link = HTTPConnection("127.0.0.1", 5310, timeout=10)
+        try:
+            link.request("GET", path, headers={k.replace("_", "-"): v for k, v in headers.items()})
+            return link.getresponse().status
+        finally:
+            link.close()
+
+    assert status("/export/state.json", Host="localhost:5310") == 200
+    assert status("/export/state.json", Host="evil.example:5310") == 403
     upgrade = {
         "Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Version": "13",
-        "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==", "Origin": "http://evil.example",
+        "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==",
     }  # fmt: skip
-    with pytest.raises(HTTPError) as caught:
-        urlopen(Request(server.address + "ws", headers=upgrade), timeout=10)
-    assert caught.value.code == 403
+    assert status("/ws", Origin="http://evil.example", **upgrade) == 403
+    assert status("/ws", Origin="http://127.0.0.1:5310", **upgrade) != 403
 
 
 def test_a_lost_connection_comes_back(chromium: Any) -> None:

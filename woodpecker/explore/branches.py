@@ -35,7 +35,7 @@ OFTEN = 0.25  # s between partial diagrams
 PLACES = {"A": (0.111, -0.884), "B": (0.29, -0.884), "C": (0.185, -0.757)}  # [Leine2001, Fig. 10]
 SEARCHED = (-2.5, -0.24)  # rad, left of the band of centres
 COLUMNS = 240  # of an orbit diagram
-STARTS = (-0.5, -0.9)  # rad
+STARTS = (-0.53, -0.9)  # rad: on the paper's motion, and away from it, where others attract
 TRIES = 9  # parameters at which a motion is looked for, if there is none here
 
 

@@ -23,10 +23,11 @@ TYPES = {
     "png": "image/png", "svg": "image/svg+xml", "csv": "text/csv; charset=utf-8",
     "json": "application/json", "py": "text/x-python; charset=utf-8", "graphml": "application/xml",
 }  # fmt: skip
+PICTURE = ("png", "svg")
 PICTURES = ("map", "diagram", "motion", "portrait", "toy")
 FILES = {
     **{f"{name}.{form}": f"picture of the {name} ({form.upper()})"
-       for name in PICTURES for form in ("png", "svg")},
+       for name in PICTURES for form in PICTURE},
     "map.csv": "the map (CSV)", "motion.csv": "the motion (CSV)", "events.csv": "its events (CSV)",
     "branches.csv": "branches of the diagram (CSV)", "points.csv": "special points (CSV)",
     "diagram.json": "the diagram, whole (JSON)", "graph.json": "graph of branches (JSON)",
@@ -59,7 +60,7 @@ def export(name: str, query: str, known: Diagram | None) -> Iterator[tuple[str, 
     what, _, form = name.partition(".")
     if needs_diagram(name):
         content = _of_diagram(what, form, known if known is not None else _diagram(state))
-    elif what in PICTURES:
+    elif form in PICTURE:
         content = _picture(form, lambda: _DRAWINGS[what](state))
     else:
         content = _TEXTS[what](state).encode()
@@ -72,7 +73,7 @@ def _diagram(state: State) -> Diagram:
 
 
 def _of_diagram(what: str, form: str, found: Diagram) -> bytes:
-    if form in ("png", "svg"):
+    if form in PICTURE:
         from pwmap.plot import plot_diagram
 
         return _picture(form, lambda: plot_diagram(found).figure)

@@ -16,6 +16,8 @@ ORDERS = (1, 2, 3, 4)
 STEPS = (1, 200)  # of a cobweb
 PORTRAITS = {"phi_s": "dphi_s", "phi_m": "dphi_m", "fall": "dy"}  # [Leine2001, Figs. 5, 6]
 RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
+VIEWS = ("", "map", "diagram", "motion", "portrait", "toy", "word", "graph")
+TOUR_STEPS = 10
 QUERY_MOST = 4000  # characters of a link
 TOY = Toy()
 
@@ -71,6 +73,9 @@ class State:
         known_parameter(self.parameter)
         _one_of("order", self.order, ORDERS)
         _one_of("portrait", self.portrait, tuple(PORTRAITS))
+        _one_of("focus", self.focus, VIEWS)
+        if not 0 <= self.tour <= TOUR_STEPS:
+            raise ValueError(f"the tour has steps 1 to {TOUR_STEPS}, got {self.tour}")
         if not set(self.every) <= {1, 2}:
             raise ValueError(f"every branch is looked for of P_1 and P_2, got {self.every}")
         if not STEPS[0] <= self.steps <= STEPS[1]:

@@ -30,7 +30,6 @@ ON_BRANCH = 3.0  # px: a state so close to a branch is one of its solutions
 UNDO = 100  # states that are kept
 KNOWN = 12  # diagrams that are kept
 SECONDS = 600.0  # s that a diagram may take
-VIEWS = ("", "map", "diagram", "motion", "portrait", "toy", "word", "graph")
 SHAPE = ("r_0", "r_m", "h_m", "l_m", "l_g", "h_s", "l_s", "phi_m_max", "phi_s_max")
 
 known_diagrams: OrderedDict[Key, Shown] = OrderedDict()  # complete ones, shared by all tabs
@@ -90,6 +89,7 @@ class Tab:
         self._refine_at = time.monotonic() + REST
         if key_of(state) != self._key or (state.orbits and self._orbits_of != self._of_orbits()):
             self._search_at = time.monotonic() + QUIET
+            self.stage = "another diagram is begun soon"
         if not moving:
             self._reselect()
 
@@ -143,8 +143,10 @@ class Tab:
         ]
 
     def _progress(self) -> dict[str, Any]:
-        running = self.work.diagram is not None and not self.work.diagram.is_over
-        return {"stage": self.stage, "running": running, "branch": self.branch}
+        return {"stage": self.stage, "running": self._is_running(), "branch": self.branch}
+
+    def _is_running(self) -> bool:
+        return self.work.diagram is not None and not self.work.diagram.is_over
 
     def _reselect(self) -> None:
         """The branch that goes through where the page is."""
@@ -181,6 +183,9 @@ class Tab:
         if key != self._key:
             self._key = key
             self.search(known=True)
+        elif self._shown is not None and not self._is_running():
+            self.stage = _complete(self._shown)
+            self.say(self._progress())
         if self.state.orbits and self._orbits_of != self._of_orbits():
             self._orbits_of = self._of_orbits()
             if self.work.orbits is not None:
@@ -262,7 +267,7 @@ class Tab:
             "every": lambda wish: self.show(replace(self.state, every=_orders(wish["value"]))),
             "orbits": lambda wish: self._orbits(bool(wish["value"])),
             "portrait": lambda wish: self.show(replace(self.state, portrait=str(wish["value"]))),
-            "focus": lambda wish: self.show(replace(self.state, focus=_view(wish["value"]))),
+            "focus": lambda wish: self.show(replace(self.state, focus=str(wish["value"]))),
             "tour": lambda wish: self._go(int(wish["value"])),
             "branch": lambda wish: self._select(str(wish["value"])),
             "stop": lambda _: self._stop(),
@@ -298,9 +303,8 @@ class Tab:
         self._search_at = time.monotonic()
 
     def _go(self, step: int) -> None:
-        if not 0 <= step <= len(TOUR):
-            raise ValueError(f"the tour has steps 1 to {len(TOUR)}, got {step}")
-        self.show(TOUR[step - 1].state if step else replace(self.state, tour=0))
+        free = replace(self.state, tour=step if step < 1 or step > len(TOUR) else 0)
+        self.show(TOUR[step - 1].state if 1 <= step <= len(TOUR) else free)
         self.map.look(self.state.window)
 
     def _select(self, branch: str, sample: int | None = None) -> None:
@@ -400,13 +404,3 @@ def _finite(value: float) -> float | None:
 
 def _orders(value: object) -> tuple[int, ...]:
     return tuple(int(part) for part in str(value).split(",") if part)
-
-
-def _view(value: object) -> str:
-    if value not in VIEWS:
-        raise ValueError(f"unknown view {str(value)[:40]!r}")
-    return str(value)
-
-
-def _complete(found: Shown) -> str:
-    return f"{len(found.diagram.branches)} branches, {len(found.diagram.points)} points"

@@ -84,20 +84,20 @@ _STEPS = (
     ),
     _of(
         "Two returns", "Figure 10",
-        "A motion of two returns is a fixed point of P_2, and passes the section twice: such "
-        "branches come in pairs. Jump crossings of P_2 do not, as the paper found at A.",
+        "A motion of two returns is a fixed point of P₂, and passes the section twice: such "
+        "branches come in pairs. Jump crossings of P₂ do not, as the paper found at A.",
         ("diagram", "map"), toy={"eps_n1": 0.7}, phi_s=-0.56, order=2,
     ),
     _of(
         "Near the point A", "Figure 11",
         "Close to A the map has an unstable fixed point beside its jump, with a slope of -1.30. "
-        "Step through P_1 to P_4: each crosses the diagonal at a jump of its own.",
+        "Step through P₁ to P₄: each crosses the diagonal at a jump of its own.",
         ("map",), toy={"eps_n1": 0.125}, phi_s=-0.853, window=(-1.0, -0.7),
     ),
     _of(
         "The point A itself", "Figure 12",
-        "At 0.112 the unstable branch meets the jump: it folds into a jump crossing of P_1, and a "
-        "jump crossing of P_2 starts. A model of two straight lines has just that; pwmap explore "
+        "At 0.112 the unstable branch meets the jump: it folds into a jump crossing of P₁, and a "
+        "jump crossing of P₂ starts. A model of two straight lines has just that; pwmap explore "
         "shows it exactly.",
         ("map", "diagram"), toy={"eps_n1": 0.113}, phi_s=-0.8823, window=(-1.0, -0.7),
     ),

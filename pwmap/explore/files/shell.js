@@ -135,7 +135,13 @@ try {
   answer.properties.text.change.connect(() => explorer.answered(answer.text));
   if (answer.text) explorer.answered(answer.text);
   doc.on_event("connection_lost", () => { $("#connection").hidden = false; explorer.lost = performance.now(); });
-  doc.on_event("client_reconnected", () => { $("#connection").hidden = true; explorer.waiting = null; explorer.ask({ do: "hello" }); });
+  doc.on_event("client_reconnected", () => {
+    $("#connection").hidden = true;
+    explorer.waiting = explorer.next = null;
+    const count = explorer.count;
+    explorer.ask({ do: "hello" });
+    setTimeout(() => { if (explorer.count === count) location.reload(); }, 2500); // another server, which knows nothing
+  });
   setInterval(async () => {
     if ($("#connection").hidden || performance.now() - explorer.lost < 3000) return;
     try { if ((await fetch(location.href, { cache: "no-store" })).ok) location.reload(); } catch { /* not yet */ }

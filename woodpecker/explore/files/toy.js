@@ -36,10 +36,20 @@ const toy = {
   },
   // What the picture holds: everything that a motion shows, seen from a height that follows the fall.
   room: { left: -0.019, right: 0.042, low: -0.04, high: 0.03 },
+  // Where the eye is: it sinks evenly, or goes with the toy where that falls freely.
+  height(data, t, y) {
+    if (this.seen !== data) {
+      const n = data.t.length - 1, end = data.t[n] || 1;
+      this.free = data.t.some((time, k) => Math.abs(data.y[k] - data.y[n] * time / end) > 15);
+      this.seen = data;
+    }
+    const n = data.t.length - 1;
+    return this.free ? y : data.y[n] / 1000 * t / (data.t[n] || 1);
+  },
   fit(s, data) {
     const room = { left: -(1 + this.WALL) * s.r_m - 0.0145, right: 0, low: -s.h_m, high: 1.2 * s.h_m }, n = data.t.length;
     for (let k = 0; k < n; k += Math.max(1, n >> 5)) {
-      const q = [data.y[k] / 1000, data.phi_m[k], data.phi_s[k]], height = data.y[n - 1] / 1000 * data.t[k] / (data.t[n - 1] || 1);
+      const q = [data.y[k] / 1000, data.phi_m[k], data.phi_s[k]], height = this.height(data, data.t[k], q[0]);
       for (const name of ["TAIL", "BODY"]) for (const point of this.SHAPES[name]) {
         const [x, y] = this.bird(s, q, point);
         room.right = Math.max(room.right, x); room.left = Math.min(room.left, x);

@@ -42,7 +42,7 @@ const clock = {
     if (this.fitted !== s.data) { this.fitted = s.data; toy.fit(explorer.answer.shape, s.data); }
     this.light(s, s.low >= before ? before : -1, elapsed);
     const q = [s.value("y") / 1000, s.value("phi_m"), s.value("phi_s")];
-    toy.draw($("#toy-canvas"), explorer.answer.shape, q, this.lit, this.at * s.drop / 1000);
+    toy.draw($("#toy-canvas"), explorer.answer.shape, q, this.lit, toy.height(s.data, s.time, q[0]));
     this.row = s.low;
     this.drawn = `${this.at} ${this.lit[1] + this.lit[2] + this.lit[3]}`;
     // The cursors in other views follow more slowly, and slower still while a slider moves.
