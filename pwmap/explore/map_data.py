@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
+from itertools import islice
 from typing import Any
 
 import numpy as np
@@ -83,7 +84,7 @@ def answers(state: MapState) -> Iterator[Part]:
 
 def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) -> Part:
     """Pieces, what lies on the diagonal, and a cobweb."""
-    iterate = here.iterate(state.order, budget=BUDGET)
+    iterate = here.iterate(state.order)
     pieces, fixed, jumps = iterate.pieces, iterate.fixed_points(), iterate.jump_crossings()
     orbit = [Fraction(state.start)]
     for _ in range(state.steps):
@@ -152,7 +153,7 @@ def _around(marks: list[float]) -> tuple[float, float]:
 def _cycle_rows(family: PiecewiseLinearMap, here: PiecewiseLinearMap) -> Rows:
     """Word, exact points, multiplier; and as formulas in the parameters, with their conditions."""
     rows: Rows = []
-    for cycle in cycles(here, {}, PERIODS, budget=BUDGET)[:ROWS]:
+    for cycle in islice(cycles(here, {}, PERIODS, budget=BUDGET), ROWS):
         formula, border = "", ""
         if family.parameters:
             try:
@@ -162,7 +163,7 @@ def _cycle_rows(family: PiecewiseLinearMap, here: PiecewiseLinearMap) -> Rows:
             except (ValueError, ArithmeticError) as error:
                 formula = str(error)[:TEXT]
         points = ", ".join(map(_text, cycle.points))
-        kind = "attracts" if abs(float(cycle.multiplier)) < 1.0 else "does not attract"
+        kind = "attracts" if bool(cycle.stable) else "does not attract"
         rows.append(
             [_word(cycle.word), points, f"multiplier {_text(cycle.multiplier)}, {kind}", formula,
              border]

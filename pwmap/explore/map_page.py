@@ -54,7 +54,7 @@ class MapTab:
         self.notes: dict[str, str] = {}
         self.diagram, self.graph = DiagramView("diagram", "", "x"), GraphView("graph")
         self._shown: Any = None
-        self.branch = ""
+        self.branch, self.chaotic = "", False
         self._draw_map()
         self._draw_others()
         self.say: Callable[[Mapping[str, Any]], None] = lambda _: None
@@ -142,8 +142,9 @@ class MapTab:
             self._show_map(tables)
         elif part.name == "diagram":
             self._show_diagram(part)
-        elif part.name == "long" and tables:
-            steps = tables["density"]
+        elif part.name == "long":
+            steps = tables.get("density", {"left": [], "right": [], "top": []})
+            self.chaotic = bool(steps["top"])
             patch(self.steps, **steps)
             if steps["top"]:
                 set_range(self.density.x_range, steps["left"][0], steps["right"][-1])
@@ -197,13 +198,14 @@ class MapTab:
             {"title": title, "rows": lines}
             for part in self.rows.values() for title, lines in part.items()
         ]  # fmt: skip
+        rows.sort(key=lambda each: each["title"] == "Orbit")  # the longest comes last
         branches = self._shown.diagram.branches if self._shown else ()
         return {
             "values": state.place, "query": to_query(state), "message": self.message, "rows": rows,
             "python": python_of(state), "order": state.order, "steps": state.steps,
             "start": state.start, "over": state.axis, "orders": state.orders, "focus": state.focus,
             "span": ", ".join(state.span), "busy": self.due or self._busy(), "branch": self.branch,
-            "branches": [
+            "chaotic": self.chaotic, "branches": [
                 {"id": b.id, "text": f"{b.id}: {b.kind} {b.word[:20]}"} for b in branches[:300]
             ],
         }  # fmt: skip

@@ -53,9 +53,9 @@ class MapState:
     def __post_init__(self) -> None:
         if len(self.map) > LONGEST or len(self.given) > LONGEST:
             raise ValueError(f"a formula has at most {LONGEST} characters")
-        for name, low, high in (("order", *ORDERS), ("steps", *STEPS), ("orders", *ORDERS)):
-            if not low <= getattr(self, name) <= high:
-                raise ValueError(f"{name} must lie in [{low}, {high}]")
+        for name, most in (("order", ORDERS[1]), ("steps", STEPS[1]), ("orders", ORDERS[1])):
+            if not 1 <= getattr(self, name) <= most:
+                raise ValueError(f"{name} must lie in [1, {most}]")
         for text in (
             self.start,
             *self.span,

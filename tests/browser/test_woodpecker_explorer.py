@@ -1,4 +1,4 @@
-"""The explorer of the toy in a browser: pixels and data of every view, and all that can be asked."""
+"""The explorer of the toy in a browser: pixels and data of every view, all that can be asked."""
 
 import json
 import signal
@@ -363,7 +363,8 @@ def test_everything_is_reached_by_the_keyboard(tab: Seen) -> None:
     assert reached == 0
     named = tab(
         """[...document.querySelectorAll("button, select, input, canvas")].filter((each) =>
-           !(each.textContent.trim() || each.title || each.ariaLabel || each.labels?.length)).length"""
+           !(each.textContent.trim() || each.title || each.ariaLabel || each.labels?.length))
+           .length"""
     )
     assert named == 0
     tab.complete()
@@ -403,7 +404,8 @@ def test_names_of_points_do_not_overlap(tab: Seen) -> None:
               pen.font = "11px 'DejaVu Sans'";
               const [sx, sy] = [view.frame.x_scale, view.frame.y_scale];
               return Array.from(data.text).map((text, k) => {{
-                const x = sx.compute(data.x[k]) + data.dx[k], y = sy.compute(data.y[k]) + data.dy[k];
+                const x = sx.compute(data.x[k]) + data.dx[k];
+                const y = sy.compute(data.y[k]) + data.dy[k];
                 const w = pen.measureText(text).width / 2;
                 return [x - w, y - 5, x + w, y + 5];
               }});

@@ -404,3 +404,7 @@ def _finite(value: float) -> float | None:
 
 def _orders(value: object) -> tuple[int, ...]:
     return tuple(int(part) for part in str(value).split(",") if part)
+
+
+def _complete(found: Shown) -> str:
+    return f"{len(found.diagram.branches)} branches, {len(found.diagram.points)} points"

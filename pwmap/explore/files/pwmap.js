@@ -21,6 +21,7 @@ explorer.heard.push((told) => {
     if (told[name] !== undefined && document.activeElement !== element) element.value = told[name];
   }
   if (told.rows) show_rows(told.rows);
+  if (told.chaotic !== undefined) write("#density-told", told.chaotic ? "" : "nothing chaotic attracts here");
   if (told.busy !== undefined) write("#busy", told.busy ? "working …" : "");
   if (told.branches) $("#branch").replaceChildren(new Option("no branch", ""), ...told.branches.map(({ id, text }) => new Option(text, id)));
   if (told.branch !== undefined) $("#branch").value = told.branch;
