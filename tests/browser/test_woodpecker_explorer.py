@@ -247,8 +247,8 @@ def test_a_diagram_may_be_stopped_and_begun_again(tab: Seen) -> None:
 def test_orbits_lie_under_the_branches(tab: Seen) -> None:
     tab.complete()
     tab.ask(do="orbits", value=True)
-    tab.wait("explorer.doc.get_model_by_name('diagram').renderers[0].data_source.data.x.length > 2000",
-             90)  # fmt: skip
+    orbits = "explorer.doc.get_model_by_name('diagram').renderers[0].data_source.data.x"
+    tab.wait(f"{orbits}.length > 2000", 90)
     data = tab.table("diagram", 0)
     p, x = np.array(data["x"]), np.array(data["y"])
     near = (p > 0.45) & (p < 0.55)
