@@ -7,7 +7,7 @@ from urllib.parse import quote
 import pytest
 from explored import Seen, Served, browser, served
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
 DONE = "explorer.answer.busy === false && explorer.answer.rows.length > 5"
 
 

@@ -15,7 +15,7 @@ from explored import Seen, Served, browser, served, until
 
 from woodpecker import Toy, continuation, first_return, return_map, shoot, simulate
 
-pytestmark = pytest.mark.browser
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
 STABLE = -0.5294719671  # rad, of the paper's data
 
 
