@@ -27,7 +27,7 @@ from woodpecker import (
     saved_diagram,
     shoot,
 )
-from woodpecker.explore.state import GUESS, State
+from woodpecker.explore.state import GUESS, State, home
 
 Floats = npt.NDArray[np.float64]
 
@@ -52,12 +52,9 @@ class Key:
 
 def key_of(state: State) -> Key:
     """What the diagram of a state depends on."""
-    value = getattr(Toy(), state.parameter)
-    try:
-        toy = state.toy.replace(**{state.parameter: value})
-    except ValueError:  # the paper's value does not go with the others
-        toy = state.toy
-    return Key(toy, state.parameter, state.span, state.every, 1 if state.every else state.order)
+    return Key(
+        home(state), state.parameter, state.span, state.every, 1 if state.every else state.order
+    )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -122,28 +119,38 @@ def _find(state: State, run: Path, stages: list[str], ended: list[Any]) -> None:
 
 
 def start(state: State) -> PeriodicOrbit:
-    """A periodic motion to follow: near the paper's, the page's own, or any in the span.
+    """A periodic motion to follow: the paper's at home, the page's own, or any in the span.
 
     Raises
     ------
     ValueError
         If none is found.
     """
+    own, usual = (state.toy, state.phi_s), (home(state), GUESS)
+    for toy, guess in (usual, own) if state.order == 1 else (own, usual):
+        orbit = _orbit(state, toy, guess)
+        if orbit is not None:
+            return orbit
     low, high = state.span
-    values = [state.value, *np.linspace(low, high, TRIES + 2)[1:-1].tolist()]
-    for value in values:
-        if not low <= value <= high:
-            continue
+    for value in np.linspace(low, high, TRIES + 2)[1:-1].tolist():
         try:
             toy = state.toy.replace(**{state.parameter: value})
         except ValueError:
             continue
-        for guess in (state.phi_s, GUESS) if value == state.value else _guesses(toy):
-            if guess < toy.phi_s_max:
-                orbit = shoot(toy, guess, state.order)
-                if orbit.success and (guess != GUESS or abs(orbit.phi_s - guess) < 1.0):
-                    return orbit
+        for guess in _guesses(toy):
+            orbit = _orbit(state, toy, guess)
+            if orbit is not None:
+                return orbit
     raise ValueError(f"no periodic motion was found for {state.parameter} in {state.span}")
+
+
+def _orbit(state: State, toy: Toy, guess: float) -> PeriodicOrbit | None:
+    """The periodic motion near a guess, if there is one that the diagram can hold."""
+    low, high = state.span
+    if not (low <= getattr(toy, state.parameter) <= high and guess < toy.phi_s_max):
+        return None
+    orbit = shoot(toy, guess, state.order)
+    return orbit if orbit.success and orbit.phi_s > SEARCHED[0] else None
 
 
 def _guesses(toy: Toy) -> list[float]:

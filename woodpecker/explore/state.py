@@ -103,6 +103,17 @@ class State:
         return replace(self, parameter=parameter, span=usual_span(self.toy, parameter))
 
 
+def home(state: State) -> Toy:
+    """The toy with the paper's value of the diagram's parameter, if it goes with the others.
+
+    A diagram begins there, so that it does not depend on where a slider stands.
+    """
+    try:
+        return state.toy.replace(**{state.parameter: getattr(TOY, state.parameter)})
+    except ValueError:
+        return state.toy
+
+
 def usual_span(toy: Toy, parameter: str) -> tuple[float, float]:
     """All that a restitution can be; otherwise half of the value, to half as much again."""
     known_parameter(parameter)
@@ -236,6 +247,7 @@ class Lines:
 def python_of(state: State) -> Lines:
     """The lines that make the map, the motion and the diagram of a state."""
     toy, low, high = repr(state.toy), *state.window
+    begin, guess = ("toy", state.phi_s) if state.order > 1 else (repr(home(state)), GUESS)
     run = "" if state.order == 1 else f", {state.order}"
     motion = [f"start = {state.phi_s!r}  # rad, at rest on the section"]
     if state.periodic:
@@ -259,8 +271,8 @@ def python_of(state: State) -> Lines:
         search = "bifurcation_diagram"
     else:
         diagram = (
-            f"diagram = continuation(toy, shoot(toy, {state.phi_s!r}{run}), {state.parameter!r}, "
-            f"{state.span!r})"
+            f"orbit = shoot({begin}, {guess!r}{run})\n"
+            f"diagram = continuation(orbit.toy, orbit, {state.parameter!r}, {state.span!r})"
         )
         search = "continuation"
     names = {"Toy", "first_return", "return_map", "simulate", "shoot", search}

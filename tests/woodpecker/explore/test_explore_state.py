@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 import pytest
+import tour_page
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -93,8 +94,14 @@ def test_lines_of_python_run(changes: Any) -> None:
     state = replace(State(), **changes)
     lines = str(python_of(state))
     space: dict[str, Any] = {}
-    exec(lines.partition("diagram =")[0], space)
+    exec(lines.partition("\ndiagram =")[0], space)
     assert space["motion"].toy == state.toy
     assert len(space["returns"]) == 1000
-    assert "continuation(toy, shoot(toy" in lines
+    assert "diagram = continuation(orbit.toy, orbit, 'eps_n1', (0.0, 1.0))" in lines
     assert "bifurcation_diagram(toy" in str(python_of(replace(state, every=(1, 2))))
+
+
+def test_the_static_page_tells_the_same_tour() -> None:
+    """The page is written by ``python tests/tour_page.py``."""
+    told = (tour_page.DOCS / "explore_tour.md").read_text(encoding="utf-8")
+    assert told == tour_page.page()

@@ -1,7 +1,7 @@
 """The page of the docs that shows the tour of the explorer without a server: text and pictures.
 
 The pictures are those that the tests in a browser keep (``EXPLORER_PICTURES=docs/explore``), here
-made small enough for a page.
+made small enough for a page by ``python tests/tour_page.py``.
 """
 
 from __future__ import annotations
@@ -39,13 +39,6 @@ def shrink(folder: Path) -> None:
         Image.open(path).convert("RGB").quantize(COLOURS).save(path, optimize=True)
 
 
-def main(fast: bool = True) -> dict[str, float]:
-    """Write the page; the number of its steps."""
-    if not fast:
-        shrink(DOCS / "explore")
-    (DOCS / "explore_tour.md").write_text(page(), encoding="utf-8")
-    return {"steps": float(len(TOUR))}
-
-
 if __name__ == "__main__":
-    main(fast=False)
+    shrink(DOCS / "explore")
+    (DOCS / "explore_tour.md").write_text(page(), encoding="utf-8")
