@@ -27,6 +27,7 @@ POINTS = ("x", "y", "id", "label", "kind", "cause", "where", "marker", "color", 
 EDGES = (*LINES, "x", "y", "label", "tip")
 USUAL = (520.0, 230.0)  # px of a picture, until the page has told
 MOST_LABELS = 30
+POLE = 20.0  # how much higher a diagram is than most of it, if not all of it is shown
 OF_BRANCH = (
     "<div class='tip'><b>@branch</b> @kind<br>@x{0.000000}, @y{0.000000}<br>"
     "multiplier @multiplier<br>@word</div>"
@@ -105,8 +106,12 @@ class DiagramView:
     def _fit(self) -> None:
         """Show all heights, unless somebody looks closer."""
         heights = np.asarray(self.samples.data["y"], dtype=float)
+        heights = heights[np.isfinite(heights)]
         if not self.moved and heights.size:
-            low, high = float(heights.min()), float(heights.max())
+            low, high = np.percentile(heights, [0.0, 100.0]).tolist()
+            inner = np.percentile(heights, [10.0, 90.0]).tolist()
+            if high - low > POLE * (inner[1] - inner[0]) > 0.0:  # a branch goes to infinity
+                low, high = inner
             margin = 0.12 * (high - low) or 1.0
             set_range(self.figure.y_range, low - margin, high + margin)
 

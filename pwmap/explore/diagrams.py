@@ -187,7 +187,10 @@ def _layout(points: Table) -> Floats:
 
 
 def _evened(values: Floats) -> Floats:
-    """Values in [0, 1], half by their size and half by their order."""
+    """Values in [0, 1], by their order and a little by their size; the infinite at the ends."""
+    finite = values[np.isfinite(values)]
+    if len(finite):
+        values = np.clip(values, finite.min(), finite.max())
     size = float(np.ptp(values)) if len(values) else 0.0
     if not size > 0.0:
         return np.full(len(values), 0.5)

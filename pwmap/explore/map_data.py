@@ -163,11 +163,10 @@ def _cycle_rows(family: PiecewiseLinearMap, here: PiecewiseLinearMap) -> Rows:
             except (ValueError, ArithmeticError) as error:
                 formula = str(error)[:TEXT]
         points = ", ".join(map(_text, cycle.points))
-        kind = "attracts" if bool(cycle.stable) else "does not attract"
+        kind = "attracts" if cycle.stable else "repels"
         rows.append(
-            [_word(cycle.word), points, f"multiplier {_text(cycle.multiplier)}, {kind}", formula,
-             border]
-        )  # fmt: skip
+            [_word(cycle.word), points, f"{kind}, {_text(cycle.multiplier)}", formula, border]
+        )
     return rows
 
 

@@ -134,7 +134,8 @@ def measured(fast: bool) -> dict[str, float]:
         "drag, median [ms]": float(np.median(drawn)),
         "drag, p95 [ms]": float(np.percentile(drawn, 95)),
         "drag, CPU of the server [ms]": used[0], "drag, CPU of the page's process [ms]": used[1],
-        "drag, CPU of the browser in all [ms]": used[2], "memory, first [MB]": kept[0], "memory, most [MB]": max(kept),
+        "drag, CPU of the browser in all [ms]": used[2],
+        "memory, first [MB]": kept[0], "memory, most [MB]": max(kept),
         "load of the machine": os.getloadavg()[0],
     }  # fmt: skip
 

@@ -10,6 +10,7 @@ from pwmap import PiecewiseLinearMap, bifurcation_diagram
 from woodpecker import Toy
 
 pytest.importorskip("bokeh")
+from pwmap.explore.diagram_views import DiagramView
 from pwmap.explore.diagrams import nearest_line, nearest_sample, shown
 from pwmap.explore.figures import cobweb
 from pwmap.explore.jobs import Failure, Finished, Job
@@ -33,6 +34,18 @@ def test_a_diagram_becomes_lines_samples_points_and_a_graph() -> None:
     assert len(found.edges["xs"]) == 3
     assert (np.array(found.nodes["x"]) >= 0.0).all()
     assert found.nodes["x"] == sorted(found.nodes["x"])  # left is left, as in the diagram
+
+
+def test_a_branch_may_go_to_infinity() -> None:
+    """The fixed point a/(a + 1) of the tent map at a = -1."""
+    tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    found = shown(bifurcation_diagram(tent, "a", (-2, 2), orders=(1,)))
+    assert not np.isfinite(found.points["y"]).all()
+    assert np.isfinite(found.nodes["y"]).all()
+    view = DiagramView("diagram", "a", "x")
+    view.look((-2.0, 2.0))
+    view.show(found)
+    assert np.isfinite([view.figure.y_range.start, view.figure.y_range.end]).all()
 
 
 def test_the_nearest_branch_and_its_sample() -> None:

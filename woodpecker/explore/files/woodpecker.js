@@ -1,7 +1,7 @@
 // What the page of the toy has of its own: the tour, the numbers, and the clock of the motion.
 "use strict";
 const clock = {
-  at: 0, playing: !matchMedia("(prefers-reduced-motion: reduce)").matches, last: 0, lit: { 1: 0, 2: 0, 3: 0 }, frames: 0,
+  at: 0, playing: !matchMedia("(prefers-reduced-motion: reduce)").matches, last: 0, lit: { 1: 0, 2: 0, 3: 0 }, frames: 0, skipped: 0,
   models: {},
   model(name) { return (this.models[name] ??= explorer.doc.get_model_by_name(name)); },
   // The state at a part of the motion, between its samples.
@@ -24,6 +24,7 @@ const clock = {
   frame(now) {
     requestAnimationFrame((next) => this.frame(next));
     if (!explorer.doc || !explorer.answer.shape) return;
+    if (dragging && this.skipped++ % 4) return; // the slider comes first
     const elapsed = Math.min(100, now - this.last), before = this.row ?? -1;
     this.last = now;
     const s = this.state(this.at);
@@ -46,7 +47,7 @@ const clock = {
     this.row = s.low;
     this.drawn = `${this.at} ${this.lit[1] + this.lit[2] + this.lit[3]}`;
     // The cursors in other views follow more slowly, and slower still while a slider moves.
-    if (this.frames++ % (dragging ? 8 : 2) === 0 || !this.playing) this.mark(s);
+    if (this.frames++ % (dragging ? 3 : 2) === 0 || !this.playing) this.mark(s);
   },
   mark(s) {
     const rate = { phi_s: ["phi_s", "dphi_s"], phi_m: ["phi_m", "dphi_m"], fall: ["phi_s", "dy"] }[explorer.answer.portrait ?? "phi_s"];
