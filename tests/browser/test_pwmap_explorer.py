@@ -13,7 +13,7 @@ DONE = "explorer.answer.busy === false && explorer.answer.rows.length > 5"
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Served]:
-    with served("pwmap", "explore", "--stay", "--port", "5330") as made:
+    with served("pwmap", "explore", "--stay") as made:
         yield made
 
 
@@ -49,6 +49,7 @@ def test_a_field_takes_rationals_and_a_slider_too(tab: Seen) -> None:
     field = tab.page.locator("#field-r")
     field.fill("7/3")
     field.press("Enter")
+    tab.rest()
     tab.wait(DONE)
     assert tab.answer["values"] == {"a": "5/4", "r": "7/3"}
     assert rows(tab, "Cycles")[0][0] != "L"

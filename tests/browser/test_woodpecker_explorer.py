@@ -21,7 +21,7 @@ STABLE = -0.5294719671  # rad, of the paper's data
 
 @pytest.fixture(scope="module")
 def server() -> Iterator[Served]:
-    with served("woodpecker", "explore", "--stay", "--port", "5310") as made:
+    with served("woodpecker", "explore", "--stay") as made:
         yield made
 
 
@@ -436,22 +436,24 @@ def test_a_hostile_wish_is_refused(tab: Seen) -> None:
 
 
 def test_other_origins_and_names_are_refused(server: Served) -> None:
+    port = server.address.rstrip("/").rpartition(":")[2]
+
     def status(path: str, **headers: str) -> int:
-        link = HTTPConnection("127.0.0.1", 5310, timeout=10)
+        link = HTTPConnection("127.0.0.1", int(port), timeout=10)
         try:
             link.request("GET", path, headers={k.replace("_", "-"): v for k, v in headers.items()})
             return link.getresponse().status
         finally:
             link.close()
 
-    assert status("/export/state.json", Host="localhost:5310") == 200
-    assert status("/export/state.json", Host="evil.example:5310") == 403
+    assert status("/export/state.json", Host=f"localhost:{port}") == 200
+    assert status("/export/state.json", Host=f"evil.example:{port}") == 403
     upgrade = {
         "Upgrade": "websocket", "Connection": "Upgrade", "Sec-WebSocket-Version": "13",
         "Sec-WebSocket-Key": "AAAAAAAAAAAAAAAAAAAAAA==",
     }  # fmt: skip
     assert status("/ws", Origin="http://evil.example", **upgrade) == 403
-    assert status("/ws", Origin="http://127.0.0.1:5310", **upgrade) != 403
+    assert status("/ws", Origin=f"http://127.0.0.1:{port}", **upgrade) != 403
 
 
 def test_a_lost_connection_comes_back(chromium: Any) -> None:
@@ -470,13 +472,13 @@ def test_a_lost_connection_comes_back(chromium: Any) -> None:
 
 
 def test_it_ends_with_its_last_page_and_with_ctrl_c(chromium: Any) -> None:
-    last = Served("woodpecker", "explore", "--port", "5312")
+    last = Served("woodpecker", "explore")
     seen = Seen(chromium, last.address)
     seen.close()
     last.process.wait(40.0)  # by itself
     last.end()
     assert last.process.returncode == 0
-    stopped = Served("woodpecker", "explore", "--port", "5313")
+    stopped = Served("woodpecker", "explore")
     seen = Seen(chromium, stopped.address, "every=1")
     seen.wait("explorer.answer.running")
     children = _children(stopped.process.pid)
