@@ -20,6 +20,7 @@ MARKS = {  # symbols of pwmap.plot.MARKERS as Bokeh calls them
     "v": "inverted_triangle", "|": "dash", "^": "triangle", "X": "x",
 }  # fmt: skip
 SELECTED = "#fec44f"  # around what is selected, under everything else
+SHORT = 100  # values that go as a list
 SHRUNK = 0.6  # of an axis: what fills less of it is shown larger
 SMALL, PLAIN = "11px", "12px"
 
@@ -85,8 +86,17 @@ def keep_in(axis_range: Any, low: float, high: float, *, moving: bool) -> None:
 
 
 def patch(table: ColumnDataSource, /, **columns: Any) -> None:
-    """Put new columns into a table, all at once."""
-    table.data = columns
+    """Put new columns into a table, all at once.
+
+    Each array goes in a message of its own, so short ones go as lists, and nothing that is empty
+    and was empty goes at all.
+    """
+    if any(map(len, columns.values())) or any(map(len, table.data.values())):
+        table.data = {
+            name: values.tolist() if isinstance(values, np.ndarray) and values.size < SHORT
+            else values
+            for name, values in columns.items()
+        }  # fmt: skip
 
 
 def strokes(pairs_x: Any, pairs_y: Any) -> dict[str, Any]:

@@ -136,9 +136,11 @@ class MotionView:
         self.way = source("x", "y")
         self.way.name = "way"
         self.impacts = source("t", "a", "y", "color", "symbol")
+        self.drop, self.struck = source("t", "y"), source("t", "y", "color")
         self.strokes = source("xs", "ys", "color")
         self.now = ColumnDataSource({"x": [0.0], "y": [0.0]}, name="now", syncable=False)
         self._stops: list[Span] = []
+        self._shown = 0
         self._draw_histories()
         portrait = self.portrait
         portrait.line("x", "y", source=self.way, color=STABLE, line_width=1.7)
@@ -148,11 +150,11 @@ class MotionView:
                          level="overlay")  # fmt: skip
 
     def _draw_histories(self) -> None:
-        for figure, columns in ((self.angles, ("phi_s", "phi_m")), (self.fall, ("y",))):
-            for column in columns:
-                dash = DASHED if column == "phi_m" else "solid"
-                figure.line("t", column, source=self.motion, color=STABLE, line_width=1.7,
-                            line_dash=dash)  # fmt: skip
+        for column, dash in (("phi_s", "solid"), ("phi_m", DASHED)):
+            self.angles.line("t", column, source=self.motion, color=STABLE, line_width=1.7,
+                             line_dash=dash)  # fmt: skip
+        self.fall.line("t", "y", source=self.drop, color=STABLE, line_width=1.7)
+        for figure in (self.angles, self.fall):
             instant = Span(
                 location=0.0, dimension="height", line_color=VIOLET, line_width=1.6,
                 level="overlay", name=f"instant_{figure.name}", syncable=False,
@@ -165,33 +167,32 @@ class MotionView:
             self._stops.append(stop)
             self.angles.add_layout(stop)
         self.angles.scatter("t", "a", source=self.impacts, size=7, color="color")
-        self.fall.scatter("t", "y", source=self.impacts, size=7, color="color")
+        self.fall.scatter("t", "y", source=self.struck, size=7, color="color")
 
     def show(self, motion: Motion, state: State, *, moving: bool) -> None:
         """Draw a motion; while a slider moves axes stay where they are, if they can."""
         columns = as_columns(motion)
         patch(self.motion, **columns)
-        self._show_impacts(motion, columns, state.toy)
+        self._stop(state.toy)
         end = float(columns["t"][-1])
         keep_in(self.angles.x_range, 0.0, end * (1.04 if moving else 1.0), moving=moving)
         both = np.concatenate([columns["phi_s"], columns["phi_m"], [state.toy.phi_s_max]])
-        for axis, values in ((self.angles, both), (self.fall, columns["y"])):
-            keep_in(axis.y_range, *_room(values, 0.1), moving=moving)
-        self._turn(motion, columns, state.portrait, moving)
+        keep_in(self.angles.y_range, *_room(both, 0.1), moving=moving)
+        impacts = _impacts(motion, columns)
+        patch(self.impacts, **impacts)
+        self._shown += 1
+        if not moving or self._shown % 2:  # while a slider moves these take turns
+            self._turn(motion, columns, state.portrait, moving)
+        if not moving or not self._shown % 2:
+            patch(self.drop, t=columns["t"], y=columns["y"])
+            patch(self.struck, **{name: impacts[name] for name in ("t", "y", "color")})
+            keep_in(self.fall.y_range, *_room(columns["y"], 0.1), moving=moving)
 
-    def _show_impacts(self, motion: Motion, columns: dict[str, Any], toy: Toy) -> None:
+    def _stop(self, toy: Toy) -> None:
+        """Where contacts close."""
         limits = (-toy.phi_m_max, toy.phi_m_max, toy.phi_s_max)
         for stop, limit in zip(self._stops, limits, strict=True):
             stop.location = limit
-        struck = [mark for mark in motion.marks if mark.symbol.startswith("I")]
-        times = [1e3 * mark.time for mark in struck]
-        at = np.searchsorted(columns["t"], times)
-        at = np.minimum(at, len(columns["t"]) - 1)
-        patch(
-            self.impacts, t=times, a=columns["phi_s"][at], y=columns["y"][at],
-            color=[color_of(mark.contacts) for mark in struck],
-            symbol=[mark.symbol for mark in struck],
-        )  # fmt: skip
 
     def _turn(self, motion: Motion, columns: dict[str, Any], portrait: str, moving: bool) -> None:
         """Draw one of the phase portraits."""
@@ -212,6 +213,18 @@ class MotionView:
         keep_in(self.portrait.y_range, *_room(up, 0.06), moving=moving)
         labels = LABELS[portrait]
         self.portrait.xaxis.axis_label, self.portrait.yaxis.axis_label = labels
+
+
+def _impacts(motion: Motion, columns: dict[str, Any]) -> dict[str, Any]:
+    """Where impacts stand on the histories."""
+    struck = [mark for mark in motion.marks if mark.symbol.startswith("I")]
+    times = [1e3 * mark.time for mark in struck]
+    at = np.minimum(np.searchsorted(columns["t"], times), len(columns["t"]) - 1)
+    return {
+        "t": times, "a": columns["phi_s"][at], "y": columns["y"][at],
+        "color": [color_of(mark.contacts) for mark in struck],
+        "symbol": [mark.symbol for mark in struck],
+    }  # fmt: skip
 
 
 class WordView:
