@@ -132,7 +132,10 @@ class ToyModel:
         orbit = shoot(toy, state.phi_s, state.order)
         if orbit.success and abs(orbit.phi_s - state.phi_s) <= NEAR:
             return replace(state, phi_s=orbit.phi_s), _smaller(orbit)
-        return state, f"{orbit.message}; the motion from {state.phi_s:.4f} rad is shown"
+        why = orbit.message
+        if orbit.success:
+            why = f"the nearest periodic motion is another one, at {orbit.phi_s:.4f} rad"
+        return state, f"{why}; the motion from {state.phi_s:.4f} rad is shown"
 
     def curves(self, state: State, *, fine: bool) -> Iterator[MapCurve]:
         """P_order, and where it meets the diagonal."""

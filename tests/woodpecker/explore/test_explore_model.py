@@ -20,6 +20,8 @@ def test_the_start_goes_with_its_motion() -> None:
     assert state.phi_s == shoot(Toy(eps_n1=0.45), -0.53).phi_s
     free = State(phi_s=-1.0, periodic=False)
     assert TOY_MODEL.settled(free) == (free, "")
+    far, message = TOY_MODEL.settled(State(phi_s=-0.65))  # Newton's method leads away
+    assert (far.phi_s, "another one, at -0.52" in message) == (-0.65, True)
     lost, message = TOY_MODEL.settled(State(phi_s=-1.9))  # no motion repeats near
     assert lost.phi_s == -1.9
     assert "the motion from -1.9000 rad is shown" in message
