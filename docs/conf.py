@@ -87,7 +87,8 @@ html_css_files = ["custom.css"]
 html_sidebars = {  # pages that have none beside them: an empty list of these would be shown
     page: []
     for page in (
-        "index", "get_started", "guide/*", "reproduce", "long_run", "reference/commands",
+        "index", "get_started", "explore", "explore_tour",
+        "guide/*", "reproduce", "long_run", "reference/commands",
         "reference/plots", "reference/symbols", "reference/special_points", "reference/equations",
         "proofs", "certificates_of_maps", "results", "comparison", "limits", "testing",
         "bibliography", "genindex", "py-modindex", "search",

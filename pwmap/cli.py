@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from pwmap.cli_certificates import check_files, prove_map
+from pwmap.cli_explore import explore
 from pwmap.cli_plane import draw_plane
 from pwmap.cli_reading import assignments, map_of, orders_of
 from pwmap.cli_screen import bar_on, in_words, screen, tell_written
@@ -316,6 +317,7 @@ def _draw(found: Diagram, more: LongRun, out: Path, picture: PictureFormat) -> I
 app.command("plane")(draw_plane)
 app.command("prove")(prove_map)
 app.command("check")(check_files)
+app.command("explore")(explore)
 
 
 def run() -> None:

@@ -10,6 +10,7 @@ import typer
 
 from woodpecker.cli.curves import curves
 from woodpecker.cli.diagram import diagram
+from woodpecker.cli.explore import explore
 from woodpecker.cli.interrupts import listen
 from woodpecker.cli.maps import draw_map
 from woodpecker.cli.motion import animate, simulate
@@ -35,6 +36,7 @@ for name, command in (
     ("regions", regions),
     ("robustness", robustness),
     ("prove", prove),
+    ("explore", explore),
 ):
     app.command(name=name)(with_toy(command, name))
 app.command(name="check")(check)

@@ -1,0 +1,65 @@
+"""The command ``pwmap explore``: a page in the browser for a map that is typed."""
+
+from __future__ import annotations
+
+import webbrowser
+from typing import Annotated
+
+import typer
+
+from pwmap.cli_reading import assignments
+from pwmap.cli_screen import in_words, screen
+
+MISSING = 'the explorer needs Bokeh: pip install "woodpecker-toy[explore]"'
+
+
+def explore(
+    formula: Annotated[
+        str | None, typer.Argument(help="The map, as the text of a sympy Piecewise in x.")
+    ] = None,
+    set_: Annotated[
+        list[str] | None,
+        typer.Option("--set", help="Value of a parameter, such as a=5/4; repeatable."),
+    ] = None,
+    given: Annotated[
+        list[str] | None, typer.Option(help="An assumption on the parameters, such as 'a > 1'.")
+    ] = None,
+    port: Annotated[
+        int | None, typer.Option(help="Port at 127.0.0.1; by default a free one.", min=1, max=65535)
+    ] = None,
+    no_browser: Annotated[bool, typer.Option("--no-browser", help="Only say the address.")] = False,
+    stay: Annotated[
+        bool, typer.Option("--stay", help="Go on when the last page was closed, until Ctrl-C.")
+    ] = False,
+) -> None:
+    """Open the explorer: a map with sliders for its parameters, and exact answers beside it.
+
+    By default the map is P1^L of the paper. The page is served by this machine to this machine
+    only, and nothing that is typed is executed.
+
+    Example: pwmap explore "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))" --set a=1/2 --set b=-3/2
+    """
+    errors = screen(stderr=True)
+    try:
+        from pwmap.explore.map_page import run
+        from pwmap.explore.map_state import MapState
+    except ImportError:
+        errors.print(f"Failed: {MISSING}", style="red", markup=False)
+        raise typer.Exit(1) from None
+    try:
+        values = tuple(sorted(assignments(set_ or ()).items()))
+        state = MapState()
+        if formula is not None:
+            state = MapState(map=formula, given="; ".join(given or ()), values=values)
+        elif values:
+            state = state.at(**dict(values))
+    except ValueError as error:
+        errors.print(f"Error: {in_words(error)}", style="red", markup=False)
+        raise typer.Exit(2) from None
+
+    def ready(address: str) -> None:
+        screen().print(f"The explorer is at {address} (Ctrl-C ends it)", highlight=False)
+        if not no_browser:
+            webbrowser.open(address)
+
+    run(state, port, stay=stay, ready=ready)

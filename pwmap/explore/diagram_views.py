@@ -1,0 +1,234 @@
+"""The views of a diagram, for both packages: branches over the parameter, and their graph."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from bokeh.core.property.descriptors import UnsetValueError
+from bokeh.models import Range1d, Span
+
+from pwmap.explore.diagrams import Shown
+from pwmap.explore.figures import (
+    FONT,
+    hover,
+    new_figure,
+    patch,
+    select_style,
+    set_range,
+    source,
+)
+from pwmap.explore.labels import place
+from pwmap.plot import GREY, INK, VIOLET
+
+LINES = ("xs", "ys", "color", "dash", "width", "branch")
+SAMPLES = ("x", "y", "branch", "kind", "word", "multiplier")
+POINTS = ("x", "y", "id", "label", "kind", "cause", "where", "marker", "color", "size", "angle")
+EDGES = (*LINES, "x", "y", "label", "tip")
+USUAL = (520.0, 230.0)  # px of a picture, until the page has told
+MOST_LABELS = 30
+POLE = 20.0  # how much higher a diagram is than most of it, if not all of it is shown
+OF_BRANCH = (
+    "<div class='tip'><b>@branch</b> @kind<br>@x{0.000000}, @y{0.000000}<br>"
+    "multiplier @multiplier<br>@word</div>"
+)
+OF_POINT = "<div class='tip'><b>@label @id</b> @kind<br>at @where<br>@cause</div>"
+OF_EDGE = "<div class='tip'><b>@branch</b> @tip</div>"
+
+
+def _marks(figure: Any, table: Any) -> Any:
+    return figure.scatter(
+        "x", "y", source=table, marker="marker", size="size", angle="angle", fill_color="color",
+        line_color="white", line_width=0.6, level="annotation",
+    )  # fmt: skip
+
+
+def _texts(figure: Any, table: Any, color: str = INK) -> Any:
+    return figure.text(
+        "x", "y", text="text", x_offset="dx", y_offset="dy", source=table, text_color=color,
+        text_font={"value": FONT}, text_font_size="11px", text_align="center",
+        text_baseline="middle",
+        level="annotation",
+    )  # fmt: skip
+
+
+class DiagramView:
+    """Branches as they are found, special points with their names, and where the page is.
+
+    Attributes
+    ----------
+    figure
+        The root for the page.
+    """
+
+    def __init__(self, name: str, x_label: str, y_label: str) -> None:
+        self.figure = new_figure(name, x_label, y_label)
+        self.lines, self.samples = source(*LINES), source(*SAMPLES)
+        self.points, self.names = source(*POINTS), source("x", "y", "text", "dx", "dy")
+        self.selected, self.orbits = source("xs", "ys"), source("x", "y")
+        self.here = source("x", "y")
+        self.moved = False  # whether somebody looks closer than at the whole
+        self._shown: Shown | None = None
+        at, figure = (
+            Span(dimension="height", line_color=VIOLET, line_alpha=0.7, level="overlay"),
+            self.figure,
+        )
+        figure.add_layout(at)
+        self.at = at
+        figure.scatter("x", "y", source=self.orbits, size=1.6, color="#636363", alpha=0.35)
+        figure.multi_line("xs", "ys", source=self.selected, **select_style())
+        figure.multi_line(
+            "xs", "ys", source=self.lines, line_color="color", line_dash="dash", line_width="width"
+        )
+        samples = figure.scatter("x", "y", source=self.samples, size=9, alpha=0.0)
+        marks = _marks(figure, self.points)
+        _texts(figure, self.names)
+        figure.scatter(
+            "x", "y", source=self.here, size=12, fill_color=None, line_color=VIOLET, line_width=2.5,
+            level="overlay",
+        )  # fmt: skip
+        figure.add_tools(hover(marks, OF_POINT), hover(samples, OF_BRANCH))
+        for axis_range in (figure.x_range, figure.y_range):
+            axis_range.on_change("end", self._renamed)
+
+    @property
+    def scale(self) -> tuple[float, float]:
+        """Pixels for one unit of both axes."""
+        return _scale(self.figure)
+
+    def look(self, x: tuple[float, float]) -> None:
+        """Show an interval of the parameter, and all of the diagram there."""
+        self.moved = False
+        margin = 0.015 * (x[1] - x[0])
+        set_range(self.figure.x_range, x[0] - margin, x[1] + margin)
+        self._fit()
+
+    def _fit(self) -> None:
+        """Show all heights, unless somebody looks closer."""
+        heights = np.asarray(self.samples.data["y"], dtype=float)
+        heights = heights[np.isfinite(heights)]
+        if not self.moved and heights.size:
+            low, high = np.percentile(heights, [0.0, 100.0]).tolist()
+            inner = np.percentile(heights, [10.0, 90.0]).tolist()
+            if high - low > POLE * (inner[1] - inner[0]) > 0.0:  # a branch goes to infinity
+                low, high = inner
+            margin = 0.12 * (high - low) or 1.0
+            set_range(self.figure.y_range, low - margin, high + margin)
+
+    def show(self, found: Shown | None) -> None:
+        """Draw a diagram, or none."""
+        self._shown = found
+        for table, columns in ((self.lines, LINES), (self.samples, SAMPLES), (self.points, POINTS)):
+            attribute = {id(self.lines): "lines", id(self.samples): "samples"}.get(
+                id(table), "points"
+            )
+            values = getattr(found, attribute) if found is not None else {}
+            patch(table, **{name: values.get(name, []) for name in columns})
+        self._fit()
+        self._name()
+
+    def select(self, branch: str) -> None:
+        """Mark one branch."""
+        patch(self.selected, **_part(self._shown.lines if self._shown else None, branch))
+
+    def stand(self, p: float, x: float) -> None:
+        """Show where the page is."""
+        self.at.location = p
+        patch(self.here, x=[p], y=[x])
+
+    def _renamed(self, attr: str, old: object, new: object) -> None:
+        self._name()
+
+    def _name(self) -> None:
+        """Write names where they cover nothing."""
+        patch(self.names, **_named(self.figure, self._shown.points if self._shown else None))
+
+
+class GraphView:
+    """The graph of branches: special points are nodes, branches are edges."""
+
+    def __init__(self, name: str) -> None:
+        wide = Range1d(-0.12, 1.12)
+        self.figure = new_figure(name, "", "", x_range=wide, y_range=Range1d(-0.15, 1.15))
+        self.edges, self.nodes = source(*EDGES), source(*POINTS)
+        self.names, self.tags = (source("x", "y", "text", "dx", "dy") for _ in range(2))
+        self.selected = source("xs", "ys")
+        self._shown: Shown | None = None
+        figure = self.figure
+        figure.axis.visible = figure.grid.visible = False
+        figure.multi_line("xs", "ys", source=self.selected, **select_style())
+        edges = figure.multi_line(
+            "xs", "ys", source=self.edges, line_color="color", line_dash="dash", line_width=2.2
+        )
+        nodes = _marks(figure, self.nodes)
+        _texts(figure, self.tags, GREY)
+        _texts(figure, self.names)
+        figure.add_tools(hover(nodes, OF_POINT), hover(edges, OF_EDGE))
+
+    @property
+    def scale(self) -> tuple[float, float]:
+        """Pixels for one unit of both axes."""
+        return _scale(self.figure)
+
+    def show(self, found: Shown | None) -> None:
+        """Draw the graph of a diagram, or none."""
+        self._shown = found
+        nodes, edges = (found.nodes, found.edges) if found is not None else ({}, {})
+        patch(self.edges, **{name: edges.get(name, []) for name in EDGES})
+        patch(self.nodes, **{name: nodes.get(name, []) for name in POINTS})
+        few = {**edges, "must": [False] * len(edges["x"])} if edges else None
+        if few is not None and len(few["x"]) > MOST_LABELS:
+            few["label"] = [""] * len(few["x"])
+        names, tags = _named_together(self.figure, nodes or None, few)
+        patch(self.names, **names)
+        patch(self.tags, **tags)
+
+    def select(self, branch: str) -> None:
+        """Mark one edge."""
+        patch(self.selected, **_part(self._shown.edges if self._shown else None, branch))
+
+
+def _size(figure: Any) -> tuple[float, float]:
+    """Width and height [px] inside the axes, as far as the page has told them."""
+    try:
+        return float(figure.inner_width), float(figure.inner_height)
+    except UnsetValueError:
+        return USUAL
+
+
+def _scale(figure: Any) -> tuple[float, float]:
+    width, height = _size(figure)
+    across, up = figure.x_range, figure.y_range
+    return width / (across.end - across.start), height / (up.end - up.start)
+
+
+def _part(table: Any, branch: str) -> dict[str, Any]:
+    rows = [k for k, each in enumerate(table["branch"]) if each == branch] if table else []
+    return {name: [table[name][k] for k in rows] for name in ("xs", "ys")}
+
+
+def _named(figure: Any, table: Any) -> dict[str, Any]:
+    """Names of points at places where they cover nothing."""
+    return _named_together(figure, table, None)[0]
+
+
+def _named_together(figure: Any, *tables: Any) -> list[dict[str, Any]]:
+    """Names of the points of some tables, the first ones first."""
+    scale, frame = np.array(_scale(figure)), _size(figure)
+    start = np.array([figure.x_range.start, figure.y_range.start])
+    full = [table for table in tables if table and len(table["x"])]
+    rows = [(k, i) for k, table in enumerate(full) for i in range(len(table["x"]))]
+    found = [dict[str, Any](x=[], y=[], text=[], dx=[], dy=[]) for _ in tables]
+    if not rows:
+        return found
+    places = np.array([(full[k]["x"][i], full[k]["y"][i]) for k, i in rows], dtype=float)
+    labels = place(
+        [full[k]["label"][i] for k, i in rows], (places - start) * scale, frame,
+        [full[k]["must"][i] for k, i in rows],
+    )  # fmt: skip
+    for row, dx, dy in list(zip(*labels, strict=True))[: 2 * MOST_LABELS]:
+        k, i = rows[row]
+        values = places[row, 0], places[row, 1], full[k]["label"][i], dx, -dy  # offsets go down
+        for column, value in zip(found[k].values(), values, strict=True):
+            column.append(value)
+    return found

@@ -1,0 +1,251 @@
+"""A diagram as arrays that a page can draw: lines, samples, points, and its graph laid out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from pwmap.explore.figures import COLORS, DASHES, MARKS
+from pwmap.plot import GREY, MARKERS, WIDTHS
+
+Floats = npt.NDArray[np.float64]
+Table = dict[str, Any]
+
+WIDTH = {"stable": 2.0, "unstable": 1.6, "jump crossing": 1.9}  # px of P_1
+WORD_MOST = 60  # characters of a word in a hint
+BEND = 0.16  # of its length: how far one of several edges between two nodes is bent
+ORDERED = 0.9  # how far places in the graph follow the order of values, not their size
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Shown:
+    """What is drawn of a diagram; tables of columns, one row for each line or marker.
+
+    Parameters
+    ----------
+    diagram
+        The diagram itself.
+    lines
+        Stretches of branches in one style: ``xs ys color dash width branch``.
+    samples
+        Every sample: ``x y branch kind word multiplier``.
+    points
+        Special points: ``x y id label kind cause where marker color size angle must``.
+    nodes, edges
+        The graph in the plane: nodes as ``points``, edges as ``lines`` with ``x y label`` of their
+        middles.
+    """
+
+    diagram: Diagram
+    lines: Table
+    samples: Table
+    points: Table
+    nodes: Table
+    edges: Table
+
+
+def shown(diagram: Diagram) -> Shown:
+    """Everything that is drawn of a diagram."""
+    points = _points(diagram)
+    nodes, edges = _graph(diagram, points)
+    return Shown(diagram, _lines(diagram), _samples(diagram), points, nodes, edges)
+
+
+def style_of(branch: Branch, sample: int) -> str:
+    """Stable, unstable or jump crossing."""
+    if branch.kind is BranchKind.JUMP:
+        return "jump crossing"
+    return "stable" if branch.stable[sample] else "unstable"
+
+
+def _stretches(branch: Branch) -> Iterator[tuple[str, slice]]:
+    """Parts of a branch in one style; neighbours share a sample, and ends may be flips."""
+    if branch.kind is BranchKind.JUMP:
+        yield "jump crossing", slice(0, len(branch))
+        return
+    stable = branch.stable.copy()
+    if len(branch) > 2:
+        stable[0], stable[-1] = stable[1], stable[-2]
+    cuts = np.flatnonzero(stable[1:] != stable[:-1]) + 1
+    for a, b in pairwise([0, *cuts.tolist(), len(branch)]):
+        yield ("stable" if stable[a] else "unstable"), slice(max(0, a - 1), b)
+
+
+def _lines(diagram: Diagram) -> Table:
+    rows: Table = {name: [] for name in ("xs", "ys", "color", "dash", "width", "branch")}
+    ranks = {o: k for k, o in enumerate(sorted({b.order for b in diagram.branches}))}
+    for branch in diagram.branches:
+        if branch.kind is BranchKind.BAND:
+            continue
+        thin = WIDTHS[min(ranks[branch.order], len(WIDTHS) - 1)] if len(ranks) > 1 else 1.0
+        for style, part in _stretches(branch):
+            rows["xs"].append(np.array(branch.parameter[part]))
+            rows["ys"].append(np.array(branch.x[part]))
+            rows["color"].append(COLORS[style])
+            rows["dash"].append(DASHES[style])
+            rows["width"].append(WIDTH[style] * thin)
+            rows["branch"].append(branch.id)
+    return rows
+
+
+def _samples(diagram: Diagram) -> Table:
+    names = ("x", "y", "branch", "kind", "word", "multiplier")
+    parts: dict[str, list[Any]] = {name: [] for name in names}
+    for branch in diagram.branches:
+        n = len(branch)
+        parts["x"].append(branch.parameter)
+        parts["y"].append(branch.x)
+        parts["branch"].append([branch.id] * n)
+        parts["kind"].append([f"{style_of(branch, k)}, P_{branch.order}" for k in range(n)])
+        parts["word"].append([_brief(branch.word_at(k)) for k in range(n)])
+        parts["multiplier"].append([_multiplier(m) for m in branch.multiplier.tolist()])
+    empty = np.array([])
+    joined = {name: np.concatenate([empty, *parts[name]]) for name in ("x", "y")}
+    texts = {name: [each for part in parts[name] for each in part] for name in names[2:]}
+    return {**joined, **texts}
+
+
+def _multiplier(value: float) -> str:
+    return "none: a jump" if np.isnan(value) else f"{value:.6g}"
+
+
+def _brief(word: str) -> str:
+    return word if len(word) <= WORD_MOST else word[: WORD_MOST - 1] + "…"
+
+
+def _points(diagram: Diagram) -> Table:
+    rows: Table = {
+        name: []
+        for name in (
+            "x", "y", "id", "label", "kind", "cause", "where", "marker", "color", "size", "angle",
+            "must",
+        )
+    }  # fmt: skip
+    for point in diagram.points:
+        mark, color = MARKERS.get(point.kind, (".", GREY))
+        end = point.kind is PointKind.EP
+        values = (
+            point.parameter, point.x, point.id,
+            point.name or ("" if end else str(point.kind)),
+            f"{point.kind.label}{', ' + point.note if point.note else ''}",
+            point.cause or point.kind.meaning, _where(point), MARKS.get(mark, "circle"), color,
+            14 if mark == "*" else 10 if mark == "D" else 8, np.pi / 2 if end else 0.0,
+            bool(point.name),
+        )  # fmt: skip
+        for column, value in zip(rows.values(), values, strict=True):
+            column.append(value)
+    return rows
+
+
+def _where(point: SpecialPoint) -> str:
+    exact = point.exact.get("parameter")
+    if exact is not None:
+        return str(exact)[:WORD_MOST]
+    return f"{point.parameter:.10g} ± {point.precision:.0e} ({point.status})"
+
+
+# --- The graph ------------------------------------------------------------------------------------
+
+
+def _graph(diagram: Diagram, points: Table) -> tuple[Table, Table]:
+    """Nodes and edges in the plane: laid out from where they lie in the diagram."""
+    places = _layout(points)
+    nodes = {**points, "x": places[:, 0].tolist(), "y": places[:, 1].tolist()}
+    where = dict(zip(points["id"], places, strict=True))
+    names = ("xs", "ys", "color", "dash", "width", "branch", "x", "y", "label", "tip")
+    rows: Table = {name: [] for name in names}
+    seen: dict[frozenset[str], int] = {}
+    for branch in diagram.branches:
+        pair = frozenset(branch.ends)
+        k = seen[pair] = seen.get(pair, -1) + 1
+        way = _curve(where[branch.ends[0]], where[branch.ends[1]], k)
+        style = style_of(branch, len(branch) // 2)
+        middle = way[len(way) // 2]
+        tip = f"{style}, P_{branch.order}: {_brief(branch.word)}"
+        values = (
+            way[:, 0], way[:, 1], COLORS[style], DASHES[style], WIDTH[style], branch.id,
+            float(middle[0]), float(middle[1]), branch.id, tip,
+        )  # fmt: skip
+        for column, value in zip(rows.values(), values, strict=True):
+            column.append(value)
+    return nodes, rows
+
+
+def _layout(points: Table) -> Floats:
+    """Places (n, 2) in the unit square: the order of the diagram is kept, distances are evened out.
+
+    So left is left there, and what has one height there has one height here.
+    """
+    places = np.column_stack([points["x"], points["y"]]).astype(float).reshape(-1, 2)
+    return np.column_stack([_evened(column) for column in places.T]).reshape(-1, 2)
+
+
+def _evened(values: Floats) -> Floats:
+    """Values in [0, 1], by their order and a little by their size; the infinite at the ends."""
+    finite = values[np.isfinite(values)]
+    if len(finite):
+        values = np.clip(values, finite.min(), finite.max())
+    size = float(np.ptp(values)) if len(values) else 0.0
+    if not size > 0.0:
+        return np.full(len(values), 0.5)
+    known, rank = np.unique(np.round(values / size, 6), return_inverse=True)
+    order = rank / max(1, len(known) - 1)
+    evened: Floats = ORDERED * order + (1.0 - ORDERED) * (values - values.min()) / size
+    return evened
+
+
+def _curve(a: Floats, b: Floats, k: int) -> Floats:
+    """The k-th edge between two nodes, (n, 2): straight, then bent to both sides in turn."""
+    s = np.linspace(0.0, 1.0, 13)[:, None]
+    if np.allclose(a, b):  # a loop
+        turn = 2.0 * np.pi * s
+        size = 0.05 * (k + 1)
+        loop: Floats = a + size * np.hstack([np.sin(turn), 1.0 - np.cos(turn)])
+        return loop
+    side = np.array([a[1] - b[1], b[0] - a[0]]) * BEND * ((k + 1) // 2) * (1 if k % 2 else -1)
+    bent: Floats = a + s * (b - a) + 4.0 * s * (1.0 - s) * side
+    return bent
+
+
+# --- What lies near a place -----------------------------------------------------------------------
+
+
+def nearest_line(table: Table, x: float, y: float, scale: tuple[float, float]) -> tuple[str, float]:
+    """The branch whose line passes nearest to a place, and how far away [px].
+
+    Parameters
+    ----------
+    table
+        Lines or edges.
+    x, y
+        The place.
+    scale
+        Pixels for one unit of x, and of y.
+    """
+    best, least = "", np.inf
+    for xs, ys, branch in zip(table["xs"], table["ys"], table["branch"], strict=True):
+        away = _distance(np.column_stack([xs, ys]) * scale, np.array([x, y]) * scale)
+        if away < least:
+            best, least = branch, away
+    return best, float(least)
+
+
+def _distance(way: Floats, place: Floats) -> float:
+    """From a place to a polyline (n, 2)."""
+    if len(way) < 2:
+        return float(np.hypot(*(way - place).T).min(initial=np.inf))
+    start, along = way[:-1], np.diff(way, axis=0)
+    length = np.maximum((along**2).sum(axis=1), 1e-300)
+    part = np.clip(((place - start) * along).sum(axis=1) / length, 0.0, 1.0)
+    return float(np.hypot(*(start + part[:, None] * along - place).T).min())
+
+
+def nearest_sample(branch: Branch, p: float, x: float, scale: tuple[float, float]) -> int:
+    """The sample of a branch nearest to a place, in pixels."""
+    return int(np.argmin(np.hypot((branch.parameter - p) * scale[0], (branch.x - x) * scale[1])))

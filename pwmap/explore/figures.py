@@ -1,0 +1,121 @@
+"""One look for all views: the colours, lines and symbols of :mod:`pwmap.plot`, for Bokeh."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from bokeh.models import ColumnDataSource, CrosshairTool, HoverTool, PanTool, Range1d, WheelZoomTool
+from bokeh.plotting import figure
+
+from pwmap.plot import GREY, INK, JUMP, STABLE, UNSTABLE
+
+FONT = "system-ui, 'Segoe UI', 'DejaVu Sans', sans-serif"
+DOTTED, DASHED = [2, 3], [6, 3]
+DASHES = {"stable": [], "unstable": DASHED, "jump crossing": DOTTED}
+COLORS = {"stable": STABLE, "unstable": UNSTABLE, "jump crossing": JUMP}
+MARKS = {  # symbols of pwmap.plot.MARKERS as Bokeh calls them
+    "s": "square", "D": "diamond", "h": "hex", "P": "cross", "o": "circle", "*": "star",
+    "v": "inverted_triangle", "|": "dash", "^": "triangle", "X": "x",
+}  # fmt: skip
+SELECTED = "#fec44f"  # around what is selected, under everything else
+SHORT = 100  # values that go as a list
+SHRUNK = 0.6  # of an axis: what fills less of it is shown larger
+SMALL, PLAIN = "11px", "12px"
+
+
+def new_figure(
+    name: str,
+    x_label: str,
+    y_label: str,
+    *,
+    crosshair: bool = False,
+    ticks: tuple[int, int] = (6, 5),
+    **options: Any,
+) -> Any:
+    """Axes in the common look, named for the page; pan by dragging, zoom by the wheel."""
+    made = figure(
+        name=name, tools="", toolbar_location=None, sizing_mode="stretch_both",
+        x_axis_label=x_label, y_axis_label=y_label, min_border=4, outline_line_color="#bdbdbd",
+        **{"x_range": Range1d(0, 1), "y_range": Range1d(0, 1), **options},
+    )  # fmt: skip
+    zoom = WheelZoomTool()
+    pan = PanTool()
+    made.add_tools(pan, zoom)
+    made.toolbar.active_scroll, made.toolbar.active_drag = zoom, pan
+    if crosshair:
+        made.add_tools(CrosshairTool(line_color=GREY, line_alpha=0.6))
+    for axis in made.axis:
+        axis.axis_label_text_font_style = "normal"
+        axis.axis_label_text_font_size, axis.axis_label_text_font = PLAIN, FONT
+        axis.major_label_text_font_size, axis.major_label_text_font = SMALL, FONT
+        axis.axis_label_text_color = axis.major_label_text_color = INK
+        axis.axis_label_standoff, axis.minor_tick_line_color = 3, None
+        axis.major_tick_line_color, axis.axis_line_color = GREY, "#bdbdbd"
+    made.grid.grid_line_color, made.grid.grid_line_alpha = "#d9d9d9", 0.6
+    made.xaxis.ticker.desired_num_ticks, made.yaxis.ticker.desired_num_ticks = ticks
+    return made
+
+
+def source(*columns: str, **values: Any) -> ColumnDataSource:
+    """An empty table with these columns."""
+    return ColumnDataSource({**{name: [] for name in columns}, **values})
+
+
+def hover(glyph: Any, tips: Sequence[tuple[str, str]] | str, mode: str = "mouse") -> HoverTool:
+    """What is told of the nearest part of a glyph."""
+    return HoverTool(renderers=[glyph], tooltips=tips, mode=mode, point_policy="snap_to_data")
+
+
+def set_range(axis_range: Any, low: float, high: float) -> None:
+    """Move the ends of an axis, both at once."""
+    if (axis_range.start, axis_range.end) != (low, high):
+        axis_range.update(start=low, end=high, reset_start=low, reset_end=high)
+
+
+def keep_in(axis_range: Any, low: float, high: float, *, moving: bool) -> None:
+    """Show an interval; while a slider moves only if it has outgrown what is shown, or shrunk.
+
+    An axis that moves is laid out anew, which costs more than its curves.
+    """
+    start, end = axis_range.start, axis_range.end
+    fits = start <= low and high <= end and (high - low) >= SHRUNK * (end - start)
+    if not (moving and fits):
+        set_range(axis_range, low, high)
+
+
+def patch(table: ColumnDataSource, /, **columns: Any) -> None:
+    """Put new columns into a table, all at once.
+
+    Each array goes in a message of its own, so short ones go as lists, and nothing that is empty
+    and was empty goes at all.
+    """
+    if any(map(len, columns.values())) or any(map(len, table.data.values())):
+        table.data = {
+            name: values.tolist() if isinstance(values, np.ndarray) and values.size < SHORT
+            else values
+            for name, values in columns.items()
+        }  # fmt: skip
+
+
+def strokes(pairs_x: Any, pairs_y: Any) -> dict[str, Any]:
+    """Lines (n, 2), each between two points, as one line with gaps."""
+    x, y = np.asarray(pairs_x, dtype=float), np.asarray(pairs_y, dtype=float)
+    gap = np.full((len(x), 1), np.nan)
+    return {"x": np.hstack([x, gap]).ravel(), "y": np.hstack([y, gap]).ravel()}
+
+
+def cobweb(orbit: Any) -> dict[str, Any]:
+    """The stairs of an orbit x_0, x_1, ... between the diagonal and the map."""
+    x = np.asarray(orbit, dtype=float)
+    if len(x) < 2:
+        return {"x": x, "y": x}
+    across = np.repeat(x, 2)[:-1]
+    up = np.concatenate([x[:1], np.repeat(x[1:], 2)])
+    return {"x": across, "y": up[: len(across)]}
+
+
+def select_style() -> Mapping[str, Any]:
+    """The line under what is selected."""
+    return {"line_color": SELECTED, "line_width": 8, "line_alpha": 0.75, "line_cap": "round"}

@@ -1,0 +1,28 @@
+// What the page of a map has of its own: the map that is typed, and lists of exact values.
+"use strict";
+$("#typed").addEventListener("submit", (event) => {
+  event.preventDefault();
+  location.search = new URLSearchParams({ map: $("#formula").value.trim(), given: $("#given").value.trim() });
+});
+function show_rows(lists) {
+  $("#rows").replaceChildren(...lists.filter((list) => list.rows.length).flatMap(({ title, rows }) => {
+    const heading = document.createElement("h3"), table = document.createElement("table");
+    heading.textContent = title;
+    for (const row of rows) {
+      const line = table.insertRow();
+      for (const text of row) line.insertCell().textContent = text;
+    }
+    return [heading, table];
+  }));
+}
+explorer.heard.push((told) => {
+  for (const name of ["order", "steps", "start", "over", "orders", "span"]) {
+    const element = $("#" + name);
+    if (told[name] !== undefined && document.activeElement !== element) element.value = told[name];
+  }
+  if (told.rows) show_rows(told.rows);
+  if (told.chaotic !== undefined) write("#density-told", told.chaotic ? "" : "nothing chaotic attracts here");
+  if (told.busy !== undefined) write("#busy", told.busy ? "working …" : "");
+  if (told.branches) $("#branch").replaceChildren(new Option("no branch", ""), ...told.branches.map(({ id, text }) => new Option(text, id)));
+  if (told.branch !== undefined) $("#branch").value = told.branch;
+});

@@ -1,0 +1,137 @@
+"""Long work in other processes, with its results as they come.
+
+A job is a generator at the top level of a module: whatever it yields is sent to the page at
+once. Processes are forked from one that has loaded the package already (``warm_up``), so that a job
+begins within milliseconds; where there is no such thing (Windows) each is started anew.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from multiprocessing import get_all_start_methods, get_context
+from multiprocessing.connection import Connection
+from threading import Event, Thread
+from typing import Any
+
+Work = Callable[..., Iterator[Any]]
+METHOD = "forkserver" if "forkserver" in get_all_start_methods() else "spawn"
+MEMORY = 2 << 30  # bytes that a job may allocate beyond what it starts with
+
+
+@dataclass(frozen=True, slots=True)
+class Failure:
+    """A job that ended with an error, as the sentence for the user."""
+
+    sentence: str
+
+
+@dataclass(frozen=True, slots=True)
+class Finished:
+    """A job that came to its end; the last of its results."""
+
+
+class Job:
+    """Work that is being done elsewhere.
+
+    Parameters
+    ----------
+    work, arguments
+        A generator function at the top level of a module, and what it is called with.
+    seconds
+        How long it may take.
+    """
+
+    def __init__(self, work: Work, *arguments: Any, seconds: float = 600.0) -> None:
+        context: Any = get_context(METHOD)
+        self._results, sender = context.Pipe(duplex=False)
+        self._process = context.Process(target=_carry_out, args=(sender, work, arguments))
+        self._process.daemon = True
+        self._process.start()
+        sender.close()
+        self._end, self._limit = time.monotonic() + seconds, seconds
+        self.is_over = False
+
+    def results(self) -> list[Any]:
+        """What has come since the last call; a Failure or Finished is the last."""
+        found: list[Any] = []
+        while not self.is_over:
+            try:
+                if not self._results.poll():
+                    break
+                found.append(self._results.recv())
+            except (EOFError, OSError):  # it was killed, for instance by the system
+                found.append(Failure("the work was broken off by the system"))
+            if isinstance(found[-1], Failure | Finished):
+                self.stop()
+        if not self.is_over and time.monotonic() > self._end:
+            self.stop()
+            found.append(Failure(f"given up after {self._limit:.0f} s, as long as allowed"))
+        return found
+
+    def stop(self) -> None:
+        """End the work at once; more than once does no harm."""
+        if self.is_over:
+            return
+        self.is_over = True
+        self._process.kill()
+        self._process.join()
+        self._results.close()
+
+
+_warm = Event()
+
+
+def warm_up(modules: Sequence[str]) -> None:
+    """Load modules in the process that jobs are forked from, in the background."""
+    context: Any = get_context(METHOD)
+    if METHOD == "forkserver":
+        context.set_forkserver_preload(list(modules))
+    Thread(target=_first_job, daemon=True).start()
+
+
+def is_warm() -> bool:
+    """Whether jobs begin at once; until then to begin one is to wait for it."""
+    return _warm.is_set()
+
+
+def _first_job() -> None:
+    job = Job(nothing)
+    while not job.is_over:
+        job.results()
+        time.sleep(0.01)
+    _warm.set()
+
+
+def nothing() -> Iterator[None]:
+    """The shortest job."""
+    yield None
+
+
+def _carry_out(sender: Connection, work: Work, arguments: tuple[Any, ...]) -> None:
+    """What the other process does."""
+    with suppress(BrokenPipeError, KeyboardInterrupt):  # whoever asked for it is gone
+        _limit_memory()
+        try:
+            for result in work(*arguments):
+                sender.send(result)
+        except MemoryError:
+            sender.send(Failure("no memory is left"))
+        except Exception as error:
+            sender.send(Failure(str(error) or type(error).__name__))
+        else:
+            sender.send(Finished())
+
+
+def _limit_memory() -> None:
+    """Whatever is typed into a page takes no more memory than that."""
+    if sys.platform == "linux":
+        import resource
+        from pathlib import Path
+
+        pages = int(Path("/proc/self/statm").read_text().split()[0])
+        most = pages * resource.getpagesize() + MEMORY
+        resource.setrlimit(resource.RLIMIT_AS, (most, most))

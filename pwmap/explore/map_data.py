@@ -1,0 +1,308 @@
+"""The exact answers of a page as arrays and texts, part by part, in another process."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from fractions import Fraction
+from itertools import islice
+from typing import Any
+
+import numpy as np
+
+from pwmap import (
+    Budget,
+    PiecewiseLinearMap,
+    bifurcation_diagram,
+    cycles,
+    dynamics,
+    parameter_cells,
+    parameter_plane,
+)
+from pwmap.explore.diagrams import Shown, shown
+from pwmap.explore.map_state import MapState
+from pwmap.plane.rasters import arc_arrays
+from pwmap.plot_plane import LINES
+
+BUDGET = Budget(pieces=30_000, work=8_000_000)
+PERIODS = 6  # of cycles that are listed
+ROWS = 60  # of a table
+TEXT = 160  # characters of an exact value
+LETTERS = 24  # of a word
+PLANE_ORDERS = (1, 2, 3)
+SAMPLES = 160  # along a curve of the plane
+SECONDS = 40.0  # s for all answers about a map
+
+Rows = list[list[str]]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Part:
+    """One answer.
+
+    Parameters
+    ----------
+    name
+        ``map``, ``cells``, ``diagram``, ``long`` or ``plane``.
+    tables
+        Columns by the name of the table, for the figures.
+    rows
+        Exact values as text, by the heading of their list.
+    message
+        Why there is no answer, or not all of it.
+    shown
+        The diagram, if that is the answer.
+    """
+
+    name: str
+    tables: dict[str, dict[str, Any]] = field(default_factory=dict)
+    rows: dict[str, Rows] = field(default_factory=dict)
+    message: str = ""
+    shown: Shown | None = None
+
+
+def answers(state: MapState) -> Iterator[Part]:
+    """Everything that a page shows of a map, the quick answers first."""
+    given = [part.strip() for part in state.given.split(";") if part.strip()]
+    family = PiecewiseLinearMap.from_sympy(state.map, "x", given)
+    unknown = {str(symbol) for symbol in family.parameters} - set(state.parameters)
+    if unknown:
+        raise ValueError(f"too many parameters: {', '.join(sorted(unknown))}")
+    place = {str(s): state.place[str(s)] for s in family.parameters}
+    here = family.at(place) if place else family
+    for name, answer in (
+        ("map", _map), ("cells", _cells), ("diagram", _diagram), ("long", _long), ("plane", _plane),
+    ):  # fmt: skip
+        try:
+            yield answer(state, family, here)
+        except (ValueError, ArithmeticError) as error:  # one answer fails, the others may not
+            yield Part(name, message=str(error)[:400])
+
+
+# --- The map --------------------------------------------------------------------------------------
+
+
+def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) -> Part:
+    """Pieces, what lies on the diagonal, and a cobweb."""
+    iterate = here.iterate(state.order)
+    pieces, fixed, jumps = iterate.pieces, iterate.fixed_points(), iterate.jump_crossings()
+    orbit = [Fraction(state.start)]
+    for _ in range(state.steps):
+        value = iterate(orbit[-1])
+        orbit.append(Fraction(int(value.p), int(value.q)))
+        if len(str(orbit[-1])) > TEXT:  # an orbit that never closes grows by some digits a step
+            break
+    points = [float(p.x) for p in fixed]
+    marks = [
+        *points,
+        *(float(v) for j in jumps for v in (j.x, j.left, j.right)),
+        *map(float, orbit),
+    ]
+    marks += [float(piece.lower) for piece in pieces[1:]]
+    low, high = _around(marks)
+    crossings = [(float(j.x), float(j.left), float(j.x), float(j.right)) for j in jumps]
+    tables = {
+        **_graph(pieces, low, high),
+        "crossings": {"lines": np.array(crossings).reshape(-1, 4)},
+        "fixed": {"x": points, "stable": [p.stable for p in fixed], "word": [p.word for p in fixed],
+                  "exact": [_text(p.x) for p in fixed]},
+        "orbit": {"x": [float(x) for x in orbit]}, "window": {"x": [low, high]},
+    }  # fmt: skip
+    rows = {
+        f"Pieces of P{_low(state.order)}": [
+            [_word(p.word), _text(p.expression), p.condition()] for p in pieces[:ROWS]
+        ],
+        "Jump crossings": [
+            [f"x = {_text(j.x)}", f"from {_text(j.left)}", f"to {_text(j.right)}"]
+            for j in jumps[:ROWS]
+        ],
+        f"Cycles up to period {PERIODS}": _cycle_rows(family, here),
+        "Orbit": [[str(k), _text(x)] for k, x in enumerate(orbit[:ROWS])],
+    }
+    return Part("map", tables, rows)
+
+
+def _graph(pieces: Any, low: float, high: float) -> dict[str, dict[str, Any]]:
+    """Lines with gaps between pieces, and their ends: filled where they belong to the piece."""
+    x: list[float] = []
+    y: list[float] = []
+    ends: dict[str, list[Any]] = {"x": [], "y": [], "closed": []}
+    for piece in pieces:
+        slope, intercept = float(piece.slope), float(piece.intercept)
+        left, right = max(low, float(piece.lower)), min(high, float(piece.upper))
+        if left > right:
+            continue
+        x += [left, right, np.nan]
+        y += [slope * left + intercept, slope * right + intercept, np.nan]
+        for at, end, closed in (
+            (left, piece.lower, piece.lower_closed), (right, piece.upper, piece.upper_closed),
+        ):  # fmt: skip
+            if at == float(end):
+                ends["x"].append(at)
+                ends["y"].append(slope * at + intercept)
+                ends["closed"].append(bool(closed))
+    return {"curve": {"x": x, "y": y}, "ends": ends}
+
+
+def _around(marks: list[float]) -> tuple[float, float]:
+    low, high = min(marks, default=-1.0), max(marks, default=1.0)
+    margin = 0.2 * (high - low) or 1.0
+    return low - margin, high + margin
+
+
+def _cycle_rows(family: PiecewiseLinearMap, here: PiecewiseLinearMap) -> Rows:
+    """Word, exact points, multiplier; and as formulas in the parameters, with their conditions."""
+    rows: Rows = []
+    for cycle in islice(cycles(here, {}, PERIODS, budget=BUDGET), ROWS):
+        formula, border = "", ""
+        if family.parameters:
+            try:
+                known = family.cycle(cycle.word)
+                formula = f"x = {_text(known.points[0])}"
+                border = "; ".join(map(_text, known.conditions))
+            except (ValueError, ArithmeticError) as error:
+                formula = str(error)[:TEXT]
+        points = ", ".join(map(_text, cycle.points))
+        kind = "attracts" if cycle.stable else "repels"
+        rows.append(
+            [_word(cycle.word), points, f"{kind}, {_text(cycle.multiplier)}", formula, border]
+        )
+    return rows
+
+
+# --- Over one parameter ---------------------------------------------------------------------------
+
+
+def _one_parameter(state: MapState, family: PiecewiseLinearMap) -> PiecewiseLinearMap:
+    rest = {n: v for n, v in state.place.items() if n != state.axis and _has(family, n)}
+    return family.at(rest) if rest else family
+
+
+def _has(family: PiecewiseLinearMap, name: str) -> bool:
+    return any(str(symbol) == name for symbol in family.parameters)
+
+
+def _orders(state: MapState) -> tuple[int, ...]:
+    return tuple(range(1, state.orders + 1))
+
+
+def _cells(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> Part:
+    """Cells of the parameter, each with its cycles as formulas."""
+    if not state.axis:
+        return Part("cells")
+    line = _one_parameter(state, family)
+    found = parameter_cells(line, state.axis, _orders(state), span=state.span, budget=BUDGET)
+    value = Fraction(state.place[state.axis])
+    rows: Rows = []
+    for cell in found:
+        inside = cell.lower <= value <= cell.upper and (cell.is_edge or cell.lower < value)
+        where = (
+            f"{state.axis} = {_text(cell.lower)}"
+            if cell.is_edge
+            else f"{_text(cell.lower)} < {state.axis} < {_text(cell.upper)}"
+        )
+        points = [
+            f"{_word(p.word)}: {_text(p.x)}"
+            for order in _orders(state) for p in cell.map.iterate(order).fixed_points()
+            if p.period == order
+        ]  # fmt: skip
+        rows.append([where + (" ← here" if inside else ""), "; ".join(points) or "no cycle"])
+    return Part("cells", rows={f"Cells of {state.axis}": rows[:ROWS]})
+
+
+def _diagram(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> Part:
+    if not state.axis:
+        return Part("diagram")
+    line = _one_parameter(state, family)
+    found = bifurcation_diagram(line, state.axis, state.span, _orders(state), budget=BUDGET)
+    rows = [
+        [f"{p.kind} {p.note}", f"{state.axis} = {_text(p.exact.get('parameter', p.parameter))}",
+         f"x = {_text(p.exact.get('x', p.x))}"]
+        for p in found.points if str(p.kind) != "EP"
+    ]  # fmt: skip
+    note = "; ".join(text for text in found.given if "stopped" in text)
+    return Part("diagram", rows={"Special points": rows[:ROWS]}, shown=shown(found), message=note)
+
+
+# --- The long run, and two parameters -------------------------------------------------------------
+
+
+def _long(_: MapState, __: PiecewiseLinearMap, here: PiecewiseLinearMap) -> Part:
+    """Attractors, entropy, and the density of what is chaotic."""
+    found = dynamics(here, budget=BUDGET)
+    entropy = found.entropy
+    exact = f"= {_text(entropy.value)}" if entropy.value is not None else ""
+    rows: dict[str, Rows] = {
+        "Attractors": [[str(each)[:TEXT], _exponent(each)] for each in found.attractors],
+        "Entropy": [[f"in [{entropy.low:.12g}, {entropy.high:.12g}]", exact]],
+    }
+    steps: dict[str, list[float]] = {"left": [], "right": [], "top": []}
+    for attractor in found.attractors:
+        density = attractor.density
+        for low, high, value in density.steps() if density is not None else ():
+            for column, each in zip(steps.values(), (low, high, value), strict=True):
+                column.append(float(each))
+    return Part("long", {"density": steps}, rows)
+
+
+def _exponent(attractor: Any) -> str:
+    exact = attractor.exponent
+    if exact is not None:
+        return f"Lyapunov exponent {_text(exact)}"
+    bounds = attractor.exponent_bounds
+    return "" if bounds is None else f"Lyapunov exponent in [{bounds[0]:.6g}, {bounds[1]:.6g}]"
+
+
+def _plane(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> Part:
+    """Curves on which cycles bifurcate, with their polynomials."""
+    names = [name for name in state.plane if name in state.parameters]
+    if len(names) != 2:
+        return Part("plane")
+    rest = {n: v for n, v in state.place.items() if n not in names and _has(family, n)}
+    flat = family.at(rest) if rest else family
+    found = parameter_plane(
+        flat, names[0], names[1], state.across, state.along, PLANE_ORDERS, budget=BUDGET
+    )
+    low, high = map(Fraction, state.across)
+    lines: dict[str, list[Any]] = {n: [] for n in ("xs", "ys", "color", "dash", "name", "tip")}
+    for curve in found.curves:
+        style = LINES[curve.kind]
+        for arc in curve.arcs:
+            x, y = arc_arrays(arc, float(high - low) / SAMPLES)
+            values = (
+                x, y, style["color"], [5, 3] if style.get("linestyle") == "--" else [], curve.id,
+                f"{curve.kind.label} of {', '.join(map(_word, curve.words))}: "
+                f"{_text(curve.polynomial)} = 0",
+            )  # fmt: skip
+            for column, value in zip(lines.values(), values, strict=True):
+                column.append(value)
+    nodes = [[float(v) for v in point.values] for point in found.points]
+    rows = [
+        [curve.id, curve.kind.label, ", ".join(map(_word, curve.words)),
+         f"{_text(curve.polynomial)} = 0"]
+        for curve in found.curves
+    ]  # fmt: skip
+    meeting = [
+        [p.id, p.kind.label, ", ".join(map(_text, p.values)), " ".join(p.curves)]
+        for p in found.points
+    ]
+    tables = {"plane": lines, "meeting": {"x": [n[0] for n in nodes], "y": [n[1] for n in nodes]}}
+    told = {"Curves of the plane": rows[:ROWS], "Points of codimension two": meeting[:ROWS]}
+    return Part("plane", tables, told, found.left_out)
+
+
+# --- Texts ----------------------------------------------------------------------------------------
+
+
+def _text(value: object) -> str:
+    """An exact value as text, not longer than a line."""
+    told = str(value)
+    return told if len(told) <= TEXT else f"{told[:TEXT]}… ({len(told)} characters)"
+
+
+def _word(word: str) -> str:
+    return word if len(word) <= LETTERS else f"{word[:LETTERS]}… ({len(word)} letters)"
+
+
+def _low(number: int) -> str:
+    return "".join("₀₁₂₃₄₅₆₇₈₉"[int(digit)] for digit in str(number))

@@ -1,0 +1,182 @@
+"""What the page of a piecewise-linear map shows: a frozen value, to and from a link."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, fields, replace
+from fractions import Fraction
+from urllib.parse import parse_qsl, urlencode
+
+P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"  # [Leine2001, Eq. 14]
+LONGEST = 600  # characters of a formula
+PARAMETERS = 6  # at most
+QUERY_MOST = 4000  # characters of a link
+ORDERS = (1, 8)
+STEPS = (1, 200)
+DIGITS = 12  # of a numerator or denominator
+RATIONAL = re.compile(r"[+-]?\d+(/\d+|\.\d+)?")
+WORDS = {"Piecewise", "True", "False", "Abs", "Max", "Min", "And", "Or", "Not", "x"}
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class MapState:
+    """What all views of a page share; every number is a rational, as text.
+
+    Parameters
+    ----------
+    map, given
+        The formula in x and its assumptions, separated by ``;``.
+    values
+        Values of parameters by name; those without one have 1.
+    order, steps, start
+        The iterate, and the cobweb.
+    over, span
+        The parameter of the diagram and its interval; the first one if empty.
+    across, along
+        The plane: two parameters with their intervals, none if empty.
+    """
+
+    map: str = P1L
+    given: str = "a > 1"
+    values: tuple[tuple[str, str], ...] = (("a", "5/4"),)
+    order: int = 1
+    steps: int = 20
+    start: str = "3/10"
+    over: str = "r"
+    span: tuple[str, str] = ("-1", "4")
+    orders: int = 2
+    across: tuple[str, str] = ("1", "3")
+    along: tuple[str, str] = ("-1", "4")
+    plane: tuple[str, ...] = ("a", "r")
+    focus: str = ""
+
+    def __post_init__(self) -> None:
+        if len(self.map) > LONGEST or len(self.given) > LONGEST:
+            raise ValueError(f"a formula has at most {LONGEST} characters")
+        for name, most in (("order", ORDERS[1]), ("steps", STEPS[1]), ("orders", ORDERS[1])):
+            if not 1 <= getattr(self, name) <= most:
+                raise ValueError(f"{name} must lie in [1, {most}]")
+        for text in (
+            self.start,
+            *self.span,
+            *self.across,
+            *self.along,
+            *dict(self.values).values(),
+        ):
+            rational(text)
+        for name in ("span", "across", "along"):
+            low, high = map(rational, getattr(self, name))
+            if not low < high:
+                raise ValueError(f"{name} must ascend, got {low}, {high}")
+        if self.focus not in ("", "map", "diagram", "graph", "plane", "density", "exact"):
+            raise ValueError(f"unknown view {self.focus[:40]!r}")
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names in the formula that are parameters."""
+        found = dict.fromkeys(re.findall(r"[A-Za-z_]\w*", f"{self.map} {self.given}"))
+        return tuple(sorted(name for name in found if name not in WORDS))[:PARAMETERS]
+
+    @property
+    def place(self) -> dict[str, str]:
+        """A value for each parameter."""
+        known = dict(self.values)
+        return {name: known.get(name, "1") for name in self.parameters}
+
+    @property
+    def axis(self) -> str:
+        """The parameter of the diagram; empty if the map has none."""
+        names = self.parameters
+        return self.over if self.over in names else (names[0] if names else "")
+
+    def at(self, **values: str) -> MapState:
+        """The same with other values of parameters."""
+        for name, text in values.items():
+            if name not in self.parameters:
+                raise ValueError(f"unknown parameter {name[:40]!r}")
+            rational(text)
+        kept = {**dict(self.values), **values}
+        return replace(self, values=tuple(sorted(kept.items())))
+
+
+def rational(text: object) -> Fraction:
+    """A rational from text such as 5/4 or 1.25; ValueError if it is none, or long."""
+    told = str(text).strip()
+    if not RATIONAL.fullmatch(told) or max(map(len, re.findall(r"\d+", told))) > DIGITS:
+        raise ValueError(f"expected a rational such as 5/4, got {told[:40]!r}")
+    try:
+        return Fraction(told)
+    except ZeroDivisionError:
+        raise ValueError(f"expected a rational such as 5/4, got {told[:40]!r}") from None
+
+
+def to_query(state: MapState) -> str:
+    """What differs from the state of an empty link."""
+    default, found = MapState(), []
+    for each in fields(MapState):
+        value = getattr(state, each.name)
+        if value == getattr(default, each.name):
+            continue
+        if each.name == "values":
+            found += [(f"at_{name}", text) for name, text in value]
+        else:
+            text = ",".join(value) if isinstance(value, tuple) else str(value)
+            found.append((each.name, text))
+    return urlencode(found, safe=",/")
+
+
+def from_query(query: str) -> MapState:
+    """The state of a link; ValueError names what is wrong with it."""
+    if len(query) > QUERY_MOST:
+        raise ValueError(f"a link has at most {QUERY_MOST} characters, got {len(query)}")
+    own: dict[str, object] = {}
+    values: dict[str, str] = {}
+    default = MapState()
+    names = {each.name for each in fields(MapState)} - {"values"}
+    for key, text in parse_qsl(query, keep_blank_values=True, max_num_fields=40):
+        if key.startswith("at_"):
+            values[key[3:]] = text
+        elif key not in names:
+            raise ValueError(f"unknown name in the link: {key[:40]!r}")
+        elif isinstance(getattr(default, key), tuple):
+            own[key] = tuple(part for part in text.split(",") if part)
+        elif isinstance(getattr(default, key), int):
+            if not text.isdigit():
+                raise ValueError(f"{key} must be a whole number, got {text[:40]!r}")
+            own[key] = int(text)
+        else:
+            own[key] = text
+    for key in ("span", "across", "along"):
+        if key in own and len(own[key]) != 2:  # type: ignore[arg-type]
+            raise ValueError(f"{key} must be two rationals")
+    if values or "map" in own:
+        own["values"] = tuple(sorted(values.items()))
+    if "map" in own and "given" not in own:
+        own["given"] = ""
+    return MapState(**own)  # type: ignore[arg-type]
+
+
+def python_of(state: MapState) -> str:
+    """The lines of Python that make the same."""
+    given = [part.strip() for part in state.given.split(";") if part.strip()]
+    place = ", ".join(f"{name!r}: {text!r}" for name, text in state.place.items())
+    lines = [
+        "from pwmap import PiecewiseLinearMap, bifurcation_diagram, dynamics, parameter_cells",
+        "",
+        f"family = PiecewiseLinearMap.from_sympy({state.map!r}, 'x', {given!r})",
+        f"here = family.at({{{place}}})" if place else "here = family",
+        f"print(here.iterate({state.order}))",
+        f"print(here.iterate({state.order}).fixed_points())",
+        f"print(here.iterate({state.order}).jump_crossings())",
+    ]
+    if state.axis:
+        rest = {n: v for n, v in state.place.items() if n != state.axis}
+        orders, span = tuple(range(1, state.orders + 1)), state.span
+        lines += [
+            f"family_of_one = family.at({rest!r})" if rest else "family_of_one = family",
+            f"cells = parameter_cells(family_of_one, {state.axis!r}, {orders!r}, span={span!r})",
+            f"diagram = bifurcation_diagram(family_of_one, {state.axis!r}, {span!r}, {orders!r})",
+        ]
+    return "\n".join(
+        [*lines, "found = dynamics(here)", "print(found.attractors, found.entropy)", ""]
+    )

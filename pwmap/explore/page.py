@@ -1,0 +1,171 @@
+"""The page: a form of controls, places for views, and the letters that go between both sides.
+
+The browser writes a *wish*, the server an *answer*; each is one text (JSON), so that a page sends
+its next wish when the last one is answered, and a drag never queues up. A wish names one of the
+verbs of its page and its values; nothing in it is ever executed.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from bokeh.core.properties import String
+from bokeh.document import Document
+from bokeh.model import DataModel
+from jinja2 import Environment, FileSystemLoader, select_autoescape
+
+FOLDER = Path(__file__).parent / "files"
+LONGEST = 20_000  # characters of a wish
+Verb = Callable[[Mapping[str, Any]], Mapping[str, Any]]
+
+
+class Wish(DataModel):  # type: ignore[misc]
+    """What the user wants, as JSON."""
+
+    text = String(default="")
+
+
+class Answer(DataModel):  # type: ignore[misc]
+    """What the page shows besides its views, as JSON."""
+
+    text = String(default="")
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Control:
+    """A slider with a field.
+
+    Parameters
+    ----------
+    name
+        As in links.
+    label
+        As the paper writes it, HTML.
+    meaning, unit
+        A phrase, and ``-`` for a pure number.
+    low, high, step
+        Of the slider; the field takes any value.
+    default
+        What a reset sets, as text.
+    group
+        The heading it stands under.
+    exact
+        Whether the field takes rationals.
+    """
+
+    name: str
+    label: str
+    meaning: str
+    unit: str
+    low: float
+    high: float
+    step: float
+    default: str
+    group: str
+    exact: bool = False
+
+
+def fill(
+    document: Document, template: Path, roots: Sequence[Any], verbs: Mapping[str, Verb],
+    **variables: Any,
+) -> Callable[[Mapping[str, Any]], None]:  # fmt: skip
+    """Fill the document of one tab.
+
+    Parameters
+    ----------
+    document
+        The document.
+    template
+        A page that extends ``shell.html``, in a folder of its own.
+    roots
+        Figures, by their names in the template.
+    verbs
+        What a wish may ask for; each gives what the answer tells. A ``ValueError`` becomes its
+        message.
+    variables
+        For the template; ``controls`` are also told to the script.
+
+    Returns
+    -------
+    callable
+        Sends an answer: values that are told to the script of the page.
+    """
+    wish, answer = Wish(name="wish"), Answer(name="answer")
+    count = 0
+
+    def say(values: Mapping[str, Any]) -> None:
+        nonlocal count
+        count += 1
+        answer.text = json.dumps({**values, "count": count})
+
+    def hear(_: str, __: str, text: str) -> None:
+        told: dict[str, Any] = {}
+        try:
+            asked = _read(text)
+            told["n"] = asked["n"]
+            if asked["do"] not in verbs:
+                raise ValueError(f"unknown wish {asked['do'][:40]!r}")
+            told |= verbs[asked["do"]](asked)
+        except (ValueError, TypeError, KeyError, ArithmeticError) as error:
+            told["message"] = in_words(error)
+        say(told)
+
+    wish.on_change("text", hear)
+    roots[0].tags = [wish, answer]  # so that they are parts of the document
+    for root in roots:
+        document.add_root(root)
+    document.template = _environment(template.parent).get_template(template.name)
+    document.template_variables.update(variables)
+    return say
+
+
+@lru_cache
+def _environment(folder: Path) -> Environment:
+    """Templates of a page, and those that all pages share."""
+    loader = FileSystemLoader([str(FOLDER), str(folder)])
+    return Environment(loader=loader, autoescape=select_autoescape(default=True))
+
+
+def compare_page(title: str) -> str:
+    """Two explorers side by side; both of their states are in the link."""
+    text: str = _environment(FOLDER).get_template("compare.html").render(page_title=title)
+    return text
+
+
+def in_words(error: Exception) -> str:
+    """The sentence of an error, for the user."""
+    if isinstance(error, KeyError):
+        return f"unknown: {str(error)[:200]}"
+    return str(error)[:500] or type(error).__name__
+
+
+def _read(text: str) -> dict[str, Any]:
+    """A wish from its text; ValueError unless it is one."""
+    if len(text) > LONGEST:
+        raise ValueError(f"a wish has at most {LONGEST} characters")
+    asked = json.loads(text)
+    if not isinstance(asked, dict) or not isinstance(asked.get("do"), str) or "n" not in asked:
+        raise ValueError("a wish names what to do")
+    return asked
+
+
+def numbers(values: object, names: Sequence[str]) -> dict[str, float]:
+    """Finite numbers by known names; ValueError names what is none."""
+    if not isinstance(values, dict):
+        raise ValueError("values must be numbers by their names")
+    for name, value in values.items():
+        if name not in names:
+            raise ValueError(f"unknown parameter {str(name)[:40]!r}")
+        if isinstance(value, bool) or not isinstance(value, int | float) or value != value:
+            raise ValueError(f"{name} must be a number, got {str(value)[:40]!r}")
+    return {name: float(value) for name, value in values.items()}
+
+
+def as_table(controls: Sequence[Control]) -> list[dict[str, Any]]:
+    """Controls for a template."""
+    return [asdict(control) for control in controls]

@@ -1,0 +1,205 @@
+"""One page on this machine, for this machine only.
+
+The server listens at 127.0.0.1. A websocket is accepted from a page of this server alone, and files
+are given only to who calls the machine by its own name, so that no other page in the browser can
+reach it under a name of its own. It ends with Ctrl-C, with SIGTERM, and some time after the last
+page was closed.
+"""
+
+from __future__ import annotations
+
+import signal
+import time
+from asyncio import sleep
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+from bokeh.application import Application
+from bokeh.application.handlers import FunctionHandler
+from bokeh.document import Document
+from bokeh.server.server import Server
+from tornado.ioloop import IOLoop, PeriodicCallback
+from tornado.web import HTTPError, RequestHandler
+
+from pwmap.explore.jobs import Failure, Finished, Job
+from pwmap.explore.page import compare_page, in_words
+
+ADDRESS = "127.0.0.1"
+NAMES = (ADDRESS, "localhost")
+PORT, PORTS = 5007, 20  # the first that is tried, and how many
+UNUSED = 2000  # ms that a session is kept after its connection was lost for good
+LINGER = 10.0  # s after the last page was closed, so that it can be loaded again
+LONGEST = 60.0  # s for one file
+POLICY = (
+    "default-src 'self'; script-src 'self' 'unsafe-inline' 'unsafe-eval'; "
+    "style-src 'self' 'unsafe-inline'; img-src 'self' data: blob:; "
+    "connect-src 'self' ws:; frame-src 'self'; base-uri 'none'; form-action 'none'"
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """What is served.
+
+    Parameters
+    ----------
+    page
+        Fills the document of one tab.
+    export
+        Called with the name of a file and the query: a job that yields its type and content, and
+        what that is called with. ValueError if there is no such file or state.
+    compare
+        Title of the page with two states side by side.
+    """
+
+    page: Callable[[Document], None]
+    export: Callable[[str, str], tuple[Any, ...]]
+    compare: str
+
+
+def serve(
+    site: Site, port: int | None = None, *, stay: bool = False, ready: Callable[[str], None]
+) -> None:
+    """Serve a site until it is asked to end.
+
+    Parameters
+    ----------
+    site
+        What is served.
+    port
+        Where; by default the first from 5007 on that is free.
+    stay
+        Whether to go on when the last page was closed.
+    ready
+        Called with the address when pages can be loaded.
+
+    Raises
+    ------
+    OSError
+        If the port is taken.
+    """
+    server = _started(site, port)
+    loop: IOLoop = server.io_loop
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: loop.add_callback_from_signal(loop.stop))
+    watch = PeriodicCallback(_Watch(server, loop), 500.0)
+    if not stay:
+        watch.start()
+    loop.add_callback(ready, f"http://{ADDRESS}:{server.port}/")
+    try:
+        loop.start()
+    finally:
+        watch.stop()
+        server.stop(wait=False)
+        for number in (signal.SIGINT, signal.SIGTERM):
+            signal.signal(number, signal.SIG_IGN)
+
+
+def _started(site: Site, port: int | None) -> Any:
+    ports = [port] if port is not None else [PORT + k for k in range(PORTS)]
+    for each in ports:
+        try:
+            server = Server(
+                {"/": Application(FunctionHandler(site.page))},
+                address=ADDRESS,
+                port=each,
+                allow_websocket_origin=[f"{name}:{each}" for name in NAMES],
+                extra_patterns=_patterns(site),
+                unused_session_lifetime_milliseconds=UNUSED,
+                check_unused_sessions_milliseconds=UNUSED // 2,
+                keep_alive_milliseconds=5000,
+            )
+        except OSError:
+            if each == ports[-1]:
+                raise
+            continue
+        server.start()
+        return server
+    raise AssertionError
+
+
+class _Watch:
+    """Ends the loop some time after the last page was closed."""
+
+    def __init__(self, server: Any, loop: IOLoop) -> None:
+        self.server, self.loop, self.seen = server, loop, 0.0
+
+    def __call__(self) -> None:
+        if any(session.connection_count for session in self.server.get_sessions()):
+            self.seen = time.monotonic()
+        elif self.seen and time.monotonic() - self.seen > LINGER:
+            self.loop.stop()
+
+
+# --- Files and other pages --------------------------------------------------------------------
+
+
+def _patterns(site: Site) -> list[Any]:
+    return [
+        (r"/export/([a-z_]+\.[a-z]+)", _Export, {"export": site.export}),
+        (r"/compare", _Page, {"text": compare_page(site.compare)}),
+    ]
+
+
+class _OwnName(RequestHandler):  # type: ignore[misc]
+    """Answers only who calls this machine by its own name."""
+
+    def prepare(self) -> None:
+        """Refuse a name that another site has pointed at this machine."""
+        if self.request.host.partition(":")[0] not in NAMES:
+            raise HTTPError(403)
+
+    def set_default_headers(self) -> None:
+        """What the browser may do with it."""
+        self.set_header("X-Content-Type-Options", "nosniff")
+        self.set_header("Content-Security-Policy", POLICY)
+        self.set_header("Cache-Control", "no-store")
+
+
+class _Page(_OwnName):
+    """A page that is a text."""
+
+    def initialize(self, text: str) -> None:
+        self.text = text
+
+    def get(self) -> None:
+        """The page."""
+        self.set_header("Content-Type", "text/html; charset=utf-8")
+        self.finish(self.text)
+
+
+class _Export(_OwnName):
+    """A file made from the state in the query, in another process."""
+
+    def initialize(self, export: Callable[[str, str], tuple[Any, ...]]) -> None:
+        self.export = export
+
+    async def get(self, name: str) -> None:
+        """The file, or the sentence that says why there is none."""
+        try:
+            work, *arguments = self.export(name, self.request.query)
+        except (ValueError, TypeError) as error:
+            self._refuse(in_words(error))
+            return
+        job = Job(work, *arguments, seconds=LONGEST)
+        try:
+            found: list[Any] = []
+            while not job.is_over:
+                found += job.results()
+                await sleep(0.02)
+        finally:
+            job.stop()
+        failures = [each.sentence for each in found if isinstance(each, Failure)]
+        if failures:
+            self._refuse(failures[0])
+            return
+        (kind, content) = next(each for each in found if not isinstance(each, Finished))
+        self.set_header("Content-Type", kind)
+        self.set_header("Content-Disposition", f'attachment; filename="{name}"')
+        self.finish(content)
+
+    def _refuse(self, sentence: str) -> None:
+        self.set_status(400)
+        self.set_header("Content-Type", "text/plain; charset=utf-8")
+        self.finish(sentence)

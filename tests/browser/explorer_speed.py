@@ -1,0 +1,145 @@
+"""How fast the explorer of the toy is, measured in Chromium: the slider, the diagram, the start.
+
+Needs the extras ``explore`` and ``browser``, and Chromium at ``CHROMIUM``:
+
+    python tests/browser/explorer_speed.py [--fast]
+
+The whole takes eleven minutes, of which ten are random use. No test asserts times.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import random
+import re
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
+READY = "window.explorer && explorer.answer.values"
+DRAG = """async () => {
+  explorer.times = [];
+  for (let k = 0; k < COUNT; k++) {
+    const value = 0.5 + 0.12 * Math.sin(k / 25);
+    dragging = true;
+    explorer.ask({ do: "set", values: { eps_n1: value }, drag: true });
+    while (explorer.waiting) await new Promise((done) => setTimeout(done, 1));
+    await new Promise((done) => requestAnimationFrame(() => setTimeout(done)));
+  }
+  dragging = false;
+  return explorer.times;
+}"""
+WISHES = (
+    {"do": "order", "value": "2"}, {"do": "order", "value": "1"}, {"do": "reset"},
+    {"do": "law", "value": "separate"}, {"do": "law", "value": "summed"}, {"do": "undo"},
+    {"do": "portrait", "value": "phi_m"}, {"do": "tour", "value": 7}, {"do": "tour", "value": 0},
+)  # fmt: skip
+
+
+def started(port: int) -> tuple[subprocess.Popen[str], str]:
+    """A server and its address."""
+    command = [sys.executable, "-m", "woodpecker", "explore", "--no-browser", "--stay"]
+    process = subprocess.Popen(
+        [*command, "--port", str(port)], stdout=subprocess.PIPE, text=True,
+        env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path)},
+    )  # fmt: skip
+    assert process.stdout is not None
+    for line in process.stdout:
+        if found := re.search(r"http://\S+", line):
+            return process, found[0]
+    raise RuntimeError("the server did not start")
+
+
+def memory(pid: int) -> float:
+    """Resident memory of a process and its children [MB]."""
+    total = 0
+    for each in Path("/proc").glob("[0-9]*"):
+        try:
+            fields = (each / "stat").read_text().rsplit(")", 1)[1].split()
+            if int(each.name) == pid or int(fields[1]) == pid:
+                total += int((each / "statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+        except OSError:
+            continue
+    return total / 1e6
+
+
+def busy(name: str) -> float:
+    """CPU time of all processes whose command has a word [s]."""
+    ticks = 0
+    for each in Path("/proc").glob("[0-9]*"):
+        try:
+            if name in (each / "cmdline").read_text():
+                fields = (each / "stat").read_text().rsplit(")", 1)[1].split()
+                ticks += int(fields[11]) + int(fields[12])
+        except OSError:
+            continue
+    return ticks / os.sysconf("SC_CLK_TCK")
+
+
+def wander(page: Any, pid: int, seconds: float) -> list[float]:
+    """Random wishes for some time; the memory [MB] of the server once a second or so."""
+    rng, seen, end = random.Random(1), list[float](), time.monotonic() + seconds
+    while time.monotonic() < end:
+        for _ in range(20):
+            wish: dict[str, Any] = rng.choice(WISHES)
+            if rng.random() < 0.8:
+                name = rng.choice(("eps_n1", "mu_1", "mu_2", "mu_3", "c_phi"))
+                value = rng.random() if name != "c_phi" else 0.004 + 0.003 * rng.random()
+                wish = {"do": "set", "values": {name: value}, "drag": rng.random() < 0.8}
+            page.evaluate(f"explorer.ask({json.dumps(wish)})")
+            page.wait_for_function("!explorer.waiting")
+        seen.append(memory(pid))
+    return seen
+
+
+def measured(fast: bool) -> dict[str, float]:
+    """All figures; times in seconds and milliseconds."""
+    from playwright.sync_api import sync_playwright
+
+    begun = time.monotonic()
+    process, address = started(5390)
+    try:
+        with sync_playwright() as playwright:
+            chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+            page = chromium.new_page(viewport={"width": 1280, "height": 720})
+            page.goto(address)
+            page.wait_for_function(READY, timeout=120_000)
+            first = time.monotonic() - begun
+            page.wait_for_function("/^\\d+ branches/.test(explorer.answer.stage)", timeout=120_000)
+            clock = time.monotonic()
+            page.evaluate("explorer.ask({ do: 'search' })")
+            page.wait_for_function("explorer.answer.running && explorer.answer.branches.length")
+            partial = time.monotonic() - clock
+            page.wait_for_function("!explorer.answer.running", timeout=120_000)
+            whole = time.monotonic() - clock
+            page.wait_for_timeout(1500)
+            names = ("--port\x005390", "type=renderer", "chromium")
+            before, count = [busy(each) for each in names], 100 if fast else 400
+            times = page.evaluate(DRAG.replace("COUNT", str(count)))
+            used = [1e3 * (busy(n) - b) / count for n, b in zip(names, before, strict=True)]
+            drawn = np.array(times)
+            kept = wander(page, process.pid, 20.0 if fast else 600.0)
+            chromium.close()
+    finally:
+        process.kill()
+        process.wait()
+    return {
+        "first picture [s]": first, "first branches [s]": partial, "whole diagram [s]": whole,
+        "drag, median [ms]": float(np.median(drawn)),
+        "drag, p95 [ms]": float(np.percentile(drawn, 95)),
+        "drag, CPU of the server [ms]": used[0], "drag, CPU of the page's process [ms]": used[1],
+        "drag, CPU of the browser in all [ms]": used[2],
+        "memory, first [MB]": kept[0], "memory, most [MB]": max(kept),
+        "load of the machine": os.getloadavg()[0],
+    }  # fmt: skip
+
+
+if __name__ == "__main__":
+    for name, value in measured(fast="--fast" in sys.argv).items():
+        print(f"{name}: {value:.1f}")

@@ -1,0 +1,133 @@
+"""The explorer of piecewise-linear maps in a browser."""
+
+from collections.abc import Iterator
+from typing import Any
+from urllib.parse import quote
+
+import pytest
+from explored import Seen, Served, browser, served
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+DONE = "explorer.answer.busy === false && explorer.answer.rows.length > 5"
+
+
+@pytest.fixture(scope="module")
+def server() -> Iterator[Served]:
+    with served("pwmap", "explore", "--stay") as made:
+        yield made
+
+
+@pytest.fixture(scope="module")
+def chromium() -> Iterator[Any]:
+    with browser() as made:
+        yield made
+
+
+@pytest.fixture
+def tab(server: Served, chromium: Any) -> Iterator[Seen]:
+    seen = Seen(chromium, server.address)
+    seen.wait(DONE, 60)
+    yield seen
+    seen.close()
+
+
+def rows(tab: Seen, title: str) -> list[list[str]]:
+    found = [each["rows"] for each in tab.answer["rows"] if each["title"].startswith(title)]
+    return found[0] if found else []
+
+
+def test_every_view_is_drawn(tab: Seen) -> None:
+    for view in ("map", "diagram", "plane", "graph"):
+        assert tab.colours(f"#plot-{view}") > 10, view
+    text = tab.page.locator("#rows").inner_text()
+    for told in ("4/9", "r/(a + 1)", "0 < r < 2 ← here", "cycle L through -1"):
+        assert told in text
+    tab.picture("maps")
+
+
+def test_a_field_takes_rationals_and_a_slider_too(tab: Seen) -> None:
+    field = tab.page.locator("#field-r")
+    field.fill("7/3")
+    field.press("Enter")
+    tab.rest()
+    tab.wait(DONE)
+    assert tab.answer["values"] == {"a": "5/4", "r": "7/3"}
+    assert rows(tab, "Cycles")[0][0] != "L"
+    field.fill("__import__('os')")
+    field.press("Enter")
+    tab.rest()
+    assert "expected a rational" in tab.page.locator("#message").inner_text()
+    tab.page.focus("#slider-a")
+    tab.page.keyboard.press("ArrowRight")
+    tab.rest()
+    assert tab.answer["values"]["a"] == "63/50"
+
+
+def test_a_click_on_the_plane_shows_its_cell(tab: Seen) -> None:
+    tab.click("plane", 2.0, 2.5)
+    tab.wait(DONE)
+    values = tab.answer["values"]
+    assert values["a"] == "2"  # the simplest rational within half a pixel or so
+    assert abs(eval(values["r"]) - 2.5) < 0.05
+    cycle = rows(tab, "Cycles")[0]
+    assert "x = " in cycle[3]  # a formula in a and r, and its borders
+    assert cycle[4] != ""
+
+
+def test_clicks_on_the_map_the_diagram_and_the_graph(tab: Seen) -> None:
+    tab.click("map", 0.75, -0.5)
+    assert tab.answer["start"] == "3/4"
+    tab.wait(DONE)
+    tab.click("diagram", 3.0, 4.0 / 3.0)  # the fixed point r/(a + 1) at r = 3
+    assert tab.answer["branch"] == "F2"
+    tab.wait(DONE)
+    edges = tab.table("graph", 1)
+    k = edges["branch"].index("J1")
+    tab.click("graph", edges["x"][k], edges["y"][k])
+    assert tab.answer["branch"] == "J1"
+
+
+def test_another_map_is_typed(tab: Seen) -> None:
+    tab.page.fill("#formula", "Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    tab.page.fill("#given", "")
+    tab.page.click("#typed button")
+    tab.page.wait_for_function("window.explorer?.answer.values && !('r' in explorer.answer.values)")
+    tab.page.fill("#field-a", "2")
+    tab.page.press("#field-a", "Enter")
+    tab.wait("explorer.answer.chaotic === true && " + DONE)
+    assert rows(tab, "Entropy")[0][1] == "= log(2)"
+    assert tab.table("density", 0)["top"] == [1]
+    assert tab.colours("#plot-density") > 10
+    tab.picture("maps_tent")
+
+
+@pytest.mark.parametrize(
+    "formula",
+    ["__import__('os').system('touch /tmp/never')", "<img src=x onerror=alert(1)>", "((((", "x**x"],
+)
+def test_a_hostile_text_is_refused_with_a_sentence(
+    server: Served, chromium: Any, formula: str
+) -> None:
+    seen = Seen(chromium, server.address, f"map={quote(formula)}")
+    seen.wait("explorer.answer.message && explorer.answer.busy === false", 60)
+    assert seen("document.querySelectorAll('img').length") == 0
+    seen.close()
+
+
+def test_a_text_that_takes_too_long_is_given_up(server: Served, chromium: Any) -> None:
+    """The page answers meanwhile."""
+    pieces = ", ".join(f"(x*{k + 2} - {k}, x < {k}/100)" for k in range(24))
+    formula = f"Piecewise({pieces}, (x/2, True))"[:600].rpartition(", (")[0] + ", (x/2, True))"
+    seen = Seen(chromium, server.address, f"map={quote(formula)}&order=8&orders=8")
+    begun = seen("performance.now()")
+    seen.ask(do="steps", value="5")
+    assert seen("performance.now()") - begun < 5000  # it does not wait for the answers
+    seen.close()
+
+
+def test_two_tabs_do_not_mix(tab: Seen, chromium: Any, server: Served) -> None:
+    other = Seen(chromium, server.address, "at_a=3/2&at_r=3")
+    tab.ask(do="set", values={"r": "1/2"})
+    assert other.answer["values"] == {"a": "3/2", "r": "3"}
+    other.close()
+    assert "at_r=1/2" in tab.page.url

@@ -1,0 +1,190 @@
+"""An explorer that runs, and a browser that looks at it."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from threading import Thread
+from typing import Any
+
+import pytest
+
+CHROMIUM = os.environ.get("CHROMIUM", "/usr/bin/chromium")
+PICTURES = Path(os.environ.get("EXPLORER_PICTURES", "build/explorer"))
+READY = 120_000  # ms: with a kernel that has to be compiled first
+
+
+class Served:
+    """A server of its own process."""
+
+    def __init__(self, *words: str) -> None:
+        command = [sys.executable, "-m", *words, "--no-browser"]
+        self.process = subprocess.Popen(
+            command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+            env={**os.environ, "PYTHONPATH": os.pathsep.join(sys.path), "MPLBACKEND": "Agg"},
+        )  # fmt: skip
+        assert self.process.stdout is not None
+        self.said = said = list[str]()
+        for line in self.process.stdout:
+            said.append(line)
+            found = re.search(r"http://[\d.]+:\d+/", line)
+            if found:
+                self.address = found[0]
+                self._rest = Thread(target=self._read, daemon=True)
+                self._rest.start()
+                return
+        raise AssertionError("".join(said))
+
+    def _read(self) -> None:
+        """What it goes on to say: errors that it logs."""
+        assert self.process.stdout is not None
+        with self.process.stdout as lines:
+            self.said += lines
+
+    def end(self, number: int = signal.SIGTERM) -> None:
+        """Ask it to end, and wait until it has."""
+        self.process.send_signal(number)
+        self.process.wait(20.0)
+        self._rest.join(5.0)
+
+
+@contextmanager
+def served(*words: str) -> Iterator[Served]:
+    server = Served(*words)
+    try:
+        yield server
+    finally:
+        server.end()
+
+
+@contextmanager
+def browser() -> Iterator[Any]:
+    api = pytest.importorskip("playwright.sync_api")
+    if not Path(CHROMIUM).exists():
+        pytest.skip(f"no browser at {CHROMIUM}")
+    with api.sync_playwright() as playwright:
+        made = playwright.chromium.launch(
+            executable_path=CHROMIUM, args=["--no-sandbox", "--disable-dev-shm-usage"]
+        )
+        try:
+            yield made
+        finally:
+            made.close()
+
+
+class Seen:
+    """One tab. Whatever goes wrong on the page, or is loaded from elsewhere, is kept."""
+
+    def __init__(
+        self, browser: Any, address: str, query: str = "", size: tuple[int, int] = (1280, 720)
+    ) -> None:
+        self.address, self.errors, self.elsewhere = address, list[str](), list[str]()
+        self.page = browser.new_page(
+            viewport={"width": size[0], "height": size[1]}, reduced_motion="reduce"
+        )
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.on("request", self._request)
+        self.page.goto(f"{address}?{query}" if query else address)
+        self.page.wait_for_function("window.explorer && explorer.answer.values", timeout=READY)
+        self.rest()
+
+    def _request(self, request: Any) -> None:
+        own = (self.address, self.address.replace("http", "ws"), "data:", "blob:")
+        if not request.url.startswith(own):
+            self.elsewhere.append(request.url)
+
+    def __call__(self, script: str) -> Any:
+        return self.page.evaluate(script)
+
+    def rest(self) -> None:
+        """Wait until every wish is answered."""
+        self.page.wait_for_function("!explorer.waiting && !explorer.next && explorer.sent > 0")
+
+    def ask(self, **wish: Any) -> dict[str, Any]:
+        """Send a wish; what the page shows after it."""
+        count = self("explorer.sent")
+        self(f"explorer.ask({json.dumps(wish)})")
+        self.page.wait_for_function(f"explorer.sent > {count} && !explorer.waiting")
+        found: dict[str, Any] = self("explorer.answer")
+        return found
+
+    @property
+    def answer(self) -> dict[str, Any]:
+        found: dict[str, Any] = self("explorer.answer")
+        return found
+
+    def table(self, figure: str, number: int) -> dict[str, list[Any]]:
+        """The data of one of the glyphs of a figure, in the order in which they were made."""
+        found: dict[str, list[Any]] = self(
+            f"""(() => {{
+              const data = explorer.doc.get_model_by_name("{figure}").renderers[{number}]
+                .data_source.data;
+              return Object.fromEntries(Object.entries(data).map(([k, v]) => [k, Array.from(v)]));
+            }})()"""
+        )
+        return found
+
+    def wait(self, script: str, seconds: float = 30.0) -> None:
+        self.page.wait_for_function(script, timeout=1000.0 * seconds)
+
+    def complete(self) -> None:
+        """Wait for the whole diagram."""
+        self.wait("/^\\d+ branches/.test(explorer.answer.stage)", 120.0)
+        self.page.wait_for_timeout(300)
+
+    def colours(self, selector: str) -> int:
+        """How many colours a part of the page has: one, if nothing is drawn."""
+        import io
+
+        from PIL import Image
+
+        picture = Image.open(io.BytesIO(self.page.locator(selector).screenshot()))
+        return len(picture.convert("RGB").getcolors(1 << 24) or ())
+
+    def click(self, figure: str, x: float, y: float) -> None:
+        """Click at a place of a figure, in its own coordinates."""
+        place = self(
+            f"""(() => {{
+              const view = Object.values(Bokeh.index.roots ?? Bokeh.index).map((v) => v)
+                .find((v) => v.model.name === "{figure}");
+              const box = view.el.getBoundingClientRect(), frame = view.frame.bbox;
+              const at = (range, low, high, v) => (v - range.start) / (range.end - range.start);
+              const {{ x_range, y_range }} = view.model;
+              return [
+                box.left + frame.left + frame.width * at(x_range, 0, 0, {x}),
+                box.top + frame.bottom - frame.height * at(y_range, 0, 0, {y}),
+              ];
+            }})()"""
+        )
+        count = self("explorer.count")
+        self.page.mouse.click(*place)
+        self.wait(f"explorer.count > {count}")
+        self.rest()
+
+    def picture(self, name: str) -> Path:
+        """Keep what is seen as a result."""
+        PICTURES.mkdir(parents=True, exist_ok=True)
+        path = PICTURES / f"{name}.png"
+        self.page.mouse.move(2, 2)
+        self.page.wait_for_timeout(400)
+        self.page.screenshot(path=path)
+        return path
+
+    def close(self) -> None:
+        self.page.close()
+        assert self.errors == []
+        assert self.elsewhere == []  # nothing is loaded from the network
+
+
+def until(condition: Any, seconds: float = 20.0) -> None:
+    """Wait for something outside of the browser."""
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end
+        time.sleep(0.05)

@@ -1,0 +1,82 @@
+"""What the page of a map is given, beside the public functions; no browser."""
+
+from fractions import Fraction
+
+import pytest
+
+pytest.importorskip("bokeh")
+from pwmap.explore.map_data import answers
+from pwmap.explore.map_state import (
+    MapState,
+    from_query,
+    python_of,
+    rational,
+    to_query,
+)
+
+
+def test_a_link_holds_the_map() -> None:
+    assert to_query(MapState()) == ""
+    state = MapState(map="Piecewise((a*x + 1, x <= 0), (b*x + 1, True))", given="",
+                     values=(("a", "1/2"), ("b", "-3/2")), over="b", span=("-5", "-1/2"),
+                     plane=("a", "b"), order=3)  # fmt: skip
+    assert from_query(to_query(state)) == state
+    assert state.parameters == ("a", "b")
+    assert state.at(a="2/3").place == {"a": "2/3", "b": "-3/2"}
+
+
+@pytest.mark.parametrize(
+    "query",
+    ["map=" + "x" * 700, "order=99", "order=-1", "start=sqrt(2)", "start=1/0", "span=1,0",
+     "span=1", "nothing=1", "focus=<b>", "at_a=1e9999", "at_a=" + "9" * 40],
+)  # fmt: skip
+def test_a_link_that_is_none_is_refused(query: str) -> None:
+    with pytest.raises(ValueError, match=r"\w"):
+        from_query(query)
+
+
+def test_rationals_are_short_and_exact() -> None:
+    assert rational("-5/4") == Fraction(-5, 4)
+    assert rational("1.25") == Fraction(5, 4)
+    for text in ("1e5", "x", "__import__('os')", "", "1/0", "1/2/3"):
+        with pytest.raises(ValueError, match="expected a rational"):
+            rational(text)
+
+
+def test_the_answers_are_exact() -> None:
+    """P1^L at a = 5/4, r = 1 [Leine2001, Eqs. 14-16]; formulas hold for every a > 1."""
+    parts = {part.name: part for part in answers(MapState())}
+    assert [part.message for part in parts.values()] == [""] * 5
+    rows = {title: each for part in parts.values() for title, each in part.rows.items()}
+    assert rows["Pieces of P₁"] == [["L", "-1", "x <= 0"], ["R", "1 - 5*x/4", "0 < x"]]
+    assert rows["Jump crossings"] == [["x = 0", "from -1", "to 1"]]
+    cycles = rows["Cycles up to period 6"]
+    assert [row[:2] for row in cycles] == [["L", "-1"], ["R", "4/9"]]
+    assert cycles[1][3] == "x = r/(a + 1)"
+    assert [row[0] for row in rows["Cells of r"]][:3] == ["-1 < r < 0", "r = 0", "0 < r < 2 ← here"]
+    assert rows["Attractors"][0][0] == "cycle L through -1"
+    assert rows["Entropy"][0][1] == "= 0"
+    assert any(row[3] == "r - 2 = 0" for row in rows["Curves of the plane"])
+    assert rows["Orbit"][1] == ["1", "5/8"]
+    assert parts["map"].tables["fixed"]["stable"] == [True, False]
+
+
+def test_a_chaotic_map_has_a_density() -> None:
+    tent = MapState(map="Piecewise((a*x, x <= 1/2), (a*(1 - x), True))", given="",
+                    values=(("a", "2"),), over="a", span=("1", "2"))  # fmt: skip
+    parts = {part.name: part for part in answers(tent)}
+    assert parts["long"].tables["density"] == {"left": [0.0], "right": [1.0], "top": [1.0]}
+    assert parts["long"].rows["Entropy"][0][1] == "= log(2)"
+
+
+@pytest.mark.parametrize(
+    "formula", ["__import__('os').system('true')", "Piecewise((x", "x**x", "1/x", "open('f')"]
+)
+def test_a_hostile_text_is_an_error_and_nothing_else(formula: str) -> None:
+    with pytest.raises((ValueError, TypeError)):
+        list(answers(MapState(map=formula, given="", values=())))
+
+
+def test_lines_of_python_run(capsys: pytest.CaptureFixture[str]) -> None:
+    exec(python_of(MapState()), {})
+    assert "R  1 - 5*x/4  for 0 < x" in capsys.readouterr().out

@@ -1,0 +1,125 @@
+"""Diagrams as arrays, in another process, and where names stand; no browser."""
+
+import time
+from typing import Any
+
+import numpy as np
+import pytest
+
+from pwmap import PiecewiseLinearMap, bifurcation_diagram
+from woodpecker import Toy
+
+pytest.importorskip("bokeh")
+from pwmap.explore.diagram_views import DiagramView
+from pwmap.explore.diagrams import nearest_line, nearest_sample, shown
+from pwmap.explore.figures import cobweb
+from pwmap.explore.jobs import Failure, Finished, Job
+from pwmap.explore.labels import place
+from woodpecker.explore.branches import Progress, diagram, key_of
+from woodpecker.explore.state import State
+
+
+def lines() -> Any:
+    map_ = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    return bifurcation_diagram(map_, "p", (-1, 2), orders=(1,))
+
+
+def test_a_diagram_becomes_lines_samples_points_and_a_graph() -> None:
+    found = shown(lines())
+    assert found.lines["branch"] == ["F1", "J1", "F2"]
+    assert found.lines["dash"] == [[], [2, 3], []]
+    assert found.points["kind"][1] == "border collision, persistence"
+    assert found.points["where"][1] == "0"  # exact
+    assert found.samples["multiplier"][0] == "0.5"
+    assert len(found.edges["xs"]) == 3
+    assert (np.array(found.nodes["x"]) >= 0.0).all()
+    assert found.nodes["x"] == sorted(found.nodes["x"])  # left is left, as in the diagram
+
+
+def test_a_branch_may_go_to_infinity() -> None:
+    """The fixed point a/(a + 1) of the tent map at a = -1."""
+    tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    found = shown(bifurcation_diagram(tent, "a", (-2, 2), orders=(1,)))
+    assert not np.isfinite(found.points["y"]).all()
+    assert np.isfinite(found.nodes["y"]).all()
+    view = DiagramView("diagram", "a", "x")
+    view.look((-2.0, 2.0))
+    view.show(found)
+    assert np.isfinite([view.figure.y_range.start, view.figure.y_range.end]).all()
+
+
+def test_the_nearest_branch_and_its_sample() -> None:
+    found = shown(lines())
+    name, away = nearest_line(found.lines, -0.5, -0.98, (100.0, 100.0))
+    assert name == "F1"  # x = 2 p there
+    assert away == pytest.approx(2.0 / np.sqrt(5.0), abs=1e-9)  # px, from a line of slope 2
+    branch = found.diagram.branch("F1")
+    k = nearest_sample(branch, -1.0, -2.0, (1.0, 1.0))
+    assert branch.parameter[k] == -1.0
+
+
+def test_names_cover_neither_names_nor_the_frame() -> None:
+    rng = np.random.default_rng(3)
+    points = rng.uniform(0.0, 300.0, (40, 2))
+    texts = [f"BC{k}" for k in range(40)]
+    found = place(texts, points, (300.0, 300.0), [k < 2 for k in range(40)])
+    assert {0, 1} <= set(found.rows)
+    middles = points[list(found.rows)] + np.column_stack([found.dx, found.dy])
+    half = np.array([[3.5 * len(texts[k]), 6.5] for k in found.rows])
+    for i in range(len(middles)):
+        for j in range(i):
+            assert (np.abs(middles[i] - middles[j]) >= half[i] + half[j] - 1e-9).any()
+
+
+def test_a_cobweb_goes_to_the_map_and_to_the_diagonal() -> None:
+    web = cobweb([1.0, 3.0, 2.0])
+    assert web["x"].tolist() == [1.0, 1.0, 3.0, 3.0, 2.0]
+    assert web["y"].tolist() == [1.0, 3.0, 3.0, 2.0, 2.0]
+
+
+def test_a_diagram_does_not_depend_on_where_its_parameter_is() -> None:
+    a, b = State(toy=Toy(eps_n1=0.3)), State(toy=Toy(eps_n1=0.4))
+    assert key_of(a) == key_of(b)
+    assert key_of(a) != key_of(State(toy=Toy(mu_2=0.31)))
+
+
+@pytest.mark.slow
+def test_branches_are_told_as_they_are_found() -> None:
+    stages = list(diagram(State(span=(0.1, 0.7))))
+    assert all(isinstance(each, Progress) for each in stages)
+    assert stages[-1].done
+    counts = [len(each.shown.diagram.branches) for each in stages]
+    assert counts == sorted(counts)
+    assert counts[-1] == 6
+    names = [point.name for point in stages[-1].shown.diagram.points if point.name]
+    assert sorted(names) == ["A", "B", "C"]
+
+
+def fails(sentence: str) -> Any:
+    yield 1
+    raise ValueError(sentence)
+
+
+def sleeps() -> Any:
+    yield 1
+    time.sleep(100)
+
+
+def results(job: Job) -> list[Any]:
+    found = []
+    while not job.is_over:
+        found += job.results()
+        time.sleep(0.01)
+    return found
+
+
+def test_jobs_end_with_their_error_or_their_time() -> None:
+    assert results(Job(fails, "no such map")) == [1, Failure("no such map")]
+    assert results(Job(sleeps, seconds=2.0))[-1] == Failure(
+        "given up after 2 s, as long as allowed"
+    )
+    job = Job(sleeps)
+    job.stop()
+    job.stop()
+    assert job.results() == []
+    assert Finished() == Finished()

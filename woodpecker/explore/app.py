@@ -1,0 +1,140 @@
+"""The page of the toy, put together and served."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from bokeh.document import Document
+
+from pwmap.explore.jobs import warm_up
+from pwmap.explore.page import Control, fill
+from pwmap.explore.serving import Site, serve
+from woodpecker import Toy, parameters
+from woodpecker.explore.branches import key_of
+from woodpecker.explore.exports import FILES, export, needs_diagram
+from woodpecker.explore.state import State, from_query
+from woodpecker.explore.tab import Tab, known_diagrams
+from woodpecker.mechanics.toy import description
+from woodpecker.plot import drawing
+
+TEMPLATE = Path(__file__).parent / "files" / "woodpecker.html"
+TICK = 50  # ms between looks at what other processes have sent
+FIRST = "1:friction and restitution"  # groups are in the order of their numbers
+LABELS = {
+    "m_m": "m<sub>M</sub>", "j_m": "J<sub>M</sub>", "m_s": "m<sub>S</sub>", "j_s": "J<sub>S</sub>",
+    "g": "g", "r_0": "r<sub>0</sub>", "r_m": "r<sub>M</sub>", "h_m": "h<sub>M</sub>",
+    "l_m": "l<sub>M</sub>", "l_g": "l<sub>G</sub>", "h_s": "h<sub>S</sub>", "l_s": "l<sub>S</sub>",
+    "c_phi": "c<sub>φ</sub>", "mu_1": "μ<sub>1</sub>", "mu_2": "μ<sub>2</sub>",
+    "mu_3": "μ<sub>3</sub>", "eps_n1": "ε<sub>N1</sub>", "eps_n2": "ε<sub>N2</sub>",
+    "eps_n3": "ε<sub>N3</sub>", "pole": "pole",
+}  # fmt: skip
+PLAIN = {"eps_n1": "εN1", "eps_n2": "εN2", "eps_n3": "εN3", "mu_1": "μ1", "mu_2": "μ2",
+         "mu_3": "μ3", "c_phi": "cφ"}  # fmt: skip
+
+
+def controls() -> list[Control]:
+    """A slider for each parameter of the toy."""
+    found = []
+    for name in parameters():
+        meaning, unit, _ = description(name)
+        value: float = getattr(Toy(), name)
+        low, high = 0.0, 1.0
+        group = FIRST
+        if name == "pole":
+            high, group, value = 5.0, "3:gravity and pole", 0.0
+        elif not name.startswith(("mu", "eps")):
+            low, high = 0.5 * value, 1.5 * value
+            group = "2:masses, lengths, spring" if name != "g" else "3:gravity and pole"
+        found.append(
+            Control(
+                name=name, label=LABELS[name], meaning=meaning, unit=unit, low=low, high=high,
+                step=(high - low) / 1000.0, default=repr(value), group=group,
+            )
+        )  # fmt: skip
+    front = ("eps_n1", "mu_1", "mu_2", "mu_3")
+    return sorted(found, key=lambda each: each.name not in front)
+
+
+# --- Serving --------------------------------------------------------------------------------------
+
+
+def make_page(document: Document, initial: State) -> Tab:
+    """Fill the document of one tab."""
+    state, refused = _asked(document, initial)
+    tab = Tab(state)
+    tab.begin()
+    tab.message = refused or tab.message
+    tab.clicks()  # before its figures belong to the document, which asks for them once
+    verbs = {name: _answering(tab, verb) for name, verb in tab.verbs().items()}
+    tab.say = fill(
+        document, TEMPLATE, tab.roots, verbs, page_title="Woodpecker Toy",
+        exports=list(FILES.items()), controls=[asdict(each) for each in controls()],
+        open_group=FIRST, shapes=shapes(),
+        over=[(name, PLAIN.get(name, name)) for name in parameters() if name != "pole"],
+    )  # fmt: skip
+    document.title = "Woodpecker Toy"
+    document.add_periodic_callback(tab.tick, TICK)
+    document.on_session_destroyed(lambda _: tab.work.stop())
+    return tab
+
+
+def _asked(document: Document, initial: State) -> tuple[State, str]:
+    """The state that the link of a page asks for, and why not, if it is not understood."""
+    context: Any = document.session_context
+    given = context.request.arguments if context is not None else {}
+    text = "&".join(
+        f"{quote(key)}={quote(value.decode(errors='replace'), safe=',.-+')}"
+        for key, values in given.items() for value in values if not key.startswith("bokeh-")
+    )  # fmt: skip
+    try:
+        return (from_query(text) if text else initial), ""
+    except (ValueError, TypeError) as error:
+        return initial, f"The link was not understood: {error}"
+
+
+def shapes() -> dict[str, Any]:
+    """The bird of :mod:`woodpecker.plot.drawing` in its own units, for the browser to draw."""
+    names = ("BODY", "BELLY", "CHEEK", "CAP", "TAIL", "BEAK", "BARS", "EYE", "HOLD")
+    return {name: getattr(drawing, name) for name in names}
+
+
+def _answering(
+    tab: Tab, verb: Callable[[Mapping[str, Any]], None]
+) -> Callable[[Mapping[str, Any]], Mapping[str, Any]]:
+    """A verb that tells what the page shows after it."""
+
+    def answer(wish: Mapping[str, Any]) -> Mapping[str, Any]:
+        verb(wish)
+        return tab.answer(whole=not wish.get("drag"))
+
+    return answer
+
+
+def _made(document: Document, initial: State) -> None:
+    make_page(document, initial)
+
+
+def site(initial: State) -> Site:
+    """What is served."""
+
+    def prepared(name: str, query: str) -> tuple[Any, ...]:
+        state = from_query(query)
+        known = known_diagrams.get(key_of(state)) if needs_diagram(name) else None
+        return export, name, query, known.diagram if known is not None else None
+
+    return Site(
+        page=lambda document: _made(document, initial), export=prepared,
+        compare="Woodpecker Toy: two states",
+    )  # fmt: skip
+
+
+def run(initial: State, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:
+    """Load what computes, here and then where jobs are forked from, and serve the page."""
+    import woodpecker.explore.warm  # noqa: F401 - compiles the kernel, if nobody has
+
+    warm_up(["woodpecker.explore.warm"])
+    serve(site(initial), port, stay=stay, ready=ready)

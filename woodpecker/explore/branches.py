@@ -1,0 +1,210 @@
+"""Diagrams of the toy, found in another process and told branch by branch."""
+
+from __future__ import annotations
+
+import tempfile
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+from threading import Thread
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from pwmap import Branch, BranchKind, Diagram
+from pwmap.explore.diagrams import Shown, shown
+from woodpecker import (
+    PeriodicOrbit,
+    Stage,
+    Toy,
+    ToyPieces,
+    bifurcation_diagram,
+    continuation,
+    orbit_diagram,
+    return_map,
+    saved_diagram,
+    shoot,
+)
+from woodpecker.explore.state import GUESS, State, home
+
+Floats = npt.NDArray[np.float64]
+
+OFTEN = 0.25  # s between partial diagrams
+PLACES = {"A": (0.111, -0.884), "B": (0.29, -0.884), "C": (0.185, -0.757)}  # [Leine2001, Fig. 10]
+SEARCHED = (-2.5, -0.24)  # rad, left of the band of centres
+COLUMNS = 240  # of an orbit diagram
+STARTS = (-0.53, -0.9)  # rad: on the paper's motion, and away from it, where others attract
+TRIES = 9  # parameters at which a motion is looked for, if there is none here
+
+
+@dataclass(frozen=True, slots=True)
+class Key:
+    """What a diagram depends on: not on the toy's own value of its parameter."""
+
+    toy: Toy
+    parameter: str
+    span: tuple[float, float]
+    every: tuple[int, ...]
+    order: int
+
+
+def key_of(state: State) -> Key:
+    """What the diagram of a state depends on."""
+    return Key(
+        home(state), state.parameter, state.span, state.every, 1 if state.every else state.order
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Progress:
+    """A diagram on its way.
+
+    Parameters
+    ----------
+    shown
+        What was found so far.
+    stage
+        A phrase on how far it has come.
+    done
+        Whether that is all.
+    """
+
+    shown: Shown
+    stage: str
+    done: bool = False
+
+
+def diagram(state: State) -> Iterator[Progress]:
+    """Branches as they are found: of the motion, or all of some iterates."""
+    stages: list[str] = []
+    ended: list[Diagram | Exception] = []
+    with tempfile.TemporaryDirectory() as folder:
+        run = Path(folder) / "run.jsonl"
+        thread = Thread(target=_find, args=(state, run, stages, ended), daemon=True)
+        thread.start()
+        told = 0
+        while thread.is_alive():
+            thread.join(OFTEN)
+            if len(stages) > told and run.exists():
+                told = len(stages)
+                yield Progress(shown(_named(saved_diagram(run), state)), stages[-1])
+    if isinstance(ended[0], Exception):
+        raise ended[0]
+    yield Progress(shown(_named(ended[0], state)), "complete", done=True)
+
+
+def _find(state: State, run: Path, stages: list[str], ended: list[Any]) -> None:
+    """What the thread does that finds branches."""
+
+    def hear(stage: Stage) -> None:
+        slices = f", slice {stage.slices}" if stage.slices else ""
+        stages.append(f"P_{stage.order} at {stage.parameter:.4f}{slices}")
+
+    try:
+        if state.every:
+            found = bifurcation_diagram(
+                state.toy, state.parameter, state.span, state.every, SEARCHED, workers=1,
+                progress=hear, run=run,
+            )  # fmt: skip
+        else:
+            orbit = start(state)
+            found = continuation(
+                orbit.toy, orbit, state.parameter, state.span, progress=hear, run=run
+            )
+        ended.append(found)
+    except Exception as error:  # told where the thread is waited for
+        ended.append(error)
+
+
+def start(state: State) -> PeriodicOrbit:
+    """A periodic motion to follow: the paper's at home, the page's own, or any in the span.
+
+    Raises
+    ------
+    ValueError
+        If none is found.
+    """
+    own, usual = (state.toy, state.phi_s), (home(state), GUESS)
+    for toy, guess in (usual, own) if state.order == 1 else (own, usual):
+        orbit = _orbit(state, toy, guess)
+        if orbit is not None:
+            return orbit
+    low, high = state.span
+    for value in np.linspace(low, high, TRIES + 2)[1:-1].tolist():
+        try:
+            toy = state.toy.replace(**{state.parameter: value})
+        except ValueError:
+            continue
+        for guess in _guesses(toy):
+            orbit = _orbit(state, toy, guess)
+            if orbit is not None:
+                return orbit
+    raise ValueError(f"no periodic motion was found for {state.parameter} in {state.span}")
+
+
+def _orbit(state: State, toy: Toy, guess: float) -> PeriodicOrbit | None:
+    """The periodic motion near a guess, if there is one that the diagram can hold."""
+    low, high = state.span
+    if not (low <= getattr(toy, state.parameter) <= high and guess < toy.phi_s_max):
+        return None
+    orbit = shoot(toy, guess, state.order)
+    return orbit if orbit.success and orbit.phi_s > SEARCHED[0] else None
+
+
+def _guesses(toy: Toy) -> list[float]:
+    """Where P_1 crosses the diagonal, about."""
+    x = np.linspace(*SEARCHED, 400)
+    above = return_map(toy, x).phi_s - x
+    with np.errstate(invalid="ignore"):
+        at = np.flatnonzero(above[1:] * above[:-1] < 0.0)
+    found: list[float] = (0.5 * (x[at] + x[at + 1])).tolist()
+    return found
+
+
+def _named(found: Diagram, state: State) -> Diagram:
+    return found.named(PLACES) if state.parameter == "eps_n1" else found
+
+
+def orbits(state: State) -> Iterator[tuple[Floats, Floats]]:
+    """Where orbits settle, columns of the parameter from coarse to fine."""
+    low, high = state.span
+    values = np.linspace(low, high, COLUMNS)
+    window = state.window[0], min(state.window[1], state.toy.phi_s_max)
+    order = np.argsort([_bits(k) for k in range(COLUMNS)], kind="stable")
+    map_ = ToyPieces(state.toy, state.parameter)
+    waiting: list[tuple[Floats, Floats]] = []
+    last = time.monotonic()
+    for value in values[order].tolist():
+        try:
+            settled = orbit_diagram(map_, [value], STARTS, window, transient=150, keep=48)
+        except ValueError:  # the toy cannot have this value
+            continue
+        waiting.append(settled.points())
+        if time.monotonic() - last > OFTEN:
+            yield _joined(waiting)
+            waiting, last = [], time.monotonic()
+    yield _joined(waiting)
+
+
+def _bits(k: int) -> int:
+    """Bits of a number in reverse: numbers in this order fill an interval evenly."""
+    return int(f"{k:08b}"[::-1], 2)
+
+
+def _joined(parts: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
+    empty = np.array([])
+    return np.concatenate([empty, *(p for p, _ in parts)]), np.concatenate(
+        [empty, *(x for _, x in parts)]
+    )
+
+
+def at_sample(state: State, branch: Branch, sample: int) -> State:
+    """The state that shows a sample of a branch: its motion, or its jump."""
+    value, x = float(branch.parameter[sample]), float(branch.x[sample])
+    return replace(
+        state, toy=state.toy.replace(**{state.parameter: value}), phi_s=x,
+        order=branch.order if branch.order in (1, 2, 3, 4) else state.order,
+        periodic=branch.kind is BranchKind.FIXED_POINT,
+    )  # fmt: skip

@@ -1,0 +1,175 @@
+"""Files of what is shown: pictures by the functions of ``plot``, tables, lines of Python."""
+
+from __future__ import annotations
+
+import json
+import tempfile
+from collections.abc import Callable, Iterator
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from pwmap import Diagram
+from pwmap.diagrams.files import table_as_text, write_figure
+from pwmap.diagrams.tables import results_as_bytes
+from woodpecker import ReturnMap, Trajectory, return_map, simulate
+from woodpecker.explore.branches import diagram as found_diagram
+from woodpecker.explore.model import FINE, SAMPLES, TOY_MODEL
+from woodpecker.explore.state import PORTRAITS, State, from_query, python_of, to_query
+
+TYPES = {
+    "png": "image/png", "svg": "image/svg+xml", "csv": "text/csv; charset=utf-8",
+    "json": "application/json", "py": "text/x-python; charset=utf-8", "graphml": "application/xml",
+}  # fmt: skip
+PICTURE = ("png", "svg")
+PICTURES = ("map", "diagram", "motion", "portrait", "toy")
+FILES = {
+    **{f"{name}.{form}": f"picture of the {name} ({form.upper()})"
+       for name in PICTURES for form in PICTURE},
+    "map.csv": "the map (CSV)", "motion.csv": "the motion (CSV)", "events.csv": "its events (CSV)",
+    "branches.csv": "branches of the diagram (CSV)", "points.csv": "special points (CSV)",
+    "diagram.json": "the diagram, whole (JSON)", "graph.json": "graph of branches (JSON)",
+    "graph.graphml": "graph of branches (GraphML)", "state.json": "the state (JSON)",
+    "lines.py": "lines of Python",
+}  # fmt: skip
+OF_DIAGRAM = ("diagram", "branches", "points", "graph")
+
+
+def needs_diagram(name: str) -> bool:
+    """Whether a file is made from the diagram; ValueError if there is no such file."""
+    if name not in FILES:
+        raise ValueError(f"unknown file {name!r}, expected one of {', '.join(FILES)}")
+    return name.partition(".")[0] in OF_DIAGRAM
+
+
+def export(name: str, query: str, known: Diagram | None) -> Iterator[tuple[str, bytes]]:
+    """A job that makes one file.
+
+    Parameters
+    ----------
+    name
+        One of :data:`FILES`.
+    query
+        The state.
+    known
+        Its diagram, if it was found already.
+    """
+    state = from_query(query)
+    what, _, form = name.partition(".")
+    if needs_diagram(name):
+        content = _of_diagram(what, form, known if known is not None else _diagram(state))
+    elif form in PICTURE:
+        content = _picture(form, lambda: _DRAWINGS[what](state))
+    else:
+        content = _TEXTS[what](state).encode()
+    yield TYPES[form], content
+
+
+def _diagram(state: State) -> Diagram:
+    *_, last = found_diagram(state)
+    return last.shown.diagram
+
+
+def _of_diagram(what: str, form: str, found: Diagram) -> bytes:
+    if form in PICTURE:
+        from pwmap.plot import plot_diagram
+
+        return _picture(form, lambda: plot_diagram(found).figure)
+    return results_as_bytes(found)[f"{what}.{form}"]
+
+
+def _picture(form: str, draw: Callable[[], Any]) -> bytes:
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / f"picture.{form}"
+        write_figure(path, draw())
+        return path.read_bytes()
+
+
+def _returns(state: State) -> ReturnMap:
+    low, high = state.window
+    starts = np.linspace(low, min(high, state.toy.phi_s_max - 1e-6), FINE)
+    return return_map(state.toy, starts, state.order)
+
+
+def _trajectory(state: State) -> Trajectory:
+    end = float(TOY_MODEL.motion(state).t[-1])
+    return simulate(state.toy, state.phi_s, end, samples=SAMPLES)
+
+
+def _map(state: State) -> Any:
+    from woodpecker.plot.figures import plot_return_map
+
+    return plot_return_map(
+        state.toy, _returns(state), order=state.order, depth=state.window[0]
+    ).figure
+
+
+def _motion(state: State) -> Any:
+    from woodpecker.plot.motions import plot_time_history
+
+    return plot_time_history(_trajectory(state)).figure
+
+
+def _portrait(state: State) -> Any:
+    from woodpecker.plot.motions import plot_phase_portrait
+
+    x = "phi_m" if state.portrait == "phi_m" else "phi_s"
+    return plot_phase_portrait(_trajectory(state), x, PORTRAITS[state.portrait]).figure
+
+
+def _toy(state: State) -> Any:
+    from woodpecker.plot.drawing import draw_frames
+
+    motion = _trajectory(state)
+    struck = [event for event in motion.events if event.impulses][:3]
+    times = [0.0, *(event.time for event in struck)]
+    labels = ["on the section", *(f"{e.symbol}, {1e3 * e.time:.2f} ms" for e in struck)]
+    return draw_frames(motion, times, labels).figure
+
+
+_DRAWINGS: dict[str, Callable[[State], Any]] = {
+    "map": _map, "motion": _motion, "portrait": _portrait, "toy": _toy,
+}  # fmt: skip
+
+
+# --- Tables and texts -----------------------------------------------------------------------------
+
+
+def _map_table(state: State) -> str:
+    found = _returns(state)
+    rows = zip(
+        found.start, found.phi_s, found.period, found.drop, found.slope, found.words, strict=True
+    )
+    return table_as_text(("phi_s_start", "phi_s", "period", "drop", "slope", "word"), rows)
+
+
+def _motion_table(state: State) -> str:
+    motion = _trajectory(state)
+    header = ("t", "y", "phi_m", "phi_s", "dy", "dphi_m", "dphi_s")
+    return table_as_text(header, np.column_stack([motion.t, motion.q, motion.u]).tolist())
+
+
+def _events_table(state: State) -> str:
+    header = ("t", "event", "contacts", "contact", "normal_compression", "tangential_compression",
+              "normal_expansion", "tangential_expansion")  # fmt: skip
+    rows: list[tuple[object, ...]] = []
+    for event in _trajectory(state).events:
+        first = event.time, event.symbol, "+".join(map(str, event.contacts))
+        rows += [first + tuple(asdict(impulse).values()) for impulse in event.impulses]
+        if not event.impulses:
+            rows.append((*first, "", "", "", "", ""))
+    return table_as_text(header, rows)
+
+
+def _state_text(state: State) -> str:
+    plain = {**asdict(state), "toy": {**asdict(state.toy)}, "link": to_query(state)}
+    plain["toy"]["pole"] = None if state.toy.pole == float("inf") else state.toy.pole
+    return json.dumps(plain, indent=1)
+
+
+_TEXTS: dict[str, Callable[[State], str]] = {
+    "map": _map_table, "motion": _motion_table, "events": _events_table, "state": _state_text,
+    "lines": lambda state: str(python_of(state)),
+}  # fmt: skip

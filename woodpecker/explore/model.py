@@ -1,0 +1,292 @@
+"""State -> arrays: what the views draw, without any browser. :class:`Model` is all they ask for.
+
+The toy is one model; another one (a system of contacts) has the same functions of a state.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from typing import Any, NamedTuple, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from woodpecker import (
+    Event,
+    Impulse,
+    PeriodicOrbit,
+    Toy,
+    Trajectory,
+    first_return,
+    return_map,
+    shoot,
+    simulate,
+)
+from woodpecker.explore.state import State
+from woodpecker.mechanics.modes import Contact, mode_states
+from woodpecker.plot.curve import Curve, Detail, Link, refined
+
+Floats = npt.NDArray[np.float64]
+Ints = npt.NDArray[np.int64]
+
+COARSE, FINE = 256, 1000  # starts of a map: under a slider (those of one thread), and at rest
+DETAIL = Detail(budget=60_000)  # returns spent on steep places at rest
+BREAK = 0.08  # of the height: neighbours under a slider that differ more are not joined
+SAMPLES = 320  # of a motion
+FALLING = 0.4  # s that are shown of a motion that does not return
+RETURNS_MOST = 6  # that are shown of a motion that is not periodic
+NEAR = 0.08  # rad: a periodic motion that is followed jumps no further
+ON_IT = 1e-9  # rad: centres lie so close to the diagonal that their sides are rounding
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class MapCurve:
+    """A map as it is drawn.
+
+    Parameters
+    ----------
+    x, y
+        The curve (n,), with nan where it is not joined.
+    jumps, crossings, steep
+        Lines (m, 4) from (x, y) to (x, y): jumps, those that cross the diagonal, and what was not
+        resolved.
+    fixed, stable
+        Fixed points (k,), and whether they attract.
+    """
+
+    x: Floats
+    y: Floats
+    jumps: Floats
+    crossings: Floats
+    steep: Floats
+    fixed: Floats
+    stable: npt.NDArray[np.bool_]
+
+
+class Mark(NamedTuple):
+    """An event of a motion, for the strip."""
+
+    symbol: str
+    time: float
+    what: str
+    contacts: tuple[int, ...]
+    impulses: str
+    velocities: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Motion:
+    """A motion as it is drawn; times of events come twice, before and after them.
+
+    Parameters
+    ----------
+    t, q, u
+        Times (n,) [s], coordinates and velocities (n, 3).
+    closed
+        Contacts that are closed from each time on, as bits (n,): 1, 2 and 4.
+    marks
+        The events.
+    numbers
+        What is told of the motion, by its name: period, drop, multiplier, ...
+    message
+        What there is to say, empty if all is well.
+    """
+
+    t: Floats
+    q: Floats
+    u: Floats
+    closed: Ints
+    marks: tuple[Mark, ...]
+    numbers: dict[str, float]
+    message: str
+
+
+class Model(Protocol):
+    """What views ask of a model."""
+
+    def settled(self, state: State) -> tuple[State, str]:
+        """The state with its start on the periodic motion that it follows, and a message."""
+
+    def curves(self, state: State, *, fine: bool) -> Iterator[MapCurve]:
+        """The map P_order in the window, better and better."""
+
+    def orbit(self, state: State) -> Floats:
+        """The points of a cobweb, the start first."""
+
+    def motion(self, state: State) -> Motion:
+        """The motion from the start."""
+
+
+class ToyModel:
+    """The Woodpecker Toy."""
+
+    def settled(self, state: State) -> tuple[State, str]:
+        """The start goes with its periodic motion as long as that is near."""
+        toy = state.toy
+        if state.phi_s >= toy.phi_s_max:
+            state = replace(state, phi_s=toy.phi_s_max - 0.01)
+        if not state.periodic:
+            return state, ""
+        orbit = shoot(toy, state.phi_s, state.order)
+        if orbit.success and abs(orbit.phi_s - state.phi_s) <= NEAR:
+            return replace(state, phi_s=orbit.phi_s), _smaller(orbit)
+        why = orbit.message
+        if orbit.success:
+            why = f"the nearest periodic motion is another one, at {orbit.phi_s:.4f} rad"
+        return state, f"{why}; the motion from {state.phi_s:.4f} rad is shown"
+
+    def curves(self, state: State, *, fine: bool) -> Iterator[MapCurve]:
+        """P_order, and where it meets the diagonal."""
+        low, high = state.window
+        toy, order = state.toy, state.order
+        x = np.linspace(low, min(high, toy.phi_s_max - 1e-6), FINE if fine else COARSE)
+        y = return_map(toy, x, order).phi_s
+        if not fine:
+            yield _coarse(toy, order, x, y, low)
+            return
+        search = refined(
+            lambda s: return_map(toy, s, order).phi_s, x, y, bottom=low, cost=order, detail=DETAIL
+        )
+        for k, curve in enumerate(search):
+            if k and k % 8 == 0:
+                yield _drawn(toy, order, curve)
+        yield _drawn(toy, order, curve)
+
+    def orbit(self, state: State) -> Floats:
+        """Returns one after the other, until one is lost."""
+        found = [state.phi_s]
+        for _ in range(state.steps):
+            if not found[-1] < state.toy.phi_s_max:
+                break
+            after = first_return(state.toy, found[-1], state.order).phi_s
+            if not math.isfinite(after):
+                break
+            found.append(after)
+        return np.array(found)
+
+    def motion(self, state: State) -> Motion:
+        """Over the returns of a periodic motion, or the first few."""
+        toy, order = state.toy, state.order
+        count = order if state.periodic else max(order, min(state.steps, RETURNS_MOST))
+        back = first_return(toy, state.phi_s, count)
+        if not (math.isfinite(back.period) and back.period > 0.0) and count > order:
+            back = first_return(toy, state.phi_s, order)
+        whole = math.isfinite(back.period) and back.period > 0.0
+        trajectory = simulate(toy, state.phi_s, back.period if whole else FALLING, samples=SAMPLES)
+        numbers = {
+            "period": back.period, "drop": back.drop if whole else trajectory.drop,
+            "multiplier": back.slope, "phi_s": state.phi_s,
+        }  # fmt: skip
+        return Motion(
+            t=trajectory.t, q=trajectory.q, u=trajectory.u, closed=closed_bits(trajectory),
+            marks=tuple(map(_mark, trajectory.events)), numbers=numbers,
+            message="" if back.status.success else back.status.value,
+        )  # fmt: skip
+
+
+TOY_MODEL = ToyModel()
+
+
+# --- Maps -----------------------------------------------------------------------------------------
+
+
+def _coarse(toy: Toy, order: int, x: Floats, y: Floats, low: float) -> MapCurve:
+    """A map of which nobody has looked into the steep places."""
+    top = y[np.isfinite(y)].max(initial=low)
+    seen = np.clip(np.where(np.isfinite(y), y, low), low, top)
+    steep = np.abs(np.diff(seen)) > BREAK * max(top - low, ON_IT)
+    links = np.where(steep, Link.OPEN, Link.CURVE)
+    return _drawn(toy, order, Curve(x=x, y=y, links=links, bottom=low, evaluations=0))
+
+
+def _drawn(toy: Toy, order: int, curve: Curve) -> MapCurve:
+    x, y, links = curve.x, curve.y, curve.links
+    above = y - x
+    with np.errstate(invalid="ignore"):
+        off = np.abs(above[1:]) + np.abs(above[:-1]) > ON_IT
+        crosses = (above[1:] * above[:-1] < 0.0) & off
+    pairs = np.column_stack([x[:-1], y[:-1], x[1:], y[1:]])
+    jumps = links == Link.JUMP
+    breaks = np.flatnonzero(links != Link.CURVE) + 1
+    at = np.flatnonzero(crosses & (links == Link.CURVE))
+    fixed = x[at] - above[at] * (x[at + 1] - x[at]) / (above[at + 1] - above[at])
+    slopes = return_map(toy, fixed, order).slope if len(fixed) else fixed
+    with np.errstate(invalid="ignore"):
+        stable = np.abs(slopes) < 1.0
+    return MapCurve(
+        np.insert(x, breaks, np.nan), np.insert(y, breaks, np.nan), pairs[jumps & ~crosses],
+        pairs[jumps & crosses], _ending(pairs[links == Link.OPEN], curve.bottom), fixed, stable,
+    )  # fmt: skip
+
+
+def _ending(pairs: Floats, bottom: float) -> Floats:
+    """Lines whose ends without a value go to the lower edge."""
+    return np.where(np.isfinite(pairs), pairs, bottom)
+
+
+# --- Motions --------------------------------------------------------------------------------------
+
+
+def closed_bits(trajectory: Trajectory) -> Ints:
+    """Contacts that are closed from each sample on, and those struck at it: bits 1, 2, 4."""
+    starts, modes = trajectory.phases[:, 6], trajectory.phases[:, 7].astype(int)
+    bits = np.array(
+        [
+            sum(1 << k for k, s in enumerate(mode_states(int(mode))) if s != Contact.OPEN)
+            for mode in modes
+        ],
+        dtype=np.int64,
+    )
+    row = np.clip(np.searchsorted(starts, trajectory.t, side="right") - 1, 0, None)
+    found: Ints = bits[row]
+    for event in trajectory.events:
+        if event.impulses:
+            found[trajectory.t == event.time] |= sum(1 << (k - 1) for k in event.contacts)
+    return found
+
+
+def _mark(event: Event) -> Mark:
+    what = event.kind.name.lower().replace("_", " ")
+    named = {1: "beak", 2: "lower edge", 3: "upper edge"}
+    which = " and ".join(named[k] for k in event.contacts)
+    impulses = "; ".join(map(_impulse, event.impulses)) or "no impulse"
+    speeds = " ".join(
+        f"{name} {a:.4g} → {b:.4g};"
+        for name, a, b in zip(("dy", "dφM", "dφS"), event.u_before, event.u_after, strict=True)
+        if a != b
+    )
+    return Mark(event.symbol, event.time, f"{what}: {which}", event.contacts, impulses, speeds)
+
+
+def _impulse(impulse: Impulse) -> str:
+    """Both directions in both phases, in micro-newton-seconds."""
+    normal = 1e6 * impulse.normal_compression, 1e6 * impulse.normal_expansion
+    along = 1e6 * impulse.tangential_compression, 1e6 * impulse.tangential_expansion
+    return (
+        f"contact {impulse.contact}: Λ_N {normal[0]:.4g} + {normal[1]:.4g}, "
+        f"Λ_T {along[0]:.4g} + {along[1]:.4g} µN s"
+    )
+
+
+def _smaller(orbit: PeriodicOrbit) -> str:
+    return orbit.message if orbit.minimal_period < orbit.order else ""
+
+
+# --- Work for other processes ---------------------------------------------------------------------
+
+
+def fine_map(state: State) -> Iterator[MapCurve]:
+    """The map as a page shows it at rest, better and better."""
+    yield from TOY_MODEL.curves(state, fine=True)
+
+
+def as_columns(motion: Motion) -> dict[str, Any]:
+    """A motion as the columns of the time histories and portraits; angles [rad], lengths [mm]."""
+    y, phi_m, phi_s = motion.q.T
+    dy, dphi_m, dphi_s = motion.u.T
+    return {
+        "t": 1e3 * motion.t, "y": 1e3 * y, "phi_m": phi_m, "phi_s": phi_s, "dy": dy,
+        "dphi_m": dphi_m, "dphi_s": dphi_s, "closed": motion.closed,
+    }  # fmt: skip

@@ -1,0 +1,286 @@
+"""What a page shows: a frozen value, to and from the link in the address bar."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from urllib.parse import parse_qsl, urlencode
+
+from woodpecker import Toy, parameters
+from woodpecker.mechanics.toy import LAW, known_parameter
+
+GUESS = -0.53  # rad: near the stable motion of the paper's data
+WINDOW = (-2.5, 0.11)  # rad, of the map [Leine2001, Fig. 8]
+ORDERS = (1, 2, 3, 4)
+STEPS = (1, 200)  # of a cobweb
+PORTRAITS = {"phi_s": "dphi_s", "phi_m": "dphi_m", "fall": "dy"}  # [Leine2001, Figs. 5, 6]
+RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
+VIEWS = ("", "map", "diagram", "motion", "portrait", "toy", "word", "graph")
+TOUR_STEPS = 10
+QUERY_MOST = 4000  # characters of a link
+TOY = Toy()
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class State:
+    """What all views of a page share.
+
+    Parameters
+    ----------
+    toy
+        The toy, all of its parameters in SI units.
+    phi_s
+        The start on the section [rad]: a point of a periodic motion, or any.
+    periodic
+        Whether the start follows a periodic motion when parameters change.
+    order
+        Number of returns j, of the map P_j and of the motion.
+    steps
+        Steps of the cobweb.
+    window
+        Interval of phi_S of the map [rad].
+    parameter, span
+        Over which parameter the diagram is drawn, and over which interval.
+    every
+        Iterates of which every branch is looked for; by default what hangs together with the
+        motion is followed.
+    orbits
+        Whether the diagram has the orbit diagram under it.
+    portrait
+        Which phase portrait: ``phi_s``, ``phi_m`` or ``fall``.
+    tour
+        Step of the guided tour, 0 for none.
+    focus
+        The view that is shown large, none if empty.
+    """
+
+    toy: Toy = TOY
+    phi_s: float = GUESS
+    periodic: bool = True
+    order: int = 1
+    steps: int = 20
+    window: tuple[float, float] = WINDOW
+    parameter: str = "eps_n1"
+    span: tuple[float, float] = (0.0, 1.0)
+    every: tuple[int, ...] = ()
+    orbits: bool = False
+    portrait: str = "phi_s"
+    tour: int = 0
+    focus: str = ""
+
+    def __post_init__(self) -> None:
+        known_parameter(self.parameter)
+        _one_of("order", self.order, ORDERS)
+        _one_of("portrait", self.portrait, tuple(PORTRAITS))
+        _one_of("focus", self.focus, VIEWS)
+        if not 0 <= self.tour <= TOUR_STEPS:
+            raise ValueError(f"the tour has steps 1 to {TOUR_STEPS}, got {self.tour}")
+        if not set(self.every) <= {1, 2}:
+            raise ValueError(f"every branch is looked for of P_1 and P_2, got {self.every}")
+        if not STEPS[0] <= self.steps <= STEPS[1]:
+            raise ValueError(f"steps must lie in {STEPS}, got {self.steps}")
+        for name in ("window", "span"):
+            low, high = getattr(self, name)
+            if not (math.isfinite(low) and math.isfinite(high) and low < high):
+                raise ValueError(f"{name} must be finite and ascend, got ({low}, {high})")
+        if not math.isfinite(self.phi_s):
+            raise ValueError(f"phi_s must be finite, got {self.phi_s}")
+
+    @property
+    def value(self) -> float:
+        """The toy's own value of the parameter of the diagram."""
+        found: float = getattr(self.toy, self.parameter)
+        return found
+
+    def with_values(self, values: Mapping[str, float]) -> State:
+        """The same with other parameters of the toy; the pole is without end at 0."""
+        changes = {name: math.inf if name == "pole" and not v else v for name, v in values.items()}
+        return replace(self, toy=self.toy.replace(**changes))
+
+    def over(self, parameter: str) -> State:
+        """The same with the diagram over another parameter."""
+        return replace(self, parameter=parameter, span=usual_span(self.toy, parameter))
+
+
+def home(state: State) -> Toy:
+    """The toy with the paper's value of the diagram's parameter, if it goes with the others.
+
+    A diagram begins there, so that it does not depend on where a slider stands.
+    """
+    try:
+        return state.toy.replace(**{state.parameter: getattr(TOY, state.parameter)})
+    except ValueError:
+        return state.toy
+
+
+def usual_span(toy: Toy, parameter: str) -> tuple[float, float]:
+    """All that a restitution can be; otherwise half of the value, to half as much again."""
+    known_parameter(parameter)
+    if parameter in RESTITUTIONS:
+        return 0.0, 1.0
+    value: float = getattr(toy, parameter)
+    if not 0.0 < value < math.inf:
+        return 0.0, 1.0
+    return 0.5 * value, 1.5 * value
+
+
+def _one_of(name: str, value: object, known: Sequence[object]) -> None:
+    if value not in known:
+        raise ValueError(f"{name} must be one of {known}, got {value!r}")
+
+
+# --- Links ----------------------------------------------------------------------------------------
+
+_SHORT = {
+    "order": "j", "periodic": "periodic", "steps": "steps", "window": "window",
+    "parameter": "over", "span": "span", "every": "every", "orbits": "orbits",
+    "portrait": "portrait", "tour": "tour", "focus": "focus", "phi_s": "phi_s",
+}  # fmt: skip
+_LAW = "law"
+
+
+def to_query(state: State) -> str:
+    """What differs from the state of an empty link; every number as it is, to the last bit."""
+    default = State()
+    found = [
+        (name, repr(getattr(state.toy, name)))
+        for name in parameters()
+        if getattr(state.toy, name) != getattr(TOY, name)
+    ]
+    if state.toy.expansion_friction != TOY.expansion_friction:
+        found.append((_LAW, str(state.toy.expansion_friction)))
+    for each in fields(State):
+        value = getattr(state, each.name)
+        if each.name != "toy" and value != getattr(default, each.name):
+            found.append((_SHORT[each.name], _text(value)))
+    return urlencode(found, safe=",")
+
+
+def from_query(query: str) -> State:
+    """The state of a link.
+
+    Raises
+    ------
+    ValueError
+        If a name is unknown or a value impossible; the sentence names it.
+    """
+    if len(query) > QUERY_MOST:
+        raise ValueError(f"a link has at most {QUERY_MOST} characters, got {len(query)}")
+    toy: dict[str, object] = {}
+    own: dict[str, object] = {}
+    names = {short: name for name, short in _SHORT.items()}
+    for key, text in parse_qsl(query, keep_blank_values=True, max_num_fields=64):
+        if key == _LAW:
+            toy[LAW] = text
+        elif key in parameters():
+            toy[key] = _number(key, text)
+        elif key in names:
+            own[names[key]] = _value(names[key], text)
+        else:
+            raise ValueError(f"unknown name in the link: {key[:40]!r}")
+    made = TOY.replace(**toy)
+    if "span" not in own and "parameter" in own:
+        own["span"] = usual_span(made, str(own["parameter"]))
+    return State(toy=made, **own)  # type: ignore[arg-type]
+
+
+def _text(value: object) -> str:
+    if isinstance(value, bool):
+        return str(int(value))
+    if isinstance(value, tuple):
+        return ",".join(map(repr, value))
+    return value if isinstance(value, str) else repr(value)
+
+
+def _number(key: str, text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ValueError(f"{key} must be a number, got {text[:40]!r}") from None
+
+
+def _value(name: str, text: str) -> object:
+    default = getattr(State(), name)
+    if isinstance(default, str):
+        return text
+    if isinstance(default, tuple):
+        numbers = tuple(_number(name, part) for part in text.split(",") if part)
+        if name == "every":
+            return tuple(int(number) for number in numbers)
+        if len(numbers) != 2:
+            raise ValueError(f"{name} must be two numbers, got {text[:40]!r}")
+        return numbers
+    number = _number(name, text)
+    if isinstance(default, float):
+        return number
+    if number != int(number if math.isfinite(number) else 0.5):
+        raise ValueError(f"{name} must be a whole number, got {text[:40]!r}")
+    return bool(number) if isinstance(default, bool) else int(number)
+
+
+# --- The same in Python ---------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class Lines:
+    """Lines of Python that make what a view shows.
+
+    Parameters
+    ----------
+    imports
+        Names of :mod:`woodpecker` that they need, and whole lines of other imports.
+    body
+        The lines.
+    """
+
+    imports: tuple[str, ...]
+    body: tuple[str, ...]
+    others: tuple[str, ...] = field(default=())
+
+    def __str__(self) -> str:
+        """As a script."""
+        first = f"from woodpecker import {', '.join(sorted(self.imports))}"
+        return "\n".join([*self.others, first, "", *self.body, ""])
+
+
+def python_of(state: State) -> Lines:
+    """The lines that make the map, the motion and the diagram of a state."""
+    toy, low, high = repr(state.toy), *state.window
+    begin, guess = ("toy", state.phi_s) if state.order > 1 else (repr(home(state)), GUESS)
+    run = "" if state.order == 1 else f", {state.order}"
+    motion = [f"start = {state.phi_s!r}  # rad, at rest on the section"]
+    if state.periodic:
+        motion = [
+            f"orbit = shoot(toy, {state.phi_s!r}{run})",
+            "start = orbit.phi_s  # rad, on the section",
+        ]
+    motion += [
+        f"once = first_return(toy, start{run})",
+        "motion = simulate(toy, start, once.period if once.status.success else 1.0)",
+    ]
+    curve = [
+        f"returns = return_map(toy, np.linspace({low!r}, {high!r}, 1000){run})",
+        f"plot_return_map(toy, returns, order={state.order}, depth={low!r})",
+    ]
+    if state.every:
+        diagram = (
+            f"diagram = bifurcation_diagram(toy, {state.parameter!r}, {state.span!r}, "
+            f"{state.every!r})"
+        )
+        search = "bifurcation_diagram"
+    else:
+        diagram = (
+            f"orbit = shoot({begin}, {guess!r}{run})\n"
+            f"diagram = continuation(orbit.toy, orbit, {state.parameter!r}, {state.span!r})"
+        )
+        search = "continuation"
+    names = {"Toy", "first_return", "return_map", "simulate", "shoot", search}
+    if state.every and not state.periodic:
+        names -= {"shoot"}
+    body = [f"toy = {toy}", *motion, *curve, diagram, "plot_diagram(diagram)"]
+    others = (
+        "import numpy as np", "from pwmap.plot import plot_diagram",
+        "from woodpecker.plot.figures import plot_return_map",
+    )  # fmt: skip
+    return Lines(tuple(names), tuple(body), others)
