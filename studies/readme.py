@@ -506,6 +506,27 @@ def completeness(results: All) -> str:
     return rows(header, lines)
 
 
+def systems(results: All) -> str:
+    """Systems of contacts by the general method, against what is known of them in closed form."""
+    toy, oscillator, friction, table = (
+        results[f"system_{name}"] for name in ("toy", "oscillator", "den_hartog", "table")
+    )
+    same = f"{toy['same_words']} of {toy['returns']} words; images, over 1 + slope"
+    oscillators = f"{oscillator['oscillators']} impact oscillators"
+    lines = [
+        ["the toy, against its own kernel", same, number(toy["largest_difference"])],
+        [oscillators, "fold of the motion with one impact", number(oscillator["fold"])],
+        [oscillators, "its flip", number(oscillator["flip"])],
+        ["impact oscillator", "grazing, by continuation", number(abs(oscillator["grazing"]))],
+        [f"Den Hartog's oscillator, {friction['frequencies']} frequencies", "amplitude without stops",
+         number(friction["largest_difference"])],
+        ["ball on a vibrating table", "motion of one bounce closes", number(table["closes"])],
+        ["ball on a vibrating table", "its flip", number(table["flip"])],
+    ]  # fmt: skip
+    ratio = f"A return of the toy takes {number(toy['ratio'])} times as long as by its own kernel."
+    return f"{rows(['system', 'what', 'off by'], lines)}\n\n{ratio}"
+
+
 def symbolic(results: All) -> str:
     """Times of symbolic composition."""
     found = results["symbolic"]
@@ -603,7 +624,7 @@ def proofs(results: All) -> str:
 BLOCKS: dict[str, Callable[[All], str]] = {
     block.__name__: block
     for block in (
-        main_job, paper, vertices, sensitivities, curves, regions, robustness, precision, siconos, peers, general, orders, failures, reductions, kernel, diagrams, completeness, symbolic,
+        main_job, paper, vertices, sensitivities, curves, regions, robustness, precision, siconos, peers, general, orders, failures, reductions, kernel, diagrams, completeness, systems, symbolic,
         ground, long_run, proofs, machine,
     )
 }  # fmt: skip

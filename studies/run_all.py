@@ -63,6 +63,11 @@ STUDIES = {  # the name of each study and of its results, and its module
     "map_grazing": "studies.maps.grazing",
     "map_bouncing": "studies.maps.bouncing",
     "map_boost": "studies.maps.boost",
+    "system_toy": "studies.systems.toy",
+    "system_oscillator": "studies.systems.oscillator",
+    "system_den_hartog": "studies.systems.den_hartog",
+    "system_table": "studies.systems.table",
+    "system_crossing": "studies.systems.crossing",
 }
 RESULTS = ROOT / "studies" / "results"
 console = Console(stderr=True)

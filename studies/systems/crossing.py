@@ -17,9 +17,9 @@ import matplotlib.pyplot as plt
 import sympy
 
 from pwmap import PointKind
-from pwmap.diagrams.diagram import BranchKind
+from pwmap.plot import plot_diagram
 from studies.common.record import Results, command
-from studies.common.style import GREY, RED, WIDTH, grid, keep
+from studies.common.style import WIDTH, grid, keep
 from woodpecker.engine.network import Connected
 from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, continuation, shoot
 
@@ -69,12 +69,8 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     kinds = [str(branch.kind.value) for branch in diagram.branches if branch.id in border.branches]
     if out is not None:
         figure, ax = plt.subplots(figsize=(WIDTH, 4.0), layout="constrained")
-        for branch in diagram.branches:
-            is_jump = branch.kind is BranchKind.JUMP
-            ax.plot(
-                branch.parameter, branch.x, ":" if is_jump else "-", color=GREY if is_jump else RED
-            )
-        ax.set(xlabel="$s$", ylabel="$x$")
+        plot_diagram(diagram, ax)
+        ax.set(xlabel="place $s$ of the wall", ylabel="$x$ once in each period")
         grid(ax)
         keep(figure, out / "system_crossing.png")
     return {"collision": border.parameter, "kinds": sorted(kinds), "cause": border.cause}

@@ -19,11 +19,13 @@ import matplotlib.pyplot as plt
 import numpy as np
 import sympy
 from matplotlib.figure import Figure
+from matplotlib.transforms import blended_transform_factory
 from scipy.optimize import brentq
 
 from pwmap import PointKind
+from pwmap.plot import plot_diagram
 from studies.common.record import Results, command
-from studies.common.style import GREY, RED, WIDTH, grid, keep
+from studies.common.style import GREY, WIDTH, grid, keep
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.network import Connected
 from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, continuation, shoot
@@ -245,11 +247,11 @@ def difference(map_: SystemMap, exact: ClosedForm, orbit: Orbit) -> float:
 def draw(found: Connected, grazing: float) -> Figure:
     """Branches over F, and where the free motion grazes."""
     figure, ax = plt.subplots(figsize=(WIDTH, 4.2), layout="constrained")
-    for branch in found.diagram.branches:
-        colour = GREY if "I1" not in branch.word else RED
-        ax.plot(branch.parameter, branch.x, color=colour, linewidth=1.0 / branch.order + 0.5)
-    ax.axvline(grazing, color="black", linewidth=0.5)
-    ax.set(xlabel="$F$", ylabel="$x(2\\pi n/w)$")
+    plot_diagram(found.diagram, ax)
+    ax.axvline(grazing, color=GREY, linewidth=0.8)
+    place = blended_transform_factory(ax.transData, ax.transAxes)
+    ax.text(grazing, 0.03, " amplitude = gap", transform=place)
+    ax.set(xlabel="amplitude $F$ of the force", ylabel="$x$ once in each period")
     grid(ax)
     return figure
 
