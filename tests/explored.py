@@ -147,24 +147,28 @@ class Seen:
         picture = Image.open(io.BytesIO(self.page.locator(selector).screenshot()))
         return len(picture.convert("RGB").getcolors(1 << 24) or ())
 
-    def click(self, figure: str, x: float, y: float) -> None:
-        """Click at a place of a figure, in its own coordinates."""
-        place = self(
-            f"""(() => {{
-              const view = Object.values(Bokeh.index.roots ?? Bokeh.index).map((v) => v)
-                .find((v) => v.model.name === "{figure}");
-              const box = view.el.getBoundingClientRect(), frame = view.frame.bbox;
-              const at = (range, low, high, v) => (v - range.start) / (range.end - range.start);
-              const {{ x_range, y_range }} = view.model;
-              return [
-                box.left + frame.left + frame.width * at(x_range, 0, 0, {x}),
-                box.top + frame.bottom - frame.height * at(y_range, 0, 0, {y}),
-              ];
-            }})()"""
-        )
+    def click(self, figure: str, *places: tuple[float, float]) -> None:
+        """Click at places of a figure, in its own coordinates, as fast as the mouse can."""
+        pixels = [
+            self(
+                f"""(() => {{
+                  const view = Object.values(Bokeh.index.roots ?? Bokeh.index).map((v) => v)
+                    .find((v) => v.model.name === "{figure}");
+                  const box = view.el.getBoundingClientRect(), frame = view.frame.bbox;
+                  const at = (range, v) => (v - range.start) / (range.end - range.start);
+                  const {{ x_range, y_range }} = view.model;
+                  return [
+                    box.left + frame.left + frame.width * at(x_range, {x}),
+                    box.top + frame.bottom - frame.height * at(y_range, {y}),
+                  ];
+                }})()"""
+            )
+            for x, y in places
+        ]
         count = self("explorer.count")
-        self.page.mouse.click(*place)
-        self.wait(f"explorer.count > {count}")
+        for place in pixels:
+            self.page.mouse.click(*place)
+        self.wait(f"explorer.count >= {count + len(places)}")
         self.rest()
 
     def picture(self, name: str) -> Path:

@@ -11,7 +11,6 @@ from urllib.parse import quote
 
 import numpy as np
 from bokeh.document import Document
-from bokeh.events import Tap
 from bokeh.models import Span
 
 from pwmap.explore.diagram_views import DiagramView, GraphView
@@ -21,6 +20,7 @@ from pwmap.explore.figures import (
     cobweb,
     hover,
     new_figure,
+    on_click,
     patch,
     set_range,
     source,
@@ -73,11 +73,11 @@ class MapTab:
         fixed = figure.scatter("x", "y", source=self.fixed, size=10, fill_color="fill",
                                line_color="color", line_width=2)  # fmt: skip
         figure.add_tools(hover(fixed, OF_FIXED))
-        figure.on_event(Tap, self._heard(self._tap_map))
+        on_click(figure, self._heard(self._tap_map))
 
     def _draw_others(self) -> None:
-        self.diagram.figure.on_event(Tap, self._heard(self._tap_diagram))
-        self.graph.figure.on_event(Tap, self._heard(self._tap_graph))
+        on_click(self.diagram.figure, self._heard(self._tap_diagram))
+        on_click(self.graph.figure, self._heard(self._tap_graph))
         self.plane = new_figure("plane", "", "")
         self.curves = source("xs", "ys", "color", "dash", "name", "tip")
         self.meeting, self.here = source("x", "y"), source("x", "y")
@@ -88,7 +88,7 @@ class MapTab:
         self.plane.scatter("x", "y", source=self.here, size=12, fill_color=None, line_color=VIOLET,
                            line_width=2.5, level="overlay")  # fmt: skip
         self.plane.add_tools(hover(lines, OF_CURVE))
-        self.plane.on_event(Tap, self._heard(self._tap_plane))
+        on_click(self.plane, self._heard(self._tap_plane))
         self.density = new_figure("density", "x", "invariant density")
         self.steps = source("left", "right", "top")
         self.density.quad("left", "right", "top", 0.0, source=self.steps, fill_color=STABLE,

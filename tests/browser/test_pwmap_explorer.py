@@ -64,7 +64,7 @@ def test_a_field_takes_rationals_and_a_slider_too(tab: Seen) -> None:
 
 
 def test_a_click_on_the_plane_shows_its_cell(tab: Seen) -> None:
-    tab.click("plane", 2.0, 2.5)
+    tab.click("plane", (2.0, 2.5))
     tab.wait(DONE)
     values = tab.answer["values"]
     assert values["a"] == "2"  # the simplest rational within half a pixel or so
@@ -75,15 +75,15 @@ def test_a_click_on_the_plane_shows_its_cell(tab: Seen) -> None:
 
 
 def test_clicks_on_the_map_the_diagram_and_the_graph(tab: Seen) -> None:
-    tab.click("map", 0.75, -0.5)
+    tab.click("map", (0.75, -0.5))
     assert tab.answer["start"] == "3/4"
     tab.wait(DONE)
-    tab.click("diagram", 3.0, 4.0 / 3.0)  # the fixed point r/(a + 1) at r = 3
+    tab.click("diagram", (3.0, 4.0 / 3.0))  # the fixed point r/(a + 1) at r = 3
     assert tab.answer["branch"] == "F2"
     tab.wait(DONE)
     edges = tab.table("graph", 1)
     k = edges["branch"].index("J1")
-    tab.click("graph", edges["x"][k], edges["y"][k])
+    tab.click("graph", (edges["x"][k], edges["y"][k]))
     assert tab.answer["branch"] == "J1"
 
 

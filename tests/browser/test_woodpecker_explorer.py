@@ -181,7 +181,7 @@ def test_a_click_on_a_branch_brings_everything_there(tab: Seen) -> None:
     )  # fmt: skip
     k = len(unstable) // 2
     p, x = float(unstable.parameter[k]), float(unstable.x[k])
-    tab.click("diagram", p, x)
+    tab.click("diagram", (p, x))
     answer = tab.answer
     assert answer["branch"] == unstable.id
     assert answer["periodic"] is True
@@ -199,12 +199,12 @@ def test_a_click_on_an_edge_of_the_graph(tab: Seen) -> None:
     tab.complete()
     edges = tab.table("graph", 1)
     k = edges["branch"].index("F1")
-    tab.click("graph", edges["x"][k], edges["y"][k])
+    tab.click("graph", (edges["x"][k], edges["y"][k]))
     assert tab.answer["branch"] == "F1"
 
 
 def test_a_click_on_the_map_starts_a_cobweb(tab: Seen) -> None:
-    tab.click("map", -1.7, -2.0)
+    tab.click("map", (-1.7, -2.0))
     start = tab.answer["start"]
     assert abs(start + 1.7) < 0.02  # a pixel is 0.008 rad
     web = np.array(tab.table("map", 5)["x"], dtype=float)
@@ -213,7 +213,16 @@ def test_a_click_on_the_map_starts_a_cobweb(tab: Seen) -> None:
         orbit.append(first_return(Toy(), orbit[-1]).phi_s)
     assert np.abs(web[[0, 2, 4, 6, 8]] - orbit[:5]).max() < 1e-12
     assert tab.answer["periodic"] is False
-    tab.click("map", STABLE, STABLE)
+    tab.click("map", (STABLE, STABLE))
+    assert tab.answer["periodic"] is True
+
+
+def test_clicks_in_quick_succession_are_all_heard(tab: Seen) -> None:
+    """Within 0.3 s of another, a click is heard as well."""
+    tab.click("map", (-1.7, -2.0), (STABLE, STABLE), (-1.2, -2.0))
+    assert abs(tab.answer["start"] + 1.2) < 0.02
+    tab.page.wait_for_timeout(400)
+    tab.click("map", (-1.7, -2.0), (STABLE, STABLE))
     assert tab.answer["periodic"] is True
 
 

@@ -9,10 +9,11 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from bokeh.events import RangesUpdate, Tap
+from bokeh.events import RangesUpdate
 
 from pwmap.explore.diagram_views import DiagramView, GraphView
 from pwmap.explore.diagrams import Shown, nearest_line, nearest_sample
+from pwmap.explore.figures import on_click
 from pwmap.explore.jobs import Failure, Finished, Job, is_warm
 from pwmap.explore.page import numbers
 from woodpecker import Toy, parameters
@@ -345,9 +346,9 @@ class Tab:
 
             return hear
 
-        self.map.figure.on_event(Tap, heard(self._tap_map))
-        self.diagram.figure.on_event(Tap, heard(self._tap_diagram))
-        self.graph.figure.on_event(Tap, heard(self._tap_graph))
+        on_click(self.map.figure, heard(self._tap_map))
+        on_click(self.diagram.figure, heard(self._tap_diagram))
+        on_click(self.graph.figure, heard(self._tap_graph))
         self.map.figure.on_event(RangesUpdate, heard(self._zoom_map))
         self.diagram.figure.on_event(RangesUpdate, self._zoom_diagram)
 
