@@ -43,7 +43,7 @@ from woodpecker import (
     local_model,
     return_map,
 )
-from woodpecker.piecewise.slices import slices_at
+from woodpecker.slices.slices import slices_at
 
 CLOSED, DIGITS = "closed form", "30 digits (tests/woodpecker/simulation/test_reference.py)"
 SIGNS, EXACT = "bisection to neighbouring doubles", "exact arithmetic"

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from woodpecker.piecewise.formulas import FormulaMap, FormulaPiece, Smooth
+from woodpecker.maps.formulas import FormulaMap, FormulaPiece, Smooth
 
 A = 1.25  # the constant a of the paper's example
 BORDER = "x reaches the border"  # the cause of all borders here

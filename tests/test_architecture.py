@@ -74,12 +74,13 @@ def test_pwmap_knows_nothing_of_the_toy() -> None:
     assert not [target for target in targets if target.startswith("woodpecker")]
 
 
-@pytest.mark.parametrize("folder", ["woodpecker.piecewise", "woodpecker.engine"])
-def test_maps_know_nothing_of_the_toy(folder: str) -> None:
+def test_maps_know_nothing_of_the_toy() -> None:
+    """Maps of any origin stand on floors, and none of them knows a simulation."""
+    floors = [f"woodpecker.{each}" for each in ("base", "engine", "maps", "slices", "search")]
     for module, target in imports("woodpecker").edges:
-        if module.startswith(folder) and target.startswith("woodpecker"):
-            below = (folder, "woodpecker.base", "woodpecker.engine")
-            assert target.startswith(below), (module, target)
+        if folder_of(module) in floors and target.startswith("woodpecker"):
+            below = floors[: floors.index(folder_of(module)) + 1]
+            assert folder_of(target) in below, (module, target)
 
 
 def test_mechanics_knows_no_map() -> None:
@@ -98,6 +99,10 @@ def test_only_drawing_files_import_matplotlib() -> None:
 # --- Numbers that decide results ------------------------------------------------------------------
 
 WOODPECKER = ROOT / "woodpecker"
+OF_MAPS = [
+    *(path for each in ("maps", "slices", "search") for path in (WOODPECKER / each).glob("*.py")),
+    WOODPECKER / "base" / "settings.py",
+]
 PLAIN = {0.0, 0.5, 1.0, 2.0, 3.0, 4.0}  # signs, halves, and the coefficients of cubics
 
 
@@ -133,13 +138,13 @@ def bare_numbers(tree: ast.Module) -> list[tuple[int, float]]:
 
 
 def test_functions_hold_no_bare_numbers() -> None:
-    for path in (WOODPECKER / "piecewise").glob("*.py"):
+    for path in OF_MAPS:
         if path.stem != "settings":
             assert bare_numbers(ast.parse(path.read_text(encoding="utf-8"))) == [], path.name
 
 
 def test_every_constant_has_its_reason_beside_it() -> None:
-    for path in (WOODPECKER / "piecewise").glob("*.py"):
+    for path in OF_MAPS:
         lines = path.read_text(encoding="utf-8").splitlines()
         for name, line in constants(path).items():
             beside = "  # " in lines[line - 1] or lines[line - 2].startswith("# ")
@@ -148,7 +153,7 @@ def test_every_constant_has_its_reason_beside_it() -> None:
 
 def test_no_constant_has_two_meanings() -> None:
     """Whatever has a name in ``engine`` too is imported from there."""
-    names = Counter(name for path in (WOODPECKER / "piecewise").glob("*.py")
+    names = Counter(name for path in OF_MAPS
                     for name in constants(path))  # fmt: skip
     below = {name for path in (WOODPECKER / "engine").glob("*.py") for name in constants(path)}
     assert [name for name, count in names.items() if count > 1] == []
@@ -158,7 +163,7 @@ def test_no_constant_has_two_meanings() -> None:
 def test_every_setting_is_read() -> None:
     """Where settings are at hand, or by a property of theirs, but not by their own checks alone."""
     text = "".join(path.read_text(encoding="utf-8") for path in WOODPECKER.rglob("*.py"))
-    derived = (WOODPECKER / "piecewise" / "settings.py").read_text(encoding="utf-8")
+    derived = (WOODPECKER / "base" / "settings.py").read_text(encoding="utf-8")
     used = {
         *re.findall(r"\b(?:settings|plane\.first)\.([a-z_]+)", text),
         *re.findall(r"\bself\.([a-z_]+)", derived.partition("@property")[2]),

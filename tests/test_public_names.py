@@ -35,15 +35,15 @@ ENGINE = {
     "pwmap.maps.words.SignOracle": "decides signs of these",
     "pwmap.plane.marks.Mark": "where curves of the plane meet",
     "pwmap.plane.network.Arc": "a part of a curve over one strip",
-    "woodpecker.piecewise.curves.Curve": "a curve of one branch, as a run keeps it",
-    "woodpecker.piecewise.ends.Collision": "how a branch ends at a border, as a run keeps it",
-    "woodpecker.piecewise.ends.End": "how a branch ends, as a run keeps it",
-    "woodpecker.piecewise.jumps.Limit": "the orbit of a limit on one side of a jump",
-    "woodpecker.piecewise.orbits.Margin": "the condition that an orbit lies on a border",
-    "woodpecker.piecewise.orbits.OnBorder": "the same, for the piece beyond it",
-    "woodpecker.piecewise.symbolic.SymbolicPiece": "a formula, with its derivatives compiled",
+    "woodpecker.search.curves.Curve": "a curve of one branch, as a run keeps it",
+    "woodpecker.search.ends.Collision": "how a branch ends at a border, as a run keeps it",
+    "woodpecker.search.ends.End": "how a branch ends, as a run keeps it",
+    "woodpecker.slices.jumps.Limit": "the orbit of a limit on one side of a jump",
+    "woodpecker.slices.orbits.Margin": "the condition that an orbit lies on a border",
+    "woodpecker.slices.orbits.OnBorder": "the same, for the piece beyond it",
+    "woodpecker.maps.symbolic.SymbolicPiece": "a formula, with its derivatives compiled",
     "woodpecker.simulation.paths.Follower": "a return that is followed with its word prescribed",
-    "woodpecker.toypieces._Room": "what threads do not share",
+    "woodpecker.toy_map._Room": "what threads do not share",
 }
 # Methods whose one sentence says what they take and give.
 SHORT = {"pwmap.certificates"}

@@ -12,19 +12,19 @@ from pwmap.diagrams.diagram import Diagram, PointKind, SpecialPoint
 from woodpecker.base.checkpoint import START
 from woodpecker.base.checks import instance, interval
 from woodpecker.base.executors import Serial
+from woodpecker.base.settings import Settings
 from woodpecker.curves import Spans, curve_from
 from woodpecker.mechanics.toy import Toy
-from woodpecker.piecewise.diagrams import cycle_near, orders_with, restored
-from woodpecker.piecewise.explorer import Explorer, Progress
-from woodpecker.piecewise.orbits import Orbit
-from woodpecker.piecewise.samples import StopRule
-from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.tasks import Worker
 from woodpecker.plane.curve import Curve, PlanePoint
 from woodpecker.runs import AT, about, finished, nothing, possible, recorded, settings_for
+from woodpecker.search.diagrams import cycle_near, orders_with, restored
+from woodpecker.search.explorer import Explorer, Progress
+from woodpecker.search.samples import StopRule
+from woodpecker.search.tasks import Worker
 from woodpecker.shooting import PeriodicOrbit
 from woodpecker.simulation.returns import RESTITUTIONS
-from woodpecker.toypieces import ToyPieces
+from woodpecker.slices.orbits import Orbit
+from woodpecker.toy_map import ToyPieces
 
 
 @overload

@@ -7,12 +7,12 @@ from dataclasses import replace
 from pwmap.diagrams.diagram import PointKind, PointStatus, SpecialPoint
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.checks import interval
+from woodpecker.base.settings import Settings
 from woodpecker.mechanics.toy import Toy, limits
-from woodpecker.piecewise.settings import Settings
 from woodpecker.plane.curve import Curve, PlanePoint
 from woodpecker.plane.following import curve_through
 from woodpecker.runs import OUT_OF_DOMAIN, given, possible, settings_for
-from woodpecker.toyfamily import ToyFamily
+from woodpecker.toy_family import ToyFamily
 
 SAMPLES = 2000  # of a curve each way: most have some hundred, and what needs more comes to nothing
 

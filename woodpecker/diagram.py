@@ -11,13 +11,13 @@ from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.diagram import load_diagram as load_diagram  # for the users of woodpecker, too
 from woodpecker.base.checks import instance, interval
 from woodpecker.base.executors import worker_count
+from woodpecker.base.settings import Settings
 from woodpecker.mechanics.toy import Toy
-from woodpecker.piecewise.diagrams import Found, finite_window, iterates, whole_diagram
-from woodpecker.piecewise.explorer import Progress
-from woodpecker.piecewise.search import Search
-from woodpecker.piecewise.settings import Settings
 from woodpecker.runs import about, finished, possible, recorded, settings_for
-from woodpecker.toypieces import ToyPieces
+from woodpecker.search.diagrams import Found, finite_window, iterates, whole_diagram
+from woodpecker.search.explorer import Progress
+from woodpecker.search.search import Search
+from woodpecker.toy_map import ToyPieces
 from woodpecker.window import WINDOW
 
 
@@ -39,7 +39,7 @@ def bifurcation_diagram(
     """Every branch of some iterates in a window, and how they hang together.
 
     Slices of the parameter are taken until they show nothing that no branch explains; see
-    :mod:`woodpecker.piecewise.search`. An iterate P_j counts orbits all of whose returns lie in the
+    :mod:`woodpecker.search.search`. An iterate P_j counts orbits all of whose returns lie in the
     window.
 
     Parameters

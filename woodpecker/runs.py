@@ -13,11 +13,11 @@ from pwmap.diagrams.diagram import Diagram, PointKind, PointStatus, SpecialPoint
 from pwmap.diagrams.record import PROGRAM, plain
 from woodpecker.base.checkpoint import Entry
 from woodpecker.base.checks import interval
+from woodpecker.base.settings import Settings, differing
 from woodpecker.mechanics.toy import Toy, limits
-from woodpecker.piecewise.checkpoint import Record, read_record, restore
-from woodpecker.piecewise.explorer import LEFT
-from woodpecker.piecewise.network import Network
-from woodpecker.piecewise.settings import Settings, differing
+from woodpecker.search.checkpoint import Record, read_record, restore
+from woodpecker.search.explorer import LEFT
+from woodpecker.search.network import Network
 from woodpecker.window import WINDOW
 
 DEFAULT = Settings(window=WINDOW)

@@ -10,10 +10,13 @@ import numpy as np
 
 from pwmap.diagrams.shown import brief, table
 from woodpecker.base.checks import instance, whole
+from woodpecker.base.settings import Settings
 from woodpecker.engine.newton import STEPS
 from woodpecker.mechanics.toy import Toy
-from woodpecker.piecewise.jumps import Jump, jump_of
-from woodpecker.piecewise.orbits import (
+from woodpecker.simulation.returns import first_return
+from woodpecker.slices.extents import reach_of
+from woodpecker.slices.jumps import Jump, jump_of
+from woodpecker.slices.orbits import (
     Closed,
     Coordinate,
     Margin,
@@ -24,10 +27,7 @@ from woodpecker.piecewise.orbits import (
     residuals,
     solve,
 )
-from woodpecker.piecewise.reaches import reach_of
-from woodpecker.piecewise.settings import Settings
-from woodpecker.simulation.returns import first_return
-from woodpecker.toypieces import ToyPieces
+from woodpecker.toy_map import ToyPieces
 
 DEFAULT = Settings()
 LOOKED = 0.01  # in x, a part of the window: how far from a guess without a cycle a jump is sought

@@ -13,8 +13,10 @@ from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, Hit
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, number
 from woodpecker.mechanics.toy import Toy
-from woodpecker.piecewise.crossings import is_inside
-from woodpecker.piecewise.orbits import (
+from woodpecker.shooting import DEFAULT, PeriodicOrbit, periodic_orbit, shoot
+from woodpecker.simulation.returns import first_return
+from woodpecker.slices.crossings import is_inside
+from woodpecker.slices.orbits import (
     Closed,
     Coordinate,
     Orbit,
@@ -23,9 +25,7 @@ from woodpecker.piecewise.orbits import (
     solve,
     tangent,
 )
-from woodpecker.shooting import DEFAULT, PeriodicOrbit, periodic_orbit, shoot
-from woodpecker.simulation.returns import first_return
-from woodpecker.toypieces import ToyPieces
+from woodpecker.toy_map import ToyPieces
 
 
 class OnBranch(NamedTuple):

@@ -41,8 +41,8 @@ from studies.failures.points import rows as rows_at_points
 from studies.failures.scenes import Scene, scenes
 from woodpecker import ToyPieces
 from woodpecker.base.compiled import COMPILED
-from woodpecker.piecewise.partition import partition
-from woodpecker.piecewise.settings import Settings
+from woodpecker.base.settings import Settings
+from woodpecker.slices.partition import partition
 
 DIPS = ((-1.2255, -1.2242), (-0.2665, -0.2653))  # rad, around the two dips at eps_N1 = 0.5
 COARSE = 2.5e-7  # rad; pieces narrower than this are not looked for

@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.pieces import PiecewiseMap
+from woodpecker.maps.pieces import PiecewiseMap
 
 Plain = Callable[[float, float], float]  # (x, p) -> image; nan where there is none
 

@@ -18,8 +18,8 @@ from studies.common.places import WINDOW
 from studies.failures import newton as textbook
 from studies.failures.judge import Kind, power
 from woodpecker import Toy, ToyPieces, continuation, shoot
-from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.slices import slices_at
+from woodpecker.base.settings import Settings
+from woodpecker.slices.slices import slices_at
 
 AROUND = (-5e-2, -1e-2, -1e-3, 1e-3, 1e-2, 5e-2)  # rad, of guesses around a point
 BESIDE = 1e-4  # distance of the parameter at which Newton's method is tried

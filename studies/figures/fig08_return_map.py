@@ -34,10 +34,10 @@ from woodpecker import (
     nearest_border,
     return_map,
 )
-from woodpecker.piecewise.partition import partition
-from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.slices import slices_at
+from woodpecker.base.settings import Settings
 from woodpecker.plot.figures import plot_return_map
+from woodpecker.slices.partition import partition
+from woodpecker.slices.slices import slices_at
 
 WINDOW = (-2.5, 0.11)  # rad, the paper's
 SEEN = 0.02  # rad: a jump that shows in the picture

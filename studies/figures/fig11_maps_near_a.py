@@ -37,9 +37,9 @@ from woodpecker import (
     crosses,
 )
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.partition import Cylinder, Partition, partition
-from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.slices import slices_at
+from woodpecker.base.settings import Settings
+from woodpecker.slices.partition import Cylinder, Partition, partition
+from woodpecker.slices.slices import slices_at
 
 POINT_A = (0.1119709145, -0.8847733440)  # eps_N1, phi_S [rad], with the sum
 PAPER = 0.125  # where the paper draws P_1 and P_2

@@ -51,7 +51,7 @@ from woodpecker import (
     local_model,
     shoot,
 )
-from woodpecker.piecewise.settings import Settings
+from woodpecker.base.settings import Settings
 from woodpecker.plot.figures import plot_local
 
 X, A, R = sympy.symbols("x a r")

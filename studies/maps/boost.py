@@ -38,10 +38,10 @@ from mpmath import mpf
 from pwmap import Diagram, PointKind
 from studies.common.record import Results, command
 from studies.maps.following import changes, miscounted, searched
-from woodpecker.piecewise.formulas import FormulaMap
-from woodpecker.piecewise.search import Search
-from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.symbolic import from_sympy
+from woodpecker.base.settings import Settings
+from woodpecker.maps.formulas import FormulaMap
+from woodpecker.maps.symbolic import from_sympy
+from woodpecker.search.search import Search
 
 V, KAPPA = sympy.symbols("v kappa")
 SOURCE, TARGET = sympy.Integer(16), sympy.Integer(25)  # V

@@ -52,10 +52,10 @@ from pwmap import Diagram, PointKind
 from studies.common.record import Results, command
 from studies.maps.following import changes, miscounted, searched
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.derivatives import check_derivatives
-from woodpecker.piecewise.formulas import FormulaMap, FormulaPiece, Smooth
-from woodpecker.piecewise.search import Search
-from woodpecker.piecewise.settings import Settings
+from woodpecker.base.settings import Settings
+from woodpecker.maps.derivatives import check_derivatives
+from woodpecker.maps.formulas import FormulaMap, FormulaPiece, Smooth
+from woodpecker.search.search import Search
 
 TURN = 2.0 * math.pi
 SETTINGS = Settings(span=(1.2, 4.5), window=(-4.5, 3.0))

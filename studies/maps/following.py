@@ -9,16 +9,16 @@ import numpy as np
 from pwmap import Diagram, PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.base.executors import Serial
-from woodpecker.piecewise.curves import Curve
-from woodpecker.piecewise.ends import End
-from woodpecker.piecewise.explorer import Explorer
-from woodpecker.piecewise.formulas import FormulaMap
-from woodpecker.piecewise.network import Network
-from woodpecker.piecewise.orbits import Closed, Coordinate, Orbit, orbit_of, solve
-from woodpecker.piecewise.pieces import PiecewiseMap
-from woodpecker.piecewise.search import Search, complete
-from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.tasks import Worker
+from woodpecker.base.settings import Settings
+from woodpecker.maps.formulas import FormulaMap
+from woodpecker.maps.pieces import PiecewiseMap
+from woodpecker.search.curves import Curve
+from woodpecker.search.ends import End
+from woodpecker.search.explorer import Explorer
+from woodpecker.search.network import Network
+from woodpecker.search.search import Search, complete
+from woodpecker.search.tasks import Worker
+from woodpecker.slices.orbits import Closed, Coordinate, Orbit, orbit_of, solve
 
 
 def cycle_near(map_: PiecewiseMap, x: Sequence[float], p: float, settings: Settings) -> Orbit:

@@ -44,11 +44,11 @@ import sympy
 from pwmap import PointKind
 from studies.common.record import Results, command
 from studies.maps.following import branch_near, ends_of, searched, stable_part
-from woodpecker.piecewise.curves import Curve
-from woodpecker.piecewise.formulas import FormulaMap
-from woodpecker.piecewise.search import Search
-from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.symbolic import from_sympy
+from woodpecker.base.settings import Settings
+from woodpecker.maps.formulas import FormulaMap
+from woodpecker.maps.symbolic import from_sympy
+from woodpecker.search.curves import Curve
+from woodpecker.search.search import Search
 
 X, RHO, ALPHA = sympy.symbols("x rho alpha")
 FORMULA = sympy.Piecewise((ALPHA * X + RHO, X <= 0), (RHO - sympy.sqrt(X), True))

@@ -16,8 +16,8 @@ from studies.figures import fig10_order_two as fig10
 from studies.figures import fig11_maps_near_a as fig11
 from studies.figures import fig12_local_model as fig12
 from woodpecker import Found, Start, Toy, ToyPieces, local_model, shoot
-from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.slices import slices_at
+from woodpecker.base.settings import Settings
+from woodpecker.slices.slices import slices_at
 
 pytestmark = NEEDS_NUMBA
 

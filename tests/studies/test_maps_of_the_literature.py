@@ -9,8 +9,8 @@ from short_runs import kept_run
 from studies.maps import boost as map_boost
 from studies.maps import bouncing as map_bouncing
 from studies.maps import grazing as map_grazing
-from woodpecker.piecewise.derivatives import check_derivatives
-from woodpecker.piecewise.settings import Settings
+from woodpecker.base.settings import Settings
+from woodpecker.maps.derivatives import check_derivatives
 
 LOCATED = 1e-12  # of a special point, relative
 

@@ -63,7 +63,7 @@ def test_diagrams_are_told_apart() -> None:
 def test_a_mechanism_that_matters_is_seen() -> None:
     """Without the kernel's status of a return nothing is followed: all jobs fail."""
     vital = Mechanism("simulation.paths", "status", gives(None), "")
-    idle = Mechanism("piecewise.accumulations", "ENDLESS", "", "")
+    idle = Mechanism("search.accumulations", "ENDLESS", "", "")
     found = measured([vital, idle], {"job": main_job(Toy(), (0.48, 0.52))})
     one, other = (row["job"] for row in found["without"].values())
     assert (one["verdict"], one["calls"]) == ("fails", None)

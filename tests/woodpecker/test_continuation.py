@@ -16,18 +16,18 @@ from needs import NEEDS_NUMBA
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus, SpecialPoint
 from woodpecker.base.checkpoint import line_of
 from woodpecker.base.executors import Serial
+from woodpecker.base.settings import Settings
 from woodpecker.continued import continuation
 from woodpecker.mechanics.toy import Toy
-from woodpecker.piecewise.checkpoint import Record, check_entry, read_record
-from woodpecker.piecewise.diagrams import cycle_near
-from woodpecker.piecewise.explorer import Explorer, Stage
-from woodpecker.piecewise.search import Search
-from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.tasks import Worker
 from woodpecker.runs import DEFAULT, about, saved_diagram, settings_of
+from woodpecker.search.checkpoint import Record, check_entry, read_record
+from woodpecker.search.diagrams import cycle_near
+from woodpecker.search.explorer import Explorer, Stage
+from woodpecker.search.search import Search
+from woodpecker.search.tasks import Worker
 from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.simulation.returns import first_return
-from woodpecker.toypieces import ToyPieces
+from woodpecker.toy_map import ToyPieces
 from woodpecker.window import WINDOW
 
 FIXED, JUMP = BranchKind.FIXED_POINT, BranchKind.JUMP
@@ -308,7 +308,7 @@ def test_a_failed_orbit_is_refused() -> None:
         ),
         (
             {"settings": Search()}, TypeError,
-            "settings must be woodpecker.Settings, got woodpecker.piecewise.search.Search",
+            "settings must be woodpecker.Settings, got woodpecker.search.search.Search",
         ),
         ({"resume": True}, ValueError, "resuming needs the file of a run"),
     ],

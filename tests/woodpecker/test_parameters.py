@@ -17,8 +17,8 @@ from woodpecker.mechanics.modes import (
     model,
 )
 from woodpecker.mechanics.toy import ExpansionFriction, limits
-from woodpecker.piecewise.search import Search
-from woodpecker.toypieces import ToyPieces
+from woodpecker.search.search import Search
+from woodpecker.toy_map import ToyPieces
 
 LAWS = list(ExpansionFriction)
 NAMES = [name for name in parameters() if name != "pole"]  # the map does not know its length

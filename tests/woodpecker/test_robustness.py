@@ -7,7 +7,7 @@ import pytest
 from needs import NEEDS_NUMBA
 
 from woodpecker import Effect, Robustness, Toy, Trouble, robustness, shoot
-from woodpecker.toypieces import ToyPieces
+from woodpecker.toy_map import ToyPieces
 from woodpecker.trouble.changes import space_of
 from woodpecker.trouble.lines import ToyLine
 from woodpecker.trouble.nearest import first_guesses

@@ -17,16 +17,16 @@ from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
 from woodpecker.base.executors import Serial
+from woodpecker.base.settings import Settings
 from woodpecker.continued import continuation
+from woodpecker.maps.pieces import Image, Piece
 from woodpecker.mechanics.toy import Toy
-from woodpecker.piecewise.explorer import Explorer
-from woodpecker.piecewise.orbits import Orbit
-from woodpecker.piecewise.pieces import Image, Piece
-from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.tasks import Worker
 from woodpecker.runs import OUT_OF_DOMAIN
+from woodpecker.search.explorer import Explorer
+from woodpecker.search.tasks import Worker
 from woodpecker.shooting import shoot
-from woodpecker.toypieces import ToyPieces
+from woodpecker.slices.orbits import Orbit
+from woodpecker.toy_map import ToyPieces
 from woodpecker.window import WINDOW
 
 MASSES, INERTIAS = ("m_m", "m_s"), ("j_m", "j_s")

@@ -9,14 +9,14 @@ import pytest
 
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.continued import continuation
+from woodpecker.maps.iterates import Iterate
 from woodpecker.mechanics.equations import equilibrium
 from woodpecker.mechanics.toy import Toy
-from woodpecker.piecewise.iterates import Iterate
-from woodpecker.piecewise.orbits import Orbit, orbit_of
 from woodpecker.shooting import DEFAULT, ShootingStatus, periodic_orbit, shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.simulation.status import Status
-from woodpecker.toypieces import ToyPieces
+from woodpecker.slices.orbits import Orbit, orbit_of
+from woodpecker.toy_map import ToyPieces
 
 TOY = Toy()
 CYCLE = "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"  # of the stable motion at eps_n1 = 0.5

@@ -10,7 +10,7 @@ from pwmap.diagrams.diagram import BranchKind, Diagram
 from woodpecker.continued import continuation
 from woodpecker.diagram import bifurcation_diagram
 from woodpecker.mechanics.toy import Toy
-from woodpecker.piecewise.search import Search
+from woodpecker.search.search import Search
 from woodpecker.shooting import shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.solutions import solutions

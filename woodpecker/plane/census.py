@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from woodpecker.piecewise.pieces import PiecewiseMap
-from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.settled import SettledOrbit, orbit_diagram
-from woodpecker.piecewise.slices import slices_at
+from woodpecker.base.settings import Settings
+from woodpecker.maps.pieces import PiecewiseMap
+from woodpecker.slices.attracting import SettledOrbit, orbit_diagram
+from woodpecker.slices.slices import slices_at
 
 NEUTRAL = 1e-6  # of 1 - |multiplier|: below this rounding decides on stability. So do ends of
 # intervals of fixed points, such as states in which the toy rests

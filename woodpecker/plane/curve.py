@@ -13,8 +13,8 @@ from pwmap.diagrams.frames import Column, DataFrame, dataframe
 from pwmap.diagrams.shown import table
 from pwmap.plane.kinds import PlaneKind as PlaneKind  # for the users of woodpecker, too
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.borders import BorderKind
 from woodpecker.plane.families import Pair
+from woodpecker.slices.borders import BorderKind
 
 
 @dataclass(frozen=True, slots=True)

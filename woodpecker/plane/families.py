@@ -13,9 +13,9 @@ from typing import Any, Protocol, runtime_checkable
 import sympy
 
 from pwmap import PiecewiseLinearMap
-from woodpecker.piecewise.formulas import FormulaMap
-from woodpecker.piecewise.pieces import Piece, PiecewiseMap
-from woodpecker.piecewise.symbolic import (
+from woodpecker.maps.formulas import FormulaMap
+from woodpecker.maps.pieces import Piece, PiecewiseMap
+from woodpecker.maps.symbolic import (
     SymbolicPiece,
     Symbols,
     known_symbols,

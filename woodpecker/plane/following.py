@@ -11,12 +11,12 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind, PointStatus, SpecialPoint
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.checks import interval
+from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import Arc, Sample, Stop
 from woodpecker.engine.curves import Curve as Followed
 from woodpecker.engine.maps import ACCUMULATE
 from woodpecker.engine.newton import across, uncertainties
 from woodpecker.engine.orbits import Multiplier, OnBorder, Orbit
-from woodpecker.piecewise.settings import Settings
 from woodpecker.plane.curve import OPEN, Curve, PlanePoint, PlaneStretch, numbered
 from woodpecker.plane.families import Family, Pair
 from woodpecker.plane.maps import Plane, pair

@@ -10,14 +10,14 @@ from typing import Any, NamedTuple, cast
 import numpy as np
 
 from woodpecker.base.arrays import Floats
+from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import Curve, CurveSettings
 from woodpecker.engine.line import LinePiece, proposed
 from woodpecker.engine.maps import Image
 from woodpecker.engine.newton import Problem, cycles
 from woodpecker.engine.orbits import Condition
-from woodpecker.piecewise import pieces
-from woodpecker.piecewise.pieces import PiecewiseMap
-from woodpecker.piecewise.settings import Settings
+from woodpecker.maps import pieces
+from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.plane.families import Family, Pair
 
 

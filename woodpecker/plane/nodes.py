@@ -11,15 +11,15 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
+from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import Curve, Sample, Stop, TestFunction
 from woodpecker.engine.line import LineMap
 from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, Orbit
-from woodpecker.piecewise.borders import Border, BorderKind
-from woodpecker.piecewise.jumps import limit_of
-from woodpecker.piecewise.margins import depth, nearest_code
-from woodpecker.piecewise.pieces import Image
-from woodpecker.piecewise.settings import Settings
+from woodpecker.maps.pieces import Image
 from woodpecker.plane.maps import FamilyPiece, Plane, over_first, pair
+from woodpecker.slices.borders import Border, BorderKind
+from woodpecker.slices.jumps import limit_of
+from woodpecker.slices.margins import depth, nearest_code
 
 THIRD = 2.0**-10  # part of the unit of x over which a second difference of slopes is taken: its
 # error is the square, and rounding over the square is 1e-10

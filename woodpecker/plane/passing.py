@@ -17,9 +17,9 @@ from woodpecker.engine.maps import ACCUMULATE, Image
 from woodpecker.engine.newton import Problem, across, solve
 from woodpecker.engine.orbits import Held, Multiplier, OnBorder, Orbit
 from woodpecker.engine.tracing import ROOTED
-from woodpecker.piecewise.borders import Border, BorderKind
 from woodpecker.plane.maps import Plane, over_first
 from woodpecker.plane.nodes import PARALLEL, border_in, curve_of, is_steep, units
+from woodpecker.slices.borders import Border, BorderKind
 
 # Part to which a difference of slopes falls, a hundred times closer to a border, if it is none
 # right there: a cube root falls to a fifth.

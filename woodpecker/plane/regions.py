@@ -24,9 +24,7 @@ from shapely.ops import unary_union
 from pwmap.diagrams.diagram import PointStatus, SpecialPoint
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import interval
-from woodpecker.piecewise.diagrams import finite_window, iterates, whole_diagram
-from woodpecker.piecewise.search import Search
-from woodpecker.piecewise.settings import Settings
+from woodpecker.base.settings import Settings
 from woodpecker.plane.census import Attractor, Census, attractors_at, census_at
 from woodpecker.plane.curve import Curve
 from woodpecker.plane.cutting import (
@@ -44,6 +42,8 @@ from woodpecker.plane.families import Family, Pair
 from woodpecker.plane.following import curve_through
 from woodpecker.plane.starting import has_curve
 from woodpecker.plane.survey import Survey
+from woodpecker.search.diagrams import finite_window, iterates, whole_diagram
+from woodpecker.search.search import Search
 
 # To find the curve between a place that disagrees with others of its face and the nearest.
 TRIES = 3

@@ -12,9 +12,9 @@ from woodpecker.base.arrays import Floats
 from woodpecker.engine.germs import once, paths
 from woodpecker.engine.newton import solve
 from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, Orbit
-from woodpecker.piecewise.borders import BorderKind
 from woodpecker.plane.maps import Plane
 from woodpecker.plane.nodes import border_of
+from woodpecker.slices.borders import BorderKind
 
 T = TypeVar("T")
 MULTIPLIERS = (PointKind.LP, PointKind.PD)

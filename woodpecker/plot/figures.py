@@ -18,11 +18,11 @@ from pwmap.plot import JUMP, MARKERS, STABLE, STAR, UNSTABLE, place_legend, plot
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
 from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.mechanics.toy import Toy
-from woodpecker.piecewise.local import LocalModel
 from woodpecker.plot.curve import Curve, Link, refined
 from woodpecker.plot.motions import LINE, strokes
 from woodpecker.simulation.returns import ReturnMap, return_map
 from woodpecker.simulation.status import Status
+from woodpecker.slices.local import LocalModel
 
 
 def plot_return_map(

@@ -22,6 +22,7 @@ from typing import Any, NamedTuple
 from flint import arb, arb_poly, arb_series
 
 from woodpecker.mechanics.toy import Toy
+from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, decimal, fraction, number
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import VALUE, Frame, sign
@@ -38,7 +39,6 @@ from woodpecker.proofs.pieces import (
     value_of,
 )
 from woodpecker.shooting import shoot
-from woodpecker.undecided import Undecided
 
 Progress = Callable[[float], object]
 CURVE = 24  # decimals of points of curves [rad]

@@ -14,10 +14,10 @@ from typing import Any
 
 from flint import arb
 
+from woodpecker.not_proved import Undecided
 from woodpecker.proofs.forms import Form, box, sign
 from woodpecker.proofs.oscillator import Crossing, Derivatives, Guard, shapes, zero
 from woodpecker.proofs.stumpff import shape_balls
-from woodpecker.undecided import Undecided
 
 LONGEST = 10.0  # of |kappa| t^2: half a swing; h need not fall beyond
 PARTS = 16  # of a flight, over each of which the slope of h is enclosed

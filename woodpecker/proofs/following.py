@@ -38,6 +38,7 @@ from woodpecker.mechanics.modes import (
     Contact,
     watched,
 )
+from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, ball
 from woodpecker.proofs.contacts import impulses_of, mark, only, rests, verdict
 from woodpecker.proofs.flights import landing
@@ -60,7 +61,6 @@ from woodpecker.proofs.pausing import paused
 from woodpecker.simulation.codes import DETACH, IMPACT, REVERSAL, SLIP_START, STICK_START
 from woodpecker.simulation.guards import first_root
 from woodpecker.simulation.words import word
-from woodpecker.undecided import Undecided
 
 MOST_EVENTS = 400
 MOST_PARTS = 2**16  # of a phase in which the bird is shown not to turn: some tens are usual

@@ -18,9 +18,9 @@ from typing import Any
 
 from flint import arb_poly, ctx
 
+from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, ball
 from woodpecker.proofs.taylor import Span, Taylor, constant, cut, inverse
-from woodpecker.undecided import Undecided
 
 ALONG: tuple[tuple[int, ...], ...] = ((), (0,), (1,), (0, 0), (0, 1), (1, 1))
 """Derivatives that a form may carry: 0 is along s, 1 along p."""

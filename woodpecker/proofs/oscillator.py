@@ -13,11 +13,11 @@ from typing import Any, NamedTuple
 
 from flint import arb, arb_poly, ctx
 
+from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO
 from woodpecker.proofs.forms import ALONG, VALUE, Form, box, chained, sign
 from woodpecker.proofs.stumpff import shape_models, stumpff_balls, stumpff_models
 from woodpecker.proofs.taylor import Taylor, constant, inverse
-from woodpecker.undecided import Undecided
 
 Derivatives = Callable[[int], Any]
 MOST_PARTS = 2**16  # of a phase in which a guard is shown positive: an unstable cycle takes 2**13

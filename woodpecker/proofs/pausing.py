@@ -9,6 +9,7 @@ from flint import arb
 
 from woodpecker.mechanics.cases import REST
 from woodpecker.mechanics.modes import ANGLE, NORMAL, OPEN, SIGN, SLIP_NEGATIVE, SLIP_POSITIVE
+from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, ball
 from woodpecker.proofs.contacts import impulses_of, mark
 from woodpecker.proofs.forms import VALUE, Form, box, sign
@@ -17,7 +18,6 @@ from woodpecker.proofs.motions import NO_GUARD, Fired, Fork, ForkKind, Motion, f
 from woodpecker.proofs.oscillator import Guard
 from woodpecker.proofs.plateaus import Plateau, Touch, effect
 from woodpecker.simulation.codes import DETACH, IMPACT
-from woodpecker.undecided import Undecided
 
 NEAR = 0.02  # of a swing: landings so near to the middle of a plateau are taken together with it
 FREE: State = (OPEN, OPEN, OPEN)

@@ -13,6 +13,7 @@ from flint import arb
 from pwmap.diagrams.diagram import Branch, BranchKind, PointKind, SpecialPoint
 from woodpecker.base.executors import processes
 from woodpecker.mechanics.toy import Toy
+from woodpecker.not_proved import Undecided
 from woodpecker.proofs import certificates
 from woodpecker.proofs.branches import End, March, ProvedBranch, end_of, joined, marched
 from woodpecker.proofs.certificates import Certificate
@@ -21,7 +22,6 @@ from woodpecker.proofs.model import rational
 from woodpecker.proofs.pieces import Interval, Line, Tube, curves_near, proved
 from woodpecker.proofs.points import proved_point
 from woodpecker.shooting import PeriodicOrbit, shoot
-from woodpecker.undecided import Undecided
 
 RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 BITS = {"orbit": 140, "branch": 128, "point": 160}  # of ball arithmetic

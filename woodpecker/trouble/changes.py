@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from woodpecker.base.arrays import Floats
+from woodpecker.base.settings import Settings
 from woodpecker.mechanics.toy import Domain, Toy, description
-from woodpecker.piecewise.settings import Settings
 from woodpecker.shooting import PeriodicOrbit
 from woodpecker.trouble.lines import ToyLine
 

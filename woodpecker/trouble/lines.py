@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from woodpecker.base.arrays import Floats
+from woodpecker.maps.pieces import Image, Piece
 from woodpecker.mechanics.equations import unsound
 from woodpecker.mechanics.modes import (
     CHANGE,
@@ -31,9 +32,8 @@ from woodpecker.mechanics.modes import (
     refill,
 )
 from woodpecker.mechanics.toy import Toy, known_parameter
-from woodpecker.piecewise.pieces import Image, Piece
 from woodpecker.simulation.paths import Follower
-from woodpecker.toypieces import ToyPiece, image_taken
+from woodpecker.toy_map import ToyPiece, image_taken
 
 
 class _Room:

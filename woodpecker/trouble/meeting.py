@@ -10,10 +10,13 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.curves import Curve, Followed
-from woodpecker.piecewise.ends import End
-from woodpecker.piecewise.multipliers import Multiplier
-from woodpecker.piecewise.orbits import (
+from woodpecker.base.settings import Settings
+from woodpecker.maps.pieces import Piece
+from woodpecker.search.curves import Curve, Followed
+from woodpecker.search.ends import End
+from woodpecker.search.tasks import Tasks
+from woodpecker.slices.multipliers import Multiplier
+from woodpecker.slices.orbits import (
     Closed,
     Condition,
     Coordinate,
@@ -22,9 +25,6 @@ from woodpecker.piecewise.orbits import (
     orbit_of,
     solve,
 )
-from woodpecker.piecewise.pieces import Piece
-from woodpecker.piecewise.settings import Settings
-from woodpecker.piecewise.tasks import Tasks
 from woodpecker.trouble.changes import FARTHEST, Space
 from woodpecker.trouble.found import Effect
 from woodpecker.trouble.lines import ToyLine

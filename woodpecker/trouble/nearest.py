@@ -15,8 +15,8 @@ import numpy as np
 from scipy.optimize import Bounds, minimize
 
 from woodpecker.base.arrays import Floats
-from woodpecker.piecewise.multipliers import Multiplier
-from woodpecker.piecewise.orbits import Closed, Condition, Margin, Orbit, jacobian, orbit_of
+from woodpecker.slices.multipliers import Multiplier
+from woodpecker.slices.orbits import Closed, Condition, Margin, Orbit, jacobian, orbit_of
 from woodpecker.trouble.changes import FARTHEST, Space
 from woodpecker.trouble.meeting import Key, Met, cycle_on, met_along
 

@@ -11,8 +11,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from woodpecker.base.settings import Settings
 from woodpecker.mechanics.toy import Toy, known_parameter, parameters
-from woodpecker.piecewise.settings import Settings
 from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.trouble.changes import FARTHEST, FLOOR, Space, space_of
 from woodpecker.trouble.found import ENDS, Effect, Limit, Robustness, Trouble

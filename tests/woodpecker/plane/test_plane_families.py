@@ -10,7 +10,7 @@ import sympy
 
 from pwmap import PiecewiseLinearMap
 from woodpecker import Family, Toy, ToyFamily, ToyPieces, family_from_pwmap, family_from_sympy
-from woodpecker.piecewise.symbolic import from_sympy
+from woodpecker.maps.symbolic import from_sympy
 
 X, P, Q = sympy.symbols("x p q")
 MAP = sympy.Piecewise((sympy.sin(P * X) + Q, X < P * Q), (Q * X - P**2, True))

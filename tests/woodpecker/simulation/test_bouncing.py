@@ -7,7 +7,7 @@ from pwmap.diagrams.diagram import PointKind
 from studies.peers import reference_mpmath
 from woodpecker import Status, Toy, continuation, first_return, shoot
 from woodpecker.mechanics.toy import ExpansionFriction
-from woodpecker.toypieces import ToyPieces
+from woodpecker.toy_map import ToyPieces
 
 LAWS = list(ExpansionFriction)
 

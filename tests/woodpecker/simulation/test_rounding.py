@@ -13,7 +13,7 @@ from rounding import OTHER, is_other
 from scenes import in_another_process
 
 from woodpecker import Toy, bifurcation_diagram, continuation, return_map, shoot
-from woodpecker.piecewise.search import Search
+from woodpecker.search.search import Search
 
 Graph = dict[str, Any]
 

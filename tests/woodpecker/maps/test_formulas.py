@@ -1,0 +1,419 @@
+"""Maps written by hand, from sympy and from pwmap: values, derivatives, margins and refusals."""
+
+from __future__ import annotations
+
+import math
+import operator
+import pickle
+import re
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from pwmap import PiecewiseLinearMap
+from woodpecker.maps.derivatives import check_derivatives
+from woodpecker.maps.formulas import NOWHERE, FormulaMap, FormulaPiece, Smooth
+from woodpecker.maps.symbolic import SymbolicPiece, from_pwmap, from_sympy
+
+X, P, K = sympy.symbols("x p k")
+ROUNDING = 4e-16  # some spacings of doubles at 1
+CENTRAL = 1e-9  # a central difference of step 2^-17: third derivatives of about ten, and rounding
+
+
+def root(x: float, p: float) -> float:
+    return math.sqrt(p - x)
+
+
+def root_dx(x: float, p: float) -> float:
+    return -0.5 / math.sqrt(p - x)
+
+
+def root_dp(x: float, p: float) -> float:
+    return 0.5 / math.sqrt(p - x)
+
+
+def below(x: float, p: float) -> float:
+    return p - x
+
+
+def above(x: float, p: float) -> float:
+    return x - p
+
+
+def line(x: float, p: float) -> float:
+    return 0.5 * x + p
+
+
+MET = "x meets p"
+
+
+def by_hand() -> FormulaMap:
+    """sqrt(p - x) for x <= p, x/2 + p beyond; differences for all but the root."""
+    return FormulaMap(
+        (
+            FormulaPiece("L", Smooth(root, root_dx, root_dp), {MET: Smooth(below)}),
+            FormulaPiece("R", Smooth(line), {MET: Smooth(above)}),
+        )
+    )
+
+
+def symbolic() -> FormulaMap:
+    """The same from sympy."""
+    formula = sympy.Piecewise((sympy.sqrt(P - X), X <= P), (X / 2 + P, True))
+    return from_sympy(formula, X, P, words=("L", "R"))
+
+
+BOTH = pytest.mark.parametrize("make", [by_hand, symbolic])
+
+# --- Values ---------------------------------------------------------------------------------------
+
+
+@BOTH
+def test_values_derivatives_and_margins(make: Callable[[], FormulaMap]) -> None:
+    image = make().at(0.19, 1.0)
+    assert image.piece.word == "L"
+    assert image.value == pytest.approx(0.9, abs=ROUNDING)
+    assert image.slope == pytest.approx(-0.5 / 0.9, abs=ROUNDING)
+    assert image.d_parameter == pytest.approx(0.5 / 0.9, abs=ROUNDING)
+    assert image.margins == pytest.approx([0.81], abs=ROUNDING)
+    assert image.gradients == pytest.approx(np.array([[-1.0, 1.0]]), abs=CENTRAL)
+    beyond = make().at(2.0, 1.0)
+    assert beyond.piece.word == "R"
+    assert (beyond.value, beyond.margin(0)) == (2.0, 1.0)
+    assert (beyond.slope, beyond.d_parameter) == pytest.approx((0.5, 1.0), abs=CENTRAL)
+
+
+@BOTH
+def test_a_piece_says_why_it_has_no_value(make: Callable[[], FormulaMap]) -> None:
+    outside = make().piece("L").at(2.0, 1.0)
+    assert math.isnan(outside.value)
+    assert outside.reason == "L has no value at x = 2.0, p = 1.0"
+    assert outside.margin(0) == -1.0
+
+
+@BOTH
+def test_a_square_root_has_a_value_but_no_slope_at_its_end(
+    make: Callable[[], FormulaMap],
+) -> None:
+    end = make().piece("L").at(1.0, 1.0)
+    assert (end.value, end.margin(0), end.reason) == (0.0, 0.0, "")
+    assert math.isnan(end.slope)
+
+
+@BOTH
+def test_many_points_at_once(make: Callable[[], FormulaMap]) -> None:
+    x = np.linspace(-1.0, 3.0, 400).reshape(20, 20)  # 1 is not among them
+    map_ = make()
+    one_by_one = [map_.at(each, 1.0).value for each in x.ravel().tolist()]
+    assert map_.values(x, 1.0).ravel() == pytest.approx(one_by_one, abs=ROUNDING)
+    assert map_.values(2, 1).shape == ()
+
+
+def test_no_piece_holds_a_point() -> None:
+    map_ = FormulaMap((by_hand().piece("R"),))
+    assert map_.at(0.0, 1.0).reason == NOWHERE
+    assert np.isnan(map_.values([0.0, 2.0], 1.0)).tolist() == [True, False]
+
+
+def test_the_first_piece_that_holds_a_point_counts() -> None:
+    everywhere = FormulaPiece("all", Smooth(line))
+    assert FormulaMap((everywhere, *by_hand().pieces)).at(0.0, 1.0).piece.word == "all"
+    last = FormulaMap((*by_hand().pieces, everywhere))
+    assert last.at(0.0, 1.0).piece.word == "L"
+    assert last.values([0.0], 1.0).tolist() == [1.0]  # the root, not x/2 + p
+    assert last.values([0.19], 1.0) == pytest.approx([0.9], abs=ROUNDING)
+
+
+def test_strict_relations_of_sympy_are_strict() -> None:
+    map_ = from_sympy(sympy.Piecewise((1, X < P), (2, X <= P), (3, True)), X, P)
+    images = [map_.at(x, 1.0).value for x in (0.5, 1.0, 1.5)]
+    assert images == map_.values([0.5, 1.0, 1.5], 1.0).tolist() == [1.0, 2.0, 3.0]
+
+
+@pytest.mark.parametrize("make", [by_hand, symbolic])
+def test_a_pickle_gives_the_same_images(make: Callable[[], FormulaMap]) -> None:
+    map_ = make()
+    again = pickle.loads(pickle.dumps(map_))
+    for x in (-0.7, 0.3, 1.0, 1.7):
+        one, other = map_.at(x, 1.0), again.at(x, 1.0)
+        assert np.array_equal(one[:3], other[:3], equal_nan=True)
+        assert np.array_equal(one.margins, other.margins)
+        assert np.array_equal(one.gradients, other.gradients)
+        assert one.piece.cause(0) == other.piece.cause(0)
+
+
+def test_differences_are_good_to_nine_digits() -> None:
+    value, dx, dp = Smooth(lambda x, p: math.sin(3.0 * x) * math.exp(p)).at(0.4, -0.3)
+    size = math.exp(-0.3)
+    assert value == pytest.approx(math.sin(1.2) * size, abs=ROUNDING)
+    assert dx == pytest.approx(3.0 * math.cos(1.2) * size, abs=CENTRAL)
+    assert dp == pytest.approx(value, abs=CENTRAL)
+
+
+def test_differences_look_inside_at_the_end_of_a_domain() -> None:
+    """sqrt(x)^3 has slope 0 at its end; the difference to one side errs by its step's root."""
+    assert Smooth(lambda x, p: math.sqrt(x) ** 3).at(0.0, 0.0)[1] == pytest.approx(0.0, abs=0.01)
+    assert Smooth(lambda x, p: x * math.sqrt(1.0 - x) ** 4).at(1.0, 0.0)[1] == pytest.approx(
+        0.0, abs=1e-8
+    )
+
+
+def test_a_complex_value_is_no_value() -> None:
+    assert math.isnan(Smooth(lambda x, p: x**0.5).at(-1.0, 0.0)[0])
+    cubic = from_sympy(X ** sympy.Rational(1, 3), X, P)
+    assert math.isnan(cubic.at(-1.0, 0.0).value)
+    assert cubic.at(8.0, 0.0).value == 2.0
+
+
+# --- Conditions of sympy --------------------------------------------------------------------------
+
+
+def bounds(*parts: tuple[Any, Any]) -> dict[str, set[str]]:
+    """The relations of each piece, as text."""
+    map_ = from_sympy(sympy.Piecewise(*((value + P, where) for value, where in parts)), X, P)
+    found = {}
+    for piece in map_.pieces:
+        assert isinstance(piece, SymbolicPiece)
+        found[piece.word] = {str(bound) for bound in piece.bounds}
+    return found
+
+
+def test_later_pieces_hold_where_earlier_do_not() -> None:
+    assert bounds((0, X < 0), (1, X < 1), (2, True)) == {
+        "A": {"-x > 0"},
+        "B": {"x >= 0", "1 - x > 0"},
+        "C": {"x - 1 >= 0"},
+    }
+
+
+def test_conditions_that_are_written_out_need_no_complement() -> None:
+    parts = ((0, X < 0), (1, (X >= 0) & (X < P)), (2, (X >= 0) & (X >= P)))
+    assert bounds(*parts) == {
+        "A": {"-x > 0"},
+        "B": {"x >= 0", "p - x > 0"},
+        "C": {"x >= 0", "-p + x >= 0"},
+    }
+
+
+def test_what_is_left_of_a_band_is_found_if_one_side_is_known() -> None:
+    """The last piece: not x < 0, and not (0 <= x < 2), of which only x < 2 is open."""
+    parts = ((0, (X >= 0) & (X < 2)), (1, X < 0), (2, True))
+    assert bounds(*parts)["C"] == {"x - 2 >= 0"}
+
+
+def test_relations_of_any_smooth_expressions() -> None:
+    found = bounds((0, X**2 + P**2 < 1), (1, True))
+    assert found == {"A": {"-p**2 - x**2 + 1 > 0"}, "B": {"p**2 + x**2 - 1 >= 0"}}
+
+
+def test_a_piece_that_holds_nowhere_is_left_out() -> None:
+    map_ = from_sympy(sympy.Piecewise((X, X < 0), (K, X < K), (P, True)), X, P, {K: -1})
+    assert [piece.word for piece in map_.pieces] == ["A", "C"]
+    assert map_.at(-0.5, 3.0).value == -0.5
+    assert map_.at(0.0, 3.0).value == 3.0
+
+
+def test_an_overlap_with_a_band_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"overlaps with the earlier one .*write out"):
+        bounds((0, (X > P) & (X < 2 * P)), (1, True))
+
+
+SENSES = {"<": operator.lt, ">": operator.gt, "<=": operator.le, ">=": operator.ge}
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.lists(st.tuples(st.integers(-4, 4), st.sampled_from([*SENSES])), min_size=2, max_size=4))
+def test_the_first_relation_that_holds_counts(relations: list[tuple[int, str]]) -> None:
+    """On a grid that holds the breaks themselves."""
+    parts = [(k, SENSES[sense](X, at)) for k, (at, sense) in enumerate(relations)]
+    map_ = from_sympy(sympy.Piecewise(*parts, (9, True)), X, P)
+    for x in np.arange(-5.0, 5.5, 0.5).tolist():
+        holding = (k for k, (at, sense) in enumerate(relations) if SENSES[sense](x, at))
+        image = map_.at(x, 0.0)
+        assert image.value == next(holding, 9)
+        assert not len(image.margins) or image.margins.min() >= 0.0
+
+
+def test_floats_are_the_binary_numbers_they_hold() -> None:
+    third = 1.0 / 3.0
+    map_ = from_sympy(K * X + 0.1, X, P, {K: third})
+    assert map_.at(1.0, 0.0).slope == third
+    assert map_.at(0.0, 0.0).value == 0.1
+
+
+@pytest.mark.parametrize(
+    ("formula", "sentence"),
+    [
+        (sympy.Abs(X), r"Abs\(x\) in Abs\(x\) is not among the smooth functions"),
+        (sympy.Max(X, P), "not among the smooth functions"),
+        (sympy.sign(P) * X, "not among the smooth functions"),
+        (sympy.floor(X), "not among the smooth functions"),
+        (sympy.Function("f")(X), "not among the smooth functions"),
+        (sympy.I * X, "I in I\\*x is not among"),
+        (X + sympy.oo * P, "not among"),
+        (P + sympy.Piecewise((1, X < 0), (X, True)), "as one Piecewise"),
+        (K * X + P, r"no value is given for k in k\*x \+ p"),
+        (sympy.Symbol("x", real=True) + P, "two symbols, of different assumptions"),
+        (sympy.Piecewise((1, sympy.Or(X < 0, X > 1)), (P, True)), "must be a relation"),
+        (sympy.Piecewise((1, sympy.Ne(X, 0)), (P, True)), "must be a relation"),
+        (sympy.Piecewise((1, sympy.Eq(X, P)), (P, True)), "must be a relation"),
+        (sympy.Piecewise((1, sympy.Abs(X) < 1), (P, True)), "not among the smooth functions"),
+    ],
+)
+def test_what_is_not_smooth_or_known_is_refused(formula: sympy.Expr, sentence: str) -> None:
+    with pytest.raises(ValueError, match=sentence):
+        from_sympy(formula, X, P)
+
+
+@pytest.mark.parametrize("formula", ["x + p", "__import__('os').getcwd()", 1.0])
+def test_no_text_is_evaluated(formula: object) -> None:
+    with pytest.raises(TypeError, match="must be an expression of sympy, got"):
+        from_sympy(formula, X, P)
+    with pytest.raises(TypeError, match="the value of k must be a number, got 'p'"):
+        from_sympy(X + K, X, P, {K: "p"})
+
+
+def test_a_symbol_of_a_strange_name_is_only_a_name() -> None:
+    strange = sympy.Symbol("__import__('os').getcwd()")
+    assert from_sympy(2 * strange + P, strange, P).at(3.0, 1.0).value == 7.0
+
+
+@pytest.mark.parametrize(
+    ("arguments", "error", "sentence"),
+    [
+        (("x", P), TypeError, "x must be a symbol of sympy, got 'x'"),
+        ((X, X), ValueError, "must differ, got x twice"),
+        ((X, P, {P: 1}), ValueError, "for symbols other than"),
+        ((X, P, {K: sympy.I}), ValueError, "must be a finite real number, got I"),
+        ((X, P, {K: math.inf}), ValueError, "must be a finite real number, got inf"),
+        ((X, P, {}, ("L", "R")), ValueError, r"words must be 1 names, .* got \('L', 'R'\)"),
+    ],
+)
+def test_wrong_arguments(arguments: tuple[Any, ...], error: type[Exception], sentence: str) -> None:
+    with pytest.raises(error, match=sentence):
+        from_sympy(X + P, *arguments)
+
+
+# --- Maps of pwmap --------------------------------------------------------------------------------
+
+
+def test_a_map_of_pwmap() -> None:
+    """P1^L with a = 5/4 [Leine2001, Eq. 14], and its second iterate with its moving break r/a."""
+    pieces = [("r - 2", "x <= 0"), ("r - a*x", "x > 0")]
+    exact = PiecewiseLinearMap(pieces, given=["a > 1", "r > 0", "r < 2"]).at({"a": "5/4"})
+    map_ = from_pwmap(exact, "r")
+    assert [piece.word for piece in map_.pieces] == ["L", "R"]
+    image = map_.at(0.4, 0.7)
+    assert (image.value, image.slope, image.d_parameter) == pytest.approx((0.2, -1.25, 1.0))
+    assert map_.at(0.0, 0.7).value == pytest.approx(-1.3)  # the left piece owns the break
+    twice = from_pwmap(exact.iterate(2), sympy.Symbol("r"))
+    for x in (-1.0, 0.3, 0.7):
+        assert twice.at(x, 0.7).value == pytest.approx(map_.at(map_.at(x, 0.7).value, 0.7).value)
+    inner = next(piece for piece in twice.pieces if piece.holds(0.3, 0.7))
+    assert inner.cause(1) == "x = 4*r/5"
+    assert inner.at(0.3, 0.7).gradients.tolist() == [[1.0, 0.0], [-1.0, 0.8]]
+
+
+def test_single_points_are_left_out() -> None:
+    exact = PiecewiseLinearMap([("x + p", "x < 0"), ("7", "Eq(x, 0)"), ("-x + p", "x > 0")])
+    assert [piece.word for piece in from_pwmap(exact, "p").pieces] == ["L", "R"]
+
+
+def test_a_map_with_other_parameters_is_refused() -> None:
+    exact = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
+    with pytest.raises(ValueError, match="must be r alone, got a, r"):
+        from_pwmap(exact, "r")
+
+
+# --- Derivatives ----------------------------------------------------------------------------------
+
+INSIDE = [(-0.7, 1.0), (0.3, 0.9), (1.7, 1.1), (40.0, 3.0)]
+
+
+@BOTH
+def test_right_derivatives_pass(make: Callable[[], FormulaMap]) -> None:
+    check_derivatives(make(), INSIDE)
+
+
+def test_right_derivatives_pass_next_to_a_square_root() -> None:
+    check_derivatives(symbolic(), [(1.0 - 1e-3, 1.0)])
+
+
+@pytest.mark.parametrize(
+    ("map_", "sentence"),
+    [
+        (
+            FormulaPiece("S", Smooth(line, lambda x, p: -0.5)),
+            "the derivative in x of the value of piece 'S' at x = 0.25, p = 2.0 is given as -0.5, "
+            "but differences of values say 0.5",
+        ),
+        (
+            FormulaPiece("S", Smooth(line, None, lambda x, p: 1.00001)),
+            "the derivative in p of the value of piece 'S' at x = 0.25, p = 2.0 is given as "
+            "1.00001, but differences of values say 1",
+        ),
+        (
+            FormulaPiece("S", Smooth(line), {MET: Smooth(below, lambda x, p: 1.0)}),
+            "the derivative in x of the margin 'x meets p' of piece 'S' at x = 0.25, p = 2.0 is "
+            "given as 1, but differences of values say -1",
+        ),
+    ],
+)
+def test_a_wrong_derivative_is_named(map_: FormulaPiece, sentence: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(sentence)):
+        check_derivatives(FormulaMap((map_,)), [(0.25, 2.0)])
+
+
+def test_points_that_cannot_be_compared_are_named() -> None:
+    with pytest.raises(ValueError, match=f"no value at x = 0.0, p = 1.0: {NOWHERE}"):
+        check_derivatives(FormulaMap((by_hand().piece("R"),)), [(0.0, 1.0)])
+    with pytest.raises(ValueError, match="has no value beside it"):
+        check_derivatives(symbolic(), [(1.0 - 1e-6, 1.0)])
+
+
+# --- Wrong input ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("make", "error", "sentence"),
+    [
+        (lambda: FormulaMap(()), ValueError, "at least one piece, got none"),
+        (lambda: FormulaMap(by_hand().pieces * 2), ValueError, "got 'L' twice"),
+        (lambda: FormulaPiece("", Smooth(line)), ValueError, "must not be empty"),
+        (lambda: FormulaPiece(1, Smooth(line)), TypeError, "must be text, got 1"),
+        (lambda: FormulaPiece("L", line), TypeError, r"the map of L must be Smooth\(f\)"),
+        (lambda: FormulaPiece("L", Smooth(line), {MET: below}), TypeError, "margin 'x meets p'"),
+        (lambda: Smooth(1.0), TypeError, "value must be a function of x and p, got 1.0"),
+        (lambda: Smooth(lambda x: x), TypeError, "value must be a function of x and p, got <func"),
+        (
+            lambda: FormulaPiece("L", Smooth(line), [below]),
+            TypeError,
+            "margins of L must be a dict",
+        ),
+        (lambda: FormulaMap(5), TypeError, "needs a list of pieces, got 5"),
+        (lambda: FormulaMap([line]), TypeError, "must be a FormulaPiece or alike, got <function"),
+        (lambda: from_pwmap(3, "p"), TypeError, "must be a pwmap.PiecewiseLinearMap, got 3"),
+        (
+            lambda: check_derivatives(line, [(0.0, 1.0)]),
+            TypeError,
+            "one of pieces, such as .*, got",
+        ),
+        (lambda: check_derivatives(by_hand(), [0.5]), ValueError, r"pairs .*, got \[0.5\]"),
+        (lambda: check_derivatives(by_hand(), [("a", 1)]), ValueError, r"pairs .*, got \[\('a', 1"),
+        (lambda: check_derivatives(by_hand(), []), ValueError, "at least one pair"),
+        (lambda: Smooth(line, 1.0), TypeError, "dx must be a function of x and p, got 1.0"),
+        (lambda: Smooth(lambda x, p: None).at(1.0, 2.0), TypeError, "got None at x=1.0, p=2.0"),
+        (lambda: by_hand().values(["a"], 1.0), ValueError, "x must be real numbers"),
+        (lambda: by_hand().values([0.0], "a"), ValueError, "p must be one real number, got 'a'"),
+    ],
+)
+def test_wrong_input_gets_a_sentence(
+    make: Callable[[], object], error: type[Exception], sentence: str
+) -> None:
+    with pytest.raises(error, match=sentence):
+        make()

@@ -1,0 +1,151 @@
+"""What is asked of the engine at first: starts that are none, maps of one's own, settled orbits."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import networkx as nx
+import numpy as np
+import pytest
+from sympy import Piecewise, Rational, exp, log, sqrt, symbols
+
+from woodpecker import (
+    FormulaMap,
+    Search,
+    Settings,
+    check_derivatives,
+    connected,
+    cycle_near,
+    from_sympy,
+    orbit_diagram,
+    unexplained,
+    whole_diagram,
+)
+from woodpecker.maps.pieces import Image
+
+x, p = symbols("x p")
+LINES = Piecewise((x / 2 + p, x < 0), (x / 3 + p - 1, True))
+
+
+@pytest.fixture(name="lines")
+def lines_() -> FormulaMap:
+    return from_sympy(LINES, x, p)
+
+
+@pytest.mark.parametrize(("guess", "at", "found"), [(-1.0, 0.5, "1"), (50.0, -0.5, "-2.25")])
+def test_a_virtual_cycle_is_refused(lines: FormulaMap, guess: float, at: float, found: str) -> None:
+    """x/2 + p has the fixed point 2 p, which is its own for p < 0; the other one 3 (p - 1)/2."""
+    settings = Settings(span=(-1, 1))
+    for call in (connected, cycle_near):
+        with pytest.raises(ValueError, match=f"a virtual one is found, at {found} the map takes"):
+            call(lines, guess, at, settings)
+
+
+def test_a_cycle_right_at_a_border_is_none_that_is_virtual(lines: FormulaMap) -> None:
+    assert cycle_near(lines, -0.1, 0.0, Settings(span=(-1, 1))).x.tolist() == [0.0]
+
+
+def test_a_start_must_lie_in_span_and_window(lines: FormulaMap) -> None:
+    with pytest.raises(ValueError, match=r"span must hold the cycle, at -0.5, got \(0.0, 1.0\)"):
+        connected(lines, -1.0, -0.5, Settings(span=(0, 1)))
+    with pytest.raises(ValueError, match=r"window must hold the cycle, at -1, got \(0.0, 3.0\)"):
+        connected(lines, -1.0, -0.5, Settings(span=(-1, 1), window=(0, 3)))
+
+
+def test_coarse_samples_of_a_stable_branch_explain_settled_orbits() -> None:
+    """log p, the fixed point of p x exp(-x), in a window so wide that samples are far apart."""
+    ricker = from_sympy(p * x * exp(-x), x, p)
+    places = np.linspace(1.01, 7.0, 200)
+    settled = orbit_diagram(ricker, places, [0.5], (-1, 30), transient=3000, keep=64)
+    diagram = connected(
+        ricker, float(log(2.0)), 2.0, Settings(span=(0.5, 7), window=(-1, 30)), orders=(1,)
+    )
+    assert unexplained(settled, diagram, ricker) == []
+    assert len(unexplained(settled, diagram, ricker, distance=1e-6)) > 0
+
+
+def test_cycles_that_are_born_at_a_kink_are_connected() -> None:
+    """2 x/5 + p and p - 2 x: below 0 and above it one fixed point, and for p > 0 a 2-cycle."""
+    kinked = from_sympy(Piecewise((2 * x / 5 + p, x < 0), (p - 2 * x, True)), x, p)
+    settings = Settings(span=(-1, 1), window=(-3, 3))
+    diagram = connected(kinked, -1.0, -0.6, settings, orders=(1, 2))
+    whole = whole_diagram(kinked, settings, orders=(1, 2), search=Search(slices=8)).diagram
+    assert nx.number_connected_components(diagram.graph()) == 1
+    assert [len(each.branches) for each in (diagram, whole)] == [4, 4]
+    (upper, lower) = (b for b in diagram.branches if b.order == 2)
+    for branch, slope in ((upper, 7 / 9), (lower, -5 / 9)):  # (1 + 2/5) and 1 - 2 over 1 + 4/5
+        assert branch.x == pytest.approx(slope * branch.parameter, abs=1e-12)
+
+
+def test_cycles_that_are_born_at_a_square_root_are_connected() -> None:
+    """p - 6/5 sqrt(x) right of 0: cycles of all periods start there, as slices show them."""
+    rooted = from_sympy(Piecewise((x / 2 + p, x < 0), (p - Rational(6, 5) * sqrt(x), True)), x, p)
+    settings = Settings(span=(-1, 1), window=(-3, 3))
+    orders = 1, 2, 3, 4
+    diagram = connected(rooted, -0.5, -0.25, settings, orders=orders)
+    whole = whole_diagram(rooted, settings, orders=orders, search=Search(slices=8)).diagram
+    ends = [
+        sorted((b.order, *sorted(np.round(b.parameter[[0, -1]], 9))) for b in each.branches)
+        for each in (diagram, whole)
+    ]
+    assert ends[0] == ends[1]
+    assert len(ends[0]) == 35
+
+
+# --- Maps of one's own ----------------------------------------------------------------------------
+
+
+@dataclass(frozen=True)
+class Own:
+    """A line of a map of one's own, with numpy's numbers."""
+
+    word: str
+    slope: float
+    height: float
+    side: float
+    codes: tuple[int, ...] = (0,)
+
+    @property
+    def key(self) -> str:
+        return self.word
+
+    def at(self, x: float, p: float) -> Image:
+        value = np.float64(self.slope * x + self.height + p)
+        margins = np.array([self.side * x] * len(self.codes))
+        gradients = np.array([[self.side, 0.0]] * len(self.codes))
+        return Image(value, self.slope, 1.0, margins, gradients, np.array(self.codes), self)
+
+    def cause(self, code: int) -> str:
+        return f"border {code}"
+
+
+@dataclass(frozen=True)
+class OwnMap:
+    """Two of them."""
+
+    left: Own = Own("L", 0.5, 0.0, -1.0)
+    right: Own = Own("R", 1 / 3, -1.0, 1.0)
+
+    def at(self, x: float, p: float) -> Image:
+        return (self.left if x < 0.0 else self.right).at(x, p)
+
+
+def test_numbers_of_numpy_are_numbers(lines: FormulaMap) -> None:
+    settings, search = Settings(span=(-1, 2), window=(-3, 3)), Search(slices=4)
+    own, known = (whole_diagram(m, settings, search=search).diagram for m in (OwnMap(), lines))
+    assert [b.word for b in own.branches] == ["L", "L / R", "R"]
+    assert [q.parameter for q in own.points] == [q.parameter for q in known.points]
+
+
+def test_what_a_piece_lacks_is_said() -> None:
+    class NoKey:
+        word = "N"
+
+        def at(self, x: float, p: float) -> Image:
+            return Image(x, 1.0, 0.0, np.zeros(0), np.zeros((0, 2)), np.zeros(0, int), self)  # type: ignore[arg-type]
+
+    with pytest.raises(TypeError, match="a piece must have 'key'"):
+        check_derivatives(NoKey(), [(0.5, 0.5)])  # type: ignore[arg-type]
+    twice = OwnMap(left=Own("L", 0.5, 0.0, -1.0, (0, 0)))
+    with pytest.raises(ValueError, match=r"ascending codes, got 2, \(2, 2\), \[0, 0\]"):
+        check_derivatives(twice, [(-0.5, 0.5)])

@@ -1,0 +1,84 @@
+"""Which orbits branches explain: those of the same pieces are asked first."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from maps import skew_tent, two_lines
+
+from pwmap import BranchKind
+from woodpecker.base.settings import Settings
+from woodpecker.maps.pieces import PiecewiseMap
+from woodpecker.search import duplicates as module
+from woodpecker.search.duplicates import Known
+from woodpecker.search.network import Network
+from woodpecker.search.tasks import Tasks
+from woodpecker.slices.orbits import Closed, Orbit, Solution, orbit_of
+
+SETTINGS = Settings(span=(-0.9, -0.1), window=(-3.0, 3.0))
+
+
+def fixed_point(map_: PiecewiseMap, x: float, p: float) -> Orbit:
+    """A fixed point that is known exactly."""
+    return orbit_of([map_.at(x, p).piece], np.array([x]), p)
+
+
+@pytest.fixture
+def asked(monkeypatch: pytest.MonkeyPatch) -> list[float]:
+    """Parameters at which the pieces of a branch were solved for."""
+    places: list[float] = []
+    solve = module.solve
+
+    def counted(start: Orbit, *rest: object) -> Solution:
+        places.append(start.p)
+        return solve(start, *rest)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(module, "solve", counted)
+    return places
+
+
+def network_of(map_: PiecewiseMap, *starts: Orbit) -> Network:
+    """The branches through some fixed points."""
+    network = Network(SETTINGS)
+    for start in starts:
+        network.add(Tasks(map_, SETTINGS).cycle(start).curve)
+    return network
+
+
+def test_a_branch_of_the_same_word_explains_without_more(asked: list[float]) -> None:
+    """2 p and 2 (p + 1)/3 of two lines, far apart, and of a tent p/2 and p/4, close together."""
+    for map_, left, right in (
+        (two_lines(), lambda p: 2.0 * p, lambda p: 2.0 * (p + 1.0) / 3.0),
+        (skew_tent(-1.0, 5.0), lambda p: 0.5 * p, lambda p: -0.25 * p),
+    ):
+        network = network_of(map_, *(fixed_point(map_, x(-0.5), -0.5) for x in (left, right)))
+        known = Known(network, BranchKind.FIXED_POINT, 1, map_)
+        for p in (-0.8123, -0.3456, -0.1001):
+            for x in (left(p), right(p)):
+                orbit = fixed_point(map_, x, p)
+                assert known.explains(orbit, Closed(), orbit.keys)
+    assert not asked
+
+
+def test_a_branch_of_another_word_does_not(asked: list[float]) -> None:
+    """It is asked whether it holds there, once, however many orbits are near it."""
+    map_, p = two_lines(), -0.3456
+    network = network_of(map_, fixed_point(map_, -1.0, -0.5))
+    known = Known(network, BranchKind.FIXED_POINT, 1, map_)
+    right = map_.at(1.0, p).piece
+    for _ in range(3):
+        orbit = orbit_of([right], np.array([2.0 * p]), p)  # where the left branch is
+        assert not known.explains(orbit, Closed(), orbit.keys)
+    assert asked == [p]
+    other = fixed_point(map_, 2.0 * (p + 1.0) / 3.0, p)
+    assert not known.explains(other, Closed(), other.keys)
+
+
+def test_a_branch_that_is_added_later_counts() -> None:
+    map_, p = two_lines(), -0.3456
+    network = network_of(map_, fixed_point(map_, -1.0, -0.5))
+    known = Known(network, BranchKind.FIXED_POINT, 1, map_)
+    other = fixed_point(map_, 2.0 * (p + 1.0) / 3.0, p)
+    assert not known.explains(other, Closed(), other.keys)
+    network.add(Tasks(map_, SETTINGS).cycle(fixed_point(map_, 1.0 / 3.0, -0.5)).curve)
+    assert known.explains(other, Closed(), other.keys)

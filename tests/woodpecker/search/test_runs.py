@@ -1,0 +1,506 @@
+"""A search that is interrupted anywhere goes on to the same result; workers do not change it."""
+
+from __future__ import annotations
+
+import copy
+import json
+import math
+import multiprocessing
+import os
+import subprocess
+import sys
+import time
+from collections.abc import Callable
+from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from diagrams import to_the_last_bit
+from maps import moving, paper
+from needs import NEEDS_NUMBA
+
+from pwmap import Diagram
+from woodpecker import (
+    FormulaMap,
+    Found,
+    PiecewiseMap,
+    Search,
+    Settings,
+    Toy,
+    __version__,
+    bifurcation_diagram,
+    find_all,
+    parameters,
+    saved_diagram,
+    whole_diagram,
+)
+from woodpecker.base.checkpoint import Entry, line_of
+from woodpecker.base.executors import Serial
+from woodpecker.maps.formulas import FormulaPiece
+from woodpecker.maps.pieces import Image
+from woodpecker.search.checkpoint import (
+    Record,
+    check_entry,
+    past_of,
+    read_record,
+    restore,
+)
+from woodpecker.search.explorer import Explorer, Finished, Kept
+from woodpecker.search.network import Network
+from woodpecker.search.search import Past, complete
+from woodpecker.search.tasks import Worker
+
+SEARCH = Search(slices=5, finest=0.05)
+SETTINGS = Settings(span=(-1.0, 2.5), window=(-20.0, 20.0))
+ABOUT: Entry = {"parameter": "p", "span": [-1.0, 2.5]}
+
+
+def searched(
+    record: Record | None = None, workers: int = 1, executor: Executor | None = None
+) -> Found:
+    return whole_diagram(
+        paper(), SETTINGS, (1, 2), SEARCH, workers=workers, executor=executor, record=record
+    )
+
+
+@pytest.fixture(scope="module")
+def whole() -> Found:
+    return searched()
+
+
+# --- Interruptions --------------------------------------------------------------------------------
+
+
+class Stopped(Record):
+    """A record whose run is interrupted after some lines, in the middle of the next."""
+
+    def __init__(self, path: Path, lines: int, *, resume: bool = False) -> None:
+        super().__init__(path, ABOUT, resume=resume)
+        self._write, self.left = self._file.write, lines
+        self._file.write = self.write  # type: ignore[method-assign]
+
+    def write(self, entry: Entry) -> None:
+        self.left -= 1
+        if self.left < 0:
+            with self.path.open("a", encoding="utf-8") as file:
+                file.write(json.dumps(entry)[:17])
+            raise KeyboardInterrupt
+        self._write(entry)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("lines", [1, 3])
+def test_a_run_interrupted_at_any_line_goes_on_to_the_same_result(
+    lines: int, whole: Found, tmp_path: Path
+) -> None:
+    assert len(whole.diagram.branches) >= 5
+    path, stops, resume = tmp_path / "run.jsonl", 0, False
+    while True:
+        record = Stopped(path, lines, resume=resume)
+        try:
+            found = searched(record)
+        except KeyboardInterrupt:
+            stops, resume = stops + 1, True
+            continue
+        finally:
+            record.close()
+        break
+    written = path.read_bytes().count(b"\n") - 1
+    assert stops >= written // lines - 1
+    assert to_the_last_bit(found.diagram) == to_the_last_bit(whole.diagram)
+    assert [seen.p for seen in found.slices] == [seen.p for seen in whole.slices]
+
+
+def recorded(path: Path) -> Found:
+    record = Record(path, ABOUT)
+    try:
+        return searched(record)
+    finally:
+        record.close()
+
+
+def test_a_run_that_is_complete_asks_the_map_for_nothing_more(whole: Found, tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    first = recorded(path)
+    assert first.evaluations == whole.evaluations > 0
+    before = path.read_bytes()
+    record = Record(path, ABOUT, resume=True)
+    again = searched(record)
+    record.close()
+    assert to_the_last_bit(again.diagram) == to_the_last_bit(first.diagram)
+    assert again.slices == first.slices
+    assert again.evaluations == 0
+    assert path.read_bytes() == before
+
+
+def test_only_the_same_run_is_resumed(tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    with pytest.raises(ValueError, match="there is no saved run"):
+        Record(path, ABOUT, resume=True)
+    Record(path, ABOUT).close()
+    with pytest.raises(ValueError, match=r"there span is \[-1.0, 2.5\], now it is \[0.0, 1.0\]"):
+        Record(path, ABOUT | {"span": [0.0, 1.0]}, resume=True)
+
+
+# --- What a record holds --------------------------------------------------------------------------
+
+
+def test_a_resumed_run_remembers_which_slice_was_new(tmp_path: Path, whole: Found) -> None:
+    """Also if it was stopped between what a slice has shown and the line that says so.
+
+    Otherwise the search would not look closer beside it, as it would have done.
+    """
+    path, resume = tmp_path / "run.jsonl", False
+    while True:
+        record = Stopped(path, 1, resume=resume)
+        try:
+            found = searched(record)
+        except KeyboardInterrupt:
+            resume = True
+            continue
+        finally:
+            record.close()
+        break
+    assert [seen[:4] for seen in found.slices] == [seen[:4] for seen in whole.slices]
+
+
+@pytest.fixture(scope="module")
+def entries(tmp_path_factory: pytest.TempPathFactory) -> list[Entry]:
+    path = tmp_path_factory.mktemp("runs") / "run.jsonl"
+    recorded(path)
+    about, found = read_record(path)
+    assert about == ABOUT
+    return found
+
+
+def test_curves_read_back_to_the_last_bit(whole: Found, entries: list[Entry]) -> None:
+    network = Network(SETTINGS)
+    past = restore(network, entries, "run.jsonl")
+    assert to_the_last_bit(network.diagram("p", "x")) == to_the_last_bit(whole.diagram)
+    assert past == (whole.slices, whole.evaluations)
+    assert not network.waiting
+
+
+def of_kind(entries: list[Entry], key: str) -> Entry:
+    """The first entry of a kind; of curves one that ends in a collision."""
+    return next(
+        entry
+        for entry in entries
+        if key in entry
+        and (key != "curves" or any(end["collision"] for c in entry[key] for end in c["ends"]))
+    )
+
+
+Change = Callable[[Any], object]
+
+
+def collided(curve: Any) -> Any:
+    return next(end["collision"] for end in curve["ends"] if end["collision"])
+
+
+@pytest.mark.parametrize(
+    ("key", "change"),
+    [
+        ("curves", lambda e: collided(e["curves"][0]).pop("precision")),
+        ("curves", lambda e: collided(e["curves"][0]).update(x=[])),
+        ("done", lambda e: e.update(done="1.0")),
+        ("done", lambda e: e.update(done=None)),
+        ("done", lambda e: e.update(starts=1.5)),
+        ("done", lambda e: e.pop("starts")),
+        ("done", lambda e: e.pop("evaluations")),
+        ("curves", lambda e: e.update(evaluations="7")),
+        ("slice", lambda e: e["slice"].update(p="0.5")),
+        ("slice", lambda e: e["slice"].update(new=[True])),
+        ("slice", lambda e: e["slice"].update(left=[1.0])),
+        ("slice", lambda e: e["slice"].update(left=[["a", 1.0]])),
+        ("slice", lambda e: e["slice"].update(evaluations=1.5)),
+        ("slice", lambda e: e["slice"].update(then=["0.5"])),
+        ("slice", lambda e: e["slice"].pop("then")),
+        ("slice", lambda e: e["slice"].pop("unresolved")),
+        ("slice", lambda e: e.update(slice=0.5)),
+        ("curves", lambda e: e.update(curves=1)),
+        ("curves", lambda e: e["curves"][0].update(kind="branch")),
+        ("curves", lambda e: e["curves"][0].update(order=1.5)),
+        ("curves", lambda e: e["curves"][0].update(parameter=[])),
+        ("curves", lambda e: e["curves"][0]["parameter"].pop()),
+        ("curves", lambda e: e["curves"][0]["multiplier"].append("1.0")),
+        ("curves", lambda e: e["curves"][0].update(points=[1.0])),
+        ("curves", lambda e: e["curves"][0]["words"][0].pop()),
+        ("curves", lambda e: e["curves"][0].update(words=[[0, 1, ["a"]]])),
+        ("curves", lambda e: e["curves"][0].update(words=[[0, "a", {"set": 1}]])),
+        ("curves", lambda e: e["curves"][0].update(words=[[0, "a", {"other": []}]])),
+        ("curves", lambda e: e["curves"][0].update(marks=[[0, "a", "NOTHING"]])),
+        ("curves", lambda e: e["curves"][0]["ends"].pop()),
+        ("curves", lambda e: e["curves"][0]["ends"][0].update(kind="XX")),
+        ("curves", lambda e: e["curves"][0]["ends"][0].update(p=None)),
+        ("curves", lambda e: e["curves"][0]["ends"][0].update(status="somewhere")),
+        ("curves", lambda e: e["curves"][0]["ends"][0].pop("note")),
+        ("curves", lambda e: collided(e["curves"][0]).update(kinds=[])),
+        ("curves", lambda e: collided(e["curves"][0]).update(cause=7)),
+    ],
+)
+def test_entries_that_are_refused(
+    key: str, change: Change, entries: list[Entry], tmp_path: Path
+) -> None:
+    good = of_kind(entries, key)
+    check_entry(good)
+    bad = copy.deepcopy(good)
+    change(bad)
+    path = tmp_path / "run.jsonl"
+    Record(path, ABOUT).close()
+    for line in (good, bad):
+        written = path.read_bytes()
+        digest = json.loads(written.splitlines()[-1])["digest"]
+        path.write_bytes(written + line_of(line, digest))
+    before = path.read_bytes()
+    for call in (lambda: read_record(path), lambda: Record(path, ABOUT, resume=True)):
+        with pytest.raises(ValueError, match=r"run\.jsonl, line 3: expected an entry of a run"):
+            call()
+    assert path.read_bytes() == before
+
+
+@pytest.mark.parametrize("entry", [{}, {"paths": "jump"}])
+def test_entries_of_no_kind_are_refused(entry: Entry) -> None:
+    with pytest.raises(KeyError):
+        check_entry(entry)
+
+
+def test_entries_follow_from_one_another(entries: list[Entry]) -> None:
+    with pytest.raises(ValueError, match=r"run\.jsonl, line 2: nothing is left to follow at 0.5"):
+        restore(Network(SETTINGS), [{"done": 0.5, "starts": 0, "evaluations": 0}], "run.jsonl")
+    other = copy.deepcopy(entries)
+    of_kind(other, "done")["done"] = 0.5
+    with pytest.raises(ValueError, match=r"line \d+: nothing is left to follow at 0.5"):
+        restore(Network(SETTINGS), other, "run.jsonl")
+
+
+def test_a_run_of_another_map_does_not_go_on(entries: list[Entry]) -> None:
+    past_of(Network(SETTINGS), entries, "run.jsonl", paper())
+    with pytest.raises(ValueError, match=r"line \d+: expected a collision of this map, got one at"):
+        past_of(Network(SETTINGS), entries, "run.jsonl", moving(0.7))
+
+
+def test_steps_that_a_search_does_not_take_are_refused(entries: list[Entry]) -> None:
+    """What is taken over must be what this run would have come to."""
+    until = next(n for n, entry in enumerate(entries) if "slice" in entry)
+    steps = past_of(Network(SETTINGS), entries[:until], "run.jsonl", paper()).since
+    assert {type(step) for step in steps} == {Kept, Finished}
+    for wrong, sentence in (
+        ((Finished(0.5, 0), *steps), "expected a run with one branch more"),
+        ((*steps[:1], Finished(0.5, 0)), "expected a run that goes on at"),
+    ):
+        explorer = Explorer(paper(), Serial(Worker(paper(), SETTINGS)), SETTINGS, (1, 2))
+        with pytest.raises(ValueError, match=sentence):
+            complete(explorer, SETTINGS, SEARCH, Past(since=wrong))
+
+
+@dataclass(frozen=True)
+class Keyed:
+    """A map with keys of another type."""
+
+    map: FormulaMap
+
+    def at(self, x: float, p: float) -> Image:
+        image = self.map.at(x, p)
+        piece = image.piece
+        assert isinstance(piece, FormulaPiece)
+        return image._replace(piece=KeyedPiece(piece))
+
+
+@dataclass(frozen=True)
+class KeyedPiece:
+    """Its piece."""
+
+    piece: FormulaPiece
+
+    @property
+    def key(self) -> float:
+        return float(len(self.piece.word))
+
+    @property
+    def word(self) -> str:
+        return self.piece.word
+
+    def at(self, x: float, p: float) -> Image:
+        return self.piece.at(x, p)._replace(piece=self)
+
+    def cause(self, code: int) -> str:
+        return self.piece.cause(code)
+
+
+def test_keys_that_cannot_be_kept_are_named(tmp_path: Path) -> None:
+    map_: PiecewiseMap = Keyed(paper())
+    record = Record(tmp_path / "run.jsonl", ABOUT)
+    with pytest.raises(TypeError, match=r"only if keys of pieces are bytes, text or integers: 1.0"):
+        whole_diagram(map_, SETTINGS, (1,), SEARCH, record=record)
+    record.close()
+
+
+# --- Workers --------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("workers", [2, 7])
+def test_the_number_of_workers_does_not_matter(workers: int, whole: Found) -> None:
+    found = searched(workers=workers)
+    assert to_the_last_bit(found.diagram) == to_the_last_bit(whole.diagram)
+    assert [seen[:4] for seen in found.slices] == [seen[:4] for seen in whole.slices]
+
+
+@pytest.mark.parametrize("workers", [1, 3])
+def test_threads_do_not_matter(workers: int, whole: Found) -> None:
+    with ThreadPoolExecutor(3) as threads:
+        found = searched(workers=workers, executor=threads)
+        assert threads.submit(int).result() == 0  # it was not shut down
+    assert to_the_last_bit(found.diagram) == to_the_last_bit(whole.diagram)
+
+
+@pytest.mark.slow
+def test_processes_do_not_matter(whole: Found) -> None:
+    with ProcessPoolExecutor(2, multiprocessing.get_context("spawn")) as processes:
+        found = searched(executor=processes)
+    assert to_the_last_bit(found.diagram) == to_the_last_bit(whole.diagram)
+
+
+def test_a_map_that_cannot_be_sent_is_refused() -> None:
+    first, second = paper().pieces
+    assert isinstance(first, FormulaPiece)
+    local = FormulaPiece("R", type(first.map)(lambda x, p: p - 1.25 * x), first.margins)
+    map_ = FormulaMap([local, second])
+    with pytest.raises(ValueError, match="the map cannot be sent to other processes"):
+        whole_diagram(map_, SETTINGS, (1,), SEARCH, workers=2)
+    assert whole_diagram(map_, SETTINGS, (1,), SEARCH, workers=1).diagram.branches
+
+
+# --- The toy --------------------------------------------------------------------------------------
+
+SPAN, WINDOW, FEW = (0.33, 0.4), (-1.2, -0.7), Search(slices=6)
+
+
+def of_toy(**options: Any) -> Diagram:
+    return bifurcation_diagram(Toy(), "eps_n1", SPAN, (1,), WINDOW, search=FEW, **options)
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_what_is_saved_is_what_was_found(tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    found = of_toy(run=path, workers=1)
+    saved = saved_diagram(str(path))
+    assert to_the_last_bit(saved) == to_the_last_bit(found)
+    assert saved.given == found.given
+    assert saved.about == found.about
+    assert saved.about["program"] == f"woodpecker-toy {__version__}"
+    assert saved.about["span"] == list(SPAN)
+    toy: Any = saved.about["toy"]
+    assert toy.pop("expansion_friction") == "summed"
+    assert set(toy) == set(parameters()) - {"eps_n1"}
+    assert {name: float(value) for name, value in toy.items()} == {
+        n: getattr(Toy(), n) for n in toy
+    }
+    assert saved.about["settings"] == {"window": list(WINDOW)}
+    assert saved.given[0] == "friction in the expansion: summed"
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_a_killed_run_of_the_toy_goes_on(tmp_path: Path) -> None:
+    """SIGKILL leaves no time to tidy up; what was finished is there all the same."""
+    path = tmp_path / "run.jsonl"
+    code = (
+        "import rounding\nrounding.apply()\n"
+        "from pathlib import Path\nfrom woodpecker import *\n"
+        f"bifurcation_diagram(Toy(), 'eps_n1', {SPAN}, (1,), {WINDOW}, "
+        f"search=Search(slices=6), run=Path({str(path)!r}))"
+    )
+    process = subprocess.Popen(
+        [sys.executable, "-c", code], env=os.environ | {"PYTHONPATH": os.pathsep.join(sys.path)}
+    )
+    while process.poll() is None:
+        time.sleep(0.05)
+        if path.exists() and path.read_bytes().count(b"\n") > 3:
+            process.kill()
+    process.wait()
+    kept = saved_diagram(path)
+    assert len(kept.branches) >= 1
+    found = of_toy(run=path, resume=True)
+    whole = find_all(Toy(), "eps_n1", SPAN, (1,), WINDOW, search=FEW)
+    assert to_the_last_bit(found) == to_the_last_bit(whole.diagram)
+    assert whole.evaluations > 1000
+
+
+CUT: list[dict[str, Any]] = [
+    {"parameter": "eps_n1", "span": SPAN, "orders": (1,), "window": WINDOW, "search": FEW},
+    {  # a collision with a point outside of the window, from which a branch would lead away
+        "parameter": "eps_n1", "span": (0.05, 0.1), "orders": (1, 2), "window": (-1.2, -0.7),
+        "search": Search(slices=4),
+    },
+    {
+        "parameter": "mu_2", "span": (0.3, 0.36), "orders": (1, 2), "window": (-0.9, -0.3),
+        "search": Search(slices=2),
+    },
+]  # fmt: skip
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+@pytest.mark.parametrize("what", CUT, ids=["island", "outside", "friction"])
+def test_a_run_goes_on_from_any_line_to_the_same_bytes(
+    what: dict[str, Any], tmp_path: Path
+) -> None:
+    """Its file and its diagram are those of a run without a break, how well points are known, too.
+
+    Cut in the middle of each line.
+    """
+    path, part = tmp_path / "run.jsonl", tmp_path / "part.jsonl"
+    kept, again = tmp_path / "whole.json", tmp_path / "again.json"
+    bifurcation_diagram(Toy(), run=path, workers=1, **what).save(kept)
+    lines = path.read_bytes().splitlines(keepends=True)
+    assert len(lines) > 10
+    for n, line in enumerate(lines):
+        part.write_bytes(b"".join(lines[:n]) + line[: len(line) // 2])
+        bifurcation_diagram(Toy(), run=part, workers=1, resume=True, **what).save(again)
+        assert part.read_bytes() == path.read_bytes()
+        assert again.read_bytes() == kept.read_bytes()
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_what_begins_outside_of_the_window_and_leads_away_is_no_branch() -> None:
+    """A 2-cycle meets the jump at -0.8848; its other point, -1.322, lies outside of the window."""
+    found = bifurcation_diagram(Toy(), **CUT[1])
+    assert all(len(branch.parameter) > 1 for branch in found.branches)
+    met = [point for point in found.points if abs(point.parameter - 0.066941662663) < 1e-9]
+    assert [point.kind.name for point in met] == ["BC", "BC"]
+    # the jump to 1e-14, its image by a slope of 40
+    assert sorted(point.x for point in met) == pytest.approx([-1.322068984, -0.884773344], abs=1e-9)
+    assert [len(point.branches) for point in met] == [1, 1]  # of jumps, which lie inside
+
+
+@pytest.mark.parametrize(
+    "run",
+    [
+        ABOUT,
+        {"parameter": "eps_n1", "toy": {}},
+        {"parameter": ["p"], "toy": {"expansion_friction": "summed"}},
+        {"parameter": "eps_n1", "toy": {"mu_1": -1.0}, "settings": {}, "span": [0.0, 1.0]},
+        {"parameter": "eps_n1", "toy": {}, "settings": {"step": math.nan}, "span": [0.0, 1.0]},
+        {"parameter": "eps_n1", "toy": {}, "settings": {}, "span": [1.0, 0.0]},
+    ],
+)
+def test_runs_of_something_else_are_refused(run: Entry, tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    Record(path, run).close()
+    with pytest.raises(ValueError, match=r"line 1: expected a run of the toy, got one of \['param"):
+        saved_diagram(path)
+
+
+def test_a_run_that_has_not_begun_shows_nothing(tmp_path: Path) -> None:
+    path = tmp_path / "run.jsonl"
+    run = {"parameter": "eps_n1", "toy": {}, "settings": {}, "span": [0.0, 1.0]}
+    Record(path, run).close()
+    assert saved_diagram(path).branches == ()
+    assert np.all(saved_diagram(path).points == ())

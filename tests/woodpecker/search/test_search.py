@@ -1,0 +1,233 @@
+"""Complete diagrams of maps that pwmap solves exactly: same branches, same points, same graph."""
+
+from __future__ import annotations
+
+import math
+from fractions import Fraction
+
+import networkx as nx
+import numpy as np
+import pytest
+import sympy
+from diagrams import LOCATED, assert_sound, points_of
+from exact import same_graph
+from maps import skew_tent, two_lines
+
+from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind, bifurcation_diagram
+from woodpecker.base.settings import Settings
+from woodpecker.maps.symbolic import from_pwmap
+from woodpecker.search.diagrams import connected, whole_diagram
+from woodpecker.search.search import Search, _Plan, first_places
+
+R = sympy.Symbol("r")
+SEARCH = Search(slices=16)
+
+MAPS = {
+    "the paper's map": (
+        [("r - 2", "x <= 0"), ("r - 5*x/4", "x > 0")], (-1, Fraction(5, 2)), (1, 2)),
+    "an island": (  # a step between two jumps reaches the diagonal for r**2 <= 1 only
+        [("x/2 - 2", "x < 0"), ("x/2 + 1 - r**2", "(x >= 0) & (x < 1)"), ("x/2 - 2", "x >= 1")],
+        (-2, 2),
+        (1,),
+    ),
+    "two lines that fold": (
+        [("x/2 + r", "x < 0"), ("-x/2 + r + 1", "x >= 0")], (-2, 2), (1,)),
+    "a fold-flip": (
+        [("x/3 - 1", "x < 0"), ("r - 3*x/2", "x >= 0")], (-1, 1), (1, 2)),
+    "three pieces": (
+        [("-2 + r", "x < -1"), ("r - x/2", "(x >= -1) & (x < 1)"), ("2 + r/2", "x >= 1")],
+        (-4, Fraction(7, 2)), (1,)),
+    "a staircase": (
+        [("x/2 + r", "x < 0"), ("x/2 + r - 1", "x >= 0")],
+        (Fraction(-1, 2), Fraction(3, 2)), (1, 2, 3)),
+    "a corner": (  # continuous; a cycle of period two is born in it
+        [("x/2 + r", "x < 0"), ("r - 3*x/2", "x >= 0")], (-1, 1), (1, 2)),
+    "a jump that breaks off near zero": (
+        [("x/2 + r", "x <= 0"), ("-3*x/2 + 1 + r", "x > 0")], (-2, 2), (1, 2, 3)),
+}  # fmt: skip
+
+
+def computed(name: str) -> Diagram:
+    """The diagram of a map by continuation, which is sound whatever it shows."""
+    pieces, span, orders = MAPS[name]
+    settings = Settings(span=(float(span[0]), float(span[1])), window=(-20.0, 20.0))
+    map_ = from_pwmap(PiecewiseLinearMap(pieces), R)
+    found = whole_diagram(map_, settings, orders, SEARCH).diagram
+    assert_sound(found, settings)
+    return found
+
+
+def proved(name: str) -> Diagram:
+    """The same by proof."""
+    pieces, span, orders = MAPS[name]
+    return bifurcation_diagram(PiecewiseLinearMap(pieces), R, span, orders)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [name for name in MAPS if name != "an island"])
+def test_continuation_finds_what_is_proved(name: str) -> None:
+    found = computed(name)
+    assert same_graph(found, proved(name), tolerance=1e-12) == []
+    for branch in found.branches:
+        assert np.isnan(branch.multiplier).all() == (branch.kind is BranchKind.JUMP)
+
+
+@pytest.mark.slow
+def test_an_island_is_found_by_a_slice() -> None:
+    """Nothing connects it with a branch that reaches the ends of the span; it is curved."""
+    found, exact = computed("an island"), proved("an island")
+    graphs = [diagram.graph() for diagram in (found, exact)]
+    assert nx.is_isomorphic(
+        *graphs,
+        node_match=lambda a, b: a["kind"] == b["kind"],
+        edge_match=lambda a, b: (
+            sorted(e["kind"] for e in a.values()) == sorted(e["kind"] for e in b.values())
+        ),
+    )
+    ends = {p.id for p in found.points if p.kind is PointKind.EP}
+    (loop,) = [c for c in nx.connected_components(graphs[0]) if not c & ends]
+    places = sorted((found.point(node).parameter, found.point(node).x) for node in loop)
+    root = 0.5**0.5
+    expected = [(-1.0, 0.0), (-root, 1.0), (root, 1.0), (1.0, 0.0)]
+    np.testing.assert_allclose(places, expected, rtol=0.0, atol=1e-12)
+    assert {found.point(node).kind for node in loop} == {PointKind.BC}
+
+
+def test_a_cycle_ends_where_its_points_meet_in_a_corner() -> None:
+    """A continuous map of slopes 1/2 and -3/2: 6 p / 7 and -2 p / 7 are a cycle, p > 0."""
+    settings = Settings(span=(-1.0, 1.0), window=(-5.0, 5.0))
+    found = whole_diagram(skew_tent(0.5, -1.5), settings, (1, 2), SEARCH).diagram
+    twos = found.of_order(2).branches
+    assert len(twos) == 2
+    (meeting,) = set(twos[0].ends) & set(twos[1].ends)
+    point = found.point(meeting)
+    assert (point.parameter, point.x) == pytest.approx((0.0, 0.0), abs=LOCATED)
+    ones = [branch for branch in found.of_order(1).branches if meeting in branch.ends]
+    assert len(ones) == 2
+    ends = [max(zip(b.parameter.tolist(), b.x.tolist(), strict=True)) for b in twos]
+    assert sorted(x / p for p, x in ends) == pytest.approx([-2.0 / 7.0, 6.0 / 7.0], abs=LOCATED)
+
+
+# --- Slices ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("slices", [1, 7, 63])
+def test_slices_fill_the_span_evenly(slices: int) -> None:
+    """Gaps of multiples of the golden ratio are 1/(n + 1) but for a factor of 2."""
+    near = 0.5 * Search().finest
+    first, last, *inner = first_places(Search(slices=slices))
+    assert (first, last) == (near, 1.0 - near)
+    assert len(inner) == slices
+    gaps = np.diff(sorted([0.0, *inner, 1.0])) * (slices + 1)
+    assert 0.4 < gaps.min() <= gaps.max() < 2.0
+
+
+def test_slices_gather_where_something_new_shows() -> None:
+    """Two more halfway to its neighbours, but not for the first, which always show something."""
+    plan = _Plan(Search(slices=7, finest=0.01), (0.0, 1.0))
+    first = list(plan.places)
+    around = sorted([0.0, *first, 1.0])
+    assert plan.beside(plan.took()) == []
+    for _ in range(4):
+        place = plan.took()
+    i = around.index(place)
+    halfway = [0.5 * (place + around[i + side]) for side in (-1, 1)]
+    assert plan.beside(place) == halfway
+    plan.add(halfway)
+    assert plan.places[9:] == halfway
+    beside = 0.5 * (halfway[0] + around[i - 1]), 0.5 * (halfway[0] + place)
+    assert plan.beside(halfway[0]) == list(beside)
+
+
+@pytest.mark.parametrize("span", [(0.0, 1.0), (-3.0, 5.0)])
+def test_gaps_between_slices_have_an_end(span: tuple[float, float]) -> None:
+    """New is found in every slice, and a special point every 1e-4 of the span."""
+    search, length = Search(slices=3, finest=0.05, crowded=2), span[1] - span[0]
+    points = np.linspace(*span, 10001).tolist()
+    plan = _Plan(search, span)
+    first = len(plan.places)
+    while plan.done < len(plan.places):
+        plan.add(plan.beside(plan.took()))
+        if plan.done == len(plan.places):
+            plan.add(plan.crowded(points))
+    gaps = np.diff(sorted(plan.places)) / length
+    assert gaps[1:-1].min() >= search.finest  # the first and last were taken next to the ends
+    assert gaps.max() < 2.0 * search.finest
+    assert first < len(plan.places) <= 1.0 / search.finest
+
+
+def test_slices_gather_where_special_points_do() -> None:
+    """Gaps with more of them than are wanted are halved, until none is."""
+    plan = _Plan(Search(slices=3, finest=1e-4, crowded=10), (0.0, 1.0))
+    points = [0.31 + 1e-3 * k for k in range(40)]
+    while more := plan.crowded(points):
+        plan.add(more)
+    ends = np.array(sorted([0.0, *plan.places, 1.0]))
+    counts = np.diff(np.searchsorted(points, ends))
+    assert counts.max() <= 10
+    assert np.diff(ends)[counts == 0].max() > 0.1  # nothing is added elsewhere
+
+
+def test_what_each_slice_came_to_is_told() -> None:
+    settings = Settings(span=(0.5, 1.0), window=(-5.0, 5.0))
+    found = whole_diagram(two_lines(), settings, (1,), Search(slices=3))
+    assert len(found.slices) >= 5
+    assert found.slices[0].new == (1,)
+    assert {seen.new for seen in found.slices[1:]} == {()}
+    assert {seen.left for seen in found.slices} == {()}
+    assert {seen.unresolved for seen in found.slices} == {0.0}
+    assert all(0.5 <= seen.p <= 1.0 for seen in found.slices)
+    assert found.evaluations > sum(seen.evaluations for seen in found.slices) > 0
+
+
+# --- Arguments ------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("orders", [(), (0,), (1.5,), (1, True), (np.True_,), ("1",), (1, None)])
+def test_orders_are_checked(orders: tuple[int, ...]) -> None:
+    with pytest.raises(ValueError, match="orders must "):
+        whole_diagram(two_lines(), Settings(window=(-5.0, 5.0)), orders)
+
+
+def test_orders_may_be_integers_of_any_kind() -> None:
+    settings, few = Settings(span=(0.5, 1.0), window=(-5.0, 5.0)), Search(slices=1)
+    found = [
+        whole_diagram(two_lines(), settings, orders, few).diagram
+        for orders in ((1, 2), np.array([2, 1, 2]), (np.int8(1), sympy.Integer(2)))
+    ]
+    branches = [[(b.id, b.order, b.word) for b in each.branches] for each in found]
+    assert branches[0] == branches[1] == branches[2]
+
+
+@pytest.mark.parametrize("window", [(-math.inf, math.inf), (0.0, math.inf)])
+def test_a_search_needs_a_finite_window(window: tuple[float, float]) -> None:
+    """A branch does not: that of one fixed point is followed in an infinite window."""
+    settings = Settings(span=(-2.0, 2.0), window=window)
+    sentence = r"a search for every branch needs a finite window, got \(.*inf\)"
+    with pytest.raises(ValueError, match=sentence):
+        whole_diagram(two_lines(), settings)
+    branches = connected(two_lines(), 0.9, 0.4, settings).branches
+    assert str(branches[0].kind) == "fixed-point"
+
+
+@pytest.mark.parametrize(
+    ("options", "sentence"),
+    [
+        ({"slices": 0}, "slices must be a whole number of at least 1, got 0"),
+        ({"finest": 0.0}, r"finest must lie in \(0, 1\), got 0.0"),
+        ({"finest": 1.0}, r"finest must lie in \(0, 1\), got 1.0"),
+        ({"finest": math.nan}, r"finest must lie in \(0, 1\), got nan"),
+    ],
+)
+def test_searches_refuse(options: dict[str, float], sentence: str) -> None:
+    with pytest.raises(ValueError, match=sentence):
+        Search(**options)  # type: ignore[arg-type]
+
+
+@pytest.mark.slow
+def test_the_published_jump_branches_of_the_third_iterate() -> None:
+    """That of P_3 which runs into (-1, 0) ends there, in the fold-flip, as pwmap proves."""
+    found = computed("a jump that breaks off near zero")
+    (corner,) = [p for p in points_of(found, "FF") if abs(p.parameter + 1.0) < 1e-6]
+    assert (corner.parameter, corner.x) == pytest.approx((-1.0, 0.0), abs=LOCATED)
+    assert any(found.branch(name).order == 3 for name in corner.branches)

@@ -1,0 +1,381 @@
+"""Branch points, and the branches that start at them and at flips."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import networkx as nx
+import numpy as np
+import pytest
+from diagrams import (
+    FIXED,
+    LOCATED,
+    assert_curve,
+    assert_graph,
+    assert_places,
+    assert_sound,
+    chain,
+    chained,
+    points_of,
+    to_the_last_bit,
+)
+from maps import (
+    BORDER,
+    Line,
+    logistic,
+    logistic_pair,
+    one_piece,
+    paper,
+    renamed_logistic,
+    two_pieces,
+)
+
+from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
+from woodpecker import FormulaMap, Smooth, Toy, connected, continuation, shoot, slices_at, solutions
+from woodpecker.base.settings import Settings
+from woodpecker.engine.newton import branch_point
+from woodpecker.runs import saved_diagram
+from woodpecker.search.curves import Curve
+from woodpecker.search.diagrams import cycle_near, whole_diagram
+from woodpecker.search.lines import base_of, to_engine
+from woodpecker.search.network import Network
+from woodpecker.search.search import Search
+from woodpecker.search.tasks import Tasks
+from woodpecker.slices.orbits import orbit_of
+from woodpecker.toy_map import ToyPieces
+from woodpecker.window import WINDOW
+
+# A branch point is a regular root of its own equations, so it is located to rounding of them.
+# Beside it rounding of what a cycle is off by, 1e-16, is divided by its distance from the branch
+# point; the first sample is the first step away, 0.005.
+BESIDE = 1e-12
+
+
+def cubic(p: float) -> float:
+    """Above zero: a fixed point of the pitchfork."""
+    return math.sqrt(p - 1.0)
+
+
+def pitchfork(unfolded: float = 0.0) -> FormulaMap:
+    """p x - x^3: fixed points 0 and, for p > 1, +-sqrt(p - 1); a constant parts them."""
+    return one_piece(
+        Smooth(lambda x, p: p * x - x**3 + unfolded, lambda x, p: p - 3.0 * x * x, lambda x, _p: x)
+    )
+
+
+def transcritical() -> FormulaMap:
+    """p x (1 - x): the fixed points 0 and 1 - 1/p cross at p = 1."""
+    return logistic()
+
+
+def fan(centre: str, ends: int) -> nx.MultiGraph:
+    """The graph of branches that meet in one point and end in the span."""
+    graph = chain(f"EP F {centre}")
+    for k in range(1, ends):
+        graph.add_node(-k, kind="EP")
+        graph.add_edge(1, -k, kind=str(FIXED))
+    return graph
+
+
+# --- Branch points --------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("x", "p"), [(0.0, 0.5), (0.0, 1.3), (cubic(1.3), 1.3), (-cubic(1.5), 1.5)]
+)
+@pytest.mark.parametrize("low", [0.0, 0.013])
+def test_a_pitchfork_whichever_branch_leads_to_it(x: float, p: float, low: float) -> None:
+    settings = Settings(span=(low, 1.9))
+    diagram = connected(pitchfork(), x, p, settings)
+    assert_sound(diagram, settings)
+    assert_graph(diagram, fan("BP", 4))
+    end = cubic(1.9)
+    assert_places(
+        diagram,
+        {"BP": [(1.0, 0.0)], "EP": [(low, 0.0), (1.9, -end), (1.9, 0.0), (1.9, end)]},
+    )
+    (point,) = points_of(diagram, "BP")
+    assert point.cause == "another branch crosses"
+    assert point.precision < 1e-13
+    for branch in diagram.branches:
+        sign = np.sign(branch.x[-1] if abs(branch.x[-1]) > 0.1 else branch.x[0])
+        if abs(branch.x[[0, -1]]).max() < 0.1:
+            sign = 0.0
+        expected = sign * np.sqrt(np.maximum(branch.parameter - 1.0, 0.0))
+        assert branch.x == pytest.approx(expected, abs=BESIDE)
+
+
+@pytest.mark.parametrize(("x", "p"), [(0.0, 0.7), (0.0, 1.7), (0.5, 2.0), (1.0 - 1.0 / 0.7, 0.7)])
+def test_a_transcritical_point_whichever_branch_leads_to_it(x: float, p: float) -> None:
+    settings = Settings(span=(0.5, 2.9), window=(-10.0, 10.0))
+    diagram = connected(transcritical(), x, p, settings)
+    assert_sound(diagram, settings)
+    assert_graph(diagram, fan("BP", 4))
+    assert_places(
+        diagram,
+        {"BP": [(1.0, 0.0)], "EP": [(0.5, -1.0), (0.5, 0.0), (2.9, 0.0), (2.9, 1.0 - 1.0 / 2.9)]},
+    )
+    for branch in diagram.branches:
+        crossing = abs(branch.x[[0, -1]]).max() > 0.1
+        expected = 1.0 - 1.0 / branch.parameter if crossing else np.zeros(len(branch))
+        assert branch.x == pytest.approx(expected, abs=BESIDE)
+
+
+@pytest.mark.parametrize("unfolded", [1e-3, 1e-6, 1e-9])
+def test_branches_that_only_come_close_do_not_cross(unfolded: float) -> None:
+    """p x - x^3 + c: the branch from x < 0 at p < 1 has no branch point; the other one folds."""
+    settings = Settings(span=(0.0, 1.9))
+    diagram = connected(pitchfork(unfolded), cubic(1.9), 1.9, settings)
+    assert_graph(diagram, chain("EP F EP"))
+    other = connected(pitchfork(unfolded), -cubic(1.9), 1.9, settings)
+    assert_graph(other, chain("EP F LP F EP"))
+    fold = -((0.5 * unfolded) ** (1.0 / 3.0))  # where 2 x^3 = -c, at p = 1 + 3 x^2
+    # a square root of rounding, in x; the parameter is off by the square of that
+    assert points_of(other, "LP")[0].parameter == pytest.approx(1.0 + 3.0 * fold**2, abs=1e-12)
+
+
+def test_no_cycle_closes_between_branches_that_come_close() -> None:
+    map_, settings = pitchfork(1e-9), Settings(span=(0.0, 1.9))
+    base = base_of(map_, settings)
+    near = to_engine(orbit_of(map_.pieces, np.array([1e-4]), 1.0))
+    assert branch_point(base.problem, near) is None
+    exact = branch_point(
+        base_of(pitchfork(0.0), settings).problem,
+        to_engine(orbit_of(pitchfork(0.0).pieces, np.array([1e-4]), 1.0)),
+    )
+    assert exact is not None
+    assert [exact.x[0, 0], exact.p[0]] == pytest.approx([0.0, 1.0], abs=LOCATED)
+
+
+# --- Flips ----------------------------------------------------------------------------------------
+
+
+def doubled(diagram: Diagram) -> list[tuple[float, float]]:
+    """Ends of its branches of order 2."""
+    return [
+        (float(branch.parameter[0]), float(branch.parameter[-1]))
+        for branch in diagram.branches
+        if branch.order == 2
+    ]
+
+
+@pytest.mark.parametrize("map_", [logistic(), renamed_logistic(0.7), renamed_logistic(0.6667)])
+def test_the_doubled_branch_of_the_logistic_map(map_: FormulaMap) -> None:
+    """Also where the word changes beside the flip, 3.3e-5 from x = 2/3."""
+    settings = Settings(span=(2.5, 3.4))
+    diagram = connected(map_, 0.6, 2.5, settings, orders=(1, 2))
+    assert_sound(diagram, settings)
+    assert_graph(diagram, fan("PD", 4))
+    assert {branch.order for branch in diagram.branches} == {1, 2}
+    (flip,) = points_of(diagram, "PD")
+    assert (flip.order, flip.status) == (1, PointStatus.LOCATED)
+    assert (flip.parameter, flip.x) == pytest.approx((3.0, 2.0 / 3.0), abs=LOCATED)
+    for branch in diagram.branches:
+        if branch.order == 1:
+            assert_curve(branch, lambda p: 1.0 - 1.0 / p)
+            continue
+        root = np.sqrt((branch.parameter - 3.0).clip(0.0) * (branch.parameter + 1.0))
+        side = math.copysign(1.0, branch.x[-1] - 0.65)
+        expected = (branch.parameter + 1.0 + side * root) / (2.0 * branch.parameter)
+        # x leaves like a square root: what p is off, some 1e-15, is divided by the way from there
+        off = (branch.x - expected) * (branch.x - 2.0 / 3.0)
+        assert off == pytest.approx(0.0, abs=LOCATED)
+        assert branch.x[branch.parameter > 3.01] == pytest.approx(
+            expected[branch.parameter > 3.01], abs=BESIDE
+        )
+
+
+def test_doubled_branches_flip_again() -> None:
+    """P_4 starts at 1 + sqrt(6); at its own flip, 3.5440903, nothing does, for 8 is not wanted."""
+    settings = Settings(span=(2.5, 3.6))
+    diagram = connected(logistic(), 0.6, 2.5, settings, orders=(4, 2, 1))
+    flips = sorted({round(point.parameter, 9) for point in points_of(diagram, "PD")})
+    assert flips == pytest.approx([3.0, 1.0 + math.sqrt(6.0), 3.544090360], abs=1e-9)
+    per_order = {n: sum(branch.order == n for branch in diagram.branches) for n in (1, 2, 4)}
+    assert per_order == {1: 2, 2: 2 * 2, 4: 4 * 2}
+
+
+@pytest.mark.parametrize("orders", [None, (1,), (1, 3)])
+def test_nothing_starts_at_a_flip_unless_it_is_asked_for(orders: tuple[int, ...] | None) -> None:
+    diagram = connected(logistic(), 0.6, 2.5, Settings(span=(2.0, 3.5)), orders=orders)
+    assert_graph(diagram, chain("EP F PD F EP"))
+
+
+def test_the_fixed_point_is_found_from_its_doubled_branch() -> None:
+    settings = Settings(span=(2.5, 3.4))
+    start = list(logistic_pair(3.2))
+    diagram = connected(logistic(), start, 3.2, settings, orders=(1, 2))
+    assert_sound(diagram, settings)
+    assert_graph(diagram, fan("PD", 4))
+    with pytest.raises(ValueError, match=r"orders must hold 2, the period .* got \(1,\)"):
+        connected(logistic(), start, 3.2, settings, orders=(1,))
+
+
+def test_a_cycle_passed_twice_is_followed_once() -> None:
+    settings = Settings(span=(2.0, 3.5))
+    twice = connected(logistic(), [0.6, 0.6], 2.5, settings)
+    assert_graph(twice, chain("EP F PD F EP"))
+    assert {branch.order for branch in twice.branches} == {1}
+
+
+@pytest.mark.parametrize("low", [2.0, 2.01, 2.37])
+def test_the_flip_of_a_cycle_passed_twice_is_a_branch_point(low: float) -> None:
+    settings = Settings(span=(low, 3.5))
+    start = cycle_near(logistic(), [0.6, 0.6], 2.5, settings)
+    curves = chained(Tasks(logistic(), settings), start)
+    points = {end.p: end for curve in curves for end in curve.ends if end.kind is PointKind.BP}
+    (p,) = points
+    assert p == pytest.approx(3.0, abs=LOCATED)
+    assert points[p].x == pytest.approx([2.0 / 3.0, 2.0 / 3.0], abs=LOCATED)
+
+
+def test_a_branch_of_a_cycle_passed_twice_is_not_kept_as_one_of_period_two() -> None:
+    map_, settings, x = logistic(), Settings(span=(2.2, 2.9)), 0.6
+    twice = orbit_of(map_.pieces * 2, np.array([x, x]), 2.5)
+    network = Network(settings)
+    assert all(network.has(curve) for curve in chained(Tasks(map_, settings), twice))
+
+
+def test_what_goes_round_a_shorter_cycle_but_at_its_ends_is_not_kept() -> None:
+    """An end may lie on another branch, or rounding part its points; those in between are one.
+
+    A branch that doubles a flip may be as short, and its points as close all along: it is kept.
+    """
+    map_, settings = logistic(), Settings(span=(2.2, 2.9))
+    twice = orbit_of(map_.pieces * 2, np.array([0.6, 0.6]), 2.5)
+    curve = chained(Tasks(map_, settings), twice)[0]
+    apart = 20.0 * settings.same * np.array([1.0, 0.0])
+    torn = replace(curve, points=(*curve.points[:-1], curve.points[-1] + apart))
+    assert Network(settings).has(torn)
+    parting = np.linspace(0.0, 1.0, len(curve.points))
+    doubled = tuple(curve.points[0] + part * apart for part in parting)
+    short = replace(curve, points=doubled, parameter=2.5 + 1e-8 * parting)
+    assert not Network(settings).has(short)
+
+
+def test_a_branch_that_passed_over_a_thin_piece_is_the_same() -> None:
+    """The other way, with a piece in its middle that the first one has not seen."""
+    map_, settings = logistic(), Settings(span=(2.2, 2.9))
+    curve = chained(Tasks(map_, settings), orbit_of(map_.pieces, np.array([0.6]), 2.5))[0]
+    (word,) = curve.words
+    middle = len(curve.points) // 2
+    thin = replace(word, first=middle - 1, keys=("thin",)), replace(word, first=middle + 1)
+    back = replace(
+        curve, parameter=curve.parameter[::-1], points=curve.points[::-1],
+        multiplier=curve.multiplier[::-1], ends=curve.ends[::-1], words=(word, *thin),
+    )  # fmt: skip
+    other = replace(back, words=(replace(word, keys=("other",)),))
+    network = Network(settings)
+    network.add(curve)
+    assert network.has(back)
+    assert not network.has(other)
+
+
+@pytest.mark.parametrize(("length", "short_of", "same"), [
+    (0.1, 3e-8, True), (0.1, 3e-7, False), (1e-5, 3e-8, True), (1e-7, 3e-8, False),
+])  # fmt: skip
+def test_branches_with_the_same_ends_are_one(length: float, short_of: float, same: bool) -> None:
+    """A part of the span apart at one end: a border may be taken there for the flip beside it."""
+    map_, settings = logistic(), Settings(span=(2.2, 2.9))
+    curve = chained(Tasks(map_, settings), orbit_of(map_.pieces, np.array([0.6]), 2.5))[0]
+    part = np.linspace(0.0, 1.0, 12)
+
+    def between(first: float, last: float) -> Curve:
+        p = first + (last - first) * part
+        points = tuple(np.array([1.0 - 1.0 / each]) for each in p)
+        return replace(curve, parameter=p, points=points, multiplier=2.0 - p)
+
+    unit = settings.p_scale
+    network = Network(settings)
+    network.add(between(2.5, 2.5 + length * unit))
+    assert network.has(between(2.5, 2.5 + (length - short_of) * unit)) is same
+
+
+def test_a_doubled_cycle_knows_its_birth() -> None:
+    """Found alone, without the fixed point: p = 3 to the precision that it states, and 1e-12."""
+    settings = Settings(span=(2.5, 3.4))
+    diagram = connected(logistic(), list(logistic_pair(3.2)), 3.2, settings)
+    (birth,) = points_of(diagram, "PD")
+    assert birth.precision < 1e-12
+    assert abs(birth.parameter - 3.0) <= min(birth.precision, 1e-12)
+    assert birth.x == pytest.approx(2.0 / 3.0, abs=LOCATED)
+
+
+def test_a_flip_right_before_a_border() -> None:
+    """p - x - x^2 flips at p = 0; its doubled points +-sqrt(p) leave the piece at p = 4e-8, before
+    the usual first step is over. It is met from the collision there, and not followed twice."""
+    value = Smooth(lambda x, p: -x - x * x + p, lambda x, _p: -1.0 - 2.0 * x, lambda _x, _p: 1.0)
+    map_ = two_pieces(value, Line(0.0, 0.0, 5.0).smooth(), at=2e-4)
+    diagram = connected(map_, -0.1, -0.19, Settings(span=(-0.5, 0.5)), orders=(1, 2))
+    pair = [b for b in diagram.branches if (b.order, b.kind) == (2, BranchKind.FIXED_POINT)]
+    far = sorted(float(max(b.x.tolist(), key=abs)) for b in pair)
+    assert far == pytest.approx([-2e-4, 2e-4], abs=BESIDE)
+    for branch in pair:
+        ends = sorted((diagram.point(end) for end in branch.ends), key=lambda p: p.parameter)
+        assert ends[0].kind is PointKind.PD
+        met = ends[1]
+        assert (met.kind, met.cause) == (PointKind.BC, BORDER)
+        assert met.parameter == pytest.approx(4e-8, abs=BESIDE)
+        assert branch.x**2 == pytest.approx(branch.parameter, abs=BESIDE)
+
+
+def test_jump_branches_of_the_orders_start_at_collisions() -> None:
+    """The jump of P_2 that leaves point A of the paper's map, as a search for everything has it."""
+    settings = Settings(span=(-1.0, 3.0), window=(-4.0, 4.0))
+    diagram = connected(paper(), 0.4, 0.9, settings, orders=(1, 2))
+    whole = whole_diagram(paper(), settings, (1, 2), Search(slices=4, finest=0.1)).diagram
+
+    def jumps(found: Diagram) -> list[tuple[float, ...]]:
+        return sorted(
+            (*sorted(branch.parameter[[0, -1]]), *sorted(branch.x[[0, -1]]))
+            for branch in found.branches
+            if (branch.kind, branch.order) == (BranchKind.JUMP, 2)
+        )
+
+    assert np.array(jumps(diagram)) == pytest.approx(np.array(jumps(whole)), abs=LOCATED)
+
+
+# --- The toy --------------------------------------------------------------------------------------
+
+NEAR = (-0.5255, -0.518)  # its doubled cycle, the lower point
+FLIP = 0.64854920022763  # of the stable motion, from its multiplier
+
+
+@pytest.mark.slow
+def test_the_doubled_motion_of_the_toy(tmp_path: Path) -> None:
+    """It leaves the flip to larger eps_N1, turns round 3.6e-7 further on, and is unstable then."""
+    toy, path = Toy(), tmp_path / "run.jsonl"
+    settings = Settings(window=WINDOW)
+    motion = shoot(toy, -0.53)
+    diagram = continuation(toy, motion, span=(0.45, 0.7), orders=(1, 2), run=path)
+    (flip,) = points_of(diagram, "PD")
+    assert flip.parameter == pytest.approx(FLIP, abs=1e-12)
+    assert [diagram.branch(name).order for name in flip.branches] == [1, 1, 2, 2]
+    assert saved_diagram(path).graph().number_of_edges() == len(diagram.branches)
+    for p in (0.64, 0.648):
+        (second,) = slices_at(ToyPieces(toy), p, (2,), settings)
+        expected = [each.x for each in second.cycles if NEAR[0] < each.x.min() < NEAR[1]]
+        found = [
+            hit.orbit.phi_s for hit in solutions(toy, diagram, p)
+            if hit.branch.order == 2 and NEAR[0] < min(hit.orbit.points) < NEAR[1]
+        ]  # fmt: skip
+        # multipliers lie 0.003 from 1 there: rounding of a return, 1e-15, times 300
+        assert found == pytest.approx(sorted(np.concatenate(expected)), abs=1e-12)
+
+
+@pytest.mark.slow
+def test_a_run_with_doubled_branches_goes_on(tmp_path: Path) -> None:
+    """Cut after each line in turn it comes to the same; other orders are another run."""
+    motion = shoot(Toy(), -0.53)
+    span, path, cut = (0.49, 0.65), tmp_path / "run.jsonl", tmp_path / "cut.jsonl"
+    whole = continuation(Toy(), motion, span=span, orders=(1, 2), run=path)
+    assert points_of(whole, "PD")[0].parameter == pytest.approx(FLIP, abs=1e-12)
+    lines = path.read_text(encoding="utf-8").splitlines(keepends=True)
+    for kept in range(1, len(lines) + 1):
+        cut.write_text("".join(lines[:kept]), encoding="utf-8")
+        again = continuation(Toy(), motion, span=span, orders=(1, 2), run=cut, resume=True)
+        assert to_the_last_bit(again) == to_the_last_bit(whole)
+    with pytest.raises(ValueError, match=r"cannot resume .* there orders is"):
+        continuation(Toy(), motion, span=span, run=path, resume=True)

@@ -1,0 +1,161 @@
+"""Orbit diagrams of maps whose attractors are known, and of the toy beside its branches."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from maps import logistic, paper
+from needs import NEEDS_NUMBA
+
+from pwmap import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from woodpecker import (
+    Search,
+    Toy,
+    ToyPieces,
+    bifurcation_diagram,
+    first_return,
+    orbit_diagram,
+    unexplained,
+)
+from woodpecker.base.settings import Settings
+from woodpecker.slices.attracting import period_of
+
+WIDE = (-100.0, 100.0)
+
+
+@pytest.mark.parametrize(("r", "period"), [(1.0, 1), (2.2, 3), (2.5, 5), (8.0, 4), (11.0, 2)])
+def test_superstable_cycles_of_the_papers_map(r: float, period: int) -> None:
+    """Beyond r = 2 the exact diagram has one superstable cycle in each of these cells."""
+    found = orbit_diagram(paper(), r, np.linspace(-3.0, 3.0, 7), WIDE)
+    assert found.lost == 0
+    assert {orbit.period for orbit in found.orbits} == {period}
+    assert {orbit.exponent for orbit in found.orbits} == {-math.inf}
+    assert np.abs(found.orbits[0].x - (r - 2.0)).min() == 0.0
+
+
+def test_exponents_of_the_logistic_map() -> None:
+    """log 2 at p = 4; log |2 - p| at the fixed point."""
+    chaotic = orbit_diagram(logistic(), 4.0, 0.1234, (0.0, 1.0), keep=4000)
+    (orbit,) = chaotic.orbits
+    assert orbit.period == 0
+    assert orbit.exponent == pytest.approx(math.log(2.0), abs=0.02)  # like keep**-0.5
+    (fixed,) = orbit_diagram(logistic(), 2.5, 0.1234, (0.0, 1.0)).orbits
+    assert (fixed.period, fixed.exponent) == (1, pytest.approx(math.log(0.5), rel=1e-6))
+    assert fixed.x[-1] == pytest.approx(0.6, abs=1e-12)
+
+
+def test_orbits_that_leave_are_counted() -> None:
+    found = orbit_diagram(logistic(), [4.5, 2.5], [0.1, 0.5], (0.0, 1.0))
+    assert found.lost == 2
+    assert {orbit.p for orbit in found.orbits} == {2.5}
+    p, x = found.points()
+    assert p.shape == x.shape == (2 * 128,)
+
+
+def test_periods() -> None:
+    assert period_of(np.array([1.0, 2.0, 3.0] * 10), Settings()) == 3
+    assert period_of(np.linspace(0.0, 1.0, 50), Settings()) == 0
+
+
+def test_what_counts_as_a_period_is_set() -> None:
+    lengths = (64, 65)  # the longest period that is looked for, and one more
+    assert [period_of(np.arange(3.0 * n) % n, Settings()) for n in lengths] == [64, 0]
+    three = np.array([1.0, 2.0, 3.0] * 10)
+    three[-1] += 1.5e-6  # a part of the window: 1e-6 of it is 1e-6 or 2e-6
+    assert [period_of(three, Settings(window=(0.0, end))) for end in (1.0, 2.0)] == [0, 3]
+
+
+@pytest.mark.parametrize(
+    ("keep", "transient", "sentence"),
+    [
+        (0, 10, "keep must be a whole number of at least 1, got 0"),
+        (1, -1, "transient must be a whole number of at least 0, got -1"),
+    ],
+)
+def test_counts_are_checked(keep: int, transient: int, sentence: str) -> None:
+    with pytest.raises(ValueError, match=sentence):
+        orbit_diagram(logistic(), 2.5, 0.1, WIDE, keep=keep, transient=transient)
+
+
+def test_windows_are_checked() -> None:
+    with pytest.raises(ValueError, match="window must ascend"):
+        orbit_diagram(logistic(), 2.5, 0.1, (1.0, 0.0))
+    with pytest.raises(ValueError, match="window must be two real numbers"):
+        orbit_diagram(logistic(), 2.5, 0.1, (0.0, 1.0, 2.0))  # type: ignore[arg-type]
+
+
+def test_starts_and_parameters_are_real() -> None:
+    with pytest.raises(ValueError, match="starts must be real numbers"):
+        orbit_diagram(logistic(), 2.5, [0.1 + 0.0j], WIDE)
+    with pytest.raises(ValueError, match="parameters must be real numbers"):
+        orbit_diagram(logistic(), [2.5j], 0.1, WIDE)
+
+
+def drawn(shift: float) -> Diagram:
+    """The logistic map's fixed points over (2.4, 2.6), shifted, as one straight line."""
+    p = np.array([2.4, 2.6])
+    x = 1.0 - 1.0 / p + shift
+    return Diagram(
+        parameter_name="p",
+        x_name="x",
+        branches=(
+            Branch(
+                id="F1", kind=BranchKind.FIXED_POINT, order=1, word="S", parameter=p, x=x,
+                multiplier=2.0 - p, ends=("EP1", "EP2"),
+            ),
+        ),
+        points=tuple(
+            SpecialPoint(
+                id=f"EP{k + 1}", kind=PointKind.EP, parameter=p[k], x=x[k], branches=("F1",)
+            )
+            for k in range(2)
+        ),
+    )  # fmt: skip
+
+
+def test_what_no_branch_explains() -> None:
+    """The chord of 1 - 1/p over (2.4, 2.6) is off by 6.4e-4 at 2.5; a cycle beside it is another.
+
+    The second fixed point, 0, repels: a branch that lies there explains nothing, however near.
+    """
+    settled = orbit_diagram(logistic(), 2.5, 0.1234, (0.0, 1.0))
+    assert unexplained(settled, drawn(0.0), logistic()) == []
+    assert unexplained(settled, drawn(0.0), logistic(), distance=5e-4) == list(settled.orbits)
+    assert unexplained(settled, drawn(-0.6), logistic(), distance=1.0) == list(settled.orbits)
+
+
+def test_a_map_is_asked_for_many_points_at_once_if_it_can() -> None:
+    x = np.array([-0.53, -0.9, -0.05])  # the last one falls for ever
+    found = ToyPieces(Toy()).sweep(x, 0.4)
+    for k, each in enumerate(x[:2].tolist()):
+        once = first_return(Toy(eps_n1=0.4), each)
+        assert (found.value[k], found.slope[k]) == (once.phi_s, once.slope)
+    assert np.isnan(found.value[2])
+    assert np.isnan(found.slope[2])
+    with pytest.raises(ValueError, match="eps_n1 must lie in"):
+        ToyPieces(Toy()).sweep(x, -0.1)
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_the_toy_settles_on_its_stable_branches() -> None:
+    """The nominal cycle beside a chaotic attractor, which most starts reach at eps_N1 = 0.5."""
+    window = (-1.2, -0.3)
+    starts = np.append(np.linspace(-1.1, -0.35, 25), -0.53)
+    settled = orbit_diagram(ToyPieces(Toy()), 0.5, starts, window, keep=1000).orbits
+    chaotic = [orbit for orbit in settled if orbit.period == 0]
+    assert len(chaotic) > 15
+    assert [orbit.exponent for orbit in chaotic] == pytest.approx([0.285] * len(chaotic), abs=0.06)
+    assert all(-0.75 < orbit.x.min() < -0.7 < -0.4 < orbit.x.max() < -0.38 for orbit in chaotic)
+    orbit = settled[-1]
+    assert (orbit.start, orbit.period) == (-0.53, 1)
+    assert orbit.x[-1] == pytest.approx(-0.52947197, abs=1e-8)
+    assert orbit.exponent == pytest.approx(math.log(0.83916), abs=1e-5)
+    diagram = bifurcation_diagram(
+        Toy(), "eps_n1", (0.3, 0.6), (1,), window, search=Search(slices=8)
+    )
+    found = orbit_diagram(ToyPieces(Toy()), np.linspace(0.31, 0.59, 15), starts, window)
+    assert len(found.orbits) > 100
+    assert unexplained(found, diagram, ToyPieces(Toy())) == []

@@ -1,0 +1,361 @@
+"""Branches of jumps that cross the diagonal, on maps whose jumps are known by hand."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from diagrams import LOCATED
+from maps import BORDER, A, Line, lines, moving_border, paper, staircase, two_lines, two_pieces
+
+from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
+from woodpecker import FormulaMap, FormulaPiece, PiecewiseMap, Smooth, slices_at
+from woodpecker.base.settings import Settings
+from woodpecker.maps.formulas import Formula
+from woodpecker.search.curves import Curve
+from woodpecker.search.ends import End
+from woodpecker.search.tasks import Tasks
+
+BC, EP, FALL, FF = PointKind.BC, PointKind.EP, PointKind.FALL, PointKind.FF
+SPAN = (-2.0, 3.0)
+
+
+def jump_at(
+    map_: PiecewiseMap, x: float, p: float, settings: Settings | None = None, order: int = 1
+) -> Curve:
+    """The branch, without folds, of the jump of P_order near a place whose orbit is the longest."""
+    settings = settings or Settings(span=SPAN, window=(-20.0, 20.0))
+    (found,) = [each for each in slices_at(map_, p, [order], settings) if each.order == order]
+    jump = max((j for j in found.jumps if abs(j.x - x) < 0.05), key=lambda j: len(j.head))
+    followed = Tasks(map_, settings).jump(jump)
+    assert followed is not None
+    curve = followed.curve
+    assert curve.kind is BranchKind.JUMP
+    turns = np.sign(np.diff(curve.parameter))
+    assert abs(turns.sum()) == len(turns)
+    return curve
+
+
+def ends(curve: Curve) -> list[End]:
+    """By their parameter."""
+    return sorted(curve.ends, key=lambda end: end.p)
+
+
+def places(curve: Curve) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+    """(parameter, x) of its ends, by the parameter."""
+    return np.array([(end.p, end.x[0]) for end in ends(curve)])
+
+
+def x_of(curve: Curve) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """Where the jump is, at each sample."""
+    return np.array([points[0] for points in curve.points])
+
+
+# --- Ends of jumps of P_1 -------------------------------------------------------------------------
+
+
+def test_the_jump_of_the_paper() -> None:
+    """From A, where the right limit r meets it, to B, where the left limit r - 2 does."""
+    curve = jump_at(paper(), 0.0, 1.0)
+    assert [(end.kind, end.note, end.cause) for end in ends(curve)] == [
+        (FF, "fold", BORDER), (BC, "fold", BORDER)
+    ]  # fmt: skip
+    assert places(curve) == pytest.approx(np.array([[0.0, 0.0], [2.0, 0.0]]), abs=LOCATED)
+    assert np.abs(x_of(curve)).max() == 0.0
+    assert [word.text for word in curve.words] == ["L / R"]
+    assert np.abs(np.diff(curve.parameter)).max() <= 0.02 * 5.0 * 1.01  # max_step of the span
+    assert np.isnan(curve.multiplier).all()
+
+
+def test_the_jump_of_a_staircase() -> None:
+    """Persistence at both ends: the limits p - 1 (right) and p (left) reach 0."""
+    curve = jump_at(staircase(), 0.0, 0.5)
+    assert [(end.kind, end.note) for end in ends(curve)] == [(BC, "persistence")] * 2
+    assert places(curve) == pytest.approx(np.array([[0.0, 0.0], [1.0, 0.0]]), abs=LOCATED)
+
+
+def test_the_limit_may_be_curved() -> None:
+    """The right limit p^3 - 0.2 meets 0 at the cube root of 0.2, at the rate 3 p^2 = 1.03."""
+    right = Smooth(lambda x, p: p**3 - 0.2, lambda x, p: 0.0, lambda x, p: 3.0 * p * p)
+    curve = jump_at(two_pieces(Line(0.0, 0.0, -1.0).smooth(), right), 0.0, 0.9)
+    assert ends(curve)[0].kind is BC
+    assert ends(curve)[0].p == pytest.approx(0.2 ** (1 / 3), abs=1e-15)
+
+
+def stripes(width: float, sign: float) -> FormulaMap:
+    """-1 for x >= 0; 0.1 - sign p for x < 0, with a name of its own about sign p = 0.1 - x."""
+    limit, right = Line(0.0, -sign, 0.1).smooth(), Line(0.0, 0.0, -1.0).smooth()
+    base = {"x reaches 0": Line(-1.0, 0.0).smooth()}
+
+    def margin(way: float, at: float) -> Smooth:
+        return Line(way, way * sign, -way * at).smooth()
+
+    low, high = 0.1 - width, 0.1 + width
+    inside = {"low": margin(1.0, low), "high": margin(-1.0, high)}
+    return FormulaMap(
+        [
+            FormulaPiece("R", right, {"x reaches 0": Line(1.0, 0.0).smooth()}),
+            FormulaPiece("strip", limit, base | inside),
+            FormulaPiece("before", limit, base | {"low": margin(-1.0, low)}),
+            FormulaPiece("after", limit, base | {"high": margin(1.0, high)}),
+        ]
+    )
+
+
+@pytest.mark.parametrize("width", [3e-3, 2e-4, 2e-5])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_collision_in_a_narrow_piece(width: float, sign: float) -> None:
+    """The left limit 0.1 - sign p meets the jump at 0 in a strip in which its word is another.
+
+    A step can pass over the strip, and finds the limits on one side of the diagonal beyond.
+    """
+    settings = Settings(span=(-2.0, 2.0), window=(-1.5, 1.5))
+    curve = jump_at(stripes(width, sign), 0.0, 0.0, settings)
+    end = ends(curve)[1 if sign > 0.0 else 0]
+    assert end.kind is BC
+    assert (end.p, end.x[0]) == pytest.approx((sign * 0.1, 0.0), abs=LOCATED)
+
+
+# --- Borders that move ----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("p", [-0.9, 0.0, 0.3])
+def test_a_border_that_moves(p: float) -> None:
+    """x = p/2 with limits x + p - 1 and x + p + 1: collisions at p = +-1, no change of words."""
+    curve = jump_at(moving_border(), 0.5 * p, p)
+    assert [end.kind for end in ends(curve)] == [BC, BC]
+    assert places(curve) == pytest.approx(np.array([[-1.0, -0.5], [1.0, 0.5]]), abs=LOCATED)
+    assert x_of(curve) == pytest.approx(0.5 * curve.parameter, abs=LOCATED)
+    assert [word.text for word in curve.words] == ["L / R"]
+
+
+@pytest.mark.parametrize("width", [1e-4, 1e-6, 1e-8, 1e-11])
+def test_a_border_of_a_thin_piece(width: float) -> None:
+    """The right piece is narrower than the way the border moves in one step.
+
+    Where it is too narrow to be seen the limit is that of the piece beyond, but on the border.
+    """
+    left, right = (piece for piece in moving_border().pieces[::-1])
+    assert isinstance(left, FormulaPiece)
+    assert isinstance(right, FormulaPiece)
+    end, beyond = Line(-1.0, 0.5, width).smooth(), Line(1.0, -0.5, -width).smooth()
+    map_ = FormulaMap(
+        [
+            left,
+            FormulaPiece("R", right.map, dict(right.margins) | {"the end": end}),
+            FormulaPiece("beyond", right.map, {"the end": beyond}),
+        ]
+    )
+    curve = jump_at(map_, 0.15, 0.3)
+    assert [end.kind for end in ends(curve)] == [BC, BC]
+    assert places(curve) == pytest.approx(np.array([[-1.0, -0.5], [1.0, 0.5]]), abs=LOCATED)
+    assert x_of(curve) == pytest.approx(0.5 * curve.parameter, abs=LOCATED)
+
+
+def between(at: Formula, at_dp: Formula) -> FormulaMap:
+    """A border on a curve, with limits one above and one below."""
+
+    def line(side: float) -> Smooth:
+        return Smooth(lambda x, p: at(x, p) + side, lambda x, p: 0.0, at_dp)
+
+    below = Smooth(lambda x, p: at(x, p) - x, lambda x, p: -1.0, at_dp)
+    above = Smooth(lambda x, p: x - at(x, p), lambda x, p: 1.0, lambda x, p: -at_dp(x, p))
+    return FormulaMap(
+        [FormulaPiece("L", line(-1.0), {BORDER: below}),
+         FormulaPiece("R", line(1.0), {BORDER: above})]
+    )  # fmt: skip
+
+
+def test_a_curved_border() -> None:
+    map_ = between(lambda x, p: math.sin(3.0 * p), lambda x, p: 3.0 * math.cos(3.0 * p))
+    curve = jump_at(map_, 0.0, 0.0)
+    assert [(end.kind, end.p) for end in ends(curve)] == [(EP, -2.0), (EP, 3.0)]
+    assert x_of(curve) == pytest.approx(np.sin(3.0 * curve.parameter), abs=LOCATED)
+
+
+def test_a_steep_border() -> None:
+    curve = jump_at(between(lambda x, p: 5.0 * p, lambda x, p: 5.0), 0.5, 0.1)
+    assert [(end.kind, end.p) for end in ends(curve)] == [(EP, -2.0), (EP, 3.0)]
+    assert x_of(curve) == pytest.approx(5.0 * curve.parameter, abs=LOCATED)
+
+
+# --- Iterates -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("r", [0.1, 1.0, 1.9])
+def test_the_second_map_of_the_paper_crosses_at_the_preimage_only(r: float) -> None:
+    """r/a; at 0 its limits r - 2 and (1 - a) r both lie below."""
+    settings = Settings(span=SPAN, window=(-20.0, 20.0))
+    (second,) = [each for each in slices_at(paper(), r, [1, 2], settings) if each.order == 2]
+    (jump,) = second.jumps
+    assert jump.x == pytest.approx(r / A, abs=LOCATED)
+    assert (jump.inner.value, jump.outer.value) in ((r, r - 2.0), (r - 2.0, r))
+
+
+def test_the_jump_of_the_second_map_from_a_to_where_it_ends() -> None:
+    """x = r/a crosses for 0 < r < 10, where its right limit r - 2 reaches it, at the rate 1/5."""
+    settings = Settings(span=(-1.0, 11.0), window=(-40.0, 40.0))
+    curve = jump_at(paper(), 0.8, 1.0, settings, order=2)
+    assert [end.kind for end in ends(curve)] == [FF, BC]
+    assert places(curve) == pytest.approx(np.array([[0.0, 0.0], [10.0, 8.0]]), abs=5.0 * LOCATED)
+    assert x_of(curve) == pytest.approx(curve.parameter / A, abs=LOCATED)
+    assert {word.text for word in curve.words} == {"R | R / R | L"}
+
+
+# --- Ends and changes of word ---------------------------------------------------------------------
+
+
+def test_ends_of_the_span_are_met_exactly() -> None:
+    settings = Settings(span=(-0.25, 0.5), window=(-20.0, 20.0))
+    curve = jump_at(moving_border(), 0.0, 0.0, settings)
+    assert [end.note for end in ends(curve)] == ["end of the parameter span"] * 2
+    assert places(curve) == pytest.approx(np.array([[-0.25, -0.125], [0.5, 0.25]]), abs=1e-15)
+    assert [end.p for end in ends(curve)] == [-0.25, 0.5]
+
+
+def test_the_window_ends_a_branch() -> None:
+    """The limits may lie outside; only the place of the jump counts."""
+    settings = Settings(span=SPAN, window=(-0.1, 0.2))
+    curve = jump_at(moving_border(), 0.0, 0.0, settings)
+    assert [(end.kind, end.note) for end in ends(curve)] == [(EP, "end of the window")] * 2
+    assert places(curve) == pytest.approx(np.array([[-0.2, -0.1], [0.4, 0.2]]), abs=LOCATED)
+
+
+def divided(tilt: float, beyond: Smooth | None = None) -> FormulaMap:
+    """Two lines, whose right piece is called R1 where p + tilt x < -0.6, with a formula of its own.
+
+    tilt
+        If it is zero no step in x leads from R to R1.
+    """
+    left, right = two_lines().pieces[::-1]
+    assert isinstance(right, FormulaPiece)
+    on, off = Line(tilt, 1.0, 0.6).smooth(), Line(-tilt, -1.0, -0.6).smooth()
+    return FormulaMap(
+        [
+            left,
+            FormulaPiece("R", right.map, dict(right.margins) | {"p reaches -0.6": on}),
+            FormulaPiece("R1", beyond or right.map, dict(right.margins) | {"p reaches -0.6": off}),
+        ]
+    )
+
+
+@pytest.mark.parametrize("tilt", [0.5, -0.5, 1e-3])
+def test_words_change_along_a_jump(tilt: float) -> None:
+    """The branch goes on with its new words; what changes is no point of it."""
+    curve = jump_at(divided(tilt), 0.0, -0.3)
+    assert [end.kind for end in ends(curve)] == [BC, BC]
+    assert places(curve) == pytest.approx(np.array([[-1.0, 0.0], [0.0, 0.0]]), abs=LOCATED)
+    assert np.abs(x_of(curve)).max() <= LOCATED
+    (mark,) = curve.marks
+    assert mark.cause == "p reaches -0.6"
+    beside = curve.parameter[mark.sample : mark.sample + 2]
+    assert np.abs(beside + 0.6).min() <= LOCATED
+    assert sorted(word.text for word in curve.words) == ["L / R", "L / R1"]
+    for word in curve.words:
+        assert (curve.parameter[word.first + 1] > -0.6) == (word.text == "L / R")
+
+
+@pytest.mark.parametrize("apart", [1e-2, 1e-4, 1e-6, 5e-8])
+def test_words_that_change_close_together(apart: float) -> None:
+    """R, R1 and R2 beside the jump at 0, with borders at p = -0.6 - x/2 and as much further on.
+
+    R1 is a wedge, twice as wide in x: pieces are told apart down to 1e-9 of the window of 40.
+    """
+    left, right = two_lines().pieces[::-1]
+    assert isinstance(right, FormulaPiece)
+    edges = (-0.6, -0.6 - apart)
+    on = [Line(0.5, 1.0, -at).smooth() for at in edges]
+    off = [Line(-0.5, -1.0, at).smooth() for at in edges]
+    base = dict(right.margins)
+    map_ = FormulaMap(
+        [
+            left,
+            FormulaPiece("R", right.map, base | {"1": on[0]}),
+            FormulaPiece("R1", right.map, base | {"1": off[0], "2": on[1]}),
+            FormulaPiece("R2", right.map, base | {"2": off[1]}),
+        ]
+    )
+    curve = jump_at(map_, 0.0, -0.3)
+    assert places(curve) == pytest.approx(np.array([[-1.0, 0.0], [0.0, 0.0]]), abs=LOCATED)
+    assert sorted(mark.cause for mark in curve.marks) == ["1", "2"]
+    for mark in curve.marks:
+        beside = curve.parameter[mark.sample : mark.sample + 2]
+        assert np.abs(beside - edges[int(mark.cause) - 1]).min() <= LOCATED
+
+
+def test_a_jump_goes_round_a_corner() -> None:
+    """R1 takes x/2 + p, as L does: below p = -0.6 the jump is no more at 0, but between R1 and R.
+
+    There, on p + x/2 = -0.6, it crosses the diagonal until the fixed point 2 (p + 1)/3 of R meets
+    it, at x = 0.2 and p = -0.7.
+    """
+    curve = jump_at(divided(0.5, Line(0.5, 1.0).smooth()), 0.0, -0.3)
+    low, high = ends(curve)
+    assert (high.kind, high.p) == (BC, pytest.approx(0.0, abs=LOCATED))
+    assert (low.kind, low.note, low.cause) == (BC, "fold", "p reaches -0.6")
+    assert (low.p, low.x[0]) == pytest.approx((-0.7, 0.2), abs=LOCATED)
+
+
+def test_a_jump_beside_which_the_map_is_lost() -> None:
+    left, right = two_lines().pieces[::-1]
+    assert isinstance(right, FormulaPiece)
+    on = Line(0.5, 1.0, 0.6).smooth()
+    kept = FormulaPiece("R", right.map, dict(right.margins) | {"p reaches -0.6": on})
+    curve = jump_at(FormulaMap([left, kept]), 0.0, -0.3)
+    low, _ = ends(curve)
+    assert (low.kind, low.cause) == (PointKind.FALL, "a limit of the jump is lost")
+    assert low.p == pytest.approx(-0.6, abs=LOCATED)
+
+
+def test_the_number_of_samples_is_limited() -> None:
+    settings = Settings(span=SPAN, window=(-20.0, 20.0), max_samples=5)
+    curve = jump_at(paper(), 0.0, 1.0, settings)
+    assert len(curve.parameter) == 9
+    assert {(end.note, end.status) for end in curve.ends} == {
+        ("as many samples as allowed", PointStatus.OPEN)
+    }
+
+
+def test_lines_with_a_border_elsewhere() -> None:
+    """A jump of 10 at x = 3 crosses as long as one of its limits lies on either side."""
+    curve = jump_at(lines(Line(0.5, 1.0), Line(0.5, 1.0, -10.0), at=3.0), 3.0, 5.0,
+                    Settings(span=(-2.0, 13.0), window=(-20.0, 20.0)))  # fmt: skip
+    assert places(curve) == pytest.approx(np.array([[1.5, 3.0], [11.5, 3.0]]), abs=10.0 * LOCATED)
+
+
+@pytest.mark.parametrize("off", [0.1, 1e-3, 1e-6, 3e-8])
+def test_a_jump_whose_orbit_hugs_a_square_root(off: float) -> None:
+    """P_1 jumps at p/10; p/10 - off + sqrt(x - root) takes x = root + off**2 there.
+
+    The root 1/2 + p**2 moves on a curve: a straight guess leaves the piece, however small the step.
+    """
+
+    def height(x: float, p: float) -> float:
+        return math.sqrt(x - 0.5 - p * p)
+
+    def value(x: float, p: float) -> float:
+        return 0.1 * p - off + height(x, p)
+
+    def by_x(x: float, p: float) -> float:
+        return 0.5 / height(x, p)
+
+    def by_p(x: float, p: float) -> float:
+        return 0.1 - p / height(x, p)
+
+    past = Smooth(lambda x, p: x - 0.5 - p * p, lambda x, p: 1.0, lambda x, p: -2.0 * p)
+    short = Smooth(lambda x, p: 0.5 + p * p - x, lambda x, p: -1.0, lambda x, p: 2.0 * p)
+    map_ = FormulaMap(
+        [
+            FormulaPiece("S", Smooth(value, by_x, by_p), {"the root": past}),
+            FormulaPiece("L", Line(0.0, 0.0, -1.0).smooth(), {"p/10": Line(-1.0, 0.1).smooth()}),
+            FormulaPiece("R", Line(0.0, 0.0, 2.0).smooth(),
+                         {"p/10": Line(1.0, -0.1).smooth(), "the root": short}),
+        ]
+    )  # fmt: skip
+    settings = Settings(span=(0.0, 1.0), window=(-3.0, 3.0))
+    curve = jump_at(map_, 0.51, 0.1, settings, order=2)
+    assert [(end.kind, end.p) for end in ends(curve)] == [(EP, 0.0), (EP, 1.0)]
+    # Newton's method stops after a step of 2**-48 of the window
+    assert x_of(curve) == pytest.approx(0.5 + curve.parameter**2 + off**2, abs=1e-12)
+    assert len(curve.parameter) < 300  # steps as long as the curve allows

@@ -1,0 +1,105 @@
+"""Borders in a window, and the one nearest to a point: exact maps, and the toy."""
+
+from __future__ import annotations
+
+import pytest
+from maps import moving, paper, skew_tent, two_lines
+
+from woodpecker import (
+    BorderKind,
+    Iterate,
+    Toy,
+    ToyPieces,
+    borders_in,
+    crosses,
+    equilibrium,
+    nearest_border,
+)
+from woodpecker.base.settings import Settings
+
+SETTINGS = Settings(window=(-2.5, -0.24))
+# Jumps of P_1 whatever the restitution of the beak: between which doubles its words change, found
+# by bisection, which knows no margin. Rounding mixes the words over some ten spacings.
+JUMPS = (-0.8847733440138271, -0.7577872573415623)
+DIGITS = 2e-15
+
+
+def test_the_border_of_two_lines() -> None:
+    (border,) = borders_in(two_lines(), -0.5, (-1.0, 1.0))
+    assert (border.x, border.p) == (0.0, -0.5)
+    assert border.kind(SETTINGS) is BorderKind.JUMP
+    assert border.jump == 1.0
+    assert crosses(border)
+    assert not crosses(borders_in(two_lines(), 0.5, (-1.0, 1.0))[0])
+
+
+def test_a_kink_does_not_cross() -> None:
+    (border,) = borders_in(skew_tent(0.5, -1.5), 0.0, (-1.0, 1.0))
+    assert border.kind(SETTINGS) is BorderKind.KINK
+    assert not crosses(border)
+
+
+@pytest.mark.parametrize("x", [0.3, 0.5, 0.7])
+def test_the_nearest_border_is_met_from_both_sides(x: float) -> None:
+    found = nearest_border(moving(2.0), x, 0.25, 0.4)
+    assert found is not None
+    assert found.x == pytest.approx(0.5, abs=2.0**-52)
+    assert found.side == (1 if x < 0.5 else -1)
+
+
+def test_a_border_whose_margin_vanishes_exactly_at_a_double() -> None:
+    """Newton's method meets 0.0 on the way from this start: the end of the jammed sleeve."""
+    rest = equilibrium(Toy()).phi_s
+    found = nearest_border(ToyPieces(Toy()), rest + 1e-3, 0.5, 0.1)
+    assert found is not None
+    assert found.cause == "the lower sleeve only just sticks"
+    band = nearest_border(ToyPieces(Toy()), rest - 1e-3, 0.5, 0.1)
+    assert band is not None
+    assert found.x - rest == pytest.approx(rest - band.x, abs=1e-15)  # mirror images
+
+
+def test_a_border_farther_than_asked_is_none() -> None:
+    assert nearest_border(moving(2.0), 0.3, 0.25, 0.19) is None
+    assert nearest_border(moving(2.0), 0.3, 0.25, 0.21) is not None
+
+
+def test_borders_of_the_toy_are_exact() -> None:
+    map_ = ToyPieces(Toy())
+    found = borders_in(map_, 0.5, (-0.9, -0.75), SETTINGS)
+    jumps = [border for border in found if border.kind(SETTINGS) is BorderKind.JUMP]
+    assert [border.x for border in jumps] == pytest.approx(JUMPS, abs=DIGITS)
+    assert {border.cause for border in jumps} == {"the beak and the upper sleeve strike at once"}
+    for border in found:  # from the other side, by another margin of another piece
+        other = nearest_border(map_, border.x + 1e-5, 0.5, 2e-5, SETTINGS)
+        assert other is not None
+        assert other.x == pytest.approx(border.x, abs=1e-12)
+
+
+def test_the_limits_of_the_toy_at_a_jump_are_those_of_its_neighbours() -> None:
+    """Both pieces, at the border itself, against the map 1e-9 beside it."""
+    map_ = ToyPieces(Toy())
+    border = nearest_border(map_, -0.8, 0.5, 0.2, SETTINGS)
+    assert border is not None
+    for image, side in ((border.inner, -border.side), (border.outer, border.side)):
+        beside = map_.at(border.x + 1e-9 * side, 0.5)
+        assert image.piece.key == beside.piece.key
+        assert image.value == pytest.approx(beside.value - 1e-9 * side * beside.slope, abs=1e-14)
+
+
+def test_borders_of_an_iterate_are_preimages() -> None:
+    map_ = ToyPieces(Toy())
+    (jump,) = filter(crosses, borders_in(Iterate(map_, 2), 0.125, (-1.15, -0.68), SETTINGS))
+    assert map_.at(jump.x, 0.125).value == pytest.approx(JUMPS[0], abs=1e-14)
+
+
+def test_wrong_input_is_named() -> None:
+    with pytest.raises(ValueError, match=r"window must ascend, got \(1.0, 0.0\)"):
+        borders_in(paper(), 1.0, (1.0, 0.0))
+    with pytest.raises(ValueError, match="window must be finite"):
+        borders_in(paper(), 1.0, (0.0, float("inf")))
+    with pytest.raises(ValueError, match="p must be one real number, got '1'"):
+        borders_in(paper(), "1", (0.0, 1.0))  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match=r"within must be positive and finite, got 0\.0"):
+        nearest_border(paper(), 1.0, 1.0, 0.0)
+    with pytest.raises(ValueError, match=r"no value at x = 0.2, p = 0.5: the beak touches"):
+        nearest_border(ToyPieces(Toy()), 0.2, 0.5, 0.1)

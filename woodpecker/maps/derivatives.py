@@ -1,0 +1,137 @@
+"""Whether the derivatives that a map gives are those of its values and margins."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+
+from woodpecker.base.checks import number, positive
+from woodpecker.maps.pieces import Image, Piece, PiecewiseMap, map_of_pieces
+
+RELATIVE_STEP = 2.0**-12  # errors h^4 of the extrapolated difference and rounding/h are both 1e-13
+NOISE = 2.0**-49  # relative rounding of a value: eight spacings
+DOUBT = 10.0  # a derivative is wrong if it is off by this many times what a difference may be
+
+Reading = Callable[[Image], float]
+
+
+def check_derivatives(
+    map_: PiecewiseMap, points: Iterable[tuple[float, float]], tolerance: float = 1e-7
+) -> None:
+    """Compare the derivatives of a map, and of its margins, with differences of values.
+
+    Parameters
+    ----------
+    map_
+        The map; each piece is compared at the points that the map gives to it.
+    points
+        Pairs (x, p) inside pieces.
+    tolerance
+        Largest error of a derivative, relative to it or, if that is smaller, to 1. What a
+        difference cannot tell, as next to a square root, is allowed besides.
+
+    Raises
+    ------
+    ValueError
+        If a derivative is wrong: the sentence says which, where, and what it should be. Also if
+        the map has no value at a point, or there is none.
+    TypeError
+        If the map has no pieces, or one of them lacks what a piece has: ``key``, ``word``, ``at``
+        and ``cause``.
+
+    Examples
+    --------
+    >>> from woodpecker import FormulaMap, FormulaPiece, Smooth, check_derivatives
+    >>> wrong = Smooth(lambda x, p: p - x*x, dx=lambda x, p: -x, dp=lambda x, p: 1.0)
+    >>> check_derivatives(FormulaMap([FormulaPiece("A", wrong, {})]), [(0.5, 0.2)])
+    Traceback (most recent call last):
+        ...
+    ValueError: the derivative in x of the value of piece 'A' at x = 0.5, p = 0.2 is given as -0.5,
+    but differences of values say -1
+    """
+    positive("tolerance", tolerance)
+    map_of_pieces(map_)
+    for x, p in _pairs(points):
+        here = map_.at(x, p)
+        if here.reason:
+            raise ValueError(f"the map has no value at x = {x}, p = {p}: {here.reason}")
+        _complete(here, x, p)
+        for claim in _claims(here):
+            found, doubt = _difference(here.piece, claim, x, p)
+            if math.isnan(found):
+                raise ValueError(
+                    f"{claim.name} of piece {here.piece.word!r} cannot be compared at x = {x}, "
+                    f"p = {p}: it has no value beside it, so choose a point further inside"
+                )
+            off = abs(claim.given - found)
+            if not off <= tolerance * max(1.0, abs(found)) + DOUBT * doubt:
+                raise ValueError(
+                    f"the derivative in {claim.by} of {claim.name} of piece {here.piece.word!r} at "
+                    f"x = {x}, p = {p} is given as {claim.given:.10g}, but differences of values "
+                    f"say {found:.10g}"
+                )
+
+
+def _complete(image: Image, x: float, p: float) -> None:
+    """Complain of a piece that lacks something, or whose margins cannot be told apart."""
+    for name in ("key", "word", "at", "cause"):
+        if not hasattr(image.piece, name):
+            raise TypeError(f"a piece must have {name!r}, {image.piece!r} has not")
+    try:
+        hash(image.piece.key)
+    except TypeError as error:
+        raise TypeError(
+            f"the key of a piece must be hashable, got {image.piece.key!r} of {image.piece.word!r}"
+        ) from error
+    causes, m = image.causes.tolist(), len(image.margins)
+    if image.gradients.shape != (m, 2) or len(causes) != m or sorted(set(causes)) != causes:
+        raise ValueError(
+            f"piece {image.piece.word!r} at x = {x}, p = {p} must give as many margins as pairs of "
+            f"derivatives and as ascending codes, got {m}, {image.gradients.shape}, {causes}"
+        )
+
+
+def _pairs(points: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Points (x, p) that a user has given."""
+    try:
+        pairs = [(number("x", x), number("p", p)) for x, p in points]
+    except (TypeError, ValueError) as error:
+        raise ValueError(f"points must be pairs (x, p) of real numbers, got {points!r}") from error
+    if not pairs:
+        raise ValueError("points must hold at least one pair (x, p), got none")
+    return pairs
+
+
+@dataclass(frozen=True, slots=True)
+class _Claim:
+    """A derivative as a map gives it, and how to read the value from an image."""
+
+    name: str
+    by: str
+    given: float
+    read: Reading
+
+
+def _claims(image: Image) -> Iterator[_Claim]:
+    for by, given in (("x", image.slope), ("p", image.d_parameter)):
+        yield _Claim("the value", by, given, lambda at: at.value)
+    for code in image.causes.tolist():
+        name = f"the margin {image.piece.cause(code)!r}"
+        for by, given in zip("xp", image.gradient(code).tolist(), strict=True):
+            yield _Claim(name, by, given, lambda at, code=code: at.margin(code))  # type: ignore[misc]
+
+
+def _difference(piece: Piece, claim: _Claim, x: float, p: float) -> tuple[float, float]:
+    """An extrapolated central difference, and how far it may be off; nan if values are missing."""
+
+    def value(shift: float) -> float:
+        point = (x + shift, p) if claim.by == "x" else (x, p + shift)
+        return claim.read(piece.at(*point))
+
+    h = RELATIVE_STEP * max(1.0, abs(x if claim.by == "x" else p))
+    ends = [(value(-s), value(s)) for s in (h, 0.5 * h)]
+    coarse, fine = ((b - a) / w for (a, b), w in zip(ends, (2.0 * h, h), strict=True))
+    rounding = NOISE * max(abs(v) for pair in ends for v in pair) / h
+    best = (4.0 * fine - coarse) / 3.0
+    return best, abs(best - fine) + rounding if math.isfinite(best) else math.nan

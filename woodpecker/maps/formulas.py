@@ -1,0 +1,494 @@
+"""Piecewise-smooth maps that are written by hand: functions of (x, p), with margins in words."""
+
+from __future__ import annotations
+
+import inspect
+import math
+import numbers
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from pwmap.diagrams.shown import table
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.checks import number, real_array
+from woodpecker.engine.orbits import STEP
+from woodpecker.maps.pieces import Image, Piece
+
+Formula = Callable[[float, float], float]
+Bools = npt.NDArray[np.bool_]
+
+NOWHERE = "no piece of the map holds this point"
+NOT_REAL = (ValueError, ZeroDivisionError, OverflowError)  # math's words for no real value
+
+
+@dataclass(frozen=True, slots=True)
+class Smooth:
+    """A smooth function of (x, p) with its derivatives; differences of values if none are given.
+
+    Differences are good to about ten digits where the function is smooth on the scale of 1; next
+    to a square root they are not, so give the derivatives of such a function.
+
+    Parameters
+    ----------
+    value
+        The function. Where it has no real value it may raise ValueError, ZeroDivisionError or
+        OverflowError, as functions of :mod:`math` do, or return nan or a complex number.
+    dx, dp
+        Its derivatives.
+
+    Raises
+    ------
+    TypeError
+        If one of them cannot be called; when it is called, if it returns no number.
+
+    Examples
+    --------
+    >>> from math import sqrt
+    >>> from woodpecker import Smooth
+    >>> root = Smooth(lambda x, p: sqrt(x - p), dx=lambda x, p: 0.5 / sqrt(x - p))
+    >>> value, dx, dp = root.at(4.0, 0.0)
+    >>> value, dx, round(dp, 9)  # the last by differences
+    (2.0, 0.25, -0.25)
+    """
+
+    value: Formula
+    dx: Formula | None = None
+    dp: Formula | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("value", "dx", "dp"):
+            given = getattr(self, name)
+            if not (_takes_two(given) or (given is None and name != "value")):
+                raise TypeError(f"{name} must be a function of x and p, got {given!r}")
+
+    def at(self, x: float, p: float) -> tuple[float, float, float]:
+        """Value and derivatives in x and p; nan where there is no real value.
+
+        Parameters
+        ----------
+        x, p
+            The point and the parameter.
+
+        Returns
+        -------
+        value, d_x, d_p
+            Three floats.
+        """
+        if self.dx is not None and self.dp is not None:
+            try:
+                return float(self.value(x, p)), float(self.dx(x, p)), float(self.dp(x, p))
+            except (*NOT_REAL, TypeError):
+                pass  # one of them may have a value all the same
+        value = real(self.value, x, p)
+        dx = self._by_x(x, p, value) if self.dx is None else real(self.dx, x, p)
+        dp = self._by_p(x, p, value) if self.dp is None else real(self.dp, x, p)
+        return value, dx, dp
+
+    def _by_x(self, x: float, p: float, value: float) -> float:
+        return difference(lambda s: real(self.value, s, p), x, value)
+
+    def _by_p(self, x: float, p: float, value: float) -> float:
+        return difference(lambda s: real(self.value, x, s), p, value)
+
+
+def _takes_two(formula: object) -> bool:
+    """Whether something can be called with x and p, as far as it says so."""
+    if not callable(formula):
+        return False
+    try:
+        inspect.signature(formula).bind(0.0, 0.0)
+    except TypeError:
+        return False
+    except ValueError:  # some functions written in C do not say
+        return True
+    return True
+
+
+def real(formula: Formula, x: float, p: float) -> float:
+    """The value of a formula; nan if it is not real.
+
+    Raises
+    ------
+    TypeError
+        If the formula returns no number.
+    """
+    try:
+        value = formula(x, p)
+    except NOT_REAL:
+        return math.nan
+    if isinstance(value, float):
+        return value
+    if isinstance(value, complex):  # such as a root of a negative number
+        return math.nan
+    if not isinstance(value, numbers.Real) or isinstance(value, bool):
+        raise TypeError(f"a formula must return one real number, got {value!r} at x={x}, p={p}")
+    return float(value)
+
+
+def difference(function: Callable[[float], float], at: float, value: float) -> float:
+    """The derivative of a function by differences: central, or to one side at its domain's end.
+
+    ``value`` is that of the function at this place.
+    """
+    h = STEP * max(1.0, abs(at))
+    above, below = function(at + h), function(at - h)
+    if not (math.isnan(above) or math.isnan(below)):
+        return (above - below) / ((at + h) - (at - h))
+    h = h if math.isnan(below) else -h
+    return (4.0 * function(at + h) - 3.0 * value - function(at + 2.0 * h)) / (2.0 * h)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FormulaPiece:
+    """A smooth piece of a map, written by hand.
+
+    Parameters
+    ----------
+    word
+        Its name; pieces of one name are one piece.
+    map
+        Its values.
+    margins
+        Functions that are positive inside, by the sentence that says what happens where they
+        vanish; none if the piece holds every point.
+
+    Raises
+    ------
+    ValueError, TypeError
+        If the name is empty or no text, or a function is no :class:`Smooth`.
+
+    Examples
+    --------
+    >>> from woodpecker import FormulaPiece, Smooth
+    >>> left = FormulaPiece("L", Smooth(lambda x, p: p + x/2), {"x = 0": Smooth(lambda x, p: -x)})
+    >>> left.at(-1.0, 0.25).value, left.holds(-1.0, 0.25), left.holds(1.0, 0.25)
+    (-0.25, True, False)
+    """
+
+    word: str
+    map: Smooth
+    margins: Mapping[str, Smooth] = field(default_factory=dict)
+    _causes: Ints = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.word, str):
+            raise TypeError(f"the name of a piece must be text, got {self.word!r}")
+        if not self.word:
+            raise ValueError("the name of a piece must not be empty")
+        if not isinstance(self.margins, Mapping):
+            raise TypeError(
+                f"the margins of {self.word} must be a dict of sentences and Smooth(h), "
+                f"got {self.margins!r}"
+            )
+        named = {f"the map of {self.word}": self.map}
+        named |= {f"the margin {cause!r} of {self.word}": h for cause, h in self.margins.items()}
+        for name, given in named.items():
+            if not isinstance(given, Smooth):
+                raise TypeError(f"{name} must be Smooth(f), f a function of x and p, got {given!r}")
+        object.__setattr__(self, "margins", dict(self.margins))
+        object.__setattr__(self, "_causes", codes(len(self.margins)))
+
+    @property
+    def key(self) -> str:
+        """Its name."""
+        return self.word
+
+    def at(self, x: float, p: float) -> Image:
+        """The image of a point, also outside.
+
+        Parameters
+        ----------
+        x, p
+            The point and the parameter.
+
+        Returns
+        -------
+        Image
+            Value, derivatives and margins; without a value it carries the reason.
+        """
+        value, slope, d_parameter = self.map.at(x, p)
+        flat = [number for margin in self.margins.values() for number in margin.at(x, p)]
+        rows = np.array(flat).reshape(-1, 3)
+        return Image(
+            value, slope, d_parameter, rows[:, 0], rows[:, 1:], self._causes, self,
+            "" if math.isfinite(value) else no_value(self.word, x, p),
+        )  # fmt: skip
+
+    def holds(self, x: float, p: float) -> bool:
+        """Whether no margin is negative.
+
+        Parameters
+        ----------
+        x, p
+            The point and the parameter.
+
+        Returns
+        -------
+        bool
+            Whether it holds the point.
+        """
+        return all(real(margin.value, x, p) >= 0.0 for margin in self.margins.values())
+
+    def values(self, x: Floats, p: float) -> Floats:
+        """The images of many points, of any shape, also outside.
+
+        Parameters
+        ----------
+        x, p
+            Points, of any shape, and the parameter.
+
+        Returns
+        -------
+        array of the shape of x
+            The images; nan where there is none.
+        """
+        flat = [real(self.map.value, each, p) for each in x.ravel().tolist()]
+        return np.array(flat, dtype=float).reshape(x.shape)
+
+    def holding(self, x: Floats, p: float) -> Bools:
+        """Which of many points it holds.
+
+        Parameters
+        ----------
+        x, p
+            Points, of any shape, and the parameter.
+
+        Returns
+        -------
+        array of bool of the shape of x
+            Whether it holds each point.
+        """
+        flat = [self.holds(each, p) for each in x.ravel().tolist()]
+        return np.array(flat, dtype=bool).reshape(x.shape)
+
+    def cause(self, code: int) -> str:
+        """What happens where a margin vanishes.
+
+        Parameters
+        ----------
+        code
+            Which margin, from 0 on.
+
+        Returns
+        -------
+        str
+            The name that the margin was given.
+        """
+        return list(self.margins)[code]
+
+    def __repr__(self) -> str:
+        """Its name and what happens at its borders."""
+        return f"FormulaPiece({self.word!r}, borders: {', '.join(self.margins) or 'none'})"
+
+
+def codes(n: int) -> Ints:
+    """The codes (n,) of the margins of a formula's piece, which nobody can change."""
+    found = np.arange(n)
+    found.setflags(write=False)
+    return found
+
+
+def no_value(word: str, x: float, p: float) -> str:
+    """Why a piece has no image."""
+    return f"{word} has no value at x = {x}, p = {p}"
+
+
+class BoundedPiece(Piece, Protocol):
+    """A piece that knows which points it holds.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import BoundedPiece, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> def left_of(piece: BoundedPiece, p: float) -> bool:
+    ...     return piece.holds(-1.0, p)
+    >>> [left_of(piece, 0.5) for piece in lines.pieces]
+    [True, False]
+    """
+
+    def holds(self, x: float, p: float) -> bool:
+        """Whether the map takes this piece at a point, unless an earlier one holds it too.
+
+        Parameters
+        ----------
+        x, p
+            The point and the parameter.
+
+        Returns
+        -------
+        bool
+            Whether it holds the point.
+        """
+
+    def values(self, x: Floats, p: float) -> Floats:
+        """The images of many points, also outside.
+
+        Parameters
+        ----------
+        x, p
+            Points, of any shape, and the parameter.
+
+        Returns
+        -------
+        array of the shape of x
+            The images; nan where there is none.
+        """
+
+    def holding(self, x: Floats, p: float) -> Bools:
+        """Which of many points it holds.
+
+        Parameters
+        ----------
+        x, p
+            Points, of any shape, and the parameter.
+
+        Returns
+        -------
+        array of bool of the shape of x
+            Whether it holds each point.
+        """
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FormulaMap:
+    """A piecewise-smooth map of given pieces; where several hold a point, the first counts.
+
+    Borders are where margins vanish: where an earlier piece begins within a later one, a margin of
+    the later one should say so too. A branch is not followed across a jump that none of its margins
+    expresses: it ends there (EP, open, "the map takes another piece"). Slices see borders only.
+
+    It pickles if its functions do: those written by hand must be defined at the top of a module.
+
+    Parameters
+    ----------
+    pieces
+        At least one.
+
+    Raises
+    ------
+    ValueError
+        If there is no piece, or two of one name.
+    TypeError
+        If something else is given than pieces.
+
+    Examples
+    --------
+    >>> from woodpecker import FormulaMap, FormulaPiece, Smooth
+    >>> low, high = Smooth(lambda x, p: p + x/2), Smooth(lambda x, p: p - 1 + x/3)
+    >>> left = FormulaPiece("L", low, {"x = 0": Smooth(lambda x, p: -x)})
+    >>> right = FormulaPiece("R", high, {"x = 0": Smooth(lambda x, p: x)})
+    >>> lines = FormulaMap([left, right])
+    >>> image = lines.at(-1.0, 0.25)
+    >>> image.value, image.piece.word, lines.at(3.0, 0.25).piece.word
+    (-0.25, 'L', 'R')
+    """
+
+    pieces: Sequence[BoundedPiece]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.pieces, Sequence):
+            raise TypeError(f"a map needs a list of pieces, got {self.pieces!r}")
+        for piece in self.pieces:
+            if not callable(getattr(piece, "holds", None)):
+                raise TypeError(f"a piece must be a FormulaPiece or alike, got {piece!r}")
+        words = [piece.word for piece in self.pieces]
+        if not words:
+            raise ValueError("a map needs at least one piece, got none")
+        twice = next((word for word in words if words.count(word) > 1), None)
+        if twice is not None:
+            raise ValueError(f"pieces need names of their own, got {twice!r} twice")
+        object.__setattr__(self, "pieces", tuple(self.pieces))
+
+    def at(self, x: float, p: float) -> Image:
+        """The image of a point under the piece that holds it.
+
+        Parameters
+        ----------
+        x, p
+            The point and the parameter.
+
+        Returns
+        -------
+        Image
+            Value, derivatives and margins; without a value it carries the reason.
+        """
+        for piece in self.pieces:
+            if piece.holds(x, p):
+                return piece.at(x, p)
+        nothing: Floats = np.empty(0)
+        return Image(
+            math.nan, math.nan, math.nan, nothing, nothing.reshape(0, 2), codes(0),
+            self.pieces[0], NOWHERE,
+        )  # fmt: skip
+
+    def __repr__(self) -> str:
+        """The names of its pieces."""
+        return f"FormulaMap({', '.join(repr(piece.word) for piece in self.pieces)})"
+
+    def _repr_html_(self) -> str:
+        rows = [
+            (piece.word, "; ".join(getattr(piece, "margins", {})) or "none")
+            for piece in self.pieces
+        ]
+        return table(f"Map of {len(rows)} pieces", ("piece", "its borders"), rows)
+
+    def piece(self, word: str) -> BoundedPiece:
+        """The piece of a name; KeyError if there is none.
+
+        Parameters
+        ----------
+        word
+            Its name.
+
+        Returns
+        -------
+        BoundedPiece
+            The piece.
+
+        Raises
+        ------
+        KeyError
+            If there is none.
+        """
+        for piece in self.pieces:
+            if piece.word == word:
+                return piece
+        raise KeyError(f"no piece {word!r} in this map")
+
+    def values(self, x: npt.ArrayLike, p: float) -> Floats:
+        """The images of many points, of any shape; nan where there is none.
+
+        Pieces made from sympy are evaluated by numpy, whose functions may differ in the last bit
+        from those of :mod:`math` that :meth:`at` uses.
+
+        Parameters
+        ----------
+        x, p
+            Points, of any shape, and the parameter.
+
+        Returns
+        -------
+        array of the shape of x
+            The images.
+
+        Raises
+        ------
+        ValueError
+            If the points or the parameter are no real numbers.
+        """
+        points, p = real_array("x", x), number("p", p)
+        images = np.full(points.shape, math.nan)
+        left = np.ones(points.shape, dtype=bool)
+        for piece in self.pieces:
+            held = left.copy()
+            held[left] = piece.holding(points[left], p)
+            images[held] = piece.values(points[held], p)
+            left &= ~held
+        return images

@@ -1,0 +1,128 @@
+"""Iterates of a piecewise-smooth map, as piecewise-smooth maps of their own.
+
+A piece of P_n is a sequence of n pieces of P_1, and its margins are theirs, as functions of the
+first point. So whatever is asked of a map can be asked of its iterates.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Hashable
+from dataclasses import dataclass
+
+import numpy as np
+
+from woodpecker.base.checks import whole
+from woodpecker.maps.pieces import Image, Piece, PiecewiseMap, map_of_pieces
+
+RETURN = 2**32  # between the codes of margins of successive returns; those of a map are smaller
+
+
+@dataclass(frozen=True, slots=True)
+class Iterate:
+    """P_order of a map; it pickles if the map does.
+
+    Where P_1 is steep its iterates have pieces too thin to be met one by one, and some are stepped
+    over: all cycles of a window are found by :func:`woodpecker.slices.slices.slices_at`, which
+    pulls the pieces of P_1 back.
+
+    Parameters
+    ----------
+    map
+        P_1.
+    order
+        How often it is applied.
+
+    Raises
+    ------
+    ValueError
+        If the order is no whole number of at least 1.
+    TypeError
+        If the map has no pieces.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Iterate, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> Iterate(lines, 2).at(-1.0, 0.25).value, lines.at(lines.at(-1.0, 0.25).value, 0.25).value
+    (0.125, 0.125)
+    """
+
+    map: PiecewiseMap
+    order: int
+
+    def __post_init__(self) -> None:
+        map_of_pieces(self.map)
+        object.__setattr__(self, "order", whole("order", self.order))
+
+    def at(self, x: float, p: float) -> Image:
+        """The image of a point; it has none if one of the returns has none.
+
+        Parameters
+        ----------
+        x, p
+            The point and the parameter.
+
+        Returns
+        -------
+        Image
+            Value, derivatives by the chain rule, and margins of all returns.
+        """
+        return _composed([lambda x: self.map.at(x, p)] * self.order, x)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class IteratedPiece:
+    """A sequence of pieces of P_1; it ends early where a return has no value."""
+
+    pieces: tuple[Piece, ...]
+
+    @property
+    def key(self) -> Hashable:
+        """The keys of the pieces."""
+        return tuple(piece.key for piece in self.pieces)
+
+    @property
+    def word(self) -> str:
+        """Their words, separated by bars."""
+        return " | ".join(piece.word for piece in self.pieces)
+
+    def at(self, x: float, p: float) -> Image:
+        """The image of a point under these pieces, also outside."""
+        return _composed([lambda x, piece=piece: piece.at(x, p) for piece in self.pieces], x)  # type: ignore[misc]
+
+    def cause(self, code: int) -> str:
+        """What happens where a margin vanishes, and in which return."""
+        k, own = divmod(code, RETURN)
+        return f"{self.pieces[k].cause(own)}, in return {k + 1}"
+
+
+def _composed(returns: list[Callable[[float], Image]], x: float) -> Image:
+    """The image of a point under maps that are applied one after the other."""
+    slope, d_parameter = 1.0, 0.0
+    images, gradients = list[Image](), list[np.ndarray[tuple[int, int], np.dtype[np.float64]]]()
+    for each in returns:
+        image = each(x)
+        images.append(image)
+        by_x = image.gradients[:, 0]
+        gradients.append(
+            np.column_stack([by_x * slope, by_x * d_parameter + image.gradients[:, 1]])
+        )
+        if image.reason:
+            break
+        x, d_parameter = image.value, image.slope * d_parameter + image.d_parameter
+        slope *= image.slope
+    last = images[-1]
+    return Image(
+        math.nan if last.reason else x,
+        math.nan if last.reason else slope,
+        math.nan if last.reason else d_parameter,
+        np.concatenate([image.margins for image in images]),
+        np.concatenate(gradients),
+        np.concatenate([image.causes + k * RETURN for k, image in enumerate(images)]),
+        IteratedPiece(tuple(image.piece for image in images)),
+        last.reason,
+    )

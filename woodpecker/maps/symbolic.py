@@ -1,0 +1,402 @@
+"""Piecewise-smooth maps from sympy's formulas and from pwmap: derivatives exact, compiled once."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import lru_cache
+from string import ascii_uppercase
+from typing import Any, NamedTuple
+
+import numpy as np
+import sympy
+
+from pwmap import Piece, PiecewiseLinearMap
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.maps.formulas import NOT_REAL, Bools, FormulaMap, codes, no_value, real
+from woodpecker.maps.pieces import Image
+from woodpecker.maps.relations import Bound, bounds_of, bounds_of_pieces
+
+Compiled = Callable[..., Any]
+
+SMOOTH = (
+    sympy.exp, sympy.log, sympy.sin, sympy.cos, sympy.tan, sympy.asin, sympy.acos, sympy.atan,
+    sympy.sinh, sympy.cosh, sympy.tanh, sympy.asinh, sympy.acosh, sympy.atanh,
+)  # fmt: skip
+ARITHMETIC = (sympy.Add, sympy.Mul, sympy.Pow)
+
+
+class Symbols(NamedTuple):
+    """The variable and the parameter of a map."""
+
+    x: sympy.Symbol
+    p: sympy.Symbol
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SymbolicPiece:
+    """A smooth piece of a map, given by sympy's expressions.
+
+    Values, margins and all derivatives come from one compiled function. A pickle holds the
+    expressions; they are compiled again where it is read.
+
+    Parameters
+    ----------
+    word
+        Its name.
+    symbols
+        The variable and the parameter.
+    value
+        The formula.
+    bounds
+        Its margins, each with its sentence.
+    held
+        Other symbols, each with its value.
+    """
+
+    word: str
+    symbols: Symbols
+    value: sympy.Expr
+    bounds: tuple[Bound, ...] = ()
+    held: tuple[tuple[sympy.Symbol, float], ...] = ()
+    _functions: _Functions = field(init=False, repr=False)
+    _values: tuple[float, ...] = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        others = tuple(symbol for symbol, _ in self.held)
+        functions = _functions(self.symbols, others, self.value, self.bounds)
+        object.__setattr__(self, "_functions", functions)
+        object.__setattr__(self, "_values", tuple(value for _, value in self.held))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return SymbolicPiece, (self.word, self.symbols, self.value, self.bounds, self.held)
+
+    @property
+    def key(self) -> str:
+        """Its name."""
+        return self.word
+
+    def at(self, x: float, p: float) -> Image:
+        """The image of a point, also outside."""
+        try:
+            value, slope, d_parameter, *rest = self._functions.everything(x, p, *self._values)
+            value, slope, d_parameter = float(value), float(slope), float(d_parameter)
+            bounds = np.array(rest, dtype=float)
+        except (*NOT_REAL, TypeError):  # one of the expressions has no real value
+            value, slope, d_parameter, *rest = self._one_by_one(x, p)
+            bounds = np.array(rest)
+        causes = self._functions.causes
+        n = len(causes)
+        return Image(
+            value, slope, d_parameter, bounds[:n], bounds[n:].reshape(n, 2), causes, self,
+            "" if math.isfinite(value) else no_value(self.word, x, p),
+        )  # fmt: skip
+
+    def _one_by_one(self, x: float, p: float) -> list[float]:
+        arguments = self._functions.arguments
+        singly = (compiled(arguments, (each,)) for each in self._functions.expressions)
+        return [real(lambda x, p, f=f: f(x, p, *self._values)[0], x, p) for f in singly]  # type: ignore[misc]
+
+    def holds(self, x: float, p: float) -> bool:
+        """Whether the relations hold, strict ones strictly."""
+        try:
+            return bool(self._functions.inside(x, p, *self._values))
+        except (*NOT_REAL, TypeError):  # a margin has no real value
+            return False
+
+    def values(self, x: Floats, p: float) -> Floats:
+        """The images of many points, also outside."""
+        return self._on_array(self.value, x, p)
+
+    def holding(self, x: Floats, p: float) -> Bools:
+        """Which of many points it holds."""
+        held = np.ones(x.shape, dtype=bool)
+        for bound in self.bounds:
+            margin = self._on_array(bound.margin, x, p)
+            held &= margin >= 0.0 if bound.closed else margin > 0.0
+        return held
+
+    def _on_array(self, expression: sympy.Expr, x: Floats, p: float) -> Floats:
+        function = compiled(self._functions.arguments, (expression,), "numpy")
+        with np.errstate(all="ignore"):
+            (found,) = function(x, np.float64(p), *self._values)
+        values: Floats = np.broadcast_to(np.asarray(found, dtype=float), x.shape).copy()
+        return values
+
+    def cause(self, code: int) -> str:
+        """What happens where a margin vanishes."""
+        return self.bounds[code].cause
+
+
+class _Functions(NamedTuple):
+    """What is compiled of a piece.
+
+    Attributes
+    ----------
+    arguments
+        Of all functions: x, p, and symbols that are held.
+    expressions
+        Value and derivatives; the margins; their derivatives in x and p.
+    everything, inside
+        The expressions; whether the relations hold.
+    causes
+        The codes of the margins.
+    """
+
+    arguments: tuple[sympy.Symbol, ...]
+    expressions: tuple[sympy.Expr, ...]
+    everything: Compiled
+    inside: Compiled
+    causes: Ints
+
+
+@lru_cache(maxsize=1024)
+def _functions(
+    symbols: Symbols, others: tuple[sympy.Symbol, ...], value: sympy.Expr, bounds: tuple[Bound, ...]
+) -> _Functions:
+    margins = [bound.margin for bound in bounds]
+    gradients = (sympy.diff(margin, s) for margin in margins for s in symbols)
+    slopes = (sympy.diff(value, s) for s in symbols)
+    expressions, arguments = (value, *slopes, *margins, *gradients), (*symbols, *others)
+    relations = sympy.And(*(bound.relation for bound in bounds), evaluate=False)
+    return _Functions(
+        arguments, expressions, compiled(arguments, expressions), compiled(arguments, relations),
+        codes(len(bounds)),
+    )  # fmt: skip
+
+
+@lru_cache(maxsize=1024)
+def compiled(
+    arguments: tuple[sympy.Symbol, ...], expressions: tuple[sympy.Expr, ...] | sympy.And,
+    module: str = "math",
+) -> Compiled:  # fmt: skip
+    """A function that returns the values of expressions, or the truth of relations."""
+    function: Compiled = sympy.lambdify(list(arguments), expressions, module, cse=True)
+    return function
+
+
+# --- From sympy -----------------------------------------------------------------------------------
+
+
+def from_sympy(
+    piecewise: sympy.Expr,
+    x: sympy.Symbol,
+    p: sympy.Symbol,
+    values: Mapping[sympy.Symbol, Any] | None = None,
+    words: Sequence[str] | None = None,
+) -> FormulaMap:
+    """A map from a ``sympy.Piecewise``, or from one smooth expression.
+
+    A condition is a relation (<, <=, >, >=) of smooth expressions, or several joined by And; each
+    relation becomes a margin. As the first condition that holds counts, a piece also gets the
+    complements of earlier conditions it overlaps with. A formula must be smooth: Abs, Min, Max,
+    sign and the like are refused, not rewritten, for only who wrote them knows what happens where
+    they have a corner. A root is taken to have no value, not a complex one, beyond its end.
+
+    Parameters
+    ----------
+    piecewise
+        The map, no text.
+    x, p
+        The variable and the parameter.
+    values
+        Numbers for all other symbols. A float is taken as the binary number that it holds.
+    words
+        Names of the pieces, one for each in the order of the formula; by default A, B, C, ...
+
+    Returns
+    -------
+    FormulaMap
+        Pieces with values, derivatives and margins.
+
+    Raises
+    ------
+    ValueError, TypeError
+        For text, unknown symbols, functions that are not smooth, conditions with Or, Not, == or !=,
+        and overlaps with an earlier condition of several relations: write such conditions out.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> image = lines.at(-1.0, 0.25)
+    >>> image.value, image.slope, image.piece.word
+    (-0.25, 0.5, 'L')
+    """
+    symbols = known_symbols(x=x, p=p)
+    return FormulaMap(pieces_from_sympy(piecewise, symbols, Symbols(x, p), values or {}, words))
+
+
+def pieces_from_sympy(
+    piecewise: sympy.Expr, symbols: tuple[sympy.Symbol, ...], first: Symbols,
+    values: Mapping[sympy.Symbol, Any], words: Sequence[str] | None,
+) -> list[SymbolicPiece]:  # fmt: skip
+    """The pieces of a formula in some symbols, two of which vary at first, the others are zero."""
+    if not isinstance(piecewise, sympy.Expr):
+        raise TypeError(f"a map must be an expression of sympy, got {piecewise!r}")
+    given, held = _numbers(values, symbols), tuple((s, 0.0) for s in symbols if s not in first)
+    whole = isinstance(piecewise, sympy.Piecewise)
+    parts = piecewise.args if whole else ((piecewise, sympy.true),)
+    formulas = [_exact(formula).xreplace(given) for formula, _ in parts]
+    conditions = [_exact(condition).xreplace(given) for _, condition in parts]
+    pieces = zip(_names(words, len(parts)), formulas, _bounds(conditions, symbols), strict=True)
+    found = []
+    for word, formula, bounds in pieces:
+        if bounds is not None:
+            _check(formula, symbols)
+            found.append(SymbolicPiece(word, first, formula, bounds, held))
+    return found
+
+
+def _bounds(
+    conditions: Sequence[sympy.Basic], symbols: tuple[sympy.Symbol, ...]
+) -> list[tuple[Bound, ...] | None]:
+    for condition in conditions:
+        for bound in bounds_of(condition) or ():
+            _check(bound.margin, symbols)
+    return bounds_of_pieces(conditions)
+
+
+def known_symbols(**named: object) -> tuple[sympy.Symbol, ...]:
+    """The variable and the parameters, by what they are called here."""
+    for name, symbol in named.items():
+        if not isinstance(symbol, sympy.Symbol):
+            raise TypeError(f"{name} must be a symbol of sympy, got {symbol!r}")
+    symbols = tuple(named.values())
+    twice = next((symbol for symbol in symbols if symbols.count(symbol) > 1), None)
+    if twice is not None:
+        raise ValueError(f"the variable and the parameters must differ, got {twice} twice")
+    return symbols
+
+
+def _numbers(
+    values: Mapping[Any, Any], symbols: tuple[sympy.Symbol, ...]
+) -> dict[sympy.Symbol, sympy.Expr]:
+    """What is put in for other symbols, exactly."""
+    found = {}
+    for symbol, value in values.items():
+        if not isinstance(symbol, sympy.Symbol) or symbol in symbols:
+            raise ValueError(f"values are for symbols other than {symbols}, got one for {symbol!r}")
+        if isinstance(value, str | bool):
+            raise TypeError(f"the value of {symbol} must be a number, got {value!r}")
+        number = _exact(sympy.sympify(value, strict=True))
+        if not (number.is_number and number.is_extended_real and number.is_finite):
+            raise ValueError(f"the value of {symbol} must be a finite real number, got {value!r}")
+        found[symbol] = number
+    return found
+
+
+def _exact(expression: sympy.Basic) -> sympy.Basic:
+    """The same with floats as the rationals they are, which are printed without loss."""
+    return expression.xreplace({f: sympy.Rational(f) for f in expression.atoms(sympy.Float)})
+
+
+def _check(expression: sympy.Expr, symbols: tuple[sympy.Symbol, ...]) -> None:
+    """Refuse unknown symbols and what is not smooth or not real."""
+    unknown = sorted(expression.free_symbols - set(symbols), key=str)
+    for symbol in unknown:
+        if symbol.name in [known.name for known in symbols]:
+            raise ValueError(
+                f"{symbol} in {expression} and the {symbol} given are two symbols, of different "
+                "assumptions"
+            )
+    if unknown:
+        raise ValueError(f"no value is given for {', '.join(map(str, unknown))} in {expression}")
+    for part in sympy.preorder_traversal(expression):
+        known = part.is_Symbol or (part.is_number and part.is_finite and not part.args)
+        if known and part is not sympy.I:
+            continue
+        if isinstance(part, sympy.Piecewise):
+            raise ValueError(
+                f"{expression} contains a Piecewise: write the map as one Piecewise, which "
+                "sympy.piecewise_fold can do"
+            )
+        if not isinstance(part, (*ARITHMETIC, *SMOOTH)):
+            raise ValueError(
+                f"{part} in {expression} is not among the smooth functions known here: write its "
+                "cases as pieces of the map"
+            )
+
+
+def _names(words: Sequence[str] | None, n: int) -> tuple[str, ...]:
+    """The names of n pieces."""
+    if words is None:
+        return tuple(
+            ascii_uppercase[:n] if n <= len(ascii_uppercase) else (f"A{k + 1}" for k in range(n))
+        )
+    if isinstance(words, str) or len(words) != n:
+        raise ValueError(f"words must be {n} names, one for each piece, got {words!r}")
+    return tuple(words)
+
+
+# --- From pwmap -----------------------------------------------------------------------------------
+
+
+def from_pwmap(map_: PiecewiseLinearMap, parameter: sympy.Symbol | str) -> FormulaMap:
+    """A map from an exact piecewise-linear one with a single symbolic parameter.
+
+    Its pieces keep their names; their margins are distances to the breaks, x - break(p). Pieces
+    that are a single point are left out: no orbit of a branch meets them but by accident. The order
+    of the breaks is known just where the assumptions of the map hold, and so is the new map.
+
+    Parameters
+    ----------
+    map_
+        The map; give other parameters values by :meth:`pwmap.PiecewiseLinearMap.at`.
+    parameter
+        Symbol or name of the parameter.
+
+    Returns
+    -------
+    FormulaMap
+        Pieces with values, derivatives and margins.
+
+    Raises
+    ------
+    ValueError
+        If the map has other parameters than this one.
+    TypeError
+        If it is no map of pwmap.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from woodpecker import from_pwmap
+    >>> exact = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> image = from_pwmap(exact, "p").at(-1.0, 0.25)
+    >>> image.value, image.slope, image.piece.word
+    (-0.25, 0.5, 'L')
+    """
+    return FormulaMap(pieces_from_pwmap(map_, (str(parameter),)))
+
+
+def pieces_from_pwmap(map_: PiecewiseLinearMap, parameters: tuple[str, ...]) -> list[SymbolicPiece]:
+    """The pieces of a piecewise-linear map; of its parameters the first varies at first."""
+    if not isinstance(map_, PiecewiseLinearMap):
+        raise TypeError(f"the map must be a pwmap.PiecewiseLinearMap, got {map_!r}")
+    named = {str(symbol): symbol for symbol in map_.parameters}
+    if sorted(named) != sorted(parameters):
+        wanted, listed = " and ".join(parameters), ", ".join(named) or "none"
+        alone = " alone" if len(parameters) == 1 else ""
+        raise ValueError(f"the parameters of the map must be {wanted}{alone}, got {listed}")
+    first, *others = (named[name] for name in parameters)
+    symbols, held = Symbols(map_.x, first), tuple((symbol, 0.0) for symbol in others)
+    return [
+        SymbolicPiece(piece.word, symbols, piece.expression, _ends(piece), held)
+        for piece in map_.pieces
+        if not piece.cylinder.is_point
+    ]
+
+
+def _ends(piece: Piece) -> tuple[Bound, ...]:
+    """The margins of an affine piece."""
+    x, bounds = piece.owner.x, []
+    if piece.cylinder.lower is not None:
+        bounds.append(Bound(x - piece.lower, piece.lower_closed, f"{x} = {piece.lower}"))
+    if piece.cylinder.upper is not None:
+        bounds.append(Bound(piece.upper - x, piece.upper_closed, f"{x} = {piece.upper}"))
+    return tuple(bounds)

@@ -1,1 +1,0 @@
-"""Piecewise-smooth maps of the line: borders, orbits, branches."""

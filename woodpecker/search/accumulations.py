@@ -1,0 +1,73 @@
+"""Fold-flip points that accumulate: a chain of branches without end, and where it leads.
+
+From a fold-flip point a branch of cycles and one of jumps lead on, each to the next such point. If
+an orbit goes round an unstable motion once more in each link, the points approach two places in
+turn, each by a factor of its own: the inverse of the multiplier of that motion there. Both
+sequences are geometric in the limit, and what they are short of it is the rest of a series.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pwmap.diagrams.diagram import PointKind, PointStatus
+from woodpecker.base.arrays import Floats
+from woodpecker.base.settings import Settings
+from woodpecker.search.ends import End
+
+# Fold-flip points in a chain that tell that it has no end: four at each of the two places that they
+# approach, so that three distances shrink by two ratios.
+LINKED = 8
+# Part by which ratios of successive distances differ at most in a geometric series: of the first
+# ones, where the map is not linear yet, by an eighth, then four times less with each.
+ALIKE = 0.25
+ENDLESS = "fold-flips accumulate"
+ACCUMULATE = "infinitely many fold-flip points accumulate"
+
+
+def limit_of(chain: Sequence[End], settings: Settings) -> End | None:
+    """Where a chain of fold-flip points ends.
+
+    Parameters
+    ----------
+    chain
+        Special points, each linked to the next by a branch, the last that was found first.
+    settings
+        Scales.
+
+    Returns
+    -------
+    The limit of every other point from the first on, open, with a precision of its distance from
+    the first; None if the chain is too short, or does not shrink to two places.
+    """
+    if len(chain) < LINKED or any(end.kind is not PointKind.FF for end in chain):
+        return None
+    units = np.array([settings.p_scale, settings.x_scale])
+    places = np.array([[end.p, end.x[0]] for end in chain[:LINKED]]) / units
+    rest, other = (_rest(places[k::2]) for k in (0, 1))
+    if rest is None or other is None:
+        return None
+    p, x = (places[0] + rest) * units
+    cause = f"{ACCUMULATE}: {chain[0].cause}"
+    return End(
+        kind=PointKind.EP, p=float(p), x=np.array([x]), note=ENDLESS, cause=cause,
+        precision=float(abs(rest[0])) * settings.p_scale, status=PointStatus.OPEN,
+    )  # fmt: skip
+
+
+def _rest(places: Floats) -> Floats | None:
+    """The way (2,) from the first of some places to their limit; None if it is no such series."""
+    steps = places[:-1] - places[1:]
+    length = np.linalg.norm(steps, axis=1)
+    if not (length > 0.0).all():
+        return None
+    ratios = length[:-1] / length[1:]
+    ratio = float(ratios[0])
+    off = np.linalg.norm(steps[:-1] - ratios[:, None] * steps[1:], axis=1)
+    geometric = ratio < 1.0 and np.abs(ratios - ratio).max() <= ALIKE * ratio
+    if not geometric or (off > ALIKE * length[:-1]).any():
+        return None
+    rest: Floats = steps[0] * ratio / (1.0 - ratio)
+    return rest

@@ -1,0 +1,130 @@
+"""Branches as they are put together: legs from special point to special point, and words."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from dataclasses import dataclass
+from typing import TypeVar
+
+from pwmap.diagrams.diagram import BranchKind
+from woodpecker.base.arrays import Floats
+from woodpecker.engine.germs import Beginning
+from woodpecker.engine.tracing import Change
+from woodpecker.search.ends import End
+from woodpecker.slices.jumps import Jump
+from woodpecker.slices.orbits import Orbit
+
+Keys = tuple[object, ...]
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Word:
+    """A stretch of a branch along which no piece changes.
+
+    Attributes
+    ----------
+    first
+        Its first sample; a sample at a border has the pieces before it.
+    text
+        The words of its pieces.
+    keys
+        The keys of the pieces of a cycle; of a jump those of the points before the border, and a
+        set of those on its two sides with the margins that vanish, for a piece has two ends.
+    """
+
+    first: int
+    text: str
+    keys: tuple[object, ...]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Curve:
+    """A branch between two special points.
+
+    Attributes
+    ----------
+    kind, order
+        Cycles of P_order, or jumps of it.
+    parameter, multiplier
+        Samples (m,), the ends included; the multiplier of a jump is nan.
+    points
+        m times the points (n,) of a cycle, or those up to the border of a jump.
+    words
+        Stretches between changes of word, in this order.
+    marks
+        These changes, one less.
+    ends
+        Why it begins and ends.
+    """
+
+    kind: BranchKind
+    order: int
+    parameter: Floats
+    points: tuple[Floats, ...]
+    multiplier: Floats
+    words: tuple[Word, ...]
+    marks: tuple[Change, ...]
+    ends: tuple[End, End]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Start:
+    """Where a branch begins, or goes on: at a special point.
+
+    Attributes
+    ----------
+    begin
+        Its curve and its first samples.
+    end
+        The special point.
+    """
+
+    begin: Beginning
+    end: End
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Followed:
+    """A branch, and where it goes on beyond its ends."""
+
+    curve: Curve
+    onward: tuple[Start, ...]
+
+
+def keys_of(orbit: Orbit, jump: Jump | None = None) -> tuple[object, ...]:
+    """The pieces of an orbit, see :class:`Word`."""
+    if jump is None:
+        return orbit.keys
+    sides = {(jump.inner.keys[0], jump.closing.code)}
+    if jump.outer_code >= 0:
+        sides.add((jump.outer.keys[0], jump.outer_code))
+    return *orbit.keys[:-1], frozenset(sides)
+
+
+def word_at(curve: Curve, k: int) -> Word:
+    """Which pieces a branch takes at a sample."""
+    return curve.words[bisect_right(curve.words, k, key=lambda word: word.first) - 1]
+
+
+def words_between(curve: Curve, k: int) -> list[Word]:
+    """Which pieces a branch takes at a sample and at the next."""
+    one, other = word_at(curve, k), word_at(curve, k + 1)
+    return [one] if one is other else [one, other]
+
+
+def from_point(values: tuple[T, ...], shift: int) -> tuple[T, ...]:
+    """The same from another point of a cycle."""
+    return (*values[shift:], *values[:shift])
+
+
+def agree(one: Keys, other: Keys) -> bool:
+    """Whether two orbits take the same pieces; at a border one side is enough.
+
+    What is on the other side of a jump may be a piece so thin that rounding decides whether it is
+    seen.
+    """
+    return len(one) == len(other) and all(
+        not a.isdisjoint(b) if isinstance(a, frozenset) and isinstance(b, frozenset) else a == b
+        for a, b in zip(one, other, strict=True)
+    )

@@ -1,0 +1,270 @@
+"""Which cycles and jumps are on branches that were followed already."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from pwmap.diagrams.diagram import BranchKind
+from woodpecker.base.arrays import Bools, Floats, Ints
+from woodpecker.maps.pieces import Piece, PiecewiseMap
+from woodpecker.search.curves import (
+    Curve,
+    Keys,
+    agree,
+    from_point,
+    word_at,
+    words_between,
+)
+from woodpecker.search.network import HAIRPIN, Network
+from woodpecker.slices.crossings import is_inside
+from woodpecker.slices.orbits import (
+    LEFT_BY_STEP,
+    Closed,
+    Condition,
+    Coordinate,
+    Orbit,
+    newton_step,
+    orbit_of,
+    scales,
+    solve,
+    tangent,
+)
+
+
+class Known:
+    """Which cycles and jumps the branches of one order explain.
+
+    An orbit lies on a branch if one Newton step takes the orbit that the branch has at its
+    parameter, between two samples, to it. Of branches that are close together most take other
+    pieces: those that take the same are asked first, and as a rule one of them explains it.
+
+    Parameters
+    ----------
+    network
+        The branches; what is added to it later counts too.
+    kind, order
+        Cycles of P_order, or jumps of it.
+    map_
+        The map.
+    """
+
+    def __init__(self, network: Network, kind: BranchKind, order: int, map_: PiecewiseMap) -> None:
+        self.network, self.kind, self.order, self.map = network, kind, order, map_
+        self.settings = network.settings
+        self._seen = 0
+        self._chords: list[_Chords] = []
+        self._at = _AtParameter(np.nan, _Chords.joined([]), {})
+
+    def explains(self, orbit: Orbit, closing: Condition, keys: Keys) -> bool:
+        """Whether a branch passes through an orbit.
+
+        Parameters
+        ----------
+        orbit, closing
+            The orbit, and the condition that makes it a cycle or a border orbit.
+        keys
+            Its pieces, see :class:`woodpecker.search.curves.Word`.
+        """
+        places = sorted(
+            self._places(orbit), key=lambda place: float(np.abs(place.x - orbit.x).max())
+        )
+        others = []
+        for place in places:
+            if not any(agree(own, keys) for own in place.keys):
+                others.append(place)
+            elif any(
+                self._leads(x, orbit, closing)
+                for x in (place.x, *self._curved(place, orbit, closing))
+            ):
+                return True
+        return isinstance(closing, Closed) and any(
+            self._leads(place.x, orbit, closing) and not self._holds(place) for place in others
+        )
+
+    def _curved(self, place: _Place, orbit: Orbit, closing: Condition) -> Iterator[Floats]:
+        """A place on the cubic through both samples, with the tangents of the orbit's pieces.
+
+        Where orbits are steep Newton's method needs to start closer by than on the chord.
+        """
+        number, k, shift = place.chord
+        curve, scale = self.network.curves[number], scales(len(orbit), self.settings)
+        ends = [
+            orbit_of(orbit.pieces, np.roll(curve.points[j], -shift), float(curve.parameter[j]))
+            for j in (k, k + 1)
+        ]
+        chord = (ends[1].point - ends[0].point) / scale
+        length = float(np.linalg.norm(chord))
+        along = [tangent(end, closing, self.settings) * length for end in ends]
+        if not (length > 0.0 and all(np.isfinite(each).all() for each in along)):
+            return
+        d0, d1 = (each if each @ chord >= 0.0 else -each for each in along)
+        square, cube = 3.0 * chord - 2.0 * d0 - d1, d0 + d1 - 2.0 * chord
+
+        def away(s: float) -> Floats:
+            found: Floats = s * (d0 + s * (square + s * cube))
+            return found
+
+        target = (orbit.p - ends[0].p) / self.settings.p_scale
+
+        def past(s: float) -> float:
+            """How far beyond the orbit's parameter; at the end without rounding."""
+            return float((chord if s == 1.0 else away(s))[-1]) - target
+
+        if past(0.0) * past(1.0) < 0.0:  # between the samples
+            s = float(brentq(past, 0.0, 1.0))
+            yield ends[0].x + away(s)[:-1] * scale[:-1]
+
+    def _leads(self, x: Floats, orbit: Orbit, closing: Condition) -> bool:
+        """Whether a Newton step leads from some points to an orbit with the same pieces."""
+        before = float(np.abs(x - orbit.x).max())
+        if before <= self.settings.same * self.settings.x_scale:
+            return True
+        step = newton_step(
+            orbit_of(orbit.pieces, x, orbit.p), (closing, Coordinate(-1, orbit.p)), self.settings
+        )
+        after = float(np.abs(x + step[:-1] - orbit.x).max())
+        return after <= LEFT_BY_STEP * before
+
+    def _holds(self, place: _Place) -> bool:
+        """Whether a branch takes at a place the pieces that it takes at a sample beside it.
+
+        If not, it takes others for a while between two samples.
+        """
+        holds = self._at.holds
+        if place.chord not in holds:
+            curve, k, shift = self.network.curves[place.chord[0]], *place.chord[1:]
+            one_word = word_at(curve, k) is word_at(curve, k + 1)
+            holds[place.chord] = any(
+                self._is_cycle(curve, samples, shift, place.x)
+                for samples in ([(k, k + 1)] if one_word else [(k, k - 1), (k + 1, k + 2)])
+            )
+        return holds[place.chord]
+
+    def _is_cycle(self, curve: Curve, samples: Sequence[int], shift: int, x: Floats) -> bool:
+        """Whether a cycle near some points takes the pieces of a branch at a sample.
+
+        At one on a border the map may take others: then those at the other sample are as good.
+        """
+        p, pieces = self._at.p, self._pieces(curve, samples)
+        if not pieces:
+            return True
+        start = orbit_of(from_point(pieces, shift), x, p)
+        found = solve(start, (Closed(), Coordinate(-1, p)), self.settings)
+        return found.converged and is_inside(found.orbit, Closed())
+
+    def _pieces(self, curve: Curve, samples: Sequence[int]) -> tuple[Piece, ...]:
+        """The pieces of a branch at the first of two samples; none if the map takes others."""
+        word = word_at(curve, samples[0])
+        for k in samples:
+            if 0 <= k < len(curve.points) and word_at(curve, k) is word:
+                p = float(curve.parameter[k])
+                pieces = tuple(self.map.at(x, p).piece for x in curve.points[k].tolist())
+                if tuple(piece.key for piece in pieces) == word.keys:
+                    return pieces
+        return ()
+
+    def _places(self, orbit: Orbit) -> list[_Place]:
+        """Where branches are at the parameter of an orbit, if its first point is near."""
+        self._update(orbit.p)
+        chords, found = self._at.chords, []
+        for number, k, shift in chords.numbers[self._near(chords, float(orbit.x[0]))].tolist():
+            curve = self.network.curves[number]
+            one, other = (np.roll(curve.points[j], -shift) for j in (k, k + 1))
+            if len(one) != len(orbit) or len(other) != len(orbit):  # jumps met later or earlier
+                continue
+            p0, p1 = curve.parameter[k], curve.parameter[k + 1]
+            part = min(1.0, max(0.0, (orbit.p - p0) / (p1 - p0))) if p1 != p0 else 0.5
+            keys = tuple(from_point(word.keys, shift) for word in words_between(curve, k))
+            found.append(_Place((number, k, shift), one + part * (other - one), keys))
+        return found
+
+    def _near(self, chords: _Chords, x: float) -> Bools:
+        """Between which samples a branch may pass a point, by its largest turn."""
+        p0, x0, p1, x1 = chords.ends.T
+        length = np.hypot((p1 - p0) / self.settings.p_scale, (x1 - x0) / self.settings.x_scale)
+        longest = np.maximum(length, HAIRPIN)
+        bulge = (self.settings.max_turn * longest + self.settings.same) * self.settings.x_scale
+        off = np.abs(x1 - x0) + bulge
+        near: Bools = (np.minimum(x0, x1) - off <= x) & (x <= np.maximum(x0, x1) + off)
+        return near
+
+    def _update(self, p: float) -> None:
+        """Take in branches that are new, and choose what lies at a parameter."""
+        slack = self.settings.same * self.settings.p_scale
+        curves = self.network.curves
+        new = [
+            _Chords.of(curves[number], number)
+            for number in range(self._seen, len(curves))
+            if (curves[number].kind, curves[number].order) == (self.kind, self.order)
+        ]
+        self._seen = len(curves)
+        self._chords += new
+        if p != self._at.p:
+            here = [chords.around(p, slack) for chords in self._chords]
+            self._at = _AtParameter(p, _Chords.joined(here), {})
+        elif new:
+            here = [self._at.chords, *(chords.around(p, slack) for chords in new)]
+            self._at = self._at._replace(chords=_Chords.joined(here))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Chords:
+    """Neighbouring samples of branches, as each of the points of a cycle sees them.
+
+    ``ends`` (n, 4) are p and x at both; ``numbers`` (n, 3) those of the branch, of the first sample
+    and of the point.
+    """
+
+    ends: Floats
+    numbers: Ints
+
+    @classmethod
+    def of(cls, curve: Curve, number: int) -> _Chords:
+        """Those of a branch."""
+        p, n = curve.parameter, len(curve.parameter) - 1
+        shifts = 1 if curve.kind is BranchKind.JUMP else curve.order
+        x = np.array([points[:shifts] for points in curve.points])
+        ends = [np.column_stack([p[:-1], own[:-1], p[1:], own[1:]]) for own in x.T]
+        numbers = np.column_stack(
+            [
+                np.full(n * shifts, number),
+                np.tile(np.arange(n), shifts),
+                np.repeat(np.arange(shifts), n),
+            ]
+        )
+        return cls(np.concatenate(ends), numbers)
+
+    @classmethod
+    def joined(cls, parts: list[_Chords]) -> _Chords:
+        """All of some."""
+        return cls(
+            np.concatenate([np.empty((0, 4)), *(part.ends for part in parts)]),
+            np.concatenate([np.empty((0, 3), dtype=np.int64), *(part.numbers for part in parts)]),
+        )
+
+    def around(self, p: float, slack: float) -> _Chords:
+        """Those between whose samples a parameter lies."""
+        p0, p1 = self.ends[:, 0], self.ends[:, 2]
+        here = (np.minimum(p0, p1) - slack <= p) & (p <= np.maximum(p0, p1) + slack)
+        return _Chords(self.ends[here], self.numbers[here])
+
+
+class _AtParameter(NamedTuple):
+    """What was found out at one parameter: which branches are there, and where they hold."""
+
+    p: float
+    chords: _Chords
+    holds: dict[tuple[int, int, int], bool]
+
+
+class _Place(NamedTuple):
+    """Points (n,) of a branch between two samples, and the pieces that it takes at these."""
+
+    chord: tuple[int, int, int]
+    x: Floats
+    keys: tuple[Keys, ...]

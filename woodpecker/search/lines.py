@@ -1,0 +1,158 @@
+"""Orbits and branches of the engine, as maps of the line have them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import cast
+
+import numpy as np
+
+from pwmap.diagrams.diagram import BranchKind, PointKind
+from woodpecker.base.settings import Settings
+from woodpecker.engine import maps, orbits
+from woodpecker.engine.curves import Curve, CurveSettings, Sample
+from woodpecker.engine.germs import Beginning, beginnings, judged, shared
+from woodpecker.engine.line import LineMap, LinePiece
+from woodpecker.engine.maps import Chain, length_of
+from woodpecker.engine.newton import Problem, cycles
+from woodpecker.engine.tracing import Arrival, Change
+from woodpecker.maps.pieces import Image, Piece, PiecewiseMap
+from woodpecker.search import curves
+from woodpecker.search.ends import Collision, End
+from woodpecker.slices.orbits import Closed, Condition, Margin, Orbit
+
+
+def base_of(map_: PiecewiseMap, settings: Settings) -> Curve:
+    """Curves of cycles of a map of the line."""
+    problem = cycles((0,), (settings.x_scale,), (settings.p_scale,))
+    followed = CurveSettings(
+        spans=(settings.span,), window=(settings.window,), step=settings.step,
+        min_step=settings.min_step, max_step=settings.max_step, max_turn=settings.max_turn,
+        max_samples=settings.max_samples,
+    )  # fmt: skip
+    return Curve(LineMap(map_, settings.x_scale, settings.p_scale), problem, followed)
+
+
+def to_engine(orbit: Orbit) -> orbits.Orbit:
+    """A cycle as one of R^1."""
+    pieces = [LinePiece(piece) for piece in orbit.pieces]
+    return orbits.orbit_of(pieces, orbit.x[:, None], np.array([orbit.p]))
+
+
+def of_engine(orbit: orbits.Orbit) -> Orbit:
+    """A cycle of R^1 as one of the line; of a jump crossing the points up to the border."""
+    p = float(orbit.p[0])
+    images = [_image(image) for image in orbit.images[: len(orbit.x)]]
+    if orbit.outer is not None:
+        images[-1] = _first(orbit.images[-1].piece).at(float(orbit.x[-1, 0]), p)
+    return Orbit(orbit.x[:, 0], p, tuple(images))
+
+
+def closing_of(curve: Curve, orbit: orbits.Orbit) -> Condition:
+    """The equation of the line that closes an orbit of a curve, see :func:`of_engine`."""
+    if orbit.outer is None:
+        return Closed()
+    border, length = curve.problem.conditions[-1], length_of(orbit.images[-1])
+    assert isinstance(border, orbits.OnBorder)
+    return Margin(len(orbit.x) - 1, border.code // length)
+
+
+def _image(image: maps.Image) -> Image:
+    slope, rate = image.jacobian[0].tolist()
+    return Image(
+        float(image.value[0]), slope, rate, image.margins, image.gradients, image.codes,
+        _first(image.piece), image.reason,
+    )  # fmt: skip
+
+
+def _first(piece: maps.Piece) -> Piece:
+    """The piece of the line that is taken first."""
+    first = piece.pieces[0] if isinstance(piece, Chain) else piece
+    assert isinstance(first, LinePiece)
+    return cast("Piece", first.own)
+
+
+def curve_of(
+    begin: Beginning, samples: Sequence[Sample], changes: Sequence[Change], ends: tuple[End, End]
+) -> curves.Curve:
+    """A branch as it is kept."""
+    words = list[curves.Word]()
+    for k, sample in enumerate(samples):
+        keys = keys_of(sample.orbit, begin.curve.problem)
+        if not words or keys != words[-1].keys:
+            words.append(curves.Word(k, text_of(sample.orbit), keys))
+    multiplier = [
+        math.nan if begin.is_crossing else float(sample.orbit.monodromy[0, 0]) for sample in samples
+    ]
+    return curves.Curve(
+        kind=BranchKind.JUMP if begin.is_crossing else BranchKind.FIXED_POINT,
+        order=begin.order, parameter=np.array([float(s.orbit.p[0]) for s in samples]),
+        points=tuple(s.orbit.x[:, 0] for s in samples), multiplier=np.array(multiplier),
+        words=tuple(words), marks=tuple(changes), ends=ends,
+    )  # fmt: skip
+
+
+def keys_of(orbit: orbits.Orbit, problem: Problem) -> tuple[object, ...]:
+    """The pieces of an orbit, see :class:`woodpecker.search.curves.Word`."""
+    if orbit.outer is None:
+        return orbit.keys
+    x, p, sides = orbit.x[-1], orbit.p, set[object]()
+    border = shared(orbit.images[-1], orbit.outer, x, p, problem.lengths) or ([], [])
+    for image, codes in zip((orbit.images[-1], orbit.outer), border, strict=True):
+        length = len(image.piece.pieces) if isinstance(image.piece, Chain) else 1
+        first = _first(image.piece).key
+        sides |= {(first, code // length) for code in codes if code % length == 0} or {(first, -1)}
+    return *(image.piece.key for image in orbit.images[:-1]), frozenset(sides)
+
+
+def text_of(orbit: orbits.Orbit) -> str:
+    """The words of a cycle; of a crossing those of the limits, from the left and from the right."""
+    if orbit.outer is None:
+        return orbit.word
+    head = [image.piece.word for image in orbit.images[:-1]]
+    inner, outer = (
+        " | ".join([*head, side.piece.word]) for side in (orbit.images[-1], orbit.outer)
+    )
+    return f"{outer} / {inner}" if _inner_side(orbit) > 0 else f"{inner} / {outer}"
+
+
+def _inner_side(orbit: orbits.Orbit) -> int:
+    """On which side of the first point the inner limit is."""
+    last = orbit.images[-1]
+    zero = np.flatnonzero(last.tied(orbit.x[-1], orbit.p))
+    side = math.copysign(1.0, float(last.gradients[zero[0], 0])) if len(zero) else 1.0
+    for image in orbit.images[:-1]:
+        side = math.copysign(1.0, side * float(image.jacobian[0, 0]))
+    return int(side)
+
+
+def end_of(arrival: Arrival, base: Curve, orbit: orbits.Orbit) -> End:
+    """What a branch comes to, seen from the first point of its last orbit."""
+    p, x = float(arrival.orbit.p[0]), orbit.x[:, 0]
+    if arrival.kind is PointKind.PD:  # one that is half as long, where a doubled cycle ends
+        x = np.tile(arrival.orbit.x[:, 0], len(x) // len(arrival.orbit.x))
+    if not arrival.collides:
+        return End(
+            kind=arrival.kind, p=p, x=x, note=arrival.note, cause=arrival.cause,
+            precision=arrival.precision, status=arrival.status,
+        )  # fmt: skip
+    met = collision_of(arrival, base)
+    kind, note = met.kind_at(float(x[0]))
+    return End(
+        kind=kind, p=p, x=x, note=note, cause=met.cause, precision=met.precision, collision=met
+    )
+
+
+def collision_of(arrival: Arrival, base: Curve) -> Collision:
+    """A cycle that meets a border, from its least point on."""
+    cycle = arrival.orbit
+    n = len(cycle.x)
+    cycle = cycle.rotated(int(np.argmin(cycle.x[:, 0])))
+    starts = list(beginnings(base, cycle.x, cycle.p, (n, 2 * n)))
+    kinds = [judged(starts, cycle.x, i, base.problem) for i in range(n)]
+    kinds = [(kind, note or arrival.note) for kind, note in kinds]
+    return Collision(
+        p=float(cycle.p[0]), x=cycle.x[:, 0], kinds=tuple(kinds), cause=arrival.cause,
+        precision=arrival.precision,
+    )  # fmt: skip

@@ -1,0 +1,203 @@
+"""What a search asks for: to follow branches and to take slices."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from pwmap.diagrams.diagram import BranchKind, PointKind
+from woodpecker.base.arrays import Floats
+from woodpecker.base.executors import Done
+from woodpecker.base.settings import Settings
+from woodpecker.engine import orbits
+from woodpecker.engine.curves import Halt, Sample, Stop
+from woodpecker.engine.germs import Beginning, beginnings, crossings_at
+from woodpecker.engine.newton import directions, other_direction
+from woodpecker.engine.tracing import APART, Trace, beside, trace
+from woodpecker.maps.counting import Allowance, as_counting
+from woodpecker.maps.pieces import PiecewiseMap
+from woodpecker.search.curves import Followed, Start, agree, keys_of
+from woodpecker.search.ends import Collision, End
+from woodpecker.search.lines import (
+    base_of,
+    curve_of,
+    end_of,
+    text_of,
+    to_engine,
+)
+from woodpecker.search.lines import (
+    keys_of as keys_of_engine,
+)
+from woodpecker.search.samples import BranchState, StopRule
+from woodpecker.slices.jumps import Jump
+from woodpecker.slices.orbits import Orbit
+from woodpecker.slices.slices import Slice, slices_at
+
+
+@dataclass(frozen=True, slots=True)
+class Worker:
+    """Carries out the tasks of a search. It remembers nothing, and pickles if its map does."""
+
+    map: PiecewiseMap
+    settings: Settings
+    stop: StopRule | None = None
+
+    def __post_init__(self) -> None:
+        if self.stop is not None and not callable(self.stop):
+            raise TypeError(f"stop must be a function of a state on a branch, got {self.stop!r}")
+
+    def __call__(self, task: Callable[..., Any], *arguments: Any) -> Done:
+        """Carry out a task, a method of :class:`Tasks`."""
+        map_ = as_counting(self.map)
+        before = map_.evaluations
+        value = task(Tasks(map_, self.settings, self.stop), *arguments)
+        return Done(value, map_.evaluations - before)
+
+
+class Tasks:
+    """The tasks."""
+
+    def __init__(
+        self, map_: PiecewiseMap, settings: Settings, stop: StopRule | None = None
+    ) -> None:
+        self.map, self.settings, self.stop = as_counting(map_), settings, stop
+        self.base = base_of(self.map, settings)
+
+    def cycle(self, orbit: Orbit) -> Followed:
+        """The branch through a cycle."""
+        ahead = np.eye(len(orbit) + 1)[-1]
+        start = self.base.start(to_engine(orbit), ahead)
+        return self._both_ways(Beginning(len(orbit), self.base, start))
+
+    def jump(self, jump: Jump) -> Followed | None:
+        """The branch of a jump; None if none of the map is found there."""
+        found = crossings_at(self.base, jump.head.x[:, None], np.array([jump.p]), jump.order)
+        wanted = keys_of(jump.head, jump)
+        for begin in found:
+            orbit = begin.sample.orbit
+            if len(orbit.x) == len(jump.head) and agree(
+                keys_of_engine(orbit, self.base.problem), wanted
+            ):
+                ahead = np.eye(len(jump.head) + 1)[-1]
+                return self._both_ways(replace(begin, sample=begin.curve.start(orbit, ahead)))
+        return None
+
+    def starts(self, met: Collision, orders: Sequence[int]) -> list[Start]:
+        """Branches that start where a cycle meets a border."""
+        found = list[Start]()
+        p = np.array([met.p])
+        for begin in beginnings(self.base, met.x[:, None], p, orders):
+            kind, note = met.kind_at(float(begin.sample.orbit.x[0, 0]))
+            end = End(
+                kind=kind, p=met.p, x=begin.sample.orbit.x[:, 0], note=note, cause=met.cause,
+                precision=met.precision, collision=met,
+            )  # fmt: skip
+            found.append(Start(beside(begin), end))
+        return found
+
+    def switches(self, end: End, orders: Sequence[int]) -> list[Start]:
+        """Branches that start at a flip or a branch point."""
+        found = [beside(each, APART) for each in self._others(end, orders)]
+        return [Start(each, end) for each in found if each.before is not None]
+
+    def ahead(self, start: Start) -> Followed:
+        """The branch that begins, or goes on, at a special point."""
+        begin = start.begin
+        found = self._trace(begin)
+        curve = curve_of(begin, found.samples, found.changes, (start.end, self._end(found)))
+        return Followed(curve, self._onward((found, curve.ends[1])))
+
+    def slice(self, p: float, orders: Sequence[int]) -> list[Slice]:
+        """All cycles and jumps at one parameter."""
+        return slices_at(self.map, p, orders, self.settings)
+
+    # --- Parts ------------------------------------------------------------------------------------
+
+    def _both_ways(self, begin: Beginning) -> Followed:
+        """The branch through a sample, from one special point to the other, or all round."""
+        ahead = self._trace(begin)
+        end = self._end(ahead)
+        if ahead.stop is Stop.CLOSED:
+            return Followed(curve_of(begin, ahead.samples, ahead.changes, (end, end)), ())
+        behind = self._trace(replace(begin, sample=begin.sample.turned))
+        first = self._end(behind)
+        n = len(behind.samples) - 1
+        changes = [each._replace(sample=n - 1 - each.sample) for each in reversed(behind.changes)]
+        changes += [each._replace(sample=each.sample + n) for each in ahead.changes]
+        samples = (*reversed(behind.samples), *ahead.samples[1:])
+        curve = curve_of(begin, samples, changes, (first, end))
+        return Followed(curve, self._onward((ahead, end), (behind, first)))
+
+    def _trace(self, begin: Beginning) -> Trace:
+        allowed = Allowance(self.map, self.settings.of_branch(begin.order))
+        orders = range(1, begin.order + 1)  # a crossing may come round any cycle that is no longer
+        return trace(begin, orders, Halt(lambda: allowed.spent, self._asked(begin)))
+
+    def _asked(self, begin: Beginning) -> Callable[[Sample], bool] | None:
+        """Whether a branch is to end at a sample."""
+        rule = self.stop
+        if rule is None:
+            return None
+        kind = BranchKind.JUMP if begin.is_crossing else BranchKind.FIXED_POINT
+
+        def asked(sample: Sample) -> bool:
+            orbit = sample.orbit
+            multiplier = math.nan if begin.is_crossing else float(orbit.monodromy[0, 0])
+            x, word = orbit.x[:, 0].copy(), text_of(orbit)
+            return bool(
+                rule(BranchState(kind, begin.order, float(orbit.p[0]), x, multiplier, word))
+            )
+
+        return asked
+
+    def _end(self, found: Trace) -> End:
+        return end_of(found.arrival, self.base, found.samples[-1].orbit)
+
+    @staticmethod
+    def _onward(*traces: tuple[Trace, End]) -> tuple[Start, ...]:
+        found = ((each.arrival.onward, end) for each, end in traces)
+        return tuple(Start(onward, end) for onward, end in found if onward is not None)
+
+    def _cycle_at(self, x: Floats, p: Floats) -> orbits.Orbit | None:
+        """The cycle with some points (n,); None where the map has no value."""
+        found = tuple(self.base.map.at(each, p) for each in x[:, None])
+        cycle = orbits.Orbit(x[:, None], p, 0.0, found)
+        return cycle if cycle.is_defined else None
+
+    def _others(self, end: End, orders: Sequence[int]) -> Iterator[Beginning]:
+        """At a flip of P_n the branch of P_2n, or the other way round, if both are wanted.
+
+        At a branch point both branches both ways, for it is not known which one led there.
+        """
+        base, p = self.base, np.array([end.p])
+        cycle = self._cycle_at(end.x, p)
+        if cycle is None:
+            return
+        x, n = cycle.x, len(cycle.x)
+        if end.kind is PointKind.PD and float(cycle.monodromy[0, 0]) > 0.0:  # of a doubled one
+            n //= 2
+            cycle = self._cycle_at(0.5 * (end.x[:n] + end.x[n:]), p)
+            if cycle is None:
+                return
+        if end.kind is PointKind.BP:
+            if n in orders:
+                for way in directions(base.problem, cycle):
+                    for sign in (1.0, -1.0):
+                        yield Beginning(n, base, Sample(cycle, sign * way))
+        elif not {n, 2 * n} <= set(orders):
+            return
+        elif len(x) == n:
+            twice = orbits.Orbit(np.tile(cycle.x, (2, 1)), p, 0.0, cycle.images * 2)
+            along = base.start(cycle).tangent
+            doubled = np.append(np.tile(along[:-1], 2), along[-1:])
+            across = other_direction(base.problem, twice, doubled)
+            if across is not None:
+                yield Beginning(2 * n, base, Sample(twice, across))
+        else:
+            along = base.start(cycle).tangent
+            for sign in (1.0, -1.0):
+                yield Beginning(n, base, Sample(cycle, sign * along))

@@ -1,0 +1,375 @@
+"""Brute force beside the branches: what orbits from many starts settle on.
+
+An orbit diagram knows nothing of branches. It shows attractors, periodic or chaotic, and their
+Lyapunov exponents from the exact slopes; what it shows must be explained by stable branches or by a
+positive exponent.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol, runtime_checkable
+
+import numpy as np
+import numpy.typing as npt
+
+from pwmap.diagrams.diagram import Branch, BranchKind, Diagram
+from woodpecker.base.arrays import Floats
+from woodpecker.base.checks import interval, real_array, whole
+from woodpecker.base.settings import Settings
+from woodpecker.maps.pieces import PiecewiseMap, map_of_pieces
+from woodpecker.slices.orbits import (
+    LEFT_BY_STEP,
+    Closed,
+    Coordinate,
+    Orbit,
+    newton_step,
+    orbit_of,
+    solve,
+)
+
+REPEATS = 1e-6  # in x, a part of the window: an orbit that has settled repeats itself so closely
+LONGEST = 64  # period that is looked for in an orbit that has settled
+
+
+class Swept(Protocol):
+    """What a map makes of many points: arrays of one shape, nan where it has no value.
+
+    Examples
+    --------
+    >>> from woodpecker import Sweep, Swept
+    >>> def steepest(found: Swept) -> float:  # whatever has arrays of both will do
+    ...     return float(max(abs(slope) for slope in found.slope))
+    >>> steepest(Sweep(value=[0.5, 0.25], slope=[0.5, -1.25]))
+    1.25
+    """
+
+    @property
+    def value(self) -> Floats:
+        """The images."""
+
+    @property
+    def slope(self) -> Floats:
+        """The slopes there."""
+
+
+@runtime_checkable
+class SweptMap(Protocol):
+    """A map that takes many points at once, faster than one by one.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from woodpecker import Sweep, SweptMap, orbit_diagram
+    >>> class Tent:
+    ...     def sweep(self, x, p):
+    ...         return Sweep(p * np.minimum(x, 1 - x), np.where(x < 0.5, p, -p))
+    >>> isinstance(Tent(), SweptMap)
+    True
+    >>> orbit, = orbit_diagram(Tent(), [1.5], [0.3], (0, 1), transient=100, keep=50).orbits
+    >>> round(orbit.exponent, 12)  # log 1.5
+    0.405465108108
+    """
+
+    def sweep(self, x: Floats, p: float) -> Swept:
+        """The map at points (n,) and a parameter.
+
+        Parameters
+        ----------
+        x, p
+            Points of shape (n,), and the parameter.
+
+        Returns
+        -------
+        Swept
+            Images and slopes, shapes (n,); nan where there is no image.
+        """
+
+
+class Sweep(NamedTuple):
+    """Images and slopes of a map at many points.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from woodpecker import Sweep
+    >>> x = np.array([-1.0, 2.0])
+    >>> found = Sweep(value=abs(x), slope=np.sign(x))
+    >>> found.slope.tolist()
+    [-1.0, 1.0]
+    """
+
+    value: Floats
+    slope: Floats
+
+
+def swept(map_: PiecewiseMap | SweptMap, x: Floats, p: float) -> Swept:
+    """A map at points (n,), at once if it can, otherwise one by one."""
+    if isinstance(map_, SweptMap):
+        return map_.sweep(x, p)
+    images = [map_of_pieces(map_).at(each, p) for each in x.tolist()]
+    value, slope = np.array([(i.value, i.slope) for i in images], dtype=float).reshape(-1, 2).T
+    return Sweep(value, slope)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SettledOrbit:
+    """The end of one orbit at one parameter.
+
+    Attributes
+    ----------
+    p, start
+        Parameter and first point.
+    x
+        The points that were kept, in order.
+    exponent
+        Lyapunov exponent: mean of log(abs(slope)) over these; -inf for a superstable orbit.
+    period
+        Smallest shift that repeats the kept points, or 0 if there is none of those looked for.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import orbit_diagram, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> orbit, = orbit_diagram(lines, [-0.5], [0.3], (-3, 3), transient=100, keep=8).orbits
+    >>> orbit.period, round(float(orbit.x[-1]), 12), round(orbit.exponent, 6)
+    (1, -1.0, -0.693147)
+    """
+
+    p: float
+    start: float
+    x: Floats
+    exponent: float
+    period: int
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class OrbitDiagram:
+    """Where orbits end, over a parameter.
+
+    Attributes
+    ----------
+    orbits
+        One for each parameter and start that stayed in the window.
+    lost
+        How many did not: they fell, or left the window.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import orbit_diagram, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> found = orbit_diagram(lines, [-0.5, 0.5], [0.3, -0.4], (-3, 3), transient=100, keep=8)
+    >>> [(orbit.p, orbit.period) for orbit in found.orbits], found.lost
+    ([(-0.5, 1), (-0.5, 1), (0.5, 2), (0.5, 2)], 0)
+    """
+
+    orbits: tuple[SettledOrbit, ...]
+    lost: int
+
+    def points(self) -> tuple[Floats, Floats]:
+        """Parameters and positions of all kept points, for a scatter plot."""
+        p = [np.full(len(orbit.x), orbit.p) for orbit in self.orbits]
+        x = [orbit.x for orbit in self.orbits]
+        return np.concatenate([*p, []]), np.concatenate([*x, []])
+
+
+def orbit_diagram(
+    map_: PiecewiseMap | SweptMap,
+    parameters: npt.ArrayLike,
+    starts: npt.ArrayLike,
+    window: tuple[float, float],
+    *,
+    transient: int = 300,
+    keep: int = 128,
+    settings: Settings | None = None,
+) -> OrbitDiagram:
+    """Follow orbits from many starts at many parameters.
+
+    Parameters
+    ----------
+    map_
+        For instance :class:`woodpecker.ToyPieces`. Of its pieces nothing is asked but values and
+        slopes; a map that takes many points at once (``sweep``) is asked so.
+    parameters, starts
+        Shapes (n,) and (m,).
+    window
+        Interval of x; an orbit that leaves it is lost.
+    transient, keep
+        How many iterates are cut, and how many are kept after that.
+    settings
+        The unit of x: an orbit that repeats itself to 1e-6 of it after at most 64 points has that
+        period. By default in units of x.
+
+    Returns
+    -------
+    OrbitDiagram
+        At most n m orbits, each with its last ``keep`` points; those lost are counted.
+
+    Raises
+    ------
+    ValueError
+        If nothing is to be kept, the window is no two ascending numbers, or parameters or starts
+        are no real numbers.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import orbit_diagram, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> found = orbit_diagram(lines, [-0.5, 0.5], [0.3, -0.4], (-3, 3), transient=100, keep=8)
+    >>> [(orbit.p, orbit.start, orbit.period) for orbit in found.orbits]
+    [(-0.5, 0.3, 1), (-0.5, -0.4, 1), (0.5, 0.3, 2), (0.5, -0.4, 2)]
+    """
+    keep, transient = whole("keep", keep), whole("transient", transient, least=0)
+    window = interval("window", window)
+    first = np.atleast_1d(real_array("starts", starts))
+    found: list[SettledOrbit] = []
+    values = np.atleast_1d(real_array("parameters", parameters)).tolist()
+    for p in values:
+        found += _settled(map_, p, first, window, transient, keep, settings or Settings())
+    return OrbitDiagram(orbits=tuple(found), lost=len(values) * len(first) - len(found))
+
+
+def _settled(
+    map_: PiecewiseMap | SweptMap,
+    p: float,
+    starts: Floats,
+    window: tuple[float, float],
+    transient: int,
+    keep: int,
+    settings: Settings,
+) -> list[SettledOrbit]:
+    """The orbits at one parameter that stay in the window."""
+    alive, x = np.arange(len(starts)), starts.copy()
+    kept, stretch = np.empty((len(starts), keep)), np.zeros(len(starts))
+    for n in range(transient + keep):
+        here = swept(map_, x, p)
+        if n >= transient:
+            kept[alive, n - transient] = x
+            with np.errstate(divide="ignore", invalid="ignore"):
+                stretch[alive] += np.log(np.abs(here.slope))
+        stays = (window[0] <= here.value) & (here.value <= window[1])  # not where it is nan
+        alive, x = alive[stays], here.value[stays]
+        if not len(alive):
+            break
+    return [
+        SettledOrbit(
+            p=p, start=float(starts[i]), x=kept[i], exponent=float(stretch[i]) / keep,
+            period=period_of(kept[i], settings),
+        )
+        for i in alive.tolist()
+    ]  # fmt: skip
+
+
+def period_of(x: Floats, settings: Settings) -> int:
+    """Smallest shift that repeats a sequence, or 0 if none does of those looked for."""
+    same = REPEATS * settings.x_scale
+    for shift in range(1, min(LONGEST, len(x) // 2) + 1):
+        if np.abs(x[shift:] - x[:-shift]).max() <= same:
+            return shift
+    return 0
+
+
+def unexplained(
+    orbits: OrbitDiagram, diagram: Diagram, map_: PiecewiseMap, distance: float | None = None,
+    settings: Settings | None = None,
+) -> list[SettledOrbit]:  # fmt: skip
+    """Orbits that end on a cycle of which the diagram has no stable branch.
+
+    The cycle is solved for. A branch passes through it if one Newton step leads there from where
+    the branch is between its samples. Chaotic orbits (positive exponent, no period) and cycles of a
+    period the diagram does not hold explain themselves.
+
+    Parameters
+    ----------
+    orbits, diagram
+        Of the same map and parameter.
+    map_
+        This map.
+    distance
+        How far a branch may stray from the line between two of its samples; by default as far as
+        they are apart in x, for the Newton step tells.
+    settings
+        Tolerances.
+
+    Returns
+    -------
+    list of SettledOrbit
+        Empty where the diagram accounts for all.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, connected, orbit_diagram, unexplained, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> orbits = orbit_diagram(lines, [-0.5, 1.5], [0.3], (-3, 3), transient=100, keep=8)
+    >>> left = connected(lines, -1.0, -0.5, Settings(span=(-1, 0), window=(-3, 3)))  # ends at p = 0
+    >>> [(orbit.p, orbit.period) for orbit in unexplained(orbits, left, lines)]
+    [(1.5, 1)]
+    """
+    chosen = settings or Settings()
+    held = {branch.order for branch in diagram.branches}
+    slices: dict[float, list[tuple[int, float, float]]] = {}
+    left = []
+    for orbit in orbits.orbits:
+        if orbit.period not in held or (orbit.exponent > 0.0 and math.isfinite(orbit.exponent)):
+            continue
+        if orbit.p not in slices:
+            slices[orbit.p] = [
+                (hit.branch.order, hit.x, _apart(hit.branch, orbit.p))
+                for hit in diagram.at(orbit.p)
+                if hit.branch.kind is BranchKind.FIXED_POINT and abs(hit.multiplier) <= 1.0
+            ]
+        stable = np.array([each[1:] for each in slices[orbit.p] if each[0] == orbit.period])
+        cycle = _cycle(map_, orbit, chosen)
+        if cycle is None or not _passes(stable.reshape(-1, 2), cycle, distance, chosen):
+            left.append(orbit)
+    return left
+
+
+def _apart(branch: Branch, p: float) -> float:
+    """How far the samples of a branch on both sides of a parameter are apart in x."""
+    low, high = np.sort([branch.parameter[:-1], branch.parameter[1:]], axis=0)
+    around = (low <= p) & (p <= high)
+    return float(np.abs(np.diff(branch.x))[around].max(initial=0.0))
+
+
+def _cycle(map_: PiecewiseMap, orbit: SettledOrbit, settings: Settings) -> Orbit | None:
+    """The cycle on which an orbit has settled; None if Newton's method does not find it there."""
+    x = orbit.x[-orbit.period :]
+    images = tuple(map_.at(each, orbit.p) for each in x.tolist())
+    start = Orbit(x, orbit.p, images)
+    if not start.defined:
+        return None
+    found = solve(start, (Closed(), Coordinate(-1, orbit.p)), settings)
+    return found.orbit if found.converged else None
+
+
+def _passes(hits: Floats, cycle: Orbit, distance: float | None, settings: Settings) -> bool:
+    """Whether points of branches stand for a cycle: one Newton step leads from them to it.
+
+    ``hits`` (n, 2) are points, and how far their branches may stray from there.
+    """
+    if not len(hits):
+        return False
+    chosen = hits[np.abs(hits[:, :1] - cycle.x).argmin(axis=0)]
+    nearest = chosen[:, 0]
+    before = float(np.abs(nearest - cycle.x).max())
+    same = settings.same * settings.x_scale
+    distance = max(same, float(chosen[:, 1].max())) if distance is None else distance
+    if before > distance or before <= settings.same * settings.x_scale:
+        return before <= distance
+    guess = orbit_of(cycle.pieces, nearest, cycle.p)
+    step = newton_step(guess, (Closed(), Coordinate(-1, cycle.p)), settings)
+    return float(np.abs(nearest + step[:-1] - cycle.x).max()) <= LEFT_BY_STEP * before

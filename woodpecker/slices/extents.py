@@ -1,0 +1,264 @@
+"""How far a piece reaches to a side: samples on the way, and the first margin that vanishes."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+from woodpecker.base.settings import Settings
+from woodpecker.maps.pieces import Image
+from woodpecker.slices.borders import is_square_root, limit, strays
+from woodpecker.slices.margins import IN_X, depth, first_part, is_within, lowest_dip, reach
+
+MOST_SAMPLES = 10_000  # samples of a piece: some tens are usual
+AHEAD = 1.25  # part of the way to a border that a step over it has: to first order it lies there
+RETRY = 0.25  # part of a step that is tried next if the map takes another piece at its end
+ROOT_STEPS = 60  # to where a margin vanishes; then a shorter way is tried. A handful is usual
+STRAYED = 6  # steps after which every third halves: three are enough where cubics do not mislead
+SPLIT = 0.125  # part of a way that is tried first where its far end is lost, or the near one steep
+BOTH = 16.0  # times as closely as a border is located other margins may vanish there too
+# Part of the way to the border of a piece without a value beyond it that is left at first; and how
+# much more if the piece was lost all the same. Both are closed in on fast.
+SHORT, WIDEN = 2.0**-4, 8.0
+SAFETY = 4.0  # times an estimated error: one bit more than the next term of a series makes of it
+UNEVEN = 16.0  # slopes whose ratio is larger are split beside the steeper one
+OTHER_WAY = "the piece goes another way"
+WITHIN, NO_VALUE = -1, -2  # instead of a margin that vanishes
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Reach:
+    """How far a piece reaches from a point to one side.
+
+    Attributes
+    ----------
+    x, images
+        Samples on the way, from the point on; the last lies at the end.
+    code
+        The margin that vanishes at the end; -1 if the limit of the search is met, or the piece has
+        no value further on.
+    """
+
+    x: tuple[float, ...]
+    images: tuple[Image, ...]
+    code: int
+
+    @property
+    def end(self) -> float:
+        """Where the piece ends."""
+        return self.x[-1]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Knot:
+    """A point at which a piece was evaluated; between such points it is interpolated.
+
+    ``code`` is the margin that vanishes there, or WITHIN, or NO_VALUE beyond it.
+    """
+
+    x: float
+    image: Image
+    code: int = WITHIN
+
+
+Missing = Callable[[Knot, Knot], float]
+
+
+def reach_of(
+    image: Image, x: float, p: float, side: int, limit: float, settings: Settings,
+    missing: Missing = lambda *_: 0.0,
+) -> Reach:  # fmt: skip
+    """Follow a piece to one side until a margin vanishes or a limit is met.
+
+    Parameters
+    ----------
+    image, x, p
+        A point of the piece.
+    side, limit
+        Which way, and how far.
+    settings
+        Scales.
+    missing
+        Where a sample is missing between two, as a part of the way; 0 if none is.
+    """
+    samples, code = [Knot(x, image)], WITHIN
+    longest = settings.max_step * settings.x_scale
+    least = settings.nearest * settings.x_scale
+    while samples[-1].x != limit and code == WITHIN and len(samples) < MOST_SAMPLES:
+        ahead, code = reach(samples[-1].image, side)
+        if ahead <= 0.0:
+            break
+        to = samples[-1].x + side * min(longest, AHEAD * ahead + least)
+        to = limit if side * (to - limit) >= 0.0 else to
+        found = _followed(samples[-1], to, p, settings, missing)
+        samples += found
+        code = found[-1].code if found else NO_VALUE
+    xs, images = tuple(each.x for each in samples), tuple(each.image for each in samples)
+    return Reach(xs, images, max(code, -1))
+
+
+def _followed(here: Knot, to: float, p: float, settings: Settings, missing: Missing) -> list[Knot]:
+    """Samples from a point on, to another or to where the first margin vanishes; none if lost.
+
+    Where a margin may dip to zero between two of them there is another one.
+    """
+    found, least = list[Knot](), settings.nearest * settings.x_scale
+    todo = [_next(here, to, p, settings)]  # the farthest first
+    while todo:  # each pass keeps a sample or puts one before it, of so many
+        there = todo[-1]
+        if there is None:
+            break
+        way = there.x - here.x
+        dip = lowest_dip(here.image, there.image, way, IN_X, IN_X)
+        if dip is None or not least < dip * abs(way) < abs(way) - least:
+            dip = missing(here, there)
+        if len(todo) + len(found) < MOST_SAMPLES and least < dip * abs(way) < abs(way) - least:
+            at = here.x + dip * way
+            between = _next(here, at, p, settings)
+            if between is None or between.x != at or between.code != WITHIN:
+                todo.clear()
+            todo.append(between)
+        else:
+            here = there
+            found.append(there)
+            todo.pop()
+    return found
+
+
+def _next(here: Knot, to: float, p: float, settings: Settings) -> Knot | None:
+    """The sample at a point if the piece reaches it, or where it ends before; None if it is lost.
+
+    Where it ends may not be clear at once; a shorter step is taken then.
+    """
+    while True:  # the step becomes shorter, down to ``nearest``
+        there = Knot(to, here.image.piece.at(to, p))
+        if is_within(there.image):
+            return there
+        root = _first_root(here, _continued(here, to, p, settings, there.image), p, settings)
+        if root is not None:  # a piece that was met at a grazing may be continued the wrong way
+            return replace(root, image=root.image._replace(piece=here.image.piece))
+        to = here.x + RETRY * (to - here.x)
+        if abs(to - here.x) < settings.nearest * settings.x_scale:
+            return None
+
+
+def _continued(
+    here: Knot, x: float, p: float, settings: Settings, image: Image | None = None
+) -> Knot:
+    """A piece at another point, or its image there; it has no value if it went another way."""
+    there = here.image.piece.at(x, p) if image is None else image
+    other = not there.reason and strays(here.image, there, x - here.x, settings)
+    return Knot(x, there._replace(reason=OTHER_WAY) if other else there)
+
+
+# --- Where a margin vanishes ----------------------------------------------------------------------
+
+
+def _first_root(low: Knot, high: Knot, p: float, settings: Settings) -> Knot | None:
+    """Where between two points the first margin vanishes; None if that is not clear yet.
+
+    Each margin that is negative at the far end is a cubic in between; the point where the first of
+    them vanishes takes the place of one of the ends. Where the piece has no value at the far end it
+    is approached from inside.
+    """
+    before, left = low, 1.0
+    tolerance = settings.nearest * settings.x_scale
+    for k in range(ROOT_STEPS):
+        way = high.x - low.x
+        ahead, code = reach(low.image, math.copysign(1.0, way))
+        lost = bool(high.image.reason)
+        if abs(way) <= tolerance or (ahead <= tolerance and (k > 0 or lost)):
+            code = code if ahead <= 2.0 * tolerance else NO_VALUE
+            return _at_end(before, low, way, code) if lost else Knot(low.x, low.image, code)
+        ahead /= abs(way)
+        if lost and ahead >= 1.0:
+            part = 0.5 if k > 0 else SPLIT
+        elif lost:
+            part = _short_of(before, low, code, way, left, settings)
+        else:
+            part, first = first_part(low.image, high.image, way)
+            if first < 0:
+                return None
+            if ahead < SPLIT or (ahead < 1.0 and not high.image.margin(code) < 0.0):
+                part = ahead
+            else:
+                code = first
+        trial = low.x + (part if k < STRAYED or k % 3 < 2 else 0.5) * way
+        for end in (high, low):
+            if abs(trial - end.x) <= tolerance and not math.isnan(end.image.margin(code)):
+                if depth(end.image, code) >= -BOTH * tolerance:
+                    return Knot(end.x, end.image, code)
+                high, left = Knot(high.x, high.image._replace(reason=OTHER_WAY)), 1.0
+                break
+        else:
+            found = _continued(low, trial, p, settings)
+            if is_within(found.image):
+                before, low, left = low, found, 1.0
+            else:
+                high, left = found, left * WIDEN
+    return None
+
+
+def _at_end(before: Knot, low: Knot, way: float, code: int) -> Knot:
+    """The last sample of a piece that has no value beyond.
+
+    Where it ends in a square root its slope there is infinite, and the value is the limit.
+    """
+    side = math.copysign(1.0, way)
+    ahead, first = reach(low.image, side)
+    run = side * (low.x - before.x)
+    if first != code or ahead <= 0.0 or run <= 0.0:
+        return Knot(low.x, low.image, code)
+    if not is_square_root(before.image.slope, low.image.slope, (run + ahead) / ahead):
+        return Knot(low.x, low.image, code)
+    return Knot(low.x + side * ahead, limit(low.image, -side * ahead), code)
+
+
+def _short_of(
+    before: Knot, low: Knot, code: int, way: float, left: float, settings: Settings
+) -> float:
+    """A point short of the one where a margin vanishes and the piece is lost, as a part of the way.
+
+    The margin is a parabola, by its slopes at two points if there are; how far that is from a
+    straight line says how much of the way is left.
+    """
+    side = math.copysign(1.0, way)
+    h, slope = low.image.margin(code), side * float(low.image.gradient(code)[0])
+    straight = distance = -h / slope
+    short = SHORT
+    run = side * (low.x - before.x)
+    slope_before = side * float(before.image.gradient(code)[0])
+    if run > 0.0 and math.isfinite(slope_before):
+        square = slope * slope - 2.0 * h * (slope - slope_before) / run
+        if square > 0.0:
+            distance = 2.0 * h / (math.sqrt(square) - slope)
+            short = min(short, SAFETY * (distance / straight - 1.0) ** 2)
+    least = settings.nearest * settings.x_scale / SAFETY
+    short = min(0.5, left * max(short, least / distance))
+    return min(0.5 if distance >= abs(way) else 1.0, distance / abs(way)) * (1.0 - short)
+
+
+# --- Whether samples tell what lies between them --------------------------------------------------
+
+
+def uneven(here: Knot, there: Knot, even: float) -> float:
+    """Where a sample is missing between two, as a part of the way; 0 if none is.
+
+    Parameters
+    ----------
+    even
+        By how much a rise may differ from those that the slopes at both ends make of it.
+    """
+    run, rise = there.x - here.x, there.image.value - here.image.value
+    rates = here.image.slope * run, there.image.slope * run
+    endless = math.isinf(rates[0]), math.isinf(rates[1])
+    if any(endless):  # a square root
+        rate = rates[1] if endless[0] else rates[0]
+        return 0.5 if all(endless) or abs(rise - 2.0 * rate) > 2.0 * abs(rise) + even else 0.0
+    if abs(rates[0] + rates[1] - 2.0 * rise) <= even:
+        return 0.0
+    steep = abs(rates[0]), abs(rates[1])
+    if max(steep) <= UNEVEN * min(steep):
+        return 0.5
+    return SPLIT if steep[0] > steep[1] else 1.0 - SPLIT

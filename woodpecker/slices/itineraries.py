@@ -1,0 +1,319 @@
+"""Cycles and jumps of P_j at one parameter, from the pieces of P_1.
+
+P_j has a piece for each sequence of pieces of P_1 that an orbit can visit. Where P_1 is steep these
+are too thin to be met by looking at P_j itself; but pulled back return by return through the
+monotone branches of P_1 they are all there, and steepness helps: inverse branches contract.
+
+What is found here is a guess, good to the interpolation between samples, with the pieces that its
+orbit takes; Newton's method on these pieces follows.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from woodpecker.base.arrays import Bools, Floats, Ints
+from woodpecker.base.settings import Settings
+from woodpecker.maps.counting import Allowance
+from woodpecker.slices.borders import Border
+from woodpecker.slices.monotone import branches_of
+from woodpecker.slices.orbits import Closed, Coordinate, Orbit, solve
+from woodpecker.slices.partition import EVEN, Partition
+
+OF_ITERATE = 10  # times the pieces of P_1 that are allowed: pieces of an iterate
+PAIRS = 10**8  # of pieces that are compared at once: as many bytes
+# How often an orbit is pulled back point by point, if Newton's method fails from a guess: each time
+# what it is off falls by the product of its slopes.
+PULLS = 3
+# Part of its length by which a piece of an iterate, whose end seems to miss the diagonal, may meet
+# it: its ends are interpolated.
+LOOSE = 0.02
+# Halvings of an interval in which a cycle of an iterate lies, before Newton's method begins: to
+# 6e-8 of it, more than cubics are good for.
+BISECTIONS = 24
+# Points inside an increasing piece of an iterate at which two cycles are looked for, and how often
+# closer to the one nearest to the diagonal: 16^4 points, of which one in a thousand is looked at.
+INTERIOR, ZOOMS = 16, 4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Cylinders:
+    """Intervals of x_0 whose orbits visit given branches, and where P_j takes their ends.
+
+    ``branches`` is (n, j); the other arrays are (n,).
+    """
+
+    low: Floats
+    high: Floats
+    at_low: Floats
+    at_high: Floats
+    branches: Ints
+
+    def take(self, chosen: Bools) -> _Cylinders:
+        """Some of them."""
+        return _Cylinders(
+            self.low[chosen], self.high[chosen], self.at_low[chosen], self.at_high[chosen],
+            self.branches[chosen],
+        )  # fmt: skip
+
+
+class Itineraries:
+    """Orbits of P_1 at one parameter.
+
+    Parameters
+    ----------
+    partition
+        The pieces of P_1 in a window; orbits that leave the window are not followed.
+    settings
+        Tolerances, and how many pieces of an iterate there may be.
+    allowed
+        How often the map may be evaluated.
+
+    Attributes
+    ----------
+    left
+        Whether there are more pieces or orbits than that, so that some were not looked at.
+    """
+
+    def __init__(self, partition: Partition, settings: Settings, allowed: Allowance) -> None:
+        self.partition, self.p, self.settings = partition, partition.p, settings
+        self.window, self._allowed, self.left = partition.window, allowed, False
+        self._most = OF_ITERATE * settings.max_pieces
+        self.branches = branches_of(partition, settings)
+        self._cylinders = [self._first()]
+
+    def cycles(self, order: int) -> list[Orbit]:
+        """Cycles of P_order, those of lower periods among them, one for each of their points."""
+        if not len(self.branches):  # no orbit stays in the window
+            return []
+        found = list[Orbit]()
+        for branches, x in [*self._sure(order), *self._perhaps(order)]:
+            if self._allowed.spent:
+                self.left = True
+                break
+            orbit = self._solved(branches, x)
+            if orbit is not None:
+                found.append(orbit)
+        return found
+
+    def heads(
+        self, borders: Sequence[Border], order: int, wanted: Callable[[Border, int, float], bool]
+    ) -> Iterator[tuple[Orbit, Border]]:
+        """Orbits that lead to borders within ``order`` points, about, the border their last.
+
+        Parameters
+        ----------
+        wanted
+            Whether an orbit matters that leads to a border, of so many points, and starts about at
+            a point.
+        """
+        for border in borders:
+            targets = np.array([border.x])
+            points: list[tuple[tuple[float, ...], tuple[int, ...]]] = [((), ())]
+            for before in range(order):
+                if len(targets) > self._most:
+                    self.left = True
+                    break
+                for xs, branches in points:
+                    if wanted(border, before + 1, (*xs, border.x)[0]):
+                        if self._allowed.spent:
+                            self.left = True
+                            return
+                        yield self._head(xs, branches, border), border
+                if before < order - 1:
+                    targets, points = self._preimages(targets, points)
+
+    def _head(self, xs: tuple[float, ...], branches: tuple[int, ...], border: Border) -> Orbit:
+        """Points in some branches, and the border to which they lead."""
+        images = [
+            self.branches.image(k, to).piece.at(x, self.p)
+            for k, x, to in zip(branches, xs, (*xs, border.x)[1:], strict=True)
+        ]
+        return Orbit(np.array([*xs, border.x]), self.p, (*images, border.inner))
+
+    def _preimages(
+        self, targets: Floats, points: list[tuple[tuple[float, ...], tuple[int, ...]]]
+    ) -> tuple[Floats, list[tuple[tuple[float, ...], tuple[int, ...]]]]:
+        low, high = self.branches.low[:, None], self.branches.high[:, None]
+        k, hit = np.nonzero((low < targets) & (targets < high))
+        x = self.branches.inverse(k, targets[hit])
+        found = zip(k.tolist(), hit.tolist(), x.tolist(), strict=True)
+        return x, [((a, *points[i][0]), (b, *points[i][1])) for b, i, a in found]
+
+    def _solved(self, branches: Ints, x: Floats) -> Orbit | None:
+        """The cycle of some branches near a guess; None if it lies outside of their pieces."""
+        conditions = Closed(), Coordinate(-1, self.p)
+        orbit = self._orbit(branches, x)
+        for _ in range(PULLS):
+            solution = solve(orbit, conditions, self.settings)
+            inside = self._inside(solution.orbit) if solution.converged else None
+            if inside is not None:
+                return inside
+            pulled = self._pulled(branches, orbit.x)
+            if pulled is None:
+                return None
+            orbit = pulled
+        return None
+
+    def _inside(self, orbit: Orbit) -> Orbit | None:
+        low, high = self.window
+        if not (low <= orbit.x.min() and orbit.x.max() <= high):
+            return None
+        inside = all(not len(i.margins) or i.margins.min() >= 0.0 for i in orbit.images)
+        return orbit if inside else None
+
+    def _orbit(self, branches: Ints, x: Floats) -> Orbit:
+        images = [
+            self.branches.image(int(k), float(y)).piece.at(float(a), self.p)
+            for k, a, y in zip(branches, x, np.roll(x, -1), strict=True)
+        ]
+        return Orbit(np.asarray(x), self.p, tuple(images))
+
+    def _pulled(self, branches: Ints, x: Floats) -> Orbit | None:
+        """An orbit whose points are pulled back one after the other, exactly."""
+        points, images = x.copy(), [self.branches.images[0]] * len(x)
+        for i in reversed(range(len(x))):
+            found = self.branches.exact(int(branches[i]), float(points[(i + 1) % len(x)]), self.p)
+            if found is None:
+                return None
+            points[i], images[i] = found
+        return Orbit(points, self.p, tuple(images))
+
+    # --- Guesses ----------------------------------------------------------------------------------
+
+    def _sure(self, order: int) -> Iterator[tuple[Ints, Floats]]:
+        """Where P_order changes its side of the diagonal."""
+        found = self._of(order)
+        rising = found.at_high > found.at_low
+        crosses = (found.at_low > found.low) != (found.at_high > found.high)
+        meets = np.maximum(found.low, found.at_low) <= np.minimum(found.high, found.at_high)
+        yield from self._roots(found.take(crosses & ~rising))
+        parts, beside = self._halves(found.take(meets & rising))
+        yield from self._roots(parts)
+        yield from beside
+
+    def _perhaps(self, order: int) -> Iterator[tuple[Ints, Floats]]:
+        """Where more cycles may be: right beside a piece, whose ends are interpolated."""
+        found = self._of(order)
+        gaps = found.at_low - found.low, found.at_high - found.high
+        width, nearer = found.high - found.low, np.abs(gaps[0]) < np.abs(gaps[1])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            off = width * np.where(nearer, gaps[0], gaps[1]) / np.abs(gaps[1] - gaps[0])
+        near = (np.abs(off) <= LOOSE * width) & (width > 0.0) & (gaps[0] * gaps[1] > 0.0)
+        y = np.where(nearer, found.at_low, found.at_high)
+        yield from zip(found.branches[near], self._back(found.branches[near], y[near]), strict=True)
+
+    def _first(self) -> _Cylinders:
+        ends = np.column_stack([self.branches.first, self.branches.last])
+        turned = self.branches.x[ends[:, 0]] > self.branches.x[ends[:, 1]]
+        ends[turned] = ends[turned, ::-1]
+        (low, high), (at_low, at_high) = self.branches.x[ends].T, self.branches.y[ends].T
+        return _Cylinders(low, high, at_low, at_high, np.arange(len(ends))[:, None])
+
+    def _of(self, order: int) -> _Cylinders:
+        while len(self._cylinders) < order:
+            self._cylinders.append(self._fewer(self._pulled_back(self._cylinders[-1])))
+        return self._cylinders[order - 1]
+
+    def _pulled_back(self, later: _Cylinders) -> _Cylinders:
+        """One return more in front: each branch followed by whatever its image meets."""
+        b, later = self.branches, self._fewer(later)
+        k, hit = np.nonzero((later.low <= b.high[:, None]) & (later.high >= b.low[:, None]))
+        bottom, top = np.maximum(later.low[hit], b.low[k]), np.minimum(later.high[hit], b.high[k])
+        at_bottom = self._at(later, hit, bottom)
+        at_top = self._at(later, hit, top)
+        x_bottom = np.where(bottom == b.low[k], b.x[b.first[k]], b.inverse(k, bottom))
+        x_top = np.where(top == b.high[k], b.x[b.last[k]], b.inverse(k, top))
+        turned = x_bottom > x_top
+        return _Cylinders(
+            np.where(turned, x_top, x_bottom), np.where(turned, x_bottom, x_top),
+            np.where(turned, at_top, at_bottom), np.where(turned, at_bottom, at_top),
+            np.column_stack([k, later.branches[hit]]),
+        )  # fmt: skip
+
+    def _fewer(self, found: _Cylinders) -> _Cylinders:
+        """The widest pieces of an iterate, if there are too many."""
+        most = min(self._most, PAIRS // max(1, len(self.branches)))
+        if len(found.low) <= most:
+            return found
+        self.left = True
+        kept = np.zeros(len(found.low), dtype=bool)
+        kept[np.argsort(found.low - found.high, kind="stable")[:most]] = True
+        return found.take(kept)
+
+    def _at(self, later: _Cylinders, hit: Ints, x: Floats) -> Floats:
+        """Where the later returns take points x of cylinders ``hit``: by the samples of pieces."""
+        at_low, at_high = later.at_low[hit], later.at_high[hit]
+        inside = (later.low[hit] < x) & (x < later.high[hit])
+        value = x.copy()
+        for branch in later.branches[hit].T:
+            value = self.branches.forward(branch, value)
+        ends = np.where(x <= later.low[hit], at_low, at_high)
+        found: Floats = np.where(inside, value, ends)
+        return found
+
+    def _back(self, branches: Ints, y: Floats) -> Floats:
+        """Orbits (n, j) that visit branches (n, j) and end in y (n,)."""
+        points = np.empty(branches.shape)
+        for i in reversed(range(branches.shape[1])):
+            y = points[:, i] = self.branches.inverse(branches[:, i], y)
+        return points
+
+    def _roots(self, found: _Cylinders) -> Iterator[tuple[Ints, Floats]]:
+        """Cycles in cylinders at whose ends P_j lies on different sides of the diagonal."""
+        a, b = found.at_low.copy(), found.at_high.copy()  # values between which the cycle lies
+        below = found.low < found.at_low
+        for _ in range(BISECTIONS if len(a) else 0):
+            middle = 0.5 * (a + b)
+            same = (self._back(found.branches, middle)[:, 0] < middle) == below
+            a, b = np.where(same, middle, a), np.where(same, b, middle)
+        points = self._back(found.branches, 0.5 * (a + b))
+        gaps = found.at_low - found.low, found.at_high - found.high
+        with np.errstate(divide="ignore", invalid="ignore"):
+            x = found.low + gaps[0] / (gaps[0] - gaps[1]) * (found.high - found.low)
+        ahead = [x]
+        for branch in found.branches.T[:-1]:
+            ahead.append(self.branches.forward(branch, ahead[-1]))
+        flat = np.abs(found.at_high - found.at_low) <= found.high - found.low
+        for k, orbit in enumerate(np.where(flat[:, None], np.column_stack(ahead), points)):
+            if np.isfinite(orbit).all():
+                yield found.branches[k], orbit
+
+    def _halves(self, found: _Cylinders) -> tuple[_Cylinders, list[tuple[Ints, Floats]]]:
+        """Parts of increasing cylinders between which P_j changes its side of the diagonal.
+
+        Where none shows, the neighbourhood of the point nearest to the diagonal is looked at. If it
+        is as near as samples can tell there may be two cycles, on both sides of it: two guesses.
+        """
+        low = np.maximum(found.low, found.at_low)  # a fixed point can only be in between
+        high = np.minimum(found.high, found.at_high)
+        rows, parts = np.arange(len(low)), []
+        around = np.column_stack([low, high])
+        off = np.full(len(low), np.inf)
+        for zoom in range(ZOOMS if len(low) else 0):
+            y = low[:, None] + np.linspace(0.0, 1.0, INTERIOR) * (high - low)[:, None]
+            many = np.repeat(found.branches[rows], INTERIOR, axis=0)
+            x = self._back(many, y.ravel())[:, 0].reshape(y.shape)
+            row, k = np.nonzero((x[:, :-1] < y[:, :-1]) != (x[:, 1:] < y[:, 1:]))
+            parts.append((x[row, k], x[row, k + 1], y[row, k], y[row, k + 1], rows[row]))
+            off[rows[row]] = np.inf
+            open_ = np.setdiff1d(np.arange(len(rows)), row)
+            nearest = np.abs(x - y)[open_].argmin(axis=1)
+            low = y[open_, np.maximum(nearest - 1, 0)]
+            high = y[open_, np.minimum(nearest + 1, INTERIOR - 1)]
+            rows = rows[open_]
+            off[rows] = np.abs(x - y)[open_, nearest]
+            if zoom == 0:
+                around[rows] = np.column_stack([low, high])
+            if not len(rows):
+                break
+        near = np.repeat(np.flatnonzero(off <= EVEN * self.settings.x_scale), 2)
+        guesses = self._back(found.branches[near], around[near[::2]].ravel())
+        beside = list(zip(found.branches[near], guesses, strict=True))
+        if not parts:
+            return found, beside
+        x0, x1, y0, y1, chosen = (np.concatenate(column) for column in zip(*parts, strict=True))
+        return _Cylinders(x0, x1, y0, y1, found.branches[chosen]), beside

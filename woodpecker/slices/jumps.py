@@ -1,0 +1,214 @@
+"""Jumps of iterates that cross the diagonal: border orbits with the limits on both sides.
+
+P_N jumps at x_0 where an orbit x_0, x_1, .. x_k meets a jump of P_1 in its last point. Its limits
+are followed from both values at the border for the rest of the N returns. The jump crosses the
+diagonal if they lie on different sides of x_0.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from woodpecker.base.settings import Settings
+from woodpecker.maps.pieces import Image, PiecewiseMap
+from woodpecker.slices.borders import beyond
+from woodpecker.slices.orbits import Margin, OnBorder, Orbit
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Limit:
+    """One-sided limit of P_N at a jump.
+
+    Attributes
+    ----------
+    x
+        Points of the orbit that starts with the value at the border.
+    images
+        The image of the border, and those of the points; all but the last image are points.
+    """
+
+    x: tuple[float, ...]
+    images: tuple[Image, ...]
+
+    @property
+    def value(self) -> float:
+        """The limit; nan if the orbit is lost."""
+        return math.nan if self.images[-1].reason else self.images[-1].value
+
+    @property
+    def keys(self) -> tuple[object, ...]:
+        """Which pieces it takes."""
+        return tuple(image.piece.key for image in self.images)
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Their names."""
+        return tuple(image.piece.word for image in self.images)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Jump:
+    """A jump of P_order.
+
+    Attributes
+    ----------
+    head
+        x_0 .. x_k; the last point lies on the border of its piece.
+    closing
+        The margin of that piece which vanishes.
+    order
+        The iterate.
+    inner, outer
+        Limits under the piece of the head, and under the one beyond the border.
+    outer_code
+        The margin of the piece beyond which vanishes there.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, from_sympy, slices_at
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> one, = slices_at(lines, 0.5, (1,), Settings(span=(-1, 2), window=(-3, 3)))
+    >>> jump, = one.jumps
+    >>> type(jump).__name__, jump.x, jump.inner.value, jump.outer.value
+    ('Jump', 0.0, 0.5, -0.5)
+    """
+
+    head: Orbit
+    closing: Margin
+    order: int
+    inner: Limit
+    outer: Limit
+    outer_code: int
+
+    @property
+    def x(self) -> float:
+        """Where it is."""
+        return float(self.head.x[0])
+
+    @property
+    def p(self) -> float:
+        """The parameter."""
+        return self.head.p
+
+    @property
+    def offsets(self) -> tuple[float, float]:
+        """Limits less x_0, inner and outer."""
+        return self.inner.value - self.x, self.outer.value - self.x
+
+    @property
+    def crosses(self) -> bool:
+        """Whether the limits lie on different sides of the diagonal."""
+        one, other = self.offsets
+        return one * other < 0.0
+
+    @property
+    def lost(self) -> str:
+        """Why it has only one limit; empty if it has both."""
+        return self.inner.images[-1].reason or self.outer.images[-1].reason
+
+    @property
+    def inner_side(self) -> int:
+        """On which side of x_0 the inner limit is."""
+        side = math.copysign(1.0, self.head.images[-1].gradient(self.closing.code)[0])
+        for image in self.head.images[:-1]:
+            side = math.copysign(1.0, side * image.slope)
+        return int(side)
+
+    @property
+    def word(self) -> str:
+        """Words of the limits, from the left and from the right."""
+        before = self.head.words[:-1]
+        inner, outer = (" | ".join((*before, *side.words)) for side in (self.inner, self.outer))
+        return f"{outer} / {inner}" if self.inner_side > 0 else f"{inner} / {outer}"
+
+    def cycle(self, inner: bool) -> Orbit:
+        """The orbit x_0, x_1, .. that takes one of the limits at the border.
+
+        Parameters
+        ----------
+        inner
+            Whether it is the limit of the piece inside.
+
+        Returns
+        -------
+        Orbit
+            It ends at the border.
+        """
+        side = self.inner if inner else self.outer
+        images = (*self.head.images[:-1], *side.images)
+        return Orbit(np.append(self.head.x, side.x), self.p, images)
+
+    def at_border(self, inner: bool, settings: Settings) -> Margin | OnBorder:
+        """The condition that the orbit of a limit lies on the border.
+
+        As the piece inside says it, if the one beyond begins a little further on: one in between is
+        too thin to be seen.
+
+        Parameters
+        ----------
+        inner
+            Whether the piece inside says it.
+        settings
+            Its tolerances.
+
+        Returns
+        -------
+        condition
+            For the corrector.
+        """
+        k, own = self.closing.index, Margin(self.closing.index, self.code(inner))
+        if inner:
+            return own
+        image = self.outer.images[0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            away = abs(image.margin(own.code) / image.gradient(own.code)[0])
+        if not away > settings.rounded_x(float(self.head.x[k])):
+            return own
+        return OnBorder(k, self.closing.code, self.head.images[k].piece)
+
+    def code(self, inner: bool) -> int:
+        """The margin that vanishes at the border on one of its sides.
+
+        Parameters
+        ----------
+        inner
+            Whether it is that of the piece inside.
+
+        Returns
+        -------
+        int
+            The code of the margin.
+        """
+        return self.closing.code if inner else self.outer_code
+
+
+def limit_of(map_: PiecewiseMap, first: Image, returns: int, p: float) -> Limit:
+    """Follow the value of an image for some returns."""
+    x, images = list[float](), [first]
+    for _ in range(returns):
+        if images[-1].reason:
+            break
+        x.append(images[-1].value)
+        images.append(map_.at(x[-1], p))
+    return Limit(tuple(x), tuple(images))
+
+
+def jump_of(
+    map_: PiecewiseMap, head: Orbit, closing: Margin, order: int, settings: Settings
+) -> Jump:
+    """The jump of P_order at a border orbit."""
+    i = closing.index
+    inner = head.images[i]
+    side = inner.onward(closing.code)
+    outer, code = beyond(map_, float(head.x[i]), head.p, side, settings)
+    returns = order - len(head)
+    return Jump(
+        head, closing, order, limit_of(map_, inner, returns, head.p),
+        limit_of(map_, outer, returns, head.p), code,
+    )  # fmt: skip

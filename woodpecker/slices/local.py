@@ -1,0 +1,297 @@
+"""The local model at a border collision: two lines and a jump, solved exactly by pwmap.
+
+Next to a collision of a fixed point with a jump x_d(p) the map is, to first order in y = x - x_d(p)
+and q = p - p_0, a piecewise-linear map of y with one break at zero. Its coefficients are what the
+two pieces give exactly at the jump: limits, slopes, and derivatives in the parameter; and the jump
+moves by -h_p/h_x, h the margin that vanishes there. What :mod:`pwmap` proves of this model is what
+the paper's Figure 12 shows of point A: which branches start there, of which iterates, on which
+side, and with which slope over the parameter.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+
+import numpy as np
+import sympy
+
+from pwmap.diagrams.diagram import BranchKind, Diagram, SpecialPoint
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.parameters.bifurcations import bifurcation_diagram as exact_diagram
+from woodpecker.base.checks import number
+from woodpecker.base.settings import Settings
+from woodpecker.maps.pieces import Image, PiecewiseMap, map_of_pieces
+from woodpecker.slices.borders import Border, BorderKind
+from woodpecker.slices.orbits import Closed, Margin, Orbit, scales, solve
+from woodpecker.slices.windows import border_of, nearest_border
+
+Q = sympy.Symbol("q")
+MODEL_REACH = Fraction(1, 10**6)  # of the model in q; it is linear, so any small interval will do
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Start:
+    """A branch that the local model predicts at the collision.
+
+    Attributes
+    ----------
+    kind, order, word
+        As in a diagram; the words say L and R for the two sides of the jump.
+    side
+        +1 if it lies at larger parameters, -1 at smaller ones.
+    slope
+        dx/dp at the collision.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import family_from_sympy, local_model
+    >>> x, a, r = symbols("x a r")
+    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
+    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
+    >>> model = local_model(family.over(0, (0.0, 1.25)), 0.0, 0.0, orders=(1, 2))
+    >>> for start in model.starts:
+    ...     print(start.kind, start.order, start.word, f"{start.slope:.3f}")
+    fixed-point 1 R 0.444
+    jump 1 L|R 0.000
+    jump 2 RR|RL 0.800
+    """
+
+    kind: BranchKind
+    order: int
+    word: str
+    side: int
+    slope: float
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class LocalModel:
+    """The piecewise-linear map next to a border collision, and what it predicts.
+
+    Attributes
+    ----------
+    border
+        The jump at the collision, seen from the piece on which the fixed point lives.
+    speed
+        dx_d/dp, how fast the jump moves.
+    map
+        The model in y = x - x_d(p), with the parameter q = p - p_0.
+    diagram
+        Its exact bifurcation diagram over a small interval of q.
+    point
+        The special point of the diagram at q = 0, y = 0.
+    starts
+        The branches that end there and are local: their orbits stay next to the jump, but for the
+        last step on one side of it. Where an orbit goes that has left, two lines do not know.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import family_from_sympy, local_model
+    >>> x, a, r = symbols("x a r")
+    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
+    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
+    >>> model = local_model(family.over(0, (0.0, 1.25)), 0.0, 0.0)  # P1^L at r = 0
+    >>> print(model.point.kind, model.point.note)
+    FF fold
+    >>> [(str(start.kind), start.order, round(start.slope, 6)) for start in model.starts]
+    [('fixed-point', 1, 0.444444), ('jump', 1, 0.0), ('jump', 2, 0.8), ('jump', 3, 0.16), ('jump',
+    4, 0.672)]
+    """
+
+    border: Border
+    speed: float
+    map: PiecewiseLinearMap
+    diagram: Diagram
+    point: SpecialPoint
+    starts: tuple[Start, ...]
+
+    def __repr__(self) -> str:
+        """What it is of, its slopes, and how many branches start there."""
+        return (
+            f"LocalModel({self.point.kind} at p={self.p:.10g}, x={self.x:.10g}: slopes "
+            f"{self.left.slope:.6g} and {self.right.slope:.6g}, {len(self.starts)} branches)"
+        )
+
+    @property
+    def x(self) -> float:
+        """Where the collision is."""
+        return self.border.x
+
+    @property
+    def p(self) -> float:
+        """The parameter there."""
+        return self.border.p
+
+    @property
+    def left(self) -> Image:
+        """The image of the jump under the piece at smaller x."""
+        return self.border.inner if self.border.side > 0 else self.border.outer
+
+    @property
+    def right(self) -> Image:
+        """The image of the jump under the piece at larger x."""
+        return self.border.outer if self.border.side > 0 else self.border.inner
+
+    @property
+    def inner(self) -> str:
+        """The letter, L or R, of the side on which the fixed point lives."""
+        return _inner(self.border)
+
+
+def local_model(
+    map_: PiecewiseMap,
+    x: float,
+    p: float,
+    orders: Sequence[int] = (1, 2, 3, 4),
+    settings: Settings | None = None,
+) -> LocalModel:
+    """Build and solve the local model at a border collision.
+
+    Parameters
+    ----------
+    map_
+        For instance :class:`woodpecker.ToyPieces`; of a cycle of P_n that collides,
+        :class:`woodpecker.Iterate`.
+    x, p
+        The collision, for instance a BC or FF point of a diagram. It is located anew, and lies
+        within ``Settings.beside`` of these.
+    orders
+        Iterates of the model to look at.
+    settings
+        Scales and tolerances.
+
+    Returns
+    -------
+    LocalModel
+        The two lines as an exact map, the special point, and the branches that start there with
+        their slopes dx/dp.
+
+    Raises
+    ------
+    ValueError
+        If the map does not jump at x, or neither limit lies on the diagonal there.
+    TypeError
+        If the map has no pieces, see :class:`woodpecker.PiecewiseMap`.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, ToyPieces, local_model
+    >>> a = local_model(ToyPieces(Toy()), -0.8847733440, 0.1119709145, orders=(1, 2))
+    >>> print(a.point.kind, a.point.note, f"slope {a.right.slope:.6f}")
+    FF fold slope -1.304911
+    >>> [(str(start.kind), start.order, round(start.slope, 3)) for start in a.starts]
+    [('fixed-point', 1, 2.444), ('jump', 1, 0.0), ('jump', 2, 4.316)]
+    """
+    chosen = settings if settings is not None else Settings()
+    border = _collision(map_of_pieces(map_), number("x", x), number("p", p), chosen)
+    h_x, h_p = border.inner.gradient(border.code).tolist()
+    speed = -h_p / h_x
+    model = _model(border, speed)
+    found = exact_diagram(model, Q, (-MODEL_REACH, MODEL_REACH), orders)
+    (point,) = (point for point in found.points if point.exact["parameter"] == 0 == point.x)
+    starts = _starts(found, point, speed)
+    return LocalModel(
+        border=border,
+        speed=speed,
+        map=model,
+        diagram=found,
+        point=point,
+        starts=tuple(start for start in starts if _is_local(start, _inner(border))),
+    )
+
+
+def _inner(border: Border) -> str:
+    return "L" if border.side > 0 else "R"
+
+
+# --- The collision --------------------------------------------------------------------------------
+
+
+def _collision(map_: PiecewiseMap, x: float, p: float, settings: Settings) -> Border:
+    """The jump at which a fixed point ends next to a place, and the piece that it lives on inside.
+
+    Raises
+    ------
+    ValueError
+        If there is no jump, or no fixed point.
+    """
+    near = settings.beside * settings.x_scale
+    met = nearest_border(map_, x, p, near, settings)
+    if met is None or met.kind(settings) is not BorderKind.JUMP:
+        raise ValueError(f"the map does not jump at x = {x}, p = {p}")
+    found = [
+        solved
+        for image, code, side in (
+            (met.inner, met.code, met.side), (met.outer, met.outer_code, -met.side),
+        )
+        if (solved := _solved(map_, met, image, code, side, settings)) is not None
+    ]  # fmt: skip
+    if not found:
+        raise ValueError(f"no limit of the jump at x = {x}, p = {p} lies on the diagonal")
+    return min(found, key=lambda border: abs(border.p - p))
+
+
+def _solved(
+    map_: PiecewiseMap, met: Border, image: Image, code: int, side: int, settings: Settings
+) -> Border | None:
+    """The collision of a fixed point of one piece with a jump; None if there is none nearby."""
+    start = Orbit(np.array([met.x]), met.p, (image,))
+    solution = solve(start, (Closed(), Margin(0, code)), settings)
+    moved = np.abs(solution.orbit.point - start.point) / scales(1, settings)
+    if not solution.converged or float(moved.max()) > settings.beside:
+        return None
+    x, p = float(solution.orbit.x[0]), solution.orbit.p
+    return border_of(map_, solution.orbit.images[0], code, x, p, side, settings)
+
+
+# --- The model ------------------------------------------------------------------------------------
+
+
+def _model(border: Border, speed: float) -> PiecewiseLinearMap:
+    """The two lines, in y = x - x_d(p)."""
+    y = sympy.Symbol("y")
+    inner = _line(border.inner, 0.0, speed, y)  # its limit is on the diagonal up to rounding
+    outer = _line(border.outer, border.outer.value - border.x, speed, y)
+    left, right = (inner, outer) if border.side > 0 else (outer, inner)
+    return PiecewiseLinearMap([(left, y < 0), (right, y >= 0)], y)
+
+
+def _line(image: Image, gap: float, speed: float, y: sympy.Symbol) -> sympy.Expr:
+    """A piece to first order: its limit less x_d, its slope, and what the parameter changes."""
+    along = image.d_parameter + (image.slope - 1.0) * speed
+    return _exact(image.slope) * y + _exact(gap) + _exact(along) * Q
+
+
+def _exact(value: float) -> sympy.Rational:
+    fraction = Fraction(float(value))
+    return sympy.Rational(fraction.numerator, fraction.denominator)
+
+
+def _is_local(start: Start, inner: str) -> bool:
+    words = start.word.split("|")
+    return any(set(word) == {inner} for word in words) and all(
+        set(word[:-1]) <= {inner} for word in words
+    )
+
+
+def _starts(found: Diagram, point: SpecialPoint, speed: float) -> list[Start]:
+    left, right = found.sides(point.id)
+    starts = []
+    for side, names in ((-1, left), (1, right)):
+        for name in names:
+            branch = found.branch(name)
+            stretch = branch.words[0 if branch.ends[0] == point.id else -1]
+            rate = float(sympy.diff(stretch.exact["x"], Q).subs(Q, 0))
+            starts.append(
+                Start(
+                    kind=branch.kind,
+                    order=branch.order,
+                    word=stretch.word,
+                    side=side,
+                    slope=rate + speed,
+                )
+            )
+    return starts

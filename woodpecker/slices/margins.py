@@ -1,0 +1,232 @@
+"""What the margins of images say: how far a piece reaches, and where one of them may vanish.
+
+An image has some fifty margins. They are gone through in compiled loops, for on arrays so small
+every operation of numpy costs more than the loop.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.compiled import jit, part
+from woodpecker.engine.curves import WORTH
+from woodpecker.maps.pieces import Image
+
+REACH, NEAREST, DEPTH, DIP, FIRST = range(5)  # tasks
+FAR = 2.0**52  # a distance that is infinite for all purposes: added to one of 1, that is lost
+FLAT = 1e-200  # a slope of a margin that is zero for all purposes: what divides by it is infinite
+CUBIC_STEPS = 60  # of Newton's method: a handful, or halvings down to rounding
+ROUNDED_PART = 1e-15  # a place in (0, 1) is not known better
+# Times a margin's change over a step and its slope at the other end: a larger slope at one end is
+# that beside a square root.
+BESIDE_ROOT = 10.0
+IN_X = np.array([1.0, 0.0])  # the direction of x, in (x, p)
+
+
+def reach(image: Image, side: float) -> tuple[float, int]:
+    """How far the margins of an image let x move to a side, to first order, and which stops it."""
+    away, code = _of_one(REACH, image, side)
+    return (away, code) if code >= 0 and not away >= FAR else (math.inf, -1)
+
+
+def nearest_code(image: Image, side: int) -> int:
+    """The margin nearest to vanishing of those that fall to a side; -1 if none does."""
+    return _of_one(NEAREST, image, float(side))[1]
+
+
+def depth(image: Image, ignored: int = -1) -> float:
+    """Distance in x by which an image lies inside its piece; negative if it lies outside.
+
+    To first order, by the margin that is nearest to its border.
+    """
+    return _of_one(DEPTH, image, 1.0, ignored)[0]
+
+
+def is_within(image: Image) -> bool:
+    """Whether there is a value, and no margin is negative."""
+    margins = image.margins
+    return not image.reason and (not len(margins) or bool(margins[margins.argmin()] >= 0.0))
+
+
+def lowest_dip(
+    here: Image, there: Image, step: float, along: Floats, along_there: Floats
+) -> float | None:
+    """Where between two points a margin may come closest to zero, as a part of the way; or None.
+
+    Both points lie inside. A margin that falls at the first and rises at the second is a cubic in
+    between, or, where its slope at one end is that beside a square root, a parabola in the root of
+    the distance from there; a minimum that takes away most of it is worth a look. So is the middle
+    if a margin that only one of the points has leads below zero.
+    """
+    part, found = _of_two(DIP, here, there, step, along, along_there)
+    return part if found >= 0 else None
+
+
+def first_part(here: Image, there: Image, step: float) -> tuple[float, int]:
+    """Where the first margin vanishes of those that are negative at the second of two points.
+
+    Returns
+    -------
+    The place as a part of the way, and the margin; -1 if none is clear.
+    """
+    return _of_two(FIRST, here, there, step, IN_X, IN_X)
+
+
+def _of_one(task: int, image: Image, side: float, ignored: int = -1) -> tuple[float, int]:
+    found = np.empty(1)
+    a, g, c = image.margins, np.asfortranarray(image.gradients), image.causes
+    code = _margins(task, ignored, side, a, g, c, a, g, c, IN_X, IN_X, found, WORTH, BESIDE_ROOT)
+    return found.item(), code
+
+
+def _of_two(
+    task: int, here: Image, there: Image, step: float, along: Floats, along_there: Floats
+) -> tuple[float, int]:
+    found = np.empty(1)
+    code = _margins(
+        task, -1, step, here.margins, np.asfortranarray(here.gradients), here.causes,
+        there.margins, np.asfortranarray(there.gradients), there.causes, along, along_there, found,
+        WORTH, BESIDE_ROOT,
+    )  # fmt: skip
+    return found.item(), code
+
+
+@jit
+def _margins(
+    task: int, code: int, step: float, a: Floats, slopes: Floats, causes: Ints, b: Floats,
+    slopes_there: Floats, causes_there: Ints, along: Floats, along_there: Floats, found: Floats,
+    worth: float, bent: float,
+) -> int:  # fmt: skip
+    """Go through the margins of one image, or of two.
+
+    Parameters
+    ----------
+    task
+        REACH, NEAREST, DEPTH: of the first image; DIP, FIRST: of both.
+    code
+        DEPTH: a margin that does not count.
+    step
+        REACH, NEAREST: the side; DIP, FIRST: the way from one point to the other.
+    a, slopes, causes
+        (m,) margins of the first image, (m, 2) their gradients and (m,) codes, ascending.
+    b, slopes_there, causes_there
+        The same of the second.
+    along, along_there
+        (2,) directions of the way in (x, p).
+    found
+        (1,) output: the distance, or the part of the way.
+    worth, bent
+        DIP: see WORTH and BESIDE_ROOT; arguments, so that code cached on disk has no old ones.
+
+    Returns
+    -------
+    The margin that it belongs to; -1 if there is none.
+    """
+    if task <= DEPTH:
+        return _nearest(task, code, step, a, slopes, causes, found)
+    i, j, best, which = 0, 0, 1.0 if task == FIRST else 0.0, -1
+    while i < len(a) or j < len(b):
+        here = i < len(a) and (j >= len(b) or causes[i] <= causes_there[j])
+        there = j < len(b) and (i >= len(a) or causes_there[j] <= causes[i])
+        x, y, dx, dy, cause = math.nan, math.nan, math.nan, math.nan, -1
+        if here:
+            x, cause = a[i], causes[i]
+            dx = step * (slopes[i, 0] * along[0] + slopes[i, 1] * along[1])
+            i += 1
+        if there:
+            y, cause = b[j], causes_there[j]
+            dy = step * (slopes_there[j, 0] * along_there[0] + slopes_there[j, 1] * along_there[1])
+            j += 1
+        if task == FIRST:
+            s = _vanishes(x, dx, y, dy) if there and y < 0.0 else 2.0
+            if s <= best:
+                best, which = s, cause
+        elif here and there:
+            s, below = _dip(x, dx, y, dy, worth, bent)
+            if below < best:
+                best, which, found[0] = below, cause, s
+        elif (here and x > 0.0 and x + dx < 0.0) or (there and y > 0.0 and y - dy < 0.0):
+            found[0] = 0.5
+            return cause
+    if task == FIRST:
+        found[0] = best
+    return which
+
+
+@part
+def _nearest(
+    task: int, ignored: int, side: float, margins: Floats, slopes: Floats, causes: Ints,
+    found: Floats,
+) -> int:  # fmt: skip
+    """The margin that vanishes nearest to a point, to first order."""
+    found[0], which = math.inf, -1
+    for k in range(len(margins)):
+        rate = side * slopes[k, 0]
+        away = math.inf
+        if task == DEPTH:
+            if causes[k] == ignored:
+                continue
+            if abs(rate) > FLAT:
+                away = margins[k] / abs(rate)
+            elif margins[k] < 0.0:
+                away = -math.inf
+        elif rate < -FLAT:
+            away = abs(margins[k] / rate) if task == NEAREST else -margins[k] / rate
+        if away < found[0]:
+            found[0], which = away, causes[k]
+    return which
+
+
+@part
+def _vanishes(a: float, da: float, b: float, db: float) -> float:
+    """Where a margin vanishes that is b < 0 at the end of the way, as a part of it; 2 if unclear.
+
+    It is a cubic with these values and slopes; one that is not there at the beginning (a is nan) is
+    a straight line.
+    """
+    if a <= 0.0:
+        return 2.0
+    if not a > 0.0:
+        return 1.0 - b / db if b > db else 0.5
+    c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
+    low, high, s = 0.0, 1.0, a / (a - b)
+    for _ in range(CUBIC_STEPS):
+        f, slope = a + s * (da + s * (c2 + s * c3)), da + s * (2.0 * c2 + 3.0 * s * c3)
+        if f > 0.0:
+            low = s
+        else:
+            high = s
+        after = s - f / slope if slope != 0.0 else low
+        if not low < after < high:
+            after = 0.5 * (low + high)
+        if abs(after - s) <= ROUNDED_PART:
+            break
+        s = after
+    return s
+
+
+@part
+def _dip(
+    a: float, da: float, b: float, db: float, worth: float, bent: float
+) -> tuple[float, float]:
+    """Where on the way a margin is least, and how far below what is worth a look."""
+    worth *= min(a, b)
+    c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
+    slow, fast = min(abs(da), abs(db)), max(abs(da), abs(db))
+    if fast > bent * (abs(b - a) + slow):  # that of a square root: a parabola in its argument
+        near, rate, far = (a, 2.0 * da, b) if fast == abs(db) else (b, -2.0 * db, a)
+        bend = far - near - rate
+        u = min(1.0, -rate / (2.0 * bend)) if bend > 0.0 > rate else 1.0
+        s = (1.0 - u) ** 2
+        return (1.0 - s if fast == abs(db) else s), near + u * (rate + u * bend) - worth
+    root = c2 * c2 - 3.0 * c3 * da
+    if root > 0.0 and min(a + da / 3.0, b - db / 3.0) < worth:  # its control points
+        root = math.sqrt(root)
+        s = -da / (c2 + root) if c2 >= 0.0 else (root - c2) / (3.0 * c3) if c3 != 0.0 else 0.0
+        least = a + s * (da + s * (c2 + s * c3))
+        if 0.0 < s < 1.0 and least < worth:
+            return s, least - worth
+    return 0.0, 0.0

@@ -1,0 +1,257 @@
+"""All cycles and jumps of some iterates at one parameter."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import NamedTuple
+
+import numpy as np
+
+from pwmap.diagrams.shown import counted
+from woodpecker.base.settings import Settings
+from woodpecker.maps.counting import Allowance, as_counting
+from woodpecker.maps.pieces import Image, PiecewiseMap
+from woodpecker.slices.borders import Border, BorderKind
+from woodpecker.slices.bracketing import bracketed
+from woodpecker.slices.crossings import is_inside
+from woodpecker.slices.itineraries import Itineraries
+from woodpecker.slices.jumps import Jump, jump_of, limit_of
+from woodpecker.slices.margins import depth
+from woodpecker.slices.orbits import (
+    Closed,
+    Coordinate,
+    Margin,
+    Orbit,
+    minimal_period,
+    orbit_of,
+    solve,
+)
+from woodpecker.slices.partition import (
+    NEAR_DIAGONAL,
+    Cylinder,
+    Partition,
+    beside_diagonal,
+    beside_window,
+    partition,
+)
+
+MOST_ADDED = 1000  # samples between two: none or a few are usual
+# Part of an interval: where a turning point seems to lie closer to an end it is halved instead.
+EDGE = 0.02
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Slice:
+    """What one iterate shows at a parameter.
+
+    Attributes
+    ----------
+    p, order
+        The parameter and the iterate.
+    cycles
+        Its cycles, each once, from their smallest point.
+    jumps
+        Its jumps that cross the diagonal.
+    unresolved
+        Total length of intervals in which there are more pieces of P_1 than were looked for; all of
+        the window if there are more orbits of the iterate than were looked at.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, slices_at, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> one, = slices_at(lines, 0.5, (1,), Settings(span=(-1, 2), window=(-3, 3)))
+    >>> one.order, len(one.cycles), len(one.jumps)
+    (1, 0, 1)
+    """
+
+    p: float
+    order: int
+    cycles: tuple[Orbit, ...]
+    jumps: tuple[Jump, ...]
+    unresolved: float
+
+    def __repr__(self) -> str:
+        """Where, of which iterate, and how much there is."""
+        found = f"{counted(len(self.cycles), 'cycle')}, {counted(len(self.jumps), 'jump')}"
+        return f"Slice(p={self.p:.10g}, order {self.order}: {found})"
+
+
+def slices_at(
+    map_: PiecewiseMap, p: float, orders: Sequence[int], settings: Settings
+) -> list[Slice]:
+    """What some iterates show at a parameter.
+
+    Parameters
+    ----------
+    map_, p
+        P_1, and the parameter.
+    orders
+        The iterates.
+    settings
+        The window, finite; orbits of which a point leaves it do not count.
+
+    Returns
+    -------
+    list of Slice
+        One for each order, in the order given.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, slices_at, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> for one in slices_at(lines, 0.5, (1, 2), Settings(span=(-1, 2), window=(-3, 3))):
+    ...     print(one.order, len(one.cycles), len(one.jumps))
+    1 0 1
+    2 1 1
+    """
+    map_ = as_counting(map_)
+    allowed = Allowance(map_, settings.of_slice(orders))
+    side = (beside_diagonal if max(orders) == 1 else beside_window)(settings)
+    pieces = partition(map_, p, settings.window, settings, side, allowed)
+    borders = [b for b in pieces.borders() if b.kind(settings) is BorderKind.JUMP]
+    found, whole = [], settings.window[1] - settings.window[0]
+    orbits = Itineraries(pieces, settings, allowed) if max(orders) > 1 else None
+    for order in orders:
+        if order == 1:
+            cycles = list(_fixed_points(pieces, settings))
+        else:
+            assert orbits is not None
+            cycles = orbits.cycles(order)
+        kept = tuple(_distinct(cycles, order, settings))
+        jumps = tuple(_jumps(map_, borders, orbits, order, settings))
+        all_seen = orbits is None or not orbits.left
+        found.append(Slice(p, order, kept, jumps, pieces.unresolved if all_seen else whole))
+    return found
+
+
+def _distinct(cycles: Sequence[Orbit], order: int, settings: Settings) -> Iterator[Orbit]:
+    """Cycles of minimal period ``order`` from their smallest points, each once."""
+    turned = [
+        orbit.rotated(int(np.argmin(orbit.x)))
+        for orbit in cycles
+        if minimal_period(orbit, settings) == order and not _on_border(orbit, settings)
+    ]
+    last: Orbit | None = None
+    for orbit in sorted(turned, key=lambda orbit: float(orbit.x[0])):
+        same = settings.same * settings.x_scale
+        if last is None or np.abs(orbit.x - last.x).max() > same:
+            yield orbit
+        last = orbit
+
+
+def _on_border(orbit: Orbit, settings: Settings) -> bool:
+    """Whether rounding decides which pieces a cycle takes; it is then one of a border collision."""
+    least = settings.nearest * settings.x_scale
+    return any(abs(depth(image)) <= least for image in orbit.images)
+
+
+def _jumps(
+    map_: PiecewiseMap, borders: Sequence[Border], orbits: Itineraries | None, order: int,
+    settings: Settings,
+) -> Iterator[Jump]:  # fmt: skip
+    wanted = _Crossing(map_, order, settings)
+    if orbits is None:
+        heads: Iterator[tuple[Orbit, Border]] = (
+            (Orbit(np.array([b.x]), b.p, (b.inner,)), b) for b in borders if wanted(b, 1, b.x)
+        )
+    else:
+        heads = orbits.heads(borders, order, wanted)
+    for guess, border in heads:
+        closing = Margin(len(guess) - 1, border.code)
+        solution = solve(guess, (closing, Coordinate(-1, border.p)), settings)
+        head = solution.orbit
+        if solution.converged and is_inside(head, closing) and _within(head, settings):
+            jump = jump_of(map_, head, closing, order, settings)
+            if jump.crosses:
+                yield jump
+
+
+class _Crossing:
+    """Whether a jump may cross the diagonal at a point that is known roughly.
+
+    Its limits depend on the border and on the returns that follow, and not on what leads to it.
+    """
+
+    def __init__(self, map_: PiecewiseMap, order: int, settings: Settings) -> None:
+        self.map, self.order = map_, order
+        self._slack = NEAR_DIAGONAL * settings.x_scale
+        self._known: dict[tuple[int, int], tuple[float, float]] = {}
+
+    def __call__(self, border: Border, length: int, x: float) -> bool:
+        """Whether the jump at x does, of which so many points lead to a border."""
+        key = id(border), self.order - length
+        if key not in self._known:
+            one, other = (
+                limit_of(self.map, image, key[1], border.p).value
+                for image in (border.inner, border.outer)
+            )
+            self._known[key] = min(one, other), max(one, other)
+        low, high = self._known[key]
+        return low - self._slack <= x <= high + self._slack
+
+
+def _within(orbit: Orbit, settings: Settings) -> bool:
+    low, high = settings.window
+    return bool(low <= orbit.x.min() and orbit.x.max() <= high)
+
+
+def _fixed_points(pieces: Partition, settings: Settings) -> Iterator[Orbit]:
+    for cylinder in pieces.cylinders:
+        for (a, one), (b, other) in _parts(cylinder, pieces.p):
+            if (one.value - a) * (other.value - b) > 0.0:
+                continue
+            root = bracketed({a: one, b: other}, a, b, pieces.p, _gap)
+            if root is None:
+                continue
+            start = orbit_of([root[1].piece], np.array([root[0]]), pieces.p)
+            solution = solve(start, (Closed(), Coordinate(-1, pieces.p)), settings)
+            if solution.converged and is_inside(solution.orbit, Closed()):
+                yield solution.orbit
+
+
+class _Point(NamedTuple):
+    x: float
+    image: Image
+
+
+def _parts(cylinder: Cylinder, p: float) -> Iterator[tuple[_Point, _Point]]:
+    """Neighbouring samples, with more of them where P(x) - x may turn round beyond the diagonal."""
+    points = [_Point(x, image) for x, image in zip(cylinder.x, cylinder.images, strict=True)]
+    for pair in pairwise(points):
+        todo, left = [pair], MOST_ADDED
+        while todo:
+            a, b = todo.pop()
+            x, left = _lowest(a, b) if left > 0 else None, left - 1
+            middle = None if x is None else _Point(x, a.image.piece.at(x, p))
+            if middle is None or middle.image.reason:
+                yield a, b
+            else:
+                todo += [(middle, b), (a, middle)]
+
+
+def _lowest(a: _Point, b: _Point) -> float | None:
+    """Where |P(x) - x| is least between two points; None if it does not come down to zero there.
+
+    It does not if the tangents at both ends meet before: as long as it does not bend the other way.
+    """
+    (one, down), (other, up) = _gap(a.image, a.x), _gap(b.image, b.x)
+    if not (one * other > 0.0 and one * down < 0.0 < other * up):
+        return None
+    run = b.x - a.x
+    meet = (other - one - up * run) / (down - up)  # from a
+    part = down / (down - up)
+    x = a.x + part * run if EDGE < part < 1.0 - EDGE else a.x + 0.5 * run
+    return x if a.x < x < b.x and (one + down * meet) * one <= 0.0 else None
+
+
+def _gap(image: Image, x: float) -> tuple[float, float]:
+    return image.value - x, image.slope - 1.0

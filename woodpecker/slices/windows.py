@@ -1,0 +1,166 @@
+"""Borders of a map at one parameter: all of them in a window, and the one nearest to a point."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from woodpecker.base.checks import interval, number, positive
+from woodpecker.base.settings import Settings
+from woodpecker.maps.pieces import Image, PiecewiseMap, map_of_pieces
+from woodpecker.slices.borders import Border, beyond
+from woodpecker.slices.extents import reach_of
+from woodpecker.slices.margins import reach
+from woodpecker.slices.orbits import Coordinate, Margin, Orbit, solve
+from woodpecker.slices.partition import partition
+
+
+def borders_in(
+    map_: PiecewiseMap, p: float, window: tuple[float, float], settings: Settings | None = None
+) -> list[Border]:
+    """All borders of a map in a window of x, in ascending order.
+
+    Each is the root of a margin, to rounding, and says what happens there
+    (:attr:`~woodpecker.Border.cause`).
+
+    Parameters
+    ----------
+    map_, p
+        For instance :class:`woodpecker.ToyPieces`, and its parameter.
+    window
+        Interval of x.
+    settings
+        Scales and cut-offs, those of the window by default. Pieces shorter than ``finest``, or
+        ``coarse`` where they lead out of its window, are passed over.
+
+    Returns
+    -------
+    list of Border
+        Empty if one piece holds the whole window.
+
+    Raises
+    ------
+    ValueError
+        If the window is no two finite, ascending numbers.
+    TypeError
+        If the map has no pieces.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, ToyPieces, borders_in
+    >>> for border in borders_in(ToyPieces(Toy(), "eps_n1"), 0.15, (-0.9, -0.88)):
+    ...     print(f"{border.x:.9f} {border.jump:+.6f} {border.cause}")
+    -0.884773344 +0.305658 the beak and the upper sleeve strike at once
+    -0.882395391 -0.000000 the upper sleeve only just sticks in the compression
+    """
+    ends = interval("window", window, finite=True)
+    chosen = settings if settings is not None else Settings(window=ends)
+    found = partition(map_of_pieces(map_), number("p", p), ends, chosen).borders()
+    return [_sharpened(map_, border, chosen) for border in found]
+
+
+def nearest_border(
+    map_: PiecewiseMap, x: float, p: float, within: float, settings: Settings | None = None
+) -> Border | None:
+    """The border nearest to a point of a map; None if the piece there reaches further than asked.
+
+    Parameters
+    ----------
+    map_, x, p
+        The map, the point and the parameter.
+    within
+        How far a border is looked for, to both sides.
+    settings
+        Scales, those of the default by default.
+
+    Returns
+    -------
+    Border or None
+        The border as the piece that holds the point meets it.
+
+    Raises
+    ------
+    ValueError
+        If the map has no value at the point, or the distance is not positive.
+    TypeError
+        If the map has no pieces.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import nearest_border, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> nearest_border(lines, 0.3, 0.5, within=1.0).x
+    0.0
+    >>> nearest_border(lines, 2.5, 0.5, within=1.0) is None
+    True
+    """
+    x, p, within = number("x", x), number("p", p), positive("within", within)
+    chosen = settings if settings is not None else Settings()
+    here = map_of_pieces(map_).at(x, p)
+    if here.reason:
+        raise ValueError(f"the map has no value at x = {x}, p = {p}: {here.reason}")
+    found = list[Border]()
+    for side in (-1, 1):
+        limit = x + side * within
+        way = reach_of(here, x, p, side, limit, chosen)
+        code = way.code
+        if code < 0 and way.end != limit:
+            code = _ahead(way.images[-1], side, chosen)
+        if code >= 0:
+            found.append(border_of(map_, way.images[-1], code, way.end, p, side, chosen))
+    return min(found, key=lambda border: abs(border.x - x), default=None)
+
+
+def _ahead(image: Image, side: int, settings: Settings) -> int:
+    """The margin that is about to vanish where a piece was followed no further; -1 if none is."""
+    away, code = reach(image, side)
+    return code if away <= settings.beside * settings.x_scale else -1
+
+
+def crosses(border: Border) -> bool:
+    """Whether a map jumps over the diagonal at a border: its limits lie on different sides.
+
+    Parameters
+    ----------
+    border
+        A border with the images on both sides of it.
+
+    Returns
+    -------
+    bool
+        False where a limit lies on the diagonal, or is not known.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import borders_in, crosses, from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> [[crosses(border) for border in borders_in(lines, p, (-2, 2))] for p in (-0.5, 0.5)]
+    [[False], [True]]
+    """
+    return (border.inner.value - border.x) * (border.outer.value - border.x) < 0.0
+
+
+def border_of(
+    map_: PiecewiseMap, inner: Image, code: int, x: float, p: float, side: int, settings: Settings
+) -> Border:
+    """The border that a piece meets at x, on a side of it, with what lies beyond."""
+    outer, outer_code = beyond(map_, x, p, side, settings)
+    return _sharpened(map_, Border(x, p, inner, code, side, outer, outer_code), settings)
+
+
+def _sharpened(map_: PiecewiseMap, border: Border, settings: Settings) -> Border:
+    """A border at the root of its margin, to rounding; as it is if Newton's method leads away."""
+    start = Orbit(np.array([border.x]), border.p, (border.inner,))
+    root = solve(start, (Margin(0, border.code), Coordinate(-1, border.p)), settings)
+    x = float(root.orbit.x[0])
+    if not root.converged or abs(x - border.x) > settings.beside * settings.x_scale:
+        return border
+    outer, code = beyond(map_, x, border.p, border.side, settings)
+    return replace(border, x=x, inner=root.orbit.images[0], outer=outer, outer_code=code)

@@ -1,0 +1,86 @@
+"""P_1 of the toy over two of its parameters."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+from woodpecker.maps.pieces import Piece, PiecewiseMap
+from woodpecker.mechanics.toy import Toy
+from woodpecker.plane.families import Pair
+from woodpecker.toy_map import ToyPiece, ToyPieces
+
+
+@dataclass(frozen=True, slots=True)
+class ToyFamily:
+    """P_1 of the toy over two of its parameters, a :class:`woodpecker.plane.families.Family`.
+
+    Parameters
+    ----------
+    toy
+        The toy; its own values of the two do not matter.
+    names
+        The parameters.
+
+    Raises
+    ------
+    TypeError
+        If a parameter is unknown.
+    ValueError
+        If there are not two different ones.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, ToyFamily
+    >>> family = ToyFamily(Toy(), ("eps_n1", "mu_2"))
+    >>> over_mu_2 = family.over(1, (0.4, 0.3))  # with eps_n1 = 0.4
+    >>> round(over_mu_2.at(-0.53, 0.3).value, 9)
+    -0.563805677
+    """
+
+    toy: Toy
+    names: tuple[str, str]
+    _maps: tuple[ToyPieces, ToyPieces] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if isinstance(self.names, str) or len(self.names) != 2 or len(set(self.names)) != 2:
+            raise ValueError(f"expected two different parameters of the toy, got {self.names!r}")
+        first, second = self.names
+        object.__setattr__(self, "names", (first, second))
+        object.__setattr__(self, "_maps", (ToyPieces(self.toy, first), ToyPieces(self.toy, second)))
+
+    def over(self, axis: int, values: Pair) -> PiecewiseMap:
+        """The map over one of the parameters, the other one held.
+
+        Parameters
+        ----------
+        axis
+            Which parameter the map is over, 0 or 1.
+        values
+            Values of both; that of the axis does not matter.
+
+        Returns
+        -------
+        PiecewiseMap
+            A map of one parameter.
+        """
+        other = 1 - axis
+        return self._maps[axis].holding(**{self.names[other]: values[other]})
+
+    def carried(self, piece: Piece, map_: PiecewiseMap) -> Piece:
+        """Returns along the same path.
+
+        Parameters
+        ----------
+        piece
+            A piece of one of the maps.
+        map_
+            The other map.
+
+        Returns
+        -------
+        Piece
+            A piece of ``map_``.
+        """
+        assert isinstance(piece, ToyPiece)
+        assert isinstance(map_, ToyPieces)
+        return ToyPiece(map_, piece.path)

@@ -1,0 +1,401 @@
+"""P_1 of the toy as a piecewise-smooth map of (phi_S, parameter): its pieces and their margins.
+
+The searching kernel finds the path of a return, and the path is followed: value, derivatives and
+margins are those of following, also beyond the set where the toy takes the path.
+"""
+
+from __future__ import annotations
+
+import math
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.checks import instance, number, real_array
+from woodpecker.base.compiled import announce
+from woodpecker.maps.pieces import Image
+from woodpecker.mechanics.equations import unsound
+from woodpecker.mechanics.modes import (
+    CHANGE,
+    CONTACT,
+    EPS,
+    EPSILONS,
+    FIXED,
+    FORCE,
+    LIMIT,
+    POLE,
+    SOUND,
+    STEP,
+    Numbers,
+    parameters_of,
+    refill,
+    table,
+)
+from woodpecker.mechanics.toy import Toy, known_parameter, limits
+from woodpecker.simulation.calls import compute, sweep
+from woodpecker.simulation.codes import NO_PATH, RETURNED
+from woodpecker.simulation.paths import EVENT_LIMIT, Follower, Path, cause_of
+from woodpecker.simulation.returns import RELATIVE_STEP
+from woodpecker.slices.attracting import Sweep
+
+KEPT = 8  # maps of a process whose copies, sent from others, share tables: those of its searches
+CLEAR = 1e-9  # relative distance from the limits of a parameter beyond which rounding cannot matter
+TOO_FAR = "the path does not reach so far"
+NO_MARGINS, NO_GRADIENTS, NO_TIMES = np.zeros(0), np.zeros((0, 2)), np.zeros(0)
+NO_CAUSES: Ints = np.zeros(0, dtype=np.int64)
+
+Held = tuple[tuple[str, float], ...]
+"""Parameters of a toy, by name, that have other values than the toy's own."""
+
+NOTHING_HELD: Held = ()
+
+
+class _Table:
+    """The kernel's numbers over one parameter of the toy, and their derivatives.
+
+    Attributes
+    ----------
+    numbers, change
+        As :func:`woodpecker.simulation.calls.sweep` takes them, for the values of the last
+        :meth:`at`.
+    seed
+        (1, 3), derivatives of the restitution coefficients.
+    """
+
+    def __init__(self, toy: Toy, parameter: str) -> None:
+        self._toy, self._parameter, self._held = toy, parameter, NOTHING_HELD
+        self._low, self._high = limits(toy, parameter)
+        self.numbers: Floats = table(toy)
+        self._rates: Floats = np.zeros(CHANGE)
+        self.change: Floats = self._rates if parameter in Numbers._fields else FIXED
+        self.seed: Floats = np.zeros((1, 3))
+        if parameter in EPSILONS:
+            self.seed[0, EPSILONS.index(parameter)] = 1.0
+        self._complex = parameters_of(toy, parameter)
+        self._value = math.nan
+
+    def at(self, p: float, held: Held) -> None:
+        """Take the numbers of other values; ValueError says why the toy cannot have them."""
+        if held != self._held:
+            self._hold(p, held)
+        elif p == self._value:
+            return
+        if not self._low * (1.0 + CLEAR) < p < self._high * (1.0 - CLEAR):
+            self._toy.replace(**{self._parameter: p})
+        if self._put(self._parameter, complex(p, STEP)):
+            refill(self._complex, self.numbers, self._rates)
+        if not self.numbers[FORCE, SOUND]:
+            self._value = math.nan
+            raise unsound(self._toy.replace(**{self._parameter: p}))
+        self._value = p
+
+    def _hold(self, p: float, held: Held) -> None:
+        """Take other values of the other parameters."""
+        self._toy = self._toy.replace(**dict(held) | {self._parameter: p})
+        self._low, self._high = limits(self._toy, self._parameter)
+        changed = [self._put(name, complex(value)) for name, value in held]
+        if any(changed):
+            refill(self._complex, self.numbers, self._rates)
+        self._held = held
+
+    def _put(self, name: str, value: complex) -> bool:
+        """Take another value of a parameter; whether the table is to be filled again."""
+        if name in Numbers._fields:
+            self._complex[Numbers._fields.index(name)] = value
+            return True
+        if name in EPSILONS:
+            self.numbers[CONTACT + EPSILONS.index(name), EPS] = value.real
+        else:
+            self.numbers[FORCE, POLE] = value.real
+        return False
+
+
+class _Room:
+    """A table and a follower for all calls of one thread."""
+
+    def __init__(self, toy: Toy, parameter: str) -> None:
+        self._table = _Table(toy, parameter)
+        self.follower = Follower(self._table.numbers, self._table.change, self._table.seed)
+
+    def obstacle(self, x: float, p: float, held: Held) -> str:
+        """Take the numbers of these values; why the toy cannot start from there, or nothing."""
+        try:
+            self._table.at(p, held)
+        except ValueError as error:
+            return str(error)
+        if not math.isfinite(x):
+            return f"phi_s must be finite, got {x}"
+        return "" if x < self._table.numbers[CONTACT, LIMIT] else "the beak touches the pole"
+
+    def sweep(self, x: Floats, p: float, held: Held) -> Sweep:
+        """Images and slopes at points (n,), nan where there is none; ValueError as of the table."""
+        self._table.at(p, held)
+        out, words = np.empty((len(x), 5)), np.empty((len(x), EVENT_LIMIT), dtype=np.int16)
+        codes, lengths = np.empty((2, len(x)), dtype=np.int64)
+        announce(compute)
+        sweep(
+            self._table.numbers, self._table.change, x, 1, self._table.seed,
+            out, codes, lengths, words,
+        )  # fmt: skip
+        out[codes > RETURNED] = math.nan
+        return Sweep(out[:, 0], out[:, 3])
+
+
+class ToyMap(Protocol):
+    """Returns of toys over one number: a parameter, or how far the toy is along a line of them."""
+
+    def at(self, x: float, p: float) -> Image:
+        """The return from phi_S = x [rad] along the path that the toy takes there."""
+
+    def ready(self, x: float, p: float) -> tuple[Follower, str]:
+        """The follower, with the numbers of p; why the toy cannot start from there, or nothing."""
+
+
+class _PerThread(threading.local):
+    """What a thread keeps of a map between calls; no part of the map, and no copy has it."""
+
+    room: _Room | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class ToyPieces:
+    """P_1 of the toy as a piecewise-smooth map; it pickles, and threads may share it.
+
+    Parameters
+    ----------
+    toy
+        The toy; its own value of the parameter does not matter.
+    parameter
+        The parameter of the toy that varies.
+
+    Raises
+    ------
+    TypeError
+        If ``toy`` is none, or the parameter is unknown.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, ToyPieces
+    >>> map_ = ToyPieces(Toy(), "eps_n1")
+    >>> image = map_.at(-0.53, 0.5)
+    >>> round(image.value, 9), round(image.slope, 6), round(image.d_parameter, 6)
+    (-0.529030292, -0.833817, 0.250721)
+    >>> image.piece.word
+    'S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2'
+    """
+
+    toy: Toy
+    parameter: str = "eps_n1"
+    _held: Held = field(default=NOTHING_HELD, init=False, repr=False)
+    _cache: _PerThread = field(default_factory=_PerThread, init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        instance("toy", self.toy, Toy)
+        known_parameter(self.parameter)
+
+    def __reduce__(self) -> tuple[Callable[[Toy, str, Held], ToyPieces], tuple[Toy, str, Held]]:
+        return _same, (self.toy, self.parameter, self._held)
+
+    def holding(self, **values: float) -> ToyPieces:
+        """The map of a toy with other values of other parameters; it shares this one's tables.
+
+        The values are looked at where the map is asked for an image: it has none if the toy cannot
+        have them.
+
+        Parameters
+        ----------
+        **values
+            Values of parameters by name, in SI units.
+
+        Returns
+        -------
+        ToyPieces
+            A new map.
+
+        Raises
+        ------
+        TypeError
+            If a parameter is unknown, or is the one that varies.
+        """
+        for name in values:
+            if known_parameter(name) == self.parameter:
+                raise TypeError(f"{name} varies: it cannot be held at {values[name]}")
+        map_ = ToyPieces(self.toy, self.parameter)
+        object.__setattr__(map_, "_held", tuple(values.items()))
+        object.__setattr__(map_, "_cache", self._cache)
+        return map_
+
+    def at(self, x: float, p: float) -> Image:
+        """The return from phi_S = x [rad] along the path that the toy takes there.
+
+        Parameters
+        ----------
+        x, p
+            phi_S [rad] at the start, and the value of the parameter, in its unit.
+
+        Returns
+        -------
+        Image
+            The next phi_S [rad], derivatives and margins; without a return it carries the reason.
+        """
+        return image_taken(self, x, p)
+
+    def ready(self, x: float, p: float) -> tuple[Follower, str]:
+        """The follower, with the numbers of p; why the toy cannot start from there, or nothing.
+
+        Parameters
+        ----------
+        x, p
+            phi_S [rad] at the start, and the value of the parameter, in its unit.
+
+        Returns
+        -------
+        follower, reason
+            The reason is empty if the toy can start.
+        """
+        room = self.room()
+        return room.follower, room.obstacle(x, p, self._held)
+
+    def taken(self, x: float, p: float) -> tuple[bytes, float]:
+        """The key of the piece that the toy takes there, and its image as the search finds it.
+
+        Parameters
+        ----------
+        x, p
+            phi_S [rad] at the start, and the value of the parameter, in its unit.
+
+        Returns
+        -------
+        key, image
+            The image in rad.
+        """
+        x, p = _numbers(x, p)
+        follower, obstacle = self.ready(x, p)
+        if obstacle:
+            return NO_PATH.tobytes(), math.nan
+        status, path, value = follower.trace(x)
+        return (path.steps if status.success else NO_PATH).tobytes(), value
+
+    def sweep(self, x: Floats, p: float) -> Sweep:
+        """Returns from many points (n,) [rad] at once, without pieces: images and slopes.
+
+        Parameters
+        ----------
+        x, p
+            Starts [rad] of shape (n,), and the value of the parameter, in its unit.
+
+        Returns
+        -------
+        Sweep
+            Images [rad] and slopes [-], shapes (n,); nan where the toy does not return.
+
+        Raises
+        ------
+        ValueError
+            If the toy cannot have this value of the parameter.
+        """
+        return self.room().sweep(real_array("x", x).ravel(), number("p", p), self._held)
+
+    @property
+    def evaluations(self) -> int:
+        """How many returns this thread has computed one by one, found or followed."""
+        return self.room().follower.evaluations
+
+    def room(self) -> _Room:
+        """Table and follower of this thread."""
+        room = self._cache.room
+        if room is None:
+            room = self._cache.room = _Room(self.toy, self.parameter)
+        return room
+
+
+@lru_cache(maxsize=KEPT)
+def _same(toy: Toy, parameter: str, held: Held) -> ToyPieces:
+    """The one copy of a map in this process: pieces that come one by one share its tables."""
+    return ToyPieces(toy, parameter).holding(**dict(held))
+
+
+class ToyPiece(NamedTuple):
+    """Returns along one path.
+
+    Attributes
+    ----------
+    whole
+        The map that the piece belongs to.
+    path
+        What happens; of no phases where the toy does not return, with the reason as its word. The
+        durations are those where the piece was met last.
+    """
+
+    whole: ToyMap
+    path: Path
+
+    @property
+    def word(self) -> str:
+        """Sequence of events, or why the toy does not return."""
+        return self.path.word
+
+    @property
+    def key(self) -> bytes:
+        """The same for two pieces just if they are one."""
+        return self.path.steps.tobytes()
+
+    def at(self, x: float, p: float) -> Image:
+        """The return from phi_S = x [rad] along this path, also where the toy takes another one."""
+        follower, obstacle = self.whole.ready(x, p)
+        if obstacle or not len(self.path.steps):
+            return _undefined(self, obstacle or self.word)
+        return _image(self, follower, x, p)
+
+    def cause(self, code: int) -> str:
+        """A sentence on what happens where a margin vanishes."""
+        return cause_of(self.path, code).sentence
+
+
+def _numbers(x: float, p: float) -> tuple[float, float]:
+    """Both as floats, which the kernel is compiled for; ValueError unless they are real numbers."""
+    if isinstance(x, float) and isinstance(p, float):
+        return x, p
+    return number("x", x), number("p", p)
+
+
+def image_taken(whole: ToyMap, x: float, p: float) -> Image:
+    """The return from phi_S = x [rad] along the path that the toy takes there."""
+    x, p = _numbers(x, p)
+    follower, obstacle = whole.ready(x, p)
+    if obstacle:
+        return _undefined(ToyPiece(whole, Path(obstacle, NO_PATH, NO_TIMES)), obstacle)
+    status, path, _ = follower.trace(x)
+    if not status.success:
+        nowhere = ToyPiece(whole, Path(status.value, NO_PATH, NO_TIMES))
+        return _undefined(nowhere, status.value)
+    return _image(ToyPiece(whole, path), follower, x, p)
+
+
+def _undefined(piece: ToyPiece, reason: str) -> Image:
+    return Image(math.nan, math.nan, math.nan, NO_MARGINS, NO_GRADIENTS, NO_CAUSES, piece, reason)
+
+
+def _image(piece: ToyPiece, follower: Follower, x: float, p: float) -> Image:
+    """The return along a piece with the numbers of p, which the follower has now."""
+    found = follower.follow(piece.path, x)
+    if found is None or not math.isfinite(found.phi_s):
+        return _undefined(piece, TOO_FAR)
+    here = ToyPiece(piece.whole, Path(piece.path.word, piece.path.steps, found.times))
+    rate = found.d_parameter
+    if p == 0.0 and math.isnan(rate):  # contacts that rest here bounce at any larger restitution
+        rate = _rate_from_above(piece.whole, x, found.phi_s)
+    return Image(
+        found.phi_s, found.slope, rate, found.margins, found.gradients, found.causes, here
+    )  # fmt: skip
+
+
+def _rate_from_above(map_: ToyMap, x: float, value: float) -> float:
+    """One-sided difference of second order of the map in a restitution that is zero."""
+    near, far = (map_.at(x, k * RELATIVE_STEP).value for k in (1, 2))
+    return (-3.0 * value + 4.0 * near - far) / (2.0 * RELATIVE_STEP)
