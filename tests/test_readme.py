@@ -32,4 +32,4 @@ def test_every_name_that_a_page_documents_exists() -> None:
 
 
 def test_it_is_short() -> None:
-    assert len(README.read_text(encoding="utf-8").splitlines()) <= 200
+    assert len(README.read_text(encoding="utf-8").splitlines()) <= 120

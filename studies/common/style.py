@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pwmap.plot import JUMP, STABLE, UNSTABLE
+from pwmap.plot import INK, JUMP, STABLE, UNSTABLE
 
 WIDTH = 7.6  # inches: what a page, or the README, shows without scaling
 GREY = "#969696"
@@ -33,8 +33,8 @@ METHODS = {  # colour and marker of everything that is compared
 }
 
 __all__ = [
-    "GREY", "JUMP", "METHODS", "PALE", "RED", "STABLE", "UNSTABLE", "VIOLET", "WIDTH", "canvas",
-    "grid", "keep", "small", "without_legend",
+    "GREY", "INK", "JUMP", "METHODS", "PALE", "RED", "STABLE", "UNSTABLE", "VIOLET", "WIDTH",
+    "canvas", "grid", "keep", "small", "without_legend",
 ]  # fmt: skip
 
 

@@ -12,6 +12,7 @@ piece, and nothing bounds how far Newton's method leads from there. Which branch
 
 Beyond the ends of eps_N1 the map is that at the end, so that the program may try values there. It
 does: between two branches a curve can run outside of the range.
+The picture shows one run beside the diagram.
 PyDSTool wants a numpy before 1.24; PYDSTOOL_PYTHON names a Python that has both. Without it the
 study says so and measures nothing.
 """
@@ -27,8 +28,15 @@ from itertools import groupby, pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from pwmap import BranchKind, Diagram
+import matplotlib.pyplot as plt
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from pwmap import BranchKind, Diagram, PointKind
+from pwmap.plot import plot_diagram
 from studies.common.record import Results, command
+from studies.common.style import GREY, INK, RED, WIDTH, grid, keep
 from studies.peers.elsewhere import environment, why_not
 from studies.peers.peer import LostError
 from woodpecker import Toy, continuation, first_return, shoot
@@ -39,6 +47,8 @@ START = (-0.53, 0.5)  # rad, eps_N1
 WINDOW = (-2.5, 0.119)  # rad: the beak is off the pole
 SAME = 1e-6  # rad: its tolerance, and the difference of a chord from a branch
 STEPS = (0.05, 0.02, 0.005)  # the largest ones: length in the plane of phi_S and eps_N1
+SHOWN = 0.02  # the largest step of the run in the picture
+CENTRE, HALF = (0.23, -0.79), (0.29, 0.32)  # of the picture: eps_N1, phi_S [rad]
 
 
 class Traced(NamedTuple):
@@ -134,7 +144,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     fast
         One step only.
     out
-        Not used: there are no pictures.
+        Folder for ``leap.png``.
 
     Returns
     -------
@@ -153,6 +163,8 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         for forward in (False, True):
             found = trace(toy, step, forward)
             ids = route(found, diagram)
+            if out is not None and step == SHOWN and not forward:
+                keep(draw(found, diagram), out / "leap.png")
             runs.append(
                 {
                     "step": step, "forward": forward, "points": len(found.points),
@@ -161,6 +173,42 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
                 }
             )  # fmt: skip
     return {"runs": runs, "branches": len(diagram.branches), "points": len(diagram.points)}
+
+
+def draw(found: Traced, diagram: Diagram) -> Figure:
+    """One run towards 0 beside the diagram of :func:`woodpecker.continuation`."""
+    figure, (left, right) = plt.subplots(
+        1, 2, figsize=(WIDTH, 3.4), sharex=True, sharey=True, layout="constrained"
+    )
+    _draw_run(left, found, diagram)
+    left.set_title("PyCont: one curve, three leaps", fontsize=10, loc="left")
+    plot_diagram(diagram, right, kinds=(PointKind.BC, PointKind.FF))
+    grid(right)
+    right.set_title("woodpecker: branches and jump crossings", fontsize=10, loc="left")
+    for ax in (left, right):
+        ax.set_xlim(CENTRE[0] - HALF[0], CENTRE[0] + HALF[0])
+        ax.set_ylim(CENTRE[1] - HALF[1], CENTRE[1] + HALF[1])
+        ax.set_xlabel(r"$\varepsilon_{N1}$")
+    left.set_ylabel(r"$\varphi_S$ [rad]")
+    right.set_ylabel("")
+    return figure
+
+
+def _draw_run(ax: Axes, found: Traced, diagram: Diagram) -> None:
+    """The points in their order; an arrow for every leap, with its number."""
+    points, names = np.array(found.points), list(_branches(found.points, diagram))
+    missing = leaps([name for name, _ in groupby(names)], diagram)
+    grid(ax)
+    ax.plot(*points.T, color=GREY, linewidth=0.8, zorder=2)
+    ax.plot(*points.T, "o", color=INK, markersize=3.2, zorder=3)
+    on_branch = [k for k, name in enumerate(names) if name]
+    jumps = [(a, b) for a, b in pairwise(on_branch) if [names[a], names[b]] in missing]
+    for number, (a, b) in enumerate(jumps, start=1):
+        ax.annotate("", points[b], points[a], zorder=4, arrowprops={
+            "arrowstyle": "-|>", "color": RED, "shrinkA": 2, "shrinkB": 2, "linewidth": 1.3,
+        })  # fmt: skip
+        ax.annotate(str(number), (4.0 * points[a] + points[b]) / 5.0, (3, -12), color=RED,
+                    textcoords="offset points", fontsize=9)  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -1,11 +1,12 @@
 """What a general continuation program makes of the return map, and how it is told."""
 
+import matplotlib.pyplot as plt
 import pytest
 from needs import NEEDS_NUMBA
 
 from studies.peers import pydstool_peer
 from studies.peers.peer import LostError
-from studies.peers.pydstool_peer import Traced, available, leaps, main, route, trace
+from studies.peers.pydstool_peer import Traced, available, draw, leaps, main, route, trace
 from woodpecker import Toy, continuation, shoot
 
 WHY_NOT = available()
@@ -24,6 +25,10 @@ def test_points_are_told_by_the_branch_they_lie_on() -> None:
     ids = route(Traced((*points, (0.19, 0.0)), "", 0), diagram)
     assert ids == [high.id, low.id, ""]
     assert leaps(ids, diagram) == [[high.id, low.id]]  # a jump crossing lies between them
+    picture = draw(Traced(tuple(points), "", 0), diagram)
+    arrows = [text for text in picture.axes[0].texts if text.arrow_patch is not None]
+    assert [tuple(arrow.xy) for arrow in arrows] == [points[2]]  # one leap, to the lower branch
+    plt.close(picture)
 
 
 def test_a_missing_pydstool_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
