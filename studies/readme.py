@@ -350,7 +350,7 @@ def general(results: All) -> str:
     ids = sorted({name for run in found["runs"] for name in run["route"] if name})
     return (
         f"{rows(header, lines)}\n\n"
-        f"`continuation` finds {found['branches']} branches and {found['points']} special points that hang together "
+        f"`continuation` finds {found['branches']} branches and {found['points']} special points that are connected "
         f"there. Its fixed points on the branches above live at these ε_N1: {_lives(results, ids)}."
     )
 

@@ -60,7 +60,7 @@ class Course(NamedTuple):
 
 
 class Loop(NamedTuple):
-    """Branches of P_2 that hang together, and the extent of what is drawn of them."""
+    """Connected branches of P_2, and the extent of what is drawn of them."""
 
     eps_n1: tuple[float, float]
     phi_s: tuple[float, float]  # rad
