@@ -19,7 +19,7 @@ from studies.common.record import ROOT, Results
 from studies.run_all import RESULTS, STUDIES
 from studies.sensitivities import PAPER_PERIOD
 
-PAGES = (RESULTS / "README.md", ROOT / "docs" / "comparison.md")
+PAGES = (RESULTS / "README.md", RESULTS / "diagrams.md", ROOT / "docs" / "comparison.md")
 BLOCK = re.compile(r"(<!-- results: (\w+) -->\n).*?(<!-- end -->)", flags=re.DOTALL)
 All = Mapping[str, Results]
 SPAN = "(0.012, 1)"
@@ -249,7 +249,7 @@ def robustness(results: All) -> str:
         "shooting on both sides confirms it" if first["confirmed"] else "not confirmed by shooting"
     )
     return (
-        f"The nearest trouble of the paper's toy is {first['percent']:.3f} % away (root of the sum of the "
+        f"The nearest bifurcation of the paper's toy is {first['percent']:.3f} % away (root of the sum of the "
         f"squares of all relative changes): {minus(changes)} and less of the others; there "
         f"{first['cause']} ({seen}).\n\n{table}"
     )

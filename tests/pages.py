@@ -19,7 +19,13 @@ LINK = re.compile(r"\[(?:[^\[\]]|\[[^\[\]]*\])*\]\(([^)\s]+)\)")
 
 def written() -> list[Path]:
     """All pages of Markdown in the repository but for those that are made."""
-    pages = [ROOT / "README.md", ROOT / "CHANGELOG.md", ROOT / "studies" / "results" / "README.md"]
+    results = ROOT / "studies" / "results"
+    pages = [
+        ROOT / "README.md",
+        ROOT / "CHANGELOG.md",
+        results / "README.md",
+        results / "diagrams.md",
+    ]
     return [*pages, *sorted(page for page in DOCS.rglob("*.md") if not made(page))]
 
 

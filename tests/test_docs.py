@@ -218,6 +218,36 @@ def test_commands_are_shown() -> None:
     assert len(SHOWN) >= 12
 
 
+# --- Words ----------------------------------------------------------------------------------------
+
+PLAIN_WORDS = {  # what a page does not say, and the word of the field, or a plain one
+    "hang together": "are connected",
+    "hangs together": "is connected",
+    "nobody sees": "is hidden",
+    "hairpin": "a sharp fold",
+    "needle": "a sharp fold",
+    "rooms of the house": "where things are",
+    "atlas": "a network",
+    "journal": "a checkpoint",
+    "crew": "an executor",
+}
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if p.name != "CHANGELOG.md"], ids=name)
+def test_pages_use_the_words_of_the_field(page: Path) -> None:
+    text = page.read_text(encoding="utf-8").lower()
+    found = {word for word in PLAIN_WORDS if re.search(rf"\b{word}\b", text)}
+    assert {word: PLAIN_WORDS[word] for word in found} == {}
+
+
+@pytest.mark.parametrize("page", [p for p in PAGES if p.name != "CHANGELOG.md"], ids=name)
+def test_a_page_is_not_longer_than_one_reads(page: Path) -> None:
+    lines = page.read_text(encoding="utf-8").splitlines()
+    assert len(lines) <= 250
+    for title in [line for line in lines if line.startswith("# ")][:1]:  # or it includes a page
+        assert len(title.split()) - 1 <= 6, title
+
+
 # --- Works ----------------------------------------------------------------------------------------
 
 

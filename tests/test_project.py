@@ -38,10 +38,13 @@ def test_the_workflow_runs_the_gate_on_all_of_them() -> None:
     assert lists == [PYTHONS, [PYTHONS[0], PYTHONS[-1]]]
     assert re.findall(r"os: \[(.*)\]", text) == ["ubuntu-latest, macos-latest, windows-latest"] * 2
     assert re.findall(r"run: bash (\S+)", text) == [".ci/run", ".ci/distributions"]
+    night = text_of(".github/workflows/nightly.yml")
+    assert re.findall(r"run: bash (\S+)", night) == [".ci/nightly"]
+    assert "cron:" in night
 
 
 @SOURCES
-@pytest.mark.parametrize("name", ["run", "distributions", "environment"])
+@pytest.mark.parametrize("name", ["run", "nightly", "distributions", "environment"])
 def test_scripts_are_what_a_shell_can_read(name: str) -> None:
     path = ROOT / ".ci" / name
     assert b"\r" not in path.read_bytes()

@@ -327,8 +327,8 @@ def test_styles_change_what_they_name() -> None:
     assert drawn.artists["fold-flip"][0].get_zorder() == 9
     pieces = plot_map(AT_ONE, styles={"pieces": {"color": "red"}}).artists["pieces"]
     assert [each.get_color() for each in pieces] == ["red", "red"]
-    with pytest.raises(ValueError, match=r"a style must be of one of stable, .*, got 'stabel'"):
-        plot_diagram(paper_diagram(1), styles={"stabel": {}})
+    with pytest.raises(ValueError, match=r"a style must be of one of stable, .*, got 'staple'"):
+        plot_diagram(paper_diagram(1), styles={"staple": {}})
 
 
 def test_a_diagram_draws_itself_on_given_axes() -> None:

@@ -1,0 +1,1 @@
+"""What asv measures over the history: `asv run`, `asv publish`, `asv preview`."""
