@@ -27,7 +27,7 @@ from pwmap.algebra.roots import (
     trimmed,
 )
 from pwmap.checking import branches, certificate, points
-from pwmap.checking.iterates import Map, Study
+from pwmap.checking.iterates import CheckedIterate, Map
 from pwmap.checking.places import Number as CheckedNumber
 from pwmap.checking.places import Place
 from pwmap.checking.polynomials import Poly, primitive
@@ -255,7 +255,7 @@ def _closed(map_: Map, edges: Iterable[Real], orders: Sequence[int]) -> list[Rea
         low, high = cells.pop()
         place = _Recorder(simplest_between(low, high))
         for order in orders:
-            parts = Study(map_._replace(work=place.work), place, order)
+            parts = CheckedIterate(map_._replace(work=place.work), place, order)
             _ = parts.fixed, parts.bands, parts.crossings
         inner: set[Real] = set()
         for poly in place.asked:
@@ -301,7 +301,7 @@ def _image(root: RealRoot, top: Dense, bottom: Dense) -> Real:
     return candidates[sum(above)]
 
 
-def _at_edge(row: Row, read: branches.Diagram, place: int) -> Row:
+def _at_edge(row: Row, read: branches.Claims, place: int) -> Row:
     """A row of fixed points as it is at an edge, of which diagrams state x alone."""
     there = read.found(place, row["order"], "fixed points").get(row["word"])
     if there is None:  # to be refused by the checker, in its words
@@ -373,11 +373,11 @@ class _DiagramWriter:
             "points": [],
         }
         try:
-            read = branches.Diagram(found)
+            read = branches.Claims(found)
             found["intervals"] = list(self._intervals(read))
             for kind, row in self._followed(read):
                 found[kind].append(row)
-            read = branches.Diagram(found)
+            read = branches.Claims(found)
             found["points"] = [
                 row
                 for point in self._diagram.points
@@ -388,7 +388,7 @@ class _DiagramWriter:
             _fail(str(error))
         return found
 
-    def _followed(self, read: branches.Diagram) -> Iterator[tuple[str, Row]]:
+    def _followed(self, read: branches.Claims) -> Iterator[tuple[str, Row]]:
         """Kinds and rows: stretches of one word joined, and cut where what they say changes."""
         found: dict[tuple[str, int, str], dict[int, Row]] = {}
         for branch, stretch in self._stretches:
@@ -457,7 +457,7 @@ class _DiagramWriter:
         """A formula in the parameter as the checker reads it."""
         return [[_text(c) for c in reversed(part)] for part in self._parts(expr)]
 
-    def _intervals(self, read: branches.Diagram) -> Iterator[Row]:
+    def _intervals(self, read: branches.Claims) -> Iterator[Row]:
         """Intervals of fixed points, each from the first to the last place in a row."""
         for order in self._orders:
             words = [read.found(i, order, "intervals") for i in range(1, read.last)]
@@ -468,7 +468,7 @@ class _DiagramWriter:
                 for word in here:
                     runs.setdefault(word, [i])
 
-    def _point(self, point: SpecialPoint, read: branches.Diagram) -> Iterator[Row]:
+    def _point(self, point: SpecialPoint, read: branches.Claims) -> Iterator[Row]:
         """A special point as the checker reads it, if fixed points end there."""
         parameter = real(point.exact["parameter"])
         i = self._index.get(parameter, 0)

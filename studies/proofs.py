@@ -33,7 +33,7 @@ from woodpecker.proofs.balls import fraction
 from woodpecker.proofs.certificates import Certificate
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import Frame, precision
-from woodpecker.proofs.model import Model
+from woodpecker.proofs.model import BallToy
 
 X1, X2 = -0.884773, -0.757787  # where two gaps close at once
 Law = Literal["summed", "separate"]
@@ -182,7 +182,7 @@ def _enclosed(toy: Toy, x: Fraction) -> tuple[Any, Any, Any]:
     """Image, period and drop, as balls."""
     with precision(BITS):
         start = arb(x.numerator) / x.denominator
-        (way,) = follow(Model.of(toy), Frame(arb(0), arb(0)), [start])
+        (way,) = follow(BallToy.of(toy), Frame(arb(0), arb(0)), [start])
         return way.image.box, way.period.box, way.drop.box
 
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from fractions import Fraction
 from typing import Any
 
-from pwmap.checking.iterates import Study
+from pwmap.checking.iterates import CheckedIterate
 from pwmap.checking.places import Number, Place
 from pwmap.checking.polynomials import Quotient, primitive
 from pwmap.checking.reading import canonical, read_map, shown, whole
@@ -41,7 +41,7 @@ def period(word: str) -> int:
     return next(d for d in range(1, n + 1) if n % d == 0 and word[:d] * (n // d) == word)
 
 
-def claims_of(study: Study) -> dict[str, list[dict[str, Any]]]:
+def claims_of(study: CheckedIterate) -> dict[str, list[dict[str, Any]]]:
     """All that lies on the diagonal of an iterate of a map without a parameter."""
     work = study.work
     fixed = [
@@ -71,7 +71,7 @@ def fixed_points_statement(certificate: Mapping[str, Any]) -> str:
     map_, _, name = read_map(certificate["map"], work, parametric=False)
     order = whole(certificate["order"], 1, ORDER)
     zero = Number((), Fraction(0), Fraction(0))
-    found = claims_of(Study(map_, Place(zero, zero, work), order))
+    found = claims_of(CheckedIterate(map_, Place(zero, zero, work), order))
     for key, rows in found.items():
         if canonical(certificate[key]) != canonical(rows):
             refuse(f"the {key} of P_{order} are {shown(rows)}, not {shown(certificate[key])}")

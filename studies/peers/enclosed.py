@@ -15,7 +15,7 @@ from studies.peers.peer import LostError
 from woodpecker import Toy, Undecided, prove, shoot
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import Frame, precision
-from woodpecker.proofs.model import Model
+from woodpecker.proofs.model import BallToy
 
 
 class Enclosed(NamedTuple):
@@ -38,7 +38,7 @@ def first_return_enclosed(toy: Toy, phi_s: float, bits: int) -> Enclosed:
     with precision(bits):
         here = arb(start.numerator) / start.denominator
         try:
-            (way,) = follow(Model.of(toy), Frame(arb(0), arb(0)), [here])
+            (way,) = follow(BallToy.of(toy), Frame(arb(0), arb(0)), [here])
         except Undecided as reason:
             raise LostError(f"undecided: {reason}") from reason
         image = way.image.box

@@ -16,9 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from woodpecker.checking.forms import Box, F, constant
-from woodpecker.checking.intervals import I, Span, T, Undecided, unit
-from woodpecker.checking.motion import Follower, Fork, Guard
-from woodpecker.checking.toy import NAMES, PAPER, Toy
+from woodpecker.checking.intervals import Extent, I, NotSeparated, T, unit
+from woodpecker.checking.motion import Choice, Guard, Tracker
+from woodpecker.checking.toy import NAMES, PAPER, ExactToy
 
 FORMAT, VERSION = "certificate of the Woodpecker Toy", 1
 NUMBER = re.compile(r"-?[0-9]{1,2000}(\.[0-9]{1,2000})?(/[0-9]{1,2000})?")
@@ -38,7 +38,7 @@ NOT_MADE_SO = (
 """What reading something else than a certificate comes to."""
 
 
-class Refused(ValueError):  # noqa: N818  (what a checker says)
+class Rejected(ValueError):  # noqa: N818  (what a checker says)
     """A certificate that does not hold; the sentence says why."""
 
 
@@ -64,11 +64,11 @@ def check_certificate(path: str | os.PathLike[str]) -> str:
     """
     raw = Path(path).read_bytes()
     if len(raw) > LONGEST:
-        raise Refused(f"a certificate has at most {LONGEST} characters, got {len(raw)}")
+        raise Rejected(f"a certificate has at most {LONGEST} characters, got {len(raw)}")
     try:
         content = json.loads(raw.decode("ascii"), object_pairs_hook=_object)
     except (ValueError, RecursionError) as error:
-        raise Refused(f"this is no certificate: {error}") from None
+        raise Rejected(f"this is no certificate: {error}") from None
     return check(content)
 
 
@@ -82,43 +82,43 @@ def check(content: Any) -> str:
     """The same for the content of a file."""
     try:
         return _checked(content)
-    except Undecided as error:
-        raise Refused(f"the certificate does not hold: {error}") from None
-    except Refused:
+    except NotSeparated as error:
+        raise Rejected(f"the certificate does not hold: {error}") from None
+    except Rejected:
         raise
     except NOT_MADE_SO as error:
-        raise Refused(f"the certificate is not made as one is: {error!a:.200}") from None
+        raise Rejected(f"the certificate is not made as one is: {error!a:.200}") from None
 
 
 def _checked(content: Any) -> str:
     if not isinstance(content, dict):
-        raise Refused("a certificate is an object with named entries")
+        raise Rejected("a certificate is an object with named entries")
     if content.get("format") != FORMAT or content.get("version") != VERSION:
-        raise Refused(f"the format must be {FORMAT!r}, version {VERSION}")
+        raise Rejected(f"the format must be {FORMAT!r}, version {VERSION}")
     rest = {key: value for key, value in content.items() if key != "seal"}
     text = json.dumps(rest, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
     if content.get("seal") != hashlib.sha256(text.encode("ascii")).hexdigest():
-        raise Refused("the seal is broken: something was changed after the proof was written")
+        raise Rejected("the seal is broken: something was changed after the proof was written")
     kinds = {"orbit": _orbit, "branch": _branch, "point": _point}
     if content["kind"] not in kinds:
-        raise Refused(f"kind must be one of {', '.join(kinds)}, got {content['kind']!r}")
+        raise Rejected(f"kind must be one of {', '.join(kinds)}, got {content['kind']!r}")
     digits = content["digits"]
     if not isinstance(digits, int) or not 20 <= digits <= 200:
-        raise Refused(f"digits must be a whole number from 20 to 200, got {digits!r}")
+        raise Rejected(f"digits must be a whole number from 20 to 200, got {digits!r}")
     expected = {"format", "version", "kind", "statement", "digits", "toy", "law", "parameter"}
     with unit(int(digits * 3.33) + 30):
         statement, keys = kinds[content["kind"]](content, _Data(content))
     if set(content) != expected | {"order", "seal"} | keys:
-        raise Refused("the certificate has other entries than its kind needs")
+        raise Rejected("the certificate has other entries than its kind needs")
     if statement != content["statement"]:
-        raise Refused("the statement is another one than what is proved")
+        raise Rejected("the statement is another one than what is proved")
     return statement
 
 
 def number(text: Any) -> Fraction:
     """A rational number from text."""
     if not isinstance(text, str) or not NUMBER.fullmatch(text):
-        raise Refused(f"a number must be text such as -0.25 or 1/3, got {text!a:.60}")
+        raise Rejected(f"a number must be text such as -0.25 or 1/3, got {text!a:.60}")
     top, _, bottom = text.partition("/")
     return Fraction(top) / Fraction(bottom) if bottom else Fraction(top)
 
@@ -126,10 +126,10 @@ def number(text: Any) -> Fraction:
 def interval(pair: Any) -> Interval:
     """An interval from two texts."""
     if not isinstance(pair, list) or len(pair) != 2:
-        raise Refused(f"an interval must have two ends, got {pair!a:.60}")
+        raise Rejected(f"an interval must have two ends, got {pair!a:.60}")
     low, high = number(pair[0]), number(pair[1])
     if low > high:
-        raise Refused(f"an interval must not end before it begins, got {pair}")
+        raise Rejected(f"an interval must not end before it begins, got {pair}")
     return low, high
 
 
@@ -137,7 +137,7 @@ def claimed(name: str, found: I, pair: Any) -> None:
     """Refuse a claim that does not hold what was found."""
     low, high = interval(pair)
     if not (low <= found.ends[0] and found.ends[1] <= high):
-        raise Refused(f"{name} could not be shown to lie in {pair}")
+        raise Rejected(f"{name} could not be shown to lie in {pair}")
 
 
 class _Data:
@@ -146,27 +146,27 @@ class _Data:
     def __init__(self, content: Mapping[str, Any]) -> None:
         toy, self.parameter, law = content["toy"], content["parameter"], content["law"]
         if set(toy) != set(NAMES) or law not in ("summed", "separate"):
-            raise Refused("the toy must have all its numbers and a law, summed or separate")
+            raise Rejected("the toy must have all its numbers and a law, summed or separate")
         self.moves = content["kind"] != "orbit"
         if self.moves and (self.parameter not in RESTITUTIONS or toy[self.parameter] is not None):
-            raise Refused("only a restitution coefficient may move, and has no value then")
+            raise Rejected("only a restitution coefficient may move, and has no value then")
         if self.parameter not in toy:
-            raise Refused(f"the toy has no parameter {self.parameter!r}")
+            raise Rejected(f"the toy has no parameter {self.parameter!r}")
         values = {name: number(x) for name, x in toy.items() if x is not None}
         if len(values) != len(toy) - self.moves:
-            raise Refused("a number of the toy is missing")
+            raise Rejected("a number of the toy is missing")
         if not all(0 <= values[name] <= 1 for name in RESTITUTIONS if name in values):
-            raise Refused("restitution must lie in [0, 1]")
+            raise Rejected("restitution must lie in [0, 1]")
         if any(x <= 0 for name, x in values.items() if name[:3] not in ("eps", "mu_")):
-            raise Refused("masses, lengths and stiffness must be positive")
+            raise Rejected("masses, lengths and stiffness must be positive")
         if any(x < 0 for x in values.values()) or values["r_m"] <= values["r_0"]:
-            raise Refused("the toy cannot have these numbers")
+            raise Rejected("the toy cannot have these numbers")
         self.values, self.order, self.law, self.texts = values, content["order"], law, toy
-        self.toy = Toy(values, law == "summed")
+        self.toy = ExactToy(values, law == "summed")
         if not isinstance(self.order, int) or not 1 <= self.order <= 100:
-            raise Refused(f"order must be a whole number from 1 to 100, got {self.order!r}")
+            raise Rejected(f"order must be a whole number from 1 to 100, got {self.order!r}")
 
-    def follower(self, box: Box, line: Sequence[Fraction], curve: Sequence[Fraction]) -> Follower:
+    def follower(self, box: Box, line: Sequence[Fraction], curve: Sequence[Fraction]) -> Tracker:
         """The toy on the section, at rest."""
         eps: list[F | I] = [I.of(self.values.get(name, 0)) for name in RESTITUTIONS]
         if self.moves:
@@ -174,13 +174,13 @@ class _Data:
             ends = eps[RESTITUTIONS.index(self.parameter)]
             assert isinstance(ends, F)
             if not ends.value.inside(I.of(0, 1)):
-                raise Refused("restitution must lie in [0, 1]")
+                raise Rejected("restitution must lie in [0, 1]")
         none = constant(box, I.of(0))
         x = _polynomial(box, curve, True)
         if not x.value.less(I.of(self.toy.touch[0])):
-            raise Undecided("the beak may touch the pole at the start")
+            raise NotSeparated("the beak may touch the pole at the start")
         q = [none, constant(box, I.of(self.toy.touch[1])), x]
-        return Follower(self.toy, box, eps, q, [none, none, none])
+        return Tracker(self.toy, box, eps, q, [none, none, none])
 
 
 def _polynomial(box: Box, c: Sequence[Fraction], start: bool) -> F:
@@ -198,26 +198,26 @@ class _Return:
         self, data: _Data, box: Box, line: Any, curve: Any, way: Mapping[str, Any]
     ) -> None:
         if set(way) != {"word", "events"} or not 1 <= len(way["events"]) <= MOST:
-            raise Refused("a way has a word and events")
+            raise Rejected("a way has a word and events")
         events: list[tuple[Guard, I]] = []
         for event in way["events"]:
             if not isinstance(event, list) or len(event) != 3:
-                raise Refused(
+                raise Rejected(
                     f"an event is a guard and two ends of its duration, got {event!a:.60}"
                 )
             name, low, high = event
             if not isinstance(name, str) or not GUARD.fullmatch(name):
-                raise Refused(f"there is no guard {name!a:.40}")
+                raise Rejected(f"there is no guard {name!a:.40}")
             kind, _, contact = name.partition(" ")
             guard = (kind, int(contact) - 1 if contact else 0)
             bracket = interval([low, high])
             if max(map(abs, bracket)) > LATEST:
-                raise Refused(f"a phase lasts at most {LATEST} s, got {low:.40} to {high:.40}")
+                raise Rejected(f"a phase lasts at most {LATEST} s, got {low:.40} to {high:.40}")
             events.append((guard, I.of(*bracket)))
         motion = data.follower(box, line, curve)
         motion.run(events)
         if " ".join(motion.word) != way["word"]:
-            raise Refused(f"the word is {' '.join(motion.word)}, not {way['word']}")
+            raise Rejected(f"the word is {' '.join(motion.word)}, not {way['word']}")
         assert motion.time is not None
         self.image, self.drop = motion.q[2], -motion.q[0]
         self.period, self.forks = motion.time, motion.forks
@@ -228,41 +228,41 @@ def _both(returns: Sequence[_Return], kinds: Sequence[str]) -> None:
     if len(returns) == 1 and not returns[0].forks:
         return
     if len(returns) != 2 or any(len(each.forks) != 1 for each in returns):
-        raise Undecided("a decision is open, and its two ways are not there")
-    forks: list[Fork] = [fork for each in returns for fork in each.forks]
+        raise NotSeparated("a decision is open, and its two ways are not there")
+    forks: list[Choice] = [fork for each in returns for fork in each.forks]
     if any(fork.kind not in kinds for fork in forks):
-        raise Undecided("a decision is open, and its two ways are not there")
+        raise NotSeparated("a decision is open, and its two ways are not there")
     first, second = forks
     meets = first.kind == "meeting"
     same = first.kind == second.kind and first.at == second.at
     same = same and first.contacts == (second.contacts[::-1] if meets else second.contacts)
     if not same or (not meets and first.leaves == second.leaves):
-        raise Undecided("the two ways are not those of one decision")
+        raise NotSeparated("the two ways are not those of one decision")
 
 
-class _Piece:
+class _VerifiedPiece:
     """A piece, verified: exactly one cycle in the tubes for every parameter on the line."""
 
     def __init__(self, data: _Data, piece: Mapping[str, Any], terms: int, turns: bool) -> None:
         if set(piece) != {"line", "half", "points"} or len(piece["points"]) != data.order:
-            raise Refused("a piece has a line, half of its length, and a point for each return")
+            raise Rejected("a piece has a line, half of its length, and a point for each return")
         self.line = [number(c) for c in piece["line"]]
         self.half, points = number(piece["half"]), piece["points"]
-        span = Span(self.half, terms)
+        span = Extent(self.half, terms)
         if self.half < 0 or not self.line or len(self.line) > 40:
-            raise Refused("a line has one to forty coefficients and a length")
+            raise Rejected("a line has one to forty coefficients and a length")
         if not data.moves and (self.half != 0 or self.line != [data.values[data.parameter]]):
-            raise Refused("the parameter is not that of the toy")
+            raise Rejected("the parameter is not that of the toy")
         if data.moves and self.half == 0:
-            raise Refused("a piece of a branch has a length")
+            raise Rejected("a piece of a branch has a length")
         if self.half > 0 and _rising(self.line, span) is False:
-            raise Undecided("the parameter may turn round")
+            raise NotSeparated("the parameter may turn round")
         self.curves = [[number(c) for c in point["curve"]] for point in points]
         self.radii = [number(point["radius"]) for point in points]
         if any(set(point) != {"curve", "radius", "ways"} for point in points):
-            raise Refused("a point has a curve, a radius and ways")
+            raise Rejected("a point has a curve, a radius and ways")
         if any(r <= 0 for r in self.radii) or any(not c or len(c) > 40 for c in self.curves):
-            raise Refused("a tube has a curve and a positive radius")
+            raise Rejected("a tube has a curve and a positive radius")
         _apart(self.curves, self.radii, span)
         misses, slopes, self.returns = [], [], []
         for k, point in enumerate(points):
@@ -275,7 +275,7 @@ class _Piece:
             self.returns.append(found)
         self.off = _around(misses, slopes)
         if not all(s.within(I.of(r).ball) for s, r in zip(self.off, self.radii, strict=True)):
-            raise Undecided("no cycle could be shown to lie in the tubes")
+            raise NotSeparated("no cycle could be shown to lie in the tubes")
         self.multiplier = _product(slopes)
         self.turn = self._turn(slopes) if turns else None
 
@@ -284,7 +284,7 @@ class _Piece:
         n, misses = len(slopes), []
         images = [found[0].image for found in self.returns]
         if any(len(found) > 1 for found in self.returns):
-            raise Undecided("a word changes where a flip is claimed")
+            raise NotSeparated("a word changes where a flip is claimed")
         for k, image in enumerate(images):
             aim = _polynomial(image.box, self.curves[(k + 1) % n], False)
             misses.append((image.parts[2] - aim.parts[2]).range)
@@ -323,7 +323,7 @@ class _Halves:
         return (self.low if side < 0 else self.high).place(side, k)
 
 
-_Verified = _Piece | _Halves
+_Verified = _VerifiedPiece | _Halves
 
 
 def _verified(
@@ -333,8 +333,8 @@ def _verified(
     half = number(piece["half"])
     last = depth == DEPTH or half <= 0
     try:
-        whole = _Piece(data, piece, terms, turns)
-    except Undecided:
+        whole = _VerifiedPiece(data, piece, terms, turns)
+    except NotSeparated:
         if last:
             raise
     else:
@@ -360,7 +360,7 @@ def _moved(texts: Sequence[str], by: Fraction) -> list[str]:
     return [str(x) for x in c]
 
 
-def _apart(curves: Sequence[Sequence[Fraction]], radii: Sequence[Fraction], span: Span) -> None:
+def _apart(curves: Sequence[Sequence[Fraction]], radii: Sequence[Fraction], span: Extent) -> None:
     """Refuse tubes in which a cycle might be a shorter one that is passed several times."""
     n = len(curves)
 
@@ -372,10 +372,10 @@ def _apart(curves: Sequence[Sequence[Fraction]], radii: Sequence[Fraction], span
 
     for period in range(1, n):
         if n % period == 0 and all(meet(k, (k + period) % n) for k in range(n)):
-            raise Undecided(f"the cycle may be one of {period}, passed several times")
+            raise NotSeparated(f"the cycle may be one of {period}, passed several times")
 
 
-def _rising(line: Sequence[Fraction], span: Span) -> bool:
+def _rising(line: Sequence[Fraction], span: Extent) -> bool:
     return T.of(span, [k * line[k] for k in range(1, len(line))]).range.sign() == 1
 
 
@@ -420,10 +420,10 @@ def _stable(multiplier: I) -> bool | None:
 
 
 def _orbit(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
-    outer = _Piece(data, content["outer"], 1, False)
-    inner = _Piece(data, content["inner"], 1, False)
+    outer = _VerifiedPiece(data, content["outer"], 1, False)
+    inner = _VerifiedPiece(data, content["inner"], 1, False)
     if inner.curves != outer.curves or any(map(gt, inner.radii, outer.radii)):
-        raise Refused("the inner box does not lie in the middle of the outer one")
+        raise Rejected("the inner box does not lie in the middle of the outer one")
     claimed("the multiplier", inner.multiplier, content["multiplier"])
     period, drop = I.of(0), I.of(0)
     for ways in inner.returns:
@@ -432,7 +432,7 @@ def _orbit(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
     claimed("the period", period, content["period"])
     claimed("the drop", drop, content["drop"])
     if content["stable"] is not _stable(I.of(*interval(content["multiplier"]))):
-        raise Refused("stability is another one than the multiplier says")
+        raise Rejected("stability is another one than the multiplier says")
     stable = {True: "it is stable", False: "it is unstable", None: "its stability is open"}
     what = "fixed point" if data.order == 1 else f"cycle of {data.order} points"
     points = content["inner"]["points"]
@@ -462,12 +462,12 @@ def _ends(pair: Sequence[str]) -> str:
 def _branch(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
     terms, flips, texts = content["terms"], content["flips"], content["pieces"]
     if not isinstance(terms, int) or not 1 <= terms <= 30:
-        raise Refused(f"terms must be a whole number from 1 to 30, got {terms!r}")
+        raise Rejected(f"terms must be a whole number from 1 to 30, got {terms!r}")
     if not texts or not len(texts) == len(content["multiplier"]) == len(content["stable"]):
-        raise Refused("each piece has a multiplier and a claim on stability")
+        raise Rejected("each piece has a multiplier and a claim on stability")
     places = [k for k in range(len(texts)) if k in flips]
     if not isinstance(flips, list) or flips != places or any(type(k) is not int for k in flips):
-        raise Refused("flips are numbers of pieces, each once, in ascending order")
+        raise Rejected("flips are numbers of pieces, each once, in ascending order")
     gaps = [interval(gap) for gap in content["gaps"]]
     open_, before, sides, joints = list(gaps), None, [], []
     for k, text in enumerate(texts):
@@ -475,14 +475,14 @@ def _branch(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
         piece = _verified(data, text, terms, k in flips, claim)
         claimed(f"the multiplier of piece {k}", piece.multiplier, claim)
         if content["stable"][k] is not _stable(I.of(*interval(content["multiplier"][k]))):
-            raise Refused("stability is another one than the multiplier says")
+            raise Rejected("stability is another one than the multiplier says")
         if k not in flips:
             side = (piece.multiplier + I.of(1)).sign()
             if not side:
-                raise Undecided("the multiplier may pass -1 outside the flips")
+                raise NotSeparated("the multiplier may pass -1 outside the flips")
             sides.append(side)
         elif piece.turn is None or not piece.turn.sign():
-            raise Undecided("the multiplier may not be monotone at a flip")
+            raise NotSeparated("the multiplier may not be monotone at a flip")
         else:
             sides.append(0)
         if before is not None:
@@ -490,16 +490,16 @@ def _branch(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
             if joints[-1]:
                 _joined(before, piece, data.order)
             elif not open_ or open_.pop(0) != (before.parameter(1), piece.parameter(-1)):
-                raise Refused("pieces do not join, and no gap says so")
+                raise Rejected("pieces do not join, and no gap says so")
         before = piece
     _flips_pass(sides, joints)
     if open_:
-        raise Refused("a gap lies between no pieces")
+        raise Rejected("a gap lies between no pieces")
     low, high = interval(content["span"])
     line, half = texts[0]["line"], number(texts[0]["half"])
     assert before is not None
     if (low, high) != (_value([number(c) for c in line], -half), before.parameter(1)):
-        raise Refused("the pieces do not cover the span")
+        raise Rejected("the pieces do not cover the span")
     what = "one fixed point" if data.order == 1 else f"one cycle of {data.order} points"
     count = {0: "no flip", 1: "exactly one flip"}.get(len(flips), f"exactly {len(flips)} flips")
     return (
@@ -530,14 +530,14 @@ def _joined(before: _Verified, piece: _Verified, order: int) -> None:
         places = [(outer.place(a, k)[0], inner.place(b, k)[1]) for k in range(order)]
         if all(low < x and y < high for (low, high), (x, y) in places):
             return
-    raise Undecided("two pieces may hold different cycles where they meet")
+    raise NotSeparated("two pieces may hold different cycles where they meet")
 
 
 def _flips_pass(sides: Sequence[int], joints: Sequence[bool]) -> None:
     """Where a flip is claimed the multiplier is on different sides of -1 before and after."""
     for k, joins in enumerate(joints):
         if joins and sides[k] * sides[k + 1] == -1:
-            raise Undecided("the multiplier passes -1 between two pieces")
+            raise NotSeparated("the multiplier passes -1 between two pieces")
     for k, side in enumerate(sides):
         if side == 0 and not (
             0 < k < len(sides) - 1
@@ -545,7 +545,7 @@ def _flips_pass(sides: Sequence[int], joints: Sequence[bool]) -> None:
             and joints[k]
             and sides[k - 1] * sides[k + 1] == -1
         ):
-            raise Undecided("the multiplier does not pass -1 where a flip is claimed")
+            raise NotSeparated("the multiplier does not pass -1 where a flip is claimed")
 
 
 def _point(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
@@ -556,11 +556,11 @@ def _point(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
         or own not in (0, 1)
         or data.order != 1
     ):
-        raise Refused("a point has a centre, two ways and says which one is its own")
+        raise Rejected("a point has a centre, two ways and says which one is its own")
     x, p, radius = number(centre["x"]), number(centre["p"]), number(centre["radius"])
     if radius <= 0:
-        raise Refused("a box has a positive radius")
-    box = Box(I.of(radius), Span(radius, 2), 3)
+        raise Rejected("a box has a positive radius")
+    box = Box(I.of(radius), Extent(radius, 2), 3)
     returns = [_Return(data, box, [p, Fraction(1)], [x], way) for way in ways]
     _both(returns, ("meeting",))
     image, border = returns[own].image, returns[0].forks[0].comparator
@@ -579,12 +579,12 @@ def _point(content: Mapping[str, Any], data: _Data) -> tuple[str, set[str]]:
     gap, stays = (limit - found_x).sign(), (I.of(1) - slope).sign()
     steep = -1 if slope.size.less(I.of(1)) else (1 if _stable(slope) is False else 0)
     if not (along and gap and stays and steep and speed.sign()):
-        raise Undecided("the kind of the point is open")
+        raise NotSeparated("the kind of the point is open")
     side = along if own == 0 else -along
     fold = side * stays == -gap
     code, note = ("FF" if fold and steep == 1 else "BC"), ("fold" if fold else "persistence")
     if (content["side"], content["code"], content["note"]) != (side, code, note):
-        raise Refused(f"the point is {code}, {note}, on side {side}")
+        raise Rejected(f"the point is {code}, {note}, on side {side}")
     name = {"FF": "fold-flip", "BC": "border collision"}[code]
     mine, other = ways[own]["word"], ways[1 - own]["word"]
     return (
@@ -616,6 +616,6 @@ def _krawczyk(image: F, border: F, x: Fraction, radius: Fraction) -> tuple[I, I]
                 rest = rest - inverse[i][k] * jacobian[k][j]
             total = total + rest * ball
         if not total.within(ball):
-            raise Undecided("the point could not be shown to lie in the box")
+            raise NotSeparated("the point could not be shown to lie in the box")
         found.append(total)
     return found[0], found[1]

@@ -11,7 +11,7 @@ from fractions import Fraction
 from functools import cached_property
 
 from woodpecker.checking import intervals
-from woodpecker.checking.intervals import I, Span, T, inverse, through, wave
+from woodpecker.checking.intervals import Extent, I, T, inverse, through, wave
 
 ORDERS: list[tuple[int, int]] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]
 """Derivatives (in s, in tau), in the order in which a form lists them."""
@@ -20,7 +20,7 @@ ORDERS: list[tuple[int, int]] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]
 class Box:
     """|s| <= radius and a span of tau; how many of the derivatives are carried."""
 
-    def __init__(self, radius: I, span: Span, depth: int) -> None:
+    def __init__(self, radius: I, span: Extent, depth: int) -> None:
         self.s, self.span, self.depth = radius.ball, span, depth
 
 

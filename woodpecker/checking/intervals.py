@@ -21,7 +21,7 @@ from mpmath import libmp
 LARGEST = 64  # of |x| for a series whose 20th quotient is below a half
 
 
-class Undecided(Exception):  # noqa: N818  (no error: an answer)
+class NotSeparated(Exception):  # noqa: N818  (no error: an answer)
     """What intervals could not decide."""
 
 
@@ -77,7 +77,7 @@ class I:  # noqa: E742  (the name of intervals in the field)
 
     def __truediv__(self, other: I) -> I:
         if other.a <= 0 <= other.b:
-            raise Undecided("a divisor may vanish")
+            raise NotSeparated("a divisor may vanish")
         bits = Context.bits
         ends = [((x << bits), y) for x in (self.a, self.b) for y in (other.a, other.b)]
         return I(min(x // y for x, y in ends), max(-(-x // y) for x, y in ends))
@@ -183,7 +183,7 @@ def _own(pair: Any) -> I:
     return I.of(low, high)
 
 
-class Span:
+class Extent:
     """The domain of Taylor models: |tau| <= half, and how many coefficients they have."""
 
     def __init__(self, half: Fraction, terms: int) -> None:
@@ -199,7 +199,7 @@ class T:
 
     __slots__ = ("_powers", "c", "reach", "rest", "span")
 
-    def __init__(self, span: Span, c: Sequence[int], rest: int = 0) -> None:
+    def __init__(self, span: Extent, c: Sequence[int], rest: int = 0) -> None:
         self.span, self.rest = span, rest
         if len(c) > span.terms:
             self.rest += sum(map(abs, c[span.terms :]))
@@ -208,7 +208,7 @@ class T:
         self._powers: list[T] | None = None
 
     @classmethod
-    def of(cls, span: Span, c: Sequence[Fraction]) -> T:
+    def of(cls, span: Extent, c: Sequence[Fraction]) -> T:
         """From coefficients of powers of tau."""
         exact = [I.of(x) for x in span.scaled(c)]
         return cls(span, [x.a for x in exact], sum(x.b - x.a for x in exact))
@@ -335,7 +335,7 @@ def _direct(kappa: I, t: I) -> list[I]:
 def shapes(x: I, last: int) -> list[I]:
     """c_0 .. c_last, c_k(x) = 1/k! + x/(k+2)! + ...: the last two by series, then downwards."""
     if not x.size.less(I.of(LARGEST)):
-        raise Undecided("a flight is too long")
+        raise NotSeparated("a flight is too long")
     found = [I.of(0)] * (last + 1)
     for k in range(max(last - 1, 0), last + 1):
         terms = _terms(x, k)

@@ -15,9 +15,9 @@ from itertools import pairwise, product
 from typing import Any
 
 from woodpecker.checking.forms import Box, F, constant, shapes, waves
-from woodpecker.checking.intervals import I, T, Undecided, inverse
+from woodpecker.checking.intervals import I, NotSeparated, T, inverse
 from woodpecker.checking.pausing import Flight, pause
-from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, STICK, UP, Motion, Toy
+from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, STICK, UP, Coasting, ExactToy
 
 Guard = tuple[str, int]
 HALVINGS = 36
@@ -25,7 +25,7 @@ PARTS = 5000  # of a phase at most: certificates of what is proved take some hun
 
 
 @dataclass
-class Fork:
+class Choice:
     """An open decision: its kind, the contacts, and a comparator positive on this way.
 
     ``at`` counts the events before, ``leaves`` says whether a contact that may rest leaves.
@@ -39,10 +39,10 @@ class Fork:
 
 
 @dataclass
-class Follower:
+class Tracker:
     """The toy on its way: state, contact states, and what the last event has made exactly zero."""
 
-    toy: Toy
+    toy: ExactToy
     box: Box
     eps: list[F | I]
     q: list[F]
@@ -56,7 +56,7 @@ class Follower:
     lands: int = -1  # the contact that strikes after a flight that began at rest
     since: I = field(default_factory=lambda: I.of(0))  # the phase has begun by then
     word: list[str] = field(default_factory=list)
-    forks: list[Fork] = field(default_factory=list)
+    forks: list[Choice] = field(default_factory=list)
     time: F | None = None
     events: int = 0
 
@@ -67,7 +67,7 @@ class Follower:
         for k, (guard, bracket) in enumerate(events):
             last = k == len(events) - 1
             if (guard[0] == "section") != last:
-                raise Undecided("a return ends with the section, and only there")
+                raise NotSeparated("a return ends with the section, and only there")
             if guard[0].startswith("plateau"):
                 self.plateau(guard, bracket)
                 continue
@@ -146,11 +146,11 @@ class Follower:
         kind, i = guard
         gap = ("gap", i)
         if self.states != (OPEN, OPEN, OPEN) or not self.let_go(i, self.states):
-            raise Undecided("a gap has a pause only where the sleeve has just let go")
+            raise NotSeparated("a gap has a pause only where the sleeve has just let go")
         if self.restitution(i).sign() != 0:
-            raise Undecided("only a contact without restitution lands at a plateau")
+            raise NotSeparated("only a contact without restitution lands at a plateau")
         kappa = I.of(self.toy.mode(self.states).kappa)
-        curves = {g: Curve(self, g, kappa) for g in self.watched()}
+        curves = {g: GuardValue(self, g, kappa) for g in self.watched()}
         own = curves.pop(gap)
 
         def lasts(end: I) -> bool:
@@ -169,7 +169,7 @@ class Follower:
         self.time, self.since = self.time.plus(after.middle), after.last
         if level.value.sign() is None:
             comparator = level if late else -level
-            self.forks.append(Fork("plateau", (i,), comparator, self.events, not late))
+            self.forks.append(Choice("plateau", (i,), comparator, self.events, not late))
         strike = f"I{i + 1}"
         self.word += [strike] if late else [strike, f"D{i + 1}", strike]
         self.fired, self.before = ("impact", -1), self.states
@@ -191,12 +191,12 @@ class Follower:
         """Verify that a guard ends the phase within a bracket, and go there."""
         m = self.toy.mode(self.states)
         kappa = I.of(m.kappa)
-        curves = {g: Curve(self, g, kappa) for g in self.watched()}
+        curves = {g: GuardValue(self, g, kappa) for g in self.watched()}
         if guard not in curves:
-            raise Undecided(f"{named(guard)} is no guard of the mode")
+            raise NotSeparated(f"{named(guard)} is no guard of the mode")
         own = curves[guard]
         if (bracket.low if guard[0] == "section" else bracket.high).sign() != 1:
-            raise Undecided("a phase has no duration")
+            raise NotSeparated("a phase has no duration")
         flies = guard[0] == "gap" and own.zeros == 2
         found = own.landing(bracket) if flies else None
         self.lands = guard[1] if found is not None else -1
@@ -206,13 +206,13 @@ class Follower:
             else own.crossing(bracket, 1 if guard[0] == "section" else -1)
         )
         if self.since.sign() == 1 and not self.since.less(t.value):
-            raise Undecided(f"{named(guard)} may fire while a contact lands")
+            raise NotSeparated(f"{named(guard)} may fire while a contact lands")
         self.since = I.of(0)
         end = t.value.high
         for other, curve in curves.items():
             if other == guard:
                 if found is None and not curve.lasts(bracket.low, bracket):
-                    raise Undecided(f"{named(guard)} may fire earlier")
+                    raise NotSeparated(f"{named(guard)} may fire earlier")
             elif not curve.lasts(end, None):
                 self.meeting(curve, other, own, guard, bracket, t)
         self.move(m, kappa, t)
@@ -220,21 +220,21 @@ class Follower:
         self.at_least_zero = {("gap", i) for i in range(3) if self.states[i] == OPEN}
 
     def meeting(
-        self, rival: Curve, other: Guard, own: Curve, guard: Guard, bracket: I, t: F
+        self, rival: GuardValue, other: Guard, own: GuardValue, guard: Guard, bracket: I, t: F
     ) -> None:
         """Another gap closes at nearly the same time: this way is taken where it closes later."""
         if other[0] != "gap" or guard[0] != "gap":
-            raise Undecided(f"{named(other)} may fire before {named(guard)}")
+            raise NotSeparated(f"{named(other)} may fire before {named(guard)}")
         later = rival.crossing(bracket + (bracket - bracket.mid) * I.of(4), -1)
         both = bracket.hull(later.value)
         for curve in (rival, own):
             if curve.over(both, 1).sign() != -1 or not curve.lasts(both.low, both):
-                raise Undecided(f"{named(other)} may fire before {named(guard)}")
+                raise NotSeparated(f"{named(other)} may fire before {named(guard)}")
         comparator = rival.at(t)
         assert isinstance(comparator, F)
-        self.forks.append(Fork("meeting", (guard[1], other[1]), comparator, self.events))
+        self.forks.append(Choice("meeting", (guard[1], other[1]), comparator, self.events))
 
-    def move(self, m: Motion, kappa: I, t: F) -> None:
+    def move(self, m: Coasting, kappa: I, t: F) -> None:
         """The state at the end of a phase."""
         s = [x for x in waves(kappa, t, self.box) if isinstance(x, F)]
         d0, d1 = self.q[2] - self.q[1], self.u[2] - self.u[1]
@@ -288,7 +288,7 @@ class Follower:
         approach = free[2 * contacts.index(striking)].value.sign()
         known = approach != -1
         if known and (self.lands != striking or len(contacts) > 1):
-            raise Undecided("a contact may graze")
+            raise NotSeparated("a contact may graze")
         none = [constant(self.box, I.of(0))] * len(contacts)
         first = self.solve_impact(contacts, free, none, False, known)
         floors = [self.floor(i, first.impulses[2 * k]) for k, i in enumerate(contacts)]
@@ -296,7 +296,7 @@ class Follower:
         second = None
         if any(s != 0 for s in signs):
             if any(s not in (0, 1) for s in signs):
-                raise Undecided("an impact may store no impulse")
+                raise NotSeparated("an impact may store no impulse")
             second = self.solve_impact(contacts, first.velocities, floors, True, False)
         last = second or first
         for k, i in enumerate(contacts):
@@ -338,19 +338,19 @@ class Follower:
 
     def solve_impact(
         self, contacts: list[int], free: list[F], floors: list[F], expands: bool, known: bool
-    ) -> Solution:
+    ) -> ImpactSolution:
         """The only solution of one phase of an impact."""
         coupled = expands and self.toy.summed and len(contacts) > 1
-        kept: Solution | None = None
+        kept: ImpactSolution | None = None
         for rests in product((True, False), repeat=len(contacts)):
             for slips in product((0, 1, -1), repeat=len(contacts)):
                 table = self.toy.case(tuple(contacts), rests, slips, coupled)
                 if table is None:
                     if not (all(rests) and not any(slips) and len(contacts) == 2):
-                        raise Undecided("an impact is degenerate")
+                        raise NotSeparated("an impact is degenerate")
                     if self.rest_is_possible(contacts[1], self.momentum(contacts, free), floors,
                                              coupled) is not False:  # fmt: skip
-                        raise Undecided("the impulses of an impact may not be unique")
+                        raise NotSeparated("the impulses of an impact may not be unique")
                     continue
                 holds, solution = self.combination(
                     contacts, free, floors, (rests, slips), table, coupled, known
@@ -358,17 +358,17 @@ class Follower:
                 if holds is False:
                     continue
                 if holds is None or kept is not None:
-                    raise Undecided("an impact is not decided")
+                    raise NotSeparated("an impact is not decided")
                 kept = solution
         if kept is None:
-            raise Undecided("an impact has no solution")
+            raise NotSeparated("an impact has no solution")
         return kept
 
     def combination(
         self, contacts: list[int], free: list[F], floors: list[F],
         case: tuple[tuple[bool, ...], tuple[int, ...]], table: list[list[Fraction]],
         coupled: bool, known: bool,
-    ) -> tuple[bool | None, Solution | None]:  # fmt: skip
+    ) -> tuple[bool | None, ImpactSolution | None]:  # fmt: skip
         """Whether an index combination holds: by ranges, then by forms."""
         rests, slips = case
         given = [*free, *floors]
@@ -406,7 +406,7 @@ class Follower:
             holds = verdict(conditions)
             if ranges and holds is False:
                 return False, None
-        return holds, Solution(rests, slips, p, v)
+        return holds, ImpactSolution(rests, slips, p, v)
 
     def momentum(self, contacts: list[int], free: list[F]) -> list[F]:
         """-M u, from the velocities of the beak and a contact of the sleeve."""
@@ -446,7 +446,7 @@ class Follower:
         for i in closed:
             slips[i] = 0 if i in self.still else self.slip(i).value.sign()
             if slips[i] is None:
-                raise Undecided("the direction of slip is open")
+                raise NotSeparated("the direction of slip is open")
         choices = []
         for i in range(3):
             if i not in closed:
@@ -467,7 +467,7 @@ class Follower:
         elif plastic and len(closed) == 1 and len(open_) == 2 and len(verdicts) == 2:
             chosen = self.stays_or_leaves(min(closed), open_, following)
         else:
-            raise Undecided("a contact problem is not decided")
+            raise NotSeparated("a contact problem is not decided")
         self.note(chosen)
         self.lands = -1
 
@@ -479,11 +479,11 @@ class Follower:
         side = 1 if stay[i] == UP else -1
         g = self.toy.g
         if g[2 * i][2 * i] - side * self.toy.mu[i] * g[2 * i][2 * i + 1] <= 0:
-            raise Undecided("a contact may neither stay nor leave")
+            raise NotSeparated("a contact may neither stay nor leave")
         force_ = self.jet(("normal", i), stay)[0][0]
         assert isinstance(force_, F)
         leaves = following == ("gap", i)
-        self.forks.append(Fork("rest", (i,), -force_ if leaves else force_, self.events, leaves))
+        self.forks.append(Choice("rest", (i,), -force_ if leaves else force_, self.events, leaves))
         self.at_least_zero |= {("gap", i) if leaves else ("normal", i)}
         return leave if leaves else stay
 
@@ -539,7 +539,7 @@ def named(guard: Guard) -> str:
 
 
 @dataclass
-class Solution:
+class ImpactSolution:
     """One phase of an impact: its index combination, impulses and velocities."""
 
     rests: tuple[bool, ...]
@@ -548,7 +548,7 @@ class Solution:
     velocities: list[F]
 
 
-def marked(first: Solution, second: Solution | None, k: int, stores: int | None) -> str:
+def marked(first: ImpactSolution, second: ImpactSolution | None, k: int, stores: int | None) -> str:
     """Letters of a contact in an impact: s sticks, f separates; after - expansion, r unusual."""
     letters = "f" if not first.rests[k] else ("s" if first.slips[k] == 0 else "")
     if second is None:
@@ -579,7 +579,7 @@ def total(row: Sequence[Fraction], x: Sequence[Any], ranges: bool) -> Any:
     return found
 
 
-def force(toy: Toy, m: Motion, kind: str, i: int) -> tuple[I, I]:
+def force(toy: ExactToy, m: Coasting, kind: str, i: int) -> tuple[I, I]:
     """A guard p + r d on contact forces."""
     n0, n1, t0, t1 = m.forces[i]
     if kind == "normal":
@@ -588,10 +588,10 @@ def force(toy: Toy, m: Motion, kind: str, i: int) -> tuple[I, I]:
     return I.of(toy.mu[i] * n0 - side * t0), I.of(toy.mu[i] * n1 - side * t1)
 
 
-class Curve:
+class GuardValue:
     """A guard over a phase: f0 + f1 t + f2 s_2(t) + f3 s_3(t)."""
 
-    def __init__(self, motion: Follower, guard: Guard, kappa: I) -> None:
+    def __init__(self, motion: Tracker, guard: Guard, kappa: I) -> None:
         self.box, self.guard, self.kappa = motion.box, guard, kappa
         self.jet, self.zeros = motion.jet(guard, motion.states)
         self.ranges = [f.value if isinstance(f, F) else f for f in self.jet]
@@ -677,7 +677,7 @@ class Curve:
     def crossing(self, bracket: I, direction: int) -> F:
         """When the guard crosses zero: once, inside the bracket."""
         if self.over(bracket, 1).sign() != direction:
-            raise Undecided(f"{named(self.guard)} may turn where it fires")
+            raise NotSeparated(f"{named(self.guard)} may turn where it fires")
         return root(self.at, self.over, bracket, self.box)
 
     def landing(self, bracket: I) -> F | None:
@@ -708,7 +708,7 @@ class Curve:
             if (over_(bracket, 1) * four + bracket * over_(bracket, 2)).sign() != -1:
                 return None
             return root(at, over_, bracket, self.box)
-        except Undecided:
+        except NotSeparated:
             return None
 
 
@@ -793,7 +793,7 @@ def root(at: Callable[..., Any], range_: Callable[..., I], bracket: I, box: Box)
     reach = (reach + reach * I.of(Fraction(1, 2)) + I.of(Fraction(1, 10**28))).ball
     whole = t.parts[0].wider(reach)
     if not whole.range.within(bracket):
-        raise Undecided("an event lies outside its bracket")
+        raise NotSeparated("an event lies outside its bracket")
     fixed = F(box, [whole, *t.parts[1:]])
     value, speed = at(fixed), at(fixed, 1)
     down = inverse(speed.all[0])

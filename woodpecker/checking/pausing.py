@@ -8,9 +8,9 @@ from functools import lru_cache
 from typing import Any, NamedTuple
 
 from woodpecker.checking.forms import Box, F, chain, constant, over
-from woodpecker.checking.intervals import Context, I, T, Undecided, wave
+from woodpecker.checking.intervals import Context, I, NotSeparated, T, wave
 from woodpecker.checking.plateaus import Landing
-from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, UP, Motion, Toy
+from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, UP, Coasting, ExactToy
 
 
 class Flight(NamedTuple):
@@ -20,7 +20,7 @@ class Flight(NamedTuple):
     impact from velocities (N, T) of the contact leaves it closed and slipping in a direction.
     """
 
-    toy: Toy
+    toy: ExactToy
     box: Box
     q: Sequence[F]
     u: Sequence[F]
@@ -58,22 +58,22 @@ def pause(motion: Flight, i: int, late: bool, bracket: I, jet: Sequence[F | I]) 
     start, fall, kappa = jet[0], jet[3], I.of(free.kappa)
     assert isinstance(start, F)
     if not isinstance(fall, F) or fall.value.sign() != -1 or kappa.sign() != -1:
-        raise Undecided("a gap does not fall to a pause")
+        raise NotSeparated("a gap does not fall to a pause")
     swing = _swing(kappa)
     n = round(float(bracket.mid) / float(swing))
     if n < 1:
-        raise Undecided("a gap has no pause where it begins to close")
+        raise NotSeparated("a gap has no pause where it begins to close")
     middle = swing * I.of(n)
     steps = -(middle / kappa)  # s_3, where s_1 = s_2 = 0
     level = start + fall * steps
     eta = -(level * over(fall))
     sign = eta.value.sign()
     if sign == (-1 if late else 1):
-        raise Undecided("a contact lands on the other side of a pause")
+        raise NotSeparated("a contact lands on the other side of a pause")
     q, u = _flown(free, motion.q, motion.u, middle, motion.box)
     slip = _slip(motion, i, u).value.sign()
     if not slip:
-        raise Undecided("the direction of slip is open")
+        raise NotSeparated("the direction of slip is open")
     response = _response(motion, i, slip)
     states = [OPEN] * 3
     states[i] = UP if slip == 1 else DOWN
@@ -85,7 +85,7 @@ def pause(motion: Flight, i: int, late: bool, bracket: I, jet: Sequence[F | I]) 
     _clear(motion, i, late, middle, response, slip, whole)
     curve = Landing(eta.parts[0].range, late, *sizes)
     if motion.box.depth > 3:
-        raise Undecided("a return is once differentiable only where a contact lands at a pause")
+        raise NotSeparated("a return is once differentiable only where a contact lands at a pause")
     places = _term(eta, curve.place, whole.place_slope) * -fall
     speeds = _term(eta, curve.velocity, whole.velocity_slope) * -fall
     for j in range(3):
@@ -116,7 +116,7 @@ def _pi(bits: int) -> I:
     return total
 
 
-def _flown(mode: Motion, q: Sequence[Any], u: Sequence[Any], t: I, box: Any) -> tuple[Any, Any]:
+def _flown(mode: Coasting, q: Sequence[Any], u: Sequence[Any], t: I, box: Any) -> tuple[Any, Any]:
     """Coordinates and velocities after free flight; forms, or intervals without a box."""
     s = wave(I.of(mode.kappa), t)
     d0, d1, alpha = q[2] - q[1], u[2] - u[1], I.of(mode.alpha)
@@ -146,7 +146,7 @@ def _response(motion: Flight, i: int, slip: int) -> list[Fraction]:
     kick = [x + friction * y for x, y in zip(toy.kick[2 * i], toy.kick[2 * i + 1], strict=True)]
     speed = kick[ANGLE[i]] * SIDE[i]
     if speed <= 0:
-        raise Undecided("a contact may neither stay nor leave")
+        raise NotSeparated("a contact may neither stay nor leave")
     return [x / speed for x in kick]
 
 
@@ -163,7 +163,7 @@ def _clear(
     """No other guard fires until the contact has come to stay, and it slips all the time."""
     free, j = motion.toy.mode((OPEN, OPEN, OPEN)), ANGLE[i]
     if not motion.lasts((middle + landing.sigma).high if late else middle.high):
-        raise Undecided("something may happen before a contact lands")
+        raise NotSeparated("something may happen before a contact lands")
     strikes = middle + landing.sigma if late else middle - landing.sigma
     q, u = _flown(free, [x.value for x in motion.q], [x.value for x in motion.u], strikes, None)
 
@@ -178,10 +178,10 @@ def _clear(
         for k in range(3):
             gap = (q[ANGLE[k]] - I.of(motion.toy.touch[k])) * I.of(SIDE[k])
             if k != i and gap.sign() != 1:
-                raise Undecided("something may happen while a contact lands")
+                raise NotSeparated("something may happen while a contact lands")
     for velocities in moments:
         if _slip(motion, i, velocities).sign() != slip:
-            raise Undecided("the direction of slip is open")
+            raise NotSeparated("the direction of slip is open")
         strike = [velocities[j] * I.of(SIDE[i] * motion.toy.lever[i]), _slip(motion, i, velocities)]
         if not motion.slides([constant(motion.box, x) for x in strike], slip):
-            raise Undecided("an impact is not decided")
+            raise NotSeparated("an impact is not decided")

@@ -20,7 +20,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from fractions import Fraction
 
-from woodpecker.checking.intervals import Context, I, Undecided, shapes, wave
+from woodpecker.checking.intervals import Context, I, NotSeparated, shapes, wave
 
 WEAKEST = Fraction(1, 10)  # of |kappa| sigma^2
 AGAIN = Fraction(5, 2), Fraction(7, 2)  # h_L / sigma
@@ -52,11 +52,11 @@ class Landing:
         """Where s_3(sigma) = eta; zero for a negative eta."""
         most = _cube_root(eta.high * I.of(7)).high
         if not (self.kappa * most.power(2)).size.less(I.of(WEAKEST)):
-            raise Undecided("a landing is too far from a plateau")
+            raise NotSeparated("a landing is too far from a plateau")
         c3 = shapes(self.kappa * I.of(0).hull(most).power(2), 3)[3]
         low, high = _cube_root(eta.low / c3.high).low, _cube_root(eta.high / c3.low).high
         if most.less(high):
-            raise Undecided("a landing at a plateau has no enclosure")
+            raise NotSeparated("a landing at a plateau has no enclosure")
         return low.hull(high)
 
     def _fly(self) -> None:
@@ -88,16 +88,16 @@ class Landing:
             part = I.of(low * k / PARTS, low * (k + 1) / PARTS)
             n = shapes(self.kappa * (self.sigma * part).power(2), 3)
             if (c1 * n[2] - c * part * n[3]).sign() != 1:
-                raise Undecided("a contact may land again early")
+                raise NotSeparated("a contact may land again early")
         inside = I.of(low, high)
         n = shapes(self.kappa * (self.sigma * inside).power(2), 3)
         z = c1 * n[2] / (c * n[3])  # all zeros in there, and there is one
         if not z.within(inside):
-            raise Undecided("a contact may not land again")
+            raise NotSeparated("a contact may not land again")
         n = shapes(self.kappa * (self.sigma * z).power(2), 2)
         approach, acceleration = c1 * z * n[1] - c * z.power(2) * n[2], c1 * n[0] - c * z * n[1]
         if approach.sign() != -1 or acceleration.sign() != -1:
-            raise Undecided("a contact may not land again for good")
+            raise NotSeparated("a contact may not land again for good")
         return z
 
 

@@ -35,7 +35,7 @@ NAMES = list(PAPER)
 ANGLE, SIDE = (2, 1, 1), (-1, 1, -1)  # the coordinate that closes a gap, and in which direction
 
 
-class Motion(NamedTuple):
+class Coasting(NamedTuple):
     """qdd = a + b d, ddd = alpha + kappa d; by contact lambda_N = n0 + n1 d, lambda_T likewise."""
 
     a: list[Fraction]
@@ -45,7 +45,7 @@ class Motion(NamedTuple):
     forces: dict[int, list[Fraction]]
 
 
-class Toy:
+class ExactToy:
     """The toy with exact data; restitution may be missing, it is not used here."""
 
     def __init__(self, values: dict[str, Fraction], summed: bool) -> None:
@@ -76,7 +76,7 @@ class Toy:
         self.mode = lru_cache(maxsize=None)(self._mode)
         self.case = lru_cache(maxsize=None)(self._case)
 
-    def _mode(self, states: tuple[int, int, int]) -> Motion:
+    def _mode(self, states: tuple[int, int, int]) -> Coasting:
         closed = [i for i in range(3) if states[i] != OPEN]
         n = 3 + 2 * len(closed)
         matrix = [[Fraction(0)] * n for _ in range(n)]
@@ -97,7 +97,7 @@ class Toy:
         x = solve(matrix, right)
         a, b = [row[0] for row in x[:3]], [row[1] for row in x[:3]]
         forces = {i: [*x[3 + 2 * k], *x[4 + 2 * k]] for k, i in enumerate(closed)}
-        return Motion(a, b, a[2] - a[1], b[2] - b[1], forces)
+        return Coasting(a, b, a[2] - a[1], b[2] - b[1], forces)
 
     def _case(
         self, contacts: tuple[int, ...], rests: tuple[bool, ...], slips: tuple[int, ...],

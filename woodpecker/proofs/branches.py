@@ -26,13 +26,13 @@ from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, decimal, fraction, number
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import VALUE, Frame, sign
-from woodpecker.proofs.model import Model
+from woodpecker.proofs.model import BallToy
 from woodpecker.proofs.pieces import (
-    Interval,
-    Line,
-    Piece,
+    Fractions,
+    Route,
     TooNarrow,
     Tube,
+    Tubes,
     curves_near,
     nearest,
     proved,
@@ -87,7 +87,7 @@ class March:
 class Gap(NamedTuple):
     """An interval of the parameter in which nothing is proved, and why."""
 
-    p: Interval
+    p: Fractions
     reason: str
 
 
@@ -113,19 +113,19 @@ class ProvedBranch:
 
     toy: Toy
     parameter: str
-    pieces: tuple[Piece, ...]
+    pieces: tuple[Tubes, ...]
     gaps: tuple[Gap, ...]
     flips: tuple[int, ...]
     terms: int
 
     @property
-    def span(self) -> Interval:
+    def span(self) -> Fractions:
         """The interval of the parameter."""
-        return Interval(self.pieces[0].p.low, self.pieces[-1].p.high)
+        return Fractions(self.pieces[0].p.low, self.pieces[-1].p.high)
 
 
 def marched(
-    toy: Toy, parameter: str, span: Interval, points: Sequence[float], march: March,
+    toy: Toy, parameter: str, span: Fractions, points: Sequence[float], march: March,
     progress: Progress,
 ) -> ProvedBranch:  # fmt: skip
     """Prove the branch through a cycle over an interval.
@@ -142,7 +142,7 @@ def marched(
     Undecided
         Where it could not be followed; the sentence says at which value, and why.
     """
-    walk = _Walk(toy, parameter, span, march, [arb(x) for x in points])
+    walk = _Pieces(toy, parameter, span, march, [arb(x) for x in points])
     while walk.at < span.high:  # a part is proved or halved, or a gap grows until it is too long
         walk.go_on()
         progress(float((walk.at - span.low) / span.length))
@@ -163,16 +163,16 @@ class Planned(NamedTuple):
         Whether landings near a plateau may be taken together.
     """
 
-    line: Line
+    line: Route
     flips: bool = False
     plateaus: bool = False
 
 
-class _Walk:
+class _Pieces:
     """The pieces so far, and the lines that come next."""
 
     def __init__(
-        self, toy: Toy, parameter: str, span: Interval, march: March, points: Sequence[Any]
+        self, toy: Toy, parameter: str, span: Fractions, march: March, points: Sequence[Any]
     ) -> None:
         self._toy, self._parameter, self._span, self._march = toy, parameter, span, march
         self._points, self._ease = list(points), march.part
@@ -180,7 +180,7 @@ class _Walk:
         self._base, self._reach = span.low, 0.0
         self._flip: Fraction | None = None  # about where the multiplier passes -1 next
         self._plan: list[Planned] = []
-        self.pieces: list[Piece] = []
+        self.pieces: list[Tubes] = []
         self.gaps: list[Gap] = []
         self.at = span.low
 
@@ -243,7 +243,7 @@ class _Walk:
         found = shoot(there, float(self._points[0]), len(self._points))
         if not found.success:
             raise Undecided(f"no cycle was found at {self._parameter} = {float(high):.12g}")
-        self.gaps.append(Gap(Interval(low, high), reason))
+        self.gaps.append(Gap(Fractions(low, high), reason))
         self._points, self._curves, self._plan = [arb(x) for x in found.points], [], []
         self.at = high
 
@@ -257,7 +257,7 @@ class _Walk:
     def _at_plateau(self) -> bool:
         """Whether a contact lands near a plateau where the last piece ends."""
         frame = Frame(ZERO, ZERO)
-        model = Model.of(self._toy, self._parameter, frame, [number(self.at)])
+        model = BallToy.of(self._toy, self._parameter, frame, [number(self.at)])
         return any(
             fired.plateau
             for point in self._points
@@ -265,7 +265,7 @@ class _Walk:
             for fired in way.fired
         )
 
-    def _along_series(self) -> Line:
+    def _along_series(self) -> Route:
         """As far as series reach: even in p, or in a duration."""
         left = self._span.high - self.at
         curves, durations = self._expanded()
@@ -285,20 +285,20 @@ class _Walk:
             return self._plain(min(left, Fraction(self._ease * radius)))
         return line
 
-    def _plain(self, step: Fraction) -> Line:
+    def _plain(self, step: Fraction) -> Route:
         """A line over a step, or a little more where the span ends there."""
         high = min(self._span.high, _rounded(self.at + step))
         if self._span.high - high < step / 4:
             high = self._span.high
-        return Line.over(Interval(self.at, high))
+        return Route.over(Fractions(self.at, high))
 
     def _expanded(self) -> tuple[list[Any], list[Any]]:
         """Series in the parameter where the last piece ends: of the points, and of durations."""
         terms = self._march.terms
-        near = Line((self.at, Fraction(1)), self._span.length / 10**4)
+        near = Route((self.at, Fraction(1)), self._span.length / 10**4)
         curves = self._near(near, terms)
         frame = Frame(ZERO, ZERO, terms)
-        model = Model.of(self._toy, self._parameter, frame, [number(c) for c in near.poly])
+        model = BallToy.of(self._toy, self._parameter, frame, [number(c) for c in near.poly])
         polys, durations = [arb_poly([number(c) for c in curve]) for curve in curves], []
         for poly in polys:
             way = nearest(follow(model, frame, poly.coeffs()))
@@ -307,7 +307,7 @@ class _Walk:
         self._reach = min(_radius(poly) for poly in (*polys, *durations))
         return polys, durations
 
-    def _near(self, line: Line, terms: int, plateaus: bool = False) -> list[tuple[Fraction, ...]]:
+    def _near(self, line: Route, terms: int, plateaus: bool = False) -> list[tuple[Fraction, ...]]:
         """Curves about the middle of a line."""
         away = arb_poly([number(c) for c in (line.poly[0] - self._base, *line.poly[1:])])
         guesses = [[point] for point in self._points]
@@ -315,7 +315,7 @@ class _Walk:
             guesses = [poly(away).truncate(terms).coeffs() for poly in self._curves]
         return curves_near(self._toy, self._parameter, line, guesses, terms, plateaus)
 
-    def _tried(self, planned: Planned) -> Piece:
+    def _tried(self, planned: Planned) -> Tubes:
         if not planned.plateaus:
             return self._accepted(planned)
         try:
@@ -327,7 +327,7 @@ class _Walk:
         except Undecided as reason:
             raise Undecided(MAY_FLIP if MAY_FLIP in (first, str(reason)) else str(reason)) from None
 
-    def _accepted(self, planned: Planned) -> Piece:
+    def _accepted(self, planned: Planned) -> Tubes:
         piece = self._enclosed(planned)
         if planned.flips:
             if not sign(piece.turn):
@@ -336,7 +336,7 @@ class _Walk:
             raise Undecided(MAY_FLIP)
         return piece
 
-    def _enclosed(self, planned: Planned) -> Piece:
+    def _enclosed(self, planned: Planned) -> Tubes:
         """A piece over a line, in tubes that are widened as needed."""
         march, line = self._march, planned.line
         flips, plateaus = planned.flips, planned.plateaus
@@ -360,11 +360,11 @@ class _Walk:
             radii = [max(r, 2 * need) for r, need in zip(radii, self._needs(piece), strict=True)]
         raise Undecided("two parts side by side may not join")
 
-    def _new(self, line: Line) -> bool:
+    def _new(self, line: Route) -> bool:
         """Whether nothing is proved where a line begins."""
         return not self.pieces or self.pieces[-1].p.high != line.interval.low
 
-    def _needs(self, piece: Piece) -> list[Fraction]:
+    def _needs(self, piece: Tubes) -> list[Fraction]:
         """How wide tubes must be to hold what was found where the last piece ends."""
         last, found = self.pieces[-1], []
         for k, tube in enumerate(piece.tubes):
@@ -372,9 +372,9 @@ class _Walk:
             found.append(_above(abs(last.end(1, k) - here).upper()))
         return found
 
-    def _side(self, line: Line, tau: Fraction) -> int | None:
+    def _side(self, line: Route, tau: Fraction) -> int | None:
         """On which side of -1 the multiplier is at one place of a line."""
-        here = Line((_rounded(line.at(tau), 30),), Fraction(0))
+        here = Route((_rounded(line.at(tau), 30),), Fraction(0))
         tubes = [Tube(curve, self._march.radius) for curve in self._near(here, 1)]
         return sign(proved(self._toy, self._parameter, here, tubes).multiplier + 1)
 
@@ -399,7 +399,7 @@ class _Walk:
             return [*before, Planned(part_of(line, a, b), True), *after]
         return None
 
-    def _flip_on(self, line: Line) -> Interval | None:
+    def _flip_on(self, line: Route) -> Fractions | None:
         """A short part of a line, in tau, at whose ends the multiplier is on two sides of -1."""
         low, high = -line.half, line.half
         if self._flip is not None and not line.at(low) < self._flip < line.at(high):
@@ -417,10 +417,10 @@ class _Walk:
         except Undecided:
             return None
         self._flip = line.at((low + high) / 2)
-        return Interval(low, high)
+        return Fractions(low, high)
 
 
-class End(NamedTuple):
+class PieceEnd(NamedTuple):
     """Where a piece ends, in numbers that travel between processes.
 
     Attributes
@@ -434,21 +434,21 @@ class End(NamedTuple):
     """
 
     p: Fraction
-    tubes: tuple[Interval, ...]
-    found: tuple[Interval, ...]
+    tubes: tuple[Fractions, ...]
+    found: tuple[Fractions, ...]
 
 
-def end_of(piece: Piece, side: int) -> End:
+def end_of(piece: Tubes, side: int) -> PieceEnd:
     """The low (-1) or the high (1) end of a piece."""
     tubes, found = [], []
     for k, tube in enumerate(piece.tubes):
         at, place = value_of(tube.curve, side * piece.line.half), piece.end(side, k)
-        tubes.append(Interval(at - tube.radius, at + tube.radius))
-        found.append(Interval(fraction(place.lower()), fraction(place.upper())))
-    return End(piece.line.at(side * piece.line.half), tuple(tubes), tuple(found))
+        tubes.append(Fractions(at - tube.radius, at + tube.radius))
+        found.append(Fractions(fraction(place.lower()), fraction(place.upper())))
+    return PieceEnd(piece.line.at(side * piece.line.half), tuple(tubes), tuple(found))
 
 
-def joined(first: End, second: End) -> bool:
+def joined(first: PieceEnd, second: PieceEnd) -> bool:
     """Whether two pieces hold the same cycle where they meet.
 
     It is so if what was found in one of them lies in the tubes of the other.
@@ -456,7 +456,7 @@ def joined(first: End, second: End) -> bool:
     return first.p == second.p and (_holds(first, second) or _holds(second, first))
 
 
-def _holds(outer: End, inner: End) -> bool:
+def _holds(outer: PieceEnd, inner: PieceEnd) -> bool:
     return all(
         tube.low < place.low and place.high < tube.high
         for tube, place in zip(outer.tubes, inner.found, strict=True)
@@ -466,13 +466,13 @@ def _holds(outer: End, inner: End) -> bool:
 MAY_FLIP = "the multiplier may be -1"
 
 
-def part_of(line: Line, low: Fraction, high: Fraction) -> Line:
+def part_of(line: Route, low: Fraction, high: Fraction) -> Route:
     """A line from one place of another one to a second: the same values at the same places."""
     middle, poly = (low + high) / 2, list(line.poly)
     for k in range(len(poly) - 1):  # Horner's shift of a polynomial
         for j in range(len(poly) - 2, k - 1, -1):
             poly[j] += middle * poly[j + 1]
-    return Line(tuple(poly), (high - low) / 2)
+    return Route(tuple(poly), (high - low) / 2)
 
 
 def _radius(poly: Any) -> float:
@@ -483,12 +483,12 @@ def _radius(poly: Any) -> float:
     return float(min((c[1] / x) ** (1.0 / (k - 1)) for k, x in enumerate(c) if k > 1 and x > 0.0))
 
 
-def _begun(low: Fraction, rates: Sequence[Fraction], half: Fraction) -> Line:
+def _begun(low: Fraction, rates: Sequence[Fraction], half: Fraction) -> Route:
     """A line that begins at a value, with about these coefficients there."""
-    shifted = part_of(Line((low, *rates), half), Fraction(0), 2 * half)
+    shifted = part_of(Route((low, *rates), half), Fraction(0), 2 * half)
     poly = [Fraction(0), *(_short(number(c), 20) for c in shifted.poly[1:])]
     poly[0] = low - value_of(poly, -half)
-    return Line(tuple(poly), half)
+    return Route(tuple(poly), half)
 
 
 def _short(x: Any, digits: int) -> Fraction:

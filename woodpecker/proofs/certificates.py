@@ -23,7 +23,7 @@ from woodpecker.proofs.balls import fraction
 from woodpecker.proofs.branches import ProvedBranch
 from woodpecker.proofs.model import data
 from woodpecker.proofs.motions import Way
-from woodpecker.proofs.pieces import Piece
+from woodpecker.proofs.pieces import Tubes
 from woodpecker.proofs.points import ProvedPoint
 
 FORMAT = "certificate of the Woodpecker Toy"
@@ -116,7 +116,7 @@ def way_of(way: Way) -> dict[str, Any]:
     return {"word": way.word, "events": events}
 
 
-def piece_of(piece: Piece) -> dict[str, Any]:
+def piece_of(piece: Tubes) -> dict[str, Any]:
     """A piece: how the parameter runs, and the tubes."""
     points = [
         {
@@ -133,7 +133,7 @@ def piece_of(piece: Piece) -> dict[str, Any]:
     }
 
 
-def of_orbit(toy: Toy, parameter: str, outer: Piece, inner: Piece, digits: int) -> Certificate:
+def of_orbit(toy: Toy, parameter: str, outer: Tubes, inner: Tubes, digits: int) -> Certificate:
     """Exactly one cycle in the outer tubes, which lies in the inner ones."""
     order = len(inner.tubes)
     content = head(toy, "orbit", parameter, order, digits) | {
@@ -147,7 +147,7 @@ def of_orbit(toy: Toy, parameter: str, outer: Piece, inner: Piece, digits: int) 
     return sealed({"statement": orbit_sentence(content), **content})
 
 
-def _claim(piece: Piece) -> list[str]:
+def _claim(piece: Tubes) -> list[str]:
     """The multiplier of a piece with room for other arithmetic, but on its side of -1 and 1."""
     for slack in (Fraction(1, 2), Fraction(1, 5), SLACK, Fraction(0)):
         claim = interval(piece.multiplier, slack)

@@ -17,12 +17,12 @@ from woodpecker.mechanics.modes import SIGN
 from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, ball
 from woodpecker.proofs.forms import box, reciprocal, sign
-from woodpecker.proofs.model import Model, sum_of
+from woodpecker.proofs.model import BallToy, sum_of
 
 Numbers = Sequence[Any]
 
 
-class Phase(NamedTuple):
+class BallPhase(NamedTuple):
     """What compression or expansion does.
 
     Attributes
@@ -39,8 +39,8 @@ class Phase(NamedTuple):
 
 
 def impulses_of(
-    model: Model, contacts: Sequence[int], free: Numbers, floors: Numbers | None, approaches: bool
-) -> Phase:
+    model: BallToy, contacts: Sequence[int], free: Numbers, floors: Numbers | None, approaches: bool
+) -> BallPhase:
     """The compression (no floors) or the expansion of an impact.
 
     Parameters
@@ -65,7 +65,7 @@ def impulses_of(
         candidates = _single(model, contacts[0], free, low[0], approaches)
     else:
         candidates = _pair(model, contacts[1], free, low, floors is not None)
-    found: Phase = only(candidates, "an impact")
+    found: BallPhase = only(candidates, "an impact")
     return found
 
 
@@ -97,8 +97,8 @@ def verdict(conditions: Iterable[Any]) -> bool | None:
 
 
 def _single(
-    model: Model, i: int, free: Numbers, floor: Any, approaches: bool
-) -> Iterator[tuple[bool | None, Callable[[], Phase]]]:
+    model: BallToy, i: int, free: Numbers, floor: Any, approaches: bool
+) -> Iterator[tuple[bool | None, Callable[[], BallPhase]]]:
     n, t = 2 * i, 2 * i + 1
     g = model.delassus
     mu, (free_n, free_t) = ball(model.equations.mu[i]), free
@@ -125,7 +125,7 @@ def _single(
         else:
             first = -1 if approaches else v_n
         rest = _along(tangential, mu * p_n, p_t, v_t)
-        phase = Phase((case,), (p_n, p_t), (v_n, v_t))
+        phase = BallPhase((case,), (p_n, p_t), (v_n, v_t))
         yield verdict([first, *rest]), lambda phase=phase: phase  # type: ignore[misc]
 
 
@@ -137,8 +137,8 @@ def _along(tangential: int, bound: Any, impulse: Any, velocity: Any) -> list[Any
 
 
 def _pair(
-    model: Model, sleeve: int, free: Numbers, floors: Numbers, expands: bool
-) -> Iterator[tuple[bool | None, Callable[[], Phase]]]:
+    model: BallToy, sleeve: int, free: Numbers, floors: Numbers, expands: bool
+) -> Iterator[tuple[bool | None, Callable[[], BallPhase]]]:
     """The 36 combinations; ranges first, and forms for what these leave open."""
     for first in range(6):
         for second in range(6):
@@ -160,9 +160,9 @@ def _pair(
 
 
 def _combination(
-    model: Model, sleeve: int, cases: tuple[int, int], table: list[Numbers], free: Numbers,
+    model: BallToy, sleeve: int, cases: tuple[int, int], table: list[Numbers], free: Numbers,
     floors: Numbers, expands: bool, look: Callable[[Any], Any],
-) -> tuple[bool | None, Phase]:  # fmt: skip
+) -> tuple[bool | None, BallPhase]:  # fmt: skip
     """Whether a combination holds, and what it does; ``look`` takes forms or their ranges."""
     free, floors = [look(x) for x in free], [look(x) for x in floors]
     given = [*free, *floors]
@@ -185,18 +185,18 @@ def _combination(
         conditions.append(p[n] - floors[k] if case // 3 == REST else v[n])
         bound = mu * (p[n] + p[2 - n]) if coupled else mu * p[n]
         conditions += _along(case % 3, bound, p[t], v[t])
-    return verdict(conditions), Phase(cases, p, v)
+    return verdict(conditions), BallPhase(cases, p, v)
 
 
 def _form(x: Any) -> Any:
     return x
 
 
-def _not_unique() -> Phase:
+def _not_unique() -> BallPhase:
     raise Undecided("the impulses of an impact are not unique")
 
 
-def _momentum(model: Model, sleeve: int, free: Numbers) -> Numbers:
+def _momentum(model: BallToy, sleeve: int, free: Numbers) -> Numbers:
     """-M u from the contact velocities that the toy would lose."""
     e = model.equations
     # rows of W^T u: N1 = -h_S u_S, Nk = +-h_M u_M, T1 = u_y + l_M u_M + (l_G - l_S) u_S
@@ -208,7 +208,7 @@ def _momentum(model: Model, sleeve: int, free: Numbers) -> Numbers:
 
 
 def _rest_is_possible(
-    model: Model, sleeve: int, load: Numbers, floors: Numbers, coupled: bool
+    model: BallToy, sleeve: int, load: Numbers, floors: Numbers, coupled: bool
 ) -> bool | None:
     """Whether forces W lambda = load lie in both cones; four unknowns for three equations.
 
@@ -253,7 +253,7 @@ def _feasible(lines: list[tuple[Any, Any]]) -> bool | None:
     return True if decided else None
 
 
-def rests(model: Model, sleeve: int, d: Any) -> bool | None:
+def rests(model: BallToy, sleeve: int, d: Any) -> bool | None:
     """Whether the beak and a contact of the sleeve can hold the toy at rest."""
     e = model.equations
     load = [-(ball(x) + ball(y) * d) for x, y in zip(e.h_0, e.h_1, strict=True)]

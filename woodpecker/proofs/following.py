@@ -43,20 +43,20 @@ from woodpecker.proofs.balls import ZERO, ball
 from woodpecker.proofs.contacts import impulses_of, mark, only, rests, verdict
 from woodpecker.proofs.flights import landing
 from woodpecker.proofs.forms import Frame, box, centre, sign, start
-from woodpecker.proofs.model import Model, State, sum_of
+from woodpecker.proofs.model import BallToy, State, sum_of
 from woodpecker.proofs.motions import (
     NO_GUARD,
+    BallState,
     Fired,
-    Fork,
     ForkKind,
-    Motion,
+    OpenDecision,
     Way,
     flown,
     hold,
     name_of,
     touch,
 )
-from woodpecker.proofs.oscillator import Crossing, Guard, crossing
+from woodpecker.proofs.oscillator import Guard, ZeroCrossing, crossing
 from woodpecker.proofs.pausing import paused
 from woodpecker.simulation.codes import DETACH, IMPACT, REVERSAL, SLIP_START, STICK_START
 from woodpecker.simulation.guards import first_root
@@ -66,7 +66,7 @@ MOST_EVENTS = 400
 MOST_PARTS = 2**16  # of a phase in which the bird is shown not to turn: some tens are usual
 
 
-def follow(model: Model, frame: Frame, curve: Sequence[Any], plateaus: bool = False) -> list[Way]:
+def follow(model: BallToy, frame: Frame, curve: Sequence[Any], plateaus: bool = False) -> list[Way]:
     """The ways of a return from phi_S on a curve over p, plus s, on the section.
 
     Parameters
@@ -88,7 +88,7 @@ def follow(model: Model, frame: Frame, curve: Sequence[Any], plateaus: bool = Fa
     phi_s = start(frame, curve)
     if sign(model.limits[0] - phi_s) != 1:
         raise Undecided("the beak may touch the pole at the start")
-    motion = Motion(
+    motion = BallState(
         [ZERO, model.limits[1], phi_s], [ZERO] * 3, ZERO, (OPEN, STICK, OPEN), [0, 2, 0]
     )
     motion.held, motion.before = frozenset({1}), motion.states
@@ -105,12 +105,12 @@ def follow(model: Model, frame: Frame, curve: Sequence[Any], plateaus: bool = Fa
     return sorted(found, key=lambda way: [-side for _, side in way.forks])
 
 
-def _way(motion: Motion) -> Way:
+def _way(motion: BallState) -> Way:
     image, drop = motion.q[2], -motion.q[0]
     return Way(word(motion.codes), tuple(motion.log), image, motion.time, drop, tuple(motion.forks))
 
 
-def _guard(model: Model, motion: Motion, states: State, guard: int) -> Guard:
+def _guard(model: BallToy, motion: BallState, states: State, guard: int) -> Guard:
     """A guard of a mode where a phase begins, with its exact zeros."""
     kind, i = guard // 3 * 3, guard % 3
     mode, q, u = model.mode(states), motion.q, motion.u
@@ -157,13 +157,13 @@ def _only_opens(before: State, states: State, i: int) -> bool:
     return all(states[k] == before[k] for k in range(3) if k != i)
 
 
-def _let_go(motion: Motion, states: State, i: int) -> bool:
+def _let_go(motion: BallState, states: State, i: int) -> bool:
     """Whether the other contact of the sleeve has just let go, because its force has vanished."""
     other = 3 - i
     return i > 0 and motion.fired == NORMAL + other and _only_opens(motion.before, states, other)
 
 
-def _force(model: Model, forces: Sequence[Any], kind: int, i: int) -> tuple[Any, Any]:
+def _force(model: BallToy, forces: Sequence[Any], kind: int, i: int) -> tuple[Any, Any]:
     """The constant and the rate in d of a guard on contact forces."""
     p_n, r_n, p_t, r_t = forces
     if kind == NORMAL:
@@ -172,7 +172,7 @@ def _force(model: Model, forces: Sequence[Any], kind: int, i: int) -> tuple[Any,
     return mu * p_n - p_t * side, mu * r_n - r_t * side
 
 
-def _next(model: Model, motion: Motion, plateaus: bool) -> list[Motion]:
+def _next(model: BallToy, motion: BallState, plateaus: bool) -> list[BallState]:
     """The motions at the start of the next phase, or at the return."""
     guards = [
         _guard(model, motion, motion.states, code)
@@ -202,9 +202,9 @@ def _next(model: Model, motion: Motion, plateaus: bool) -> list[Motion]:
 
 
 def _meeting(
-    model: Model, motion: Motion, first: Guard, fires: Crossing, rivals: list[Guard],
+    model: BallToy, motion: BallState, first: Guard, fires: ZeroCrossing, rivals: list[Guard],
     guesses: dict[int, float],
-) -> list[Motion]:  # fmt: skip
+) -> list[BallState]:  # fmt: skip
     """Two gaps close nearly at once: both ways.
 
     Both gaps are positive until then and fall while they close, so the second one is positive when
@@ -218,7 +218,7 @@ def _meeting(
     for guard in (first, second):
         if not _survives(guard, span.lower(), span):
             raise Undecided(f"{name_of(guard.code)} may fire earlier")
-    fork = Fork(ForkKind.MEETING, second.at(fires.time), (first.code + 1, second.code + 1))
+    fork = OpenDecision(ForkKind.MEETING, second.at(fires.time), (first.code + 1, second.code + 1))
     found = []
     for side, guard, ends in ((1, first, fires), (-1, second, other)):
         way = motion.copy()
@@ -244,7 +244,7 @@ def _guess(guard: Guard) -> float:
     return float(first_root(max(0.0, f0), f1, f2, f3, kappa, omega, math.inf))
 
 
-def _fires(guard: Guard, guess: float) -> Crossing:
+def _fires(guard: Guard, guess: float) -> ZeroCrossing:
     """When a guard fires."""
     if guard.code == SECTION:
         turns = crossing(guard, guess, falls=1)
@@ -292,7 +292,7 @@ def _no_turn(guard: Guard, end: Any) -> bool:
     return False
 
 
-def _moved(model: Model, motion: Motion, fired: int, fires: Crossing) -> Motion:
+def _moved(model: BallToy, motion: BallState, fired: int, fires: ZeroCrossing) -> BallState:
     """The motion at the end of a phase, before its event."""
     t = fires.time
     after = motion.copy()
@@ -314,7 +314,7 @@ def _moved(model: Model, motion: Motion, fired: int, fires: Crossing) -> Motion:
     return after
 
 
-def _arrive(model: Model, motion: Motion) -> list[Motion]:
+def _arrive(model: BallToy, motion: BallState) -> list[BallState]:
     """The event that ends a phase, and the start of the next one."""
     fired, states = motion.fired, motion.states
     if fired == SECTION:
@@ -328,7 +328,7 @@ def _arrive(model: Model, motion: Motion) -> list[Motion]:
     return _settled(model, motion, closed)
 
 
-def _strike(model: Model, motion: Motion, contacts: list[int]) -> list[Motion]:
+def _strike(model: BallToy, motion: BallState, contacts: list[int]) -> list[BallState]:
     """An impact, and the start of the next phase."""
     u, striking = motion.u, motion.fired
     free: list[Any] = []
@@ -396,7 +396,9 @@ def _state(states: Iterable[int]) -> State:
     return first, second, third
 
 
-def _settled(model: Model, motion: Motion, closed: set[int], plastic: bool = False) -> list[Motion]:
+def _settled(
+    model: BallToy, motion: BallState, closed: set[int], plastic: bool = False
+) -> list[BallState]:
     """The contact problem on acceleration level: the mode that starts now, or two of them.
 
     Every combination of states of the contacts that touch and stay is tried: each guard of theirs
@@ -415,7 +417,9 @@ def _settled(model: Model, motion: Motion, closed: set[int], plastic: bool = Fal
     return [_set_off(motion, chosen, stays=stays if chosen[stays] != OPEN else NO_GUARD)]
 
 
-def _stays_or_leaves(model: Model, motion: Motion, i: int, trials: list[State]) -> list[Motion]:
+def _stays_or_leaves(
+    model: BallToy, motion: BallState, i: int, trials: list[State]
+) -> list[BallState]:
     """A contact without approach and with a force near zero: both ways.
 
     The acceleration of its gap if it opens is minus the force if it stays, times the response
@@ -428,7 +432,7 @@ def _stays_or_leaves(model: Model, motion: Motion, i: int, trials: list[State]) 
     if sign(model.delassus[n][n] + friction * model.delassus[n][t]) != 1:
         raise Undecided("a contact may be neither left nor held")
     force = _guard(model, motion, stay, NORMAL + i).jet[0]
-    fork = Fork(ForkKind.REST, force, (i + 1,))
+    fork = OpenDecision(ForkKind.REST, force, (i + 1,))
     found = []
     for side, trial in ((1, stay), (-1, leave)):
         way = motion.copy()
@@ -441,7 +445,7 @@ def _stays_or_leaves(model: Model, motion: Motion, i: int, trials: list[State]) 
     return found
 
 
-def _slip(model: Model, motion: Motion, i: int) -> int:
+def _slip(model: BallToy, motion: BallState, i: int) -> int:
     """The direction of slip."""
     s = sign(sum_of(w * v for w, v in zip(model.tangents[i], motion.u, strict=True)))
     if not s:
@@ -460,7 +464,7 @@ def _moves_as_one(trial: Sequence[int]) -> bool:
     return len({state for state in trial if state != OPEN}) <= 1
 
 
-def _admissible(model: Model, motion: Motion, closed: set[int], trial: State) -> bool | None:
+def _admissible(model: BallToy, motion: BallState, closed: set[int], trial: State) -> bool | None:
     if sum(state == STICK for state in trial) == 2:
         if rests(model, max(closed), motion.q[2] - motion.q[1]) is False:
             return False
@@ -483,8 +487,8 @@ def _admissible(model: Model, motion: Motion, closed: set[int], trial: State) ->
 
 
 def _set_off(
-    motion: Motion, states: State, stays: int = NO_GUARD, leaves: int = NO_GUARD
-) -> Motion:
+    motion: BallState, states: State, stays: int = NO_GUARD, leaves: int = NO_GUARD
+) -> BallState:
     """The next phase with these contact states, and the symbols of what has changed."""
     before, fired = motion.before, motion.fired
     for i in range(3):

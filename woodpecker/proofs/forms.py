@@ -20,7 +20,7 @@ from flint import arb_poly, ctx
 
 from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, ball
-from woodpecker.proofs.taylor import Span, Taylor, constant, cut, inverse
+from woodpecker.proofs.taylor import Taylor, TaylorSpan, constant, cut, inverse
 
 ALONG: tuple[tuple[int, ...], ...] = ((), (0,), (1,), (0, 0), (0, 1), (1, 1))
 """Derivatives that a form may carry: 0 is along s, 1 along p."""
@@ -47,9 +47,9 @@ class Frame:
     depth: int = 2
 
     @cached_property
-    def span(self) -> Span:
+    def span(self) -> TaylorSpan:
         """Of the parameter."""
-        return Span(self.p, self.terms)
+        return TaylorSpan(self.p, self.terms)
 
 
 @contextmanager

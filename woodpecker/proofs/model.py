@@ -63,7 +63,7 @@ class Mode(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Model:
+class BallToy:
     """The toy at an exact value of a parameter, or over an interval of it.
 
     Attributes
@@ -80,7 +80,7 @@ class Model:
     @classmethod
     def of(
         cls, toy: Toy, moving: str = "", frame: Frame | None = None, line: Sequence[Any] = ()
-    ) -> Model:
+    ) -> BallToy:
         """The model of a toy; one of its parameters may move, as a polynomial in p."""
         values: dict[str, Any] = {
             name: fmpq(x.numerator, x.denominator) for name, x in data(toy).items()

@@ -10,7 +10,7 @@ from typing import Any, NamedTuple
 from woodpecker.mechanics.modes import ANGLE, SECTION
 from woodpecker.proofs.balls import ZERO
 from woodpecker.proofs.forms import Form
-from woodpecker.proofs.model import Mode, Model, State
+from woodpecker.proofs.model import BallToy, Mode, State
 from woodpecker.proofs.oscillator import stumpff
 
 NO_GUARD = -1
@@ -25,7 +25,7 @@ class ForkKind(Enum):
     PLATEAU = "plateau"
 
 
-class Fork(NamedTuple):
+class OpenDecision(NamedTuple):
     """A decision that is open over a box.
 
     Attributes
@@ -85,11 +85,11 @@ class Way(NamedTuple):
     image: Form
     period: Form
     drop: Form
-    forks: tuple[tuple[Fork, int], ...]
+    forks: tuple[tuple[OpenDecision, int], ...]
 
 
 @dataclass
-class Motion:
+class BallState:
     """The toy where a phase begins, over a box.
 
     Attributes
@@ -130,9 +130,9 @@ class Motion:
     since: Any = ZERO
     codes: list[int] = field(default_factory=list)
     log: list[Fired] = field(default_factory=list)
-    forks: list[tuple[Fork, int]] = field(default_factory=list)
+    forks: list[tuple[OpenDecision, int]] = field(default_factory=list)
 
-    def copy(self) -> Motion:
+    def copy(self) -> BallState:
         """Another one that goes its own way."""
         return replace(
             self,
@@ -158,12 +158,12 @@ def flown(mode: Mode, q: Sequence[Any], u: Sequence[Any], t: Any) -> tuple[list[
     )
 
 
-def touch(model: Model, motion: Motion, i: int) -> None:
+def touch(model: BallToy, motion: BallState, i: int) -> None:
     """Make the gap of a contact exactly zero."""
     motion.q[ANGLE[i]] = model.limits[i]
 
 
-def hold(model: Model, motion: Motion, i: int) -> None:
+def hold(model: BallToy, motion: BallState, i: int) -> None:
     """Make the slip of a contact exactly zero through the velocity of the sleeve."""
     _, w_m, w_s = model.tangents[i]
     motion.u[0] = -(w_m * motion.u[1] + w_s * motion.u[2])

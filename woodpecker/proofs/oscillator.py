@@ -151,7 +151,7 @@ def _value(
             return kappa * (f2 * s[0] + f3 * s[1])
 
 
-class Crossing(NamedTuple):
+class ZeroCrossing(NamedTuple):
     """When a guard crosses zero.
 
     Attributes
@@ -170,7 +170,7 @@ class Crossing(NamedTuple):
     lands: bool = False
 
 
-def crossing(guard: Guard, guess: float, falls: int = -1) -> Crossing:
+def crossing(guard: Guard, guess: float, falls: int = -1) -> ZeroCrossing:
     """When a guard crosses zero near a guess, with a derivative of the sign ``falls``.
 
     Raises
@@ -178,7 +178,7 @@ def crossing(guard: Guard, guess: float, falls: int = -1) -> Crossing:
     Undecided
         If this could not be shown.
     """
-    return Crossing(*zero(guard.near, guard.over, guess, falls))
+    return ZeroCrossing(*zero(guard.near, guard.over, guess, falls))
 
 
 def zero(

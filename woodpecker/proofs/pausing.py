@@ -13,10 +13,18 @@ from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, ball
 from woodpecker.proofs.contacts import impulses_of, mark
 from woodpecker.proofs.forms import VALUE, Form, box, sign
-from woodpecker.proofs.model import Model, State, sum_of
-from woodpecker.proofs.motions import NO_GUARD, Fired, Fork, ForkKind, Motion, flown, touch
+from woodpecker.proofs.model import BallToy, State, sum_of
+from woodpecker.proofs.motions import (
+    NO_GUARD,
+    BallState,
+    Fired,
+    ForkKind,
+    OpenDecision,
+    flown,
+    touch,
+)
 from woodpecker.proofs.oscillator import Guard
-from woodpecker.proofs.plateaus import Plateau, Touch, effect
+from woodpecker.proofs.plateaus import Landed, Plateau, effect
 from woodpecker.simulation.codes import DETACH, IMPACT
 
 NEAR = 0.02  # of a swing: landings so near to the middle of a plateau are taken together with it
@@ -66,9 +74,9 @@ class _Slide(NamedTuple):
 
 
 def paused(
-    model: Model, motion: Motion, first: Guard, others: Sequence[Guard], guess: float,
+    model: BallToy, motion: BallState, first: Guard, others: Sequence[Guard], guess: float,
     survives: Callable[[Guard, Any], bool],
-) -> list[Motion]:  # fmt: skip
+) -> list[BallState]:  # fmt: skip
     """The motions after a landing near a plateau, both where the box allows them.
 
     Parameters
@@ -98,7 +106,7 @@ def paused(
     free, sliding = model.mode(FREE), model.mode(slide.states)
     turn = free.b[ANGLE[i]] * int(SIGN[i]) * stretch
     plateau = Plateau(free.kappa, sliding.kappa, turn)
-    fork = Fork(ForkKind.PLATEAU, pause.level, (i + 1,))
+    fork = OpenDecision(ForkKind.PLATEAU, pause.level, (i + 1,))
     decided, found = sign(pause.eta), []
     for side, lands in ((1, plateau.late), (-1, plateau.early)):
         if decided is not None and side != (decided or 1):
@@ -138,11 +146,11 @@ def _pause(first: Guard, guess: float) -> _Pause | None:
     return _Pause(first.code, middle, f3, f0 + f3 * fallen, -(f0 / f3) - fallen)
 
 
-def _slip(model: Model, i: int, u: Sequence[Any]) -> Any:
+def _slip(model: BallToy, i: int, u: Sequence[Any]) -> Any:
     return sum_of(w * v for w, v in zip(model.tangents[i], u, strict=True))
 
 
-def _slide(model: Model, i: int, u: Sequence[Any]) -> _Slide:
+def _slide(model: BallToy, i: int, u: Sequence[Any]) -> _Slide:
     """How the contact slides."""
     direction = sign(_slip(model, i, u))
     if not direction:
@@ -161,8 +169,8 @@ def _slide(model: Model, i: int, u: Sequence[Any]) -> _Slide:
 
 
 def _reduced(
-    model: Model, motion: Motion, pause: _Pause, slide: _Slide, q: list[Any], u: list[Any]
-) -> Motion:
+    model: BallToy, motion: BallState, pause: _Pause, slide: _Slide, q: list[Any], u: list[Any]
+) -> BallState:
     """The motion of sliding from the middle of the plateau, but for the small terms."""
     after, i = motion.copy(), pause.contact
     after.q = [x - r * pause.level for x, r in zip(q, slide.response, strict=True)]
@@ -178,7 +186,7 @@ def _reduced(
 
 
 def _clear(
-    model: Model, motion: Motion, pause: _Pause, slide: _Slide, landing: Touch, side: int,
+    model: BallToy, motion: BallState, pause: _Pause, slide: _Slide, landing: Landed, side: int,
     others: Sequence[Guard], survives: Callable[[Guard, Any], bool],
 ) -> None:  # fmt: skip
     """Nothing else happens until the contact has come to stay, and it slides on in each impact."""
@@ -214,7 +222,7 @@ def _stopped(slide: _Slide, u: Sequence[Any], j: int) -> list[Any]:
     return [v - r * (u[j] / slide.response[j]) for v, r in zip(u, slide.response, strict=True)]
 
 
-def _mark(model: Model, slide: _Slide, i: int) -> int:
+def _mark(model: BallToy, slide: _Slide, i: int) -> int:
     """What the impact does, see `impacts.MARKS`."""
     case = impulses_of(model, [i], [ZERO, arb(slide.direction)], None, True).cases[0]
     return mark(case, None, ZERO)

@@ -22,7 +22,7 @@ from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, decimal, number
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import SP, SS, VALUE, Form, Frame, P, S
-from woodpecker.proofs.model import Model
+from woodpecker.proofs.model import BallToy
 from woodpecker.proofs.motions import ForkKind, Way
 from woodpecker.proofs.taylor import Taylor, inverse
 
@@ -37,7 +37,7 @@ class Tube(NamedTuple):
     Attributes
     ----------
     curve
-        Coefficients of powers of tau, see :class:`Line`.
+        Coefficients of powers of tau, see :class:`Route`.
     radius
         How far from the curve [rad].
     """
@@ -46,7 +46,7 @@ class Tube(NamedTuple):
     radius: Fraction
 
 
-class Interval(NamedTuple):
+class Fractions(NamedTuple):
     """A closed interval with rational ends."""
 
     low: Fraction
@@ -58,7 +58,7 @@ class Interval(NamedTuple):
         return self.high - self.low
 
 
-class Line(NamedTuple):
+class Route(NamedTuple):
     """How the parameter runs along a piece: p = poly(tau) for |tau| <= half.
 
     Most often tau is the distance from a centre. Where a branch bends sharply over the parameter it
@@ -76,7 +76,7 @@ class Line(NamedTuple):
     half: Fraction
 
     @classmethod
-    def over(cls, p: Interval) -> Line:
+    def over(cls, p: Fractions) -> Route:
         """The plain one over an interval."""
         return cls(((p.low + p.high) / 2, Fraction(1)), p.length / 2)
 
@@ -85,9 +85,9 @@ class Line(NamedTuple):
         return value_of(self.poly, tau)
 
     @property
-    def interval(self) -> Interval:
+    def interval(self) -> Fractions:
         """What it runs over."""
-        return Interval(self.at(-self.half), self.at(self.half))
+        return Fractions(self.at(-self.half), self.at(self.half))
 
 
 def value_of(poly: Sequence[Fraction], x: Fraction) -> Fraction:
@@ -99,7 +99,7 @@ def value_of(poly: Sequence[Fraction], x: Fraction) -> Fraction:
 
 
 @dataclass(frozen=True)
-class Piece:
+class Tubes:
     """Tubes in which there is exactly one cycle for every parameter in an interval: proved.
 
     Attributes
@@ -118,7 +118,7 @@ class Piece:
         Range of the derivative of the multiplier in tau along the cycle; None if not asked for.
     """
 
-    line: Line
+    line: Route
     tubes: tuple[Tube, ...]
     ways: tuple[tuple[Way, ...], ...]
     off: tuple[Any, ...]
@@ -150,7 +150,7 @@ class Piece:
         )
 
     @property
-    def p(self) -> Interval:
+    def p(self) -> Fractions:
         """The interval of the parameter."""
         return self.line.interval
 
@@ -161,9 +161,9 @@ class Piece:
 
 
 def proved(
-    toy: Toy, parameter: str, line: Line, tubes: Sequence[Tube], terms: int = 1,
+    toy: Toy, parameter: str, line: Route, tubes: Sequence[Tube], terms: int = 1,
     turns: bool = False, plateaus: bool = False,
-) -> Piece:  # fmt: skip
+) -> Tubes:  # fmt: skip
     """Prove that there is exactly one cycle in tubes, for every parameter in an interval.
 
     Parameters
@@ -186,7 +186,7 @@ def proved(
     ways, misses, slopes = [], [], []
     for k, tube in enumerate(tubes):
         frame = Frame(arb(0, number(tube.radius).upper()), ball, terms, 6 if turns else 2)
-        model = Model.of(toy, parameter, frame, poly)
+        model = BallToy.of(toy, parameter, frame, poly)
         curve = [number(c) for c in tube.curve]
         found = tuple(follow(model, frame, curve, plateaus))
         if any(fork.kind is ForkKind.MEETING for way in found for fork, _ in way.forks):
@@ -203,7 +203,7 @@ def proved(
         if not abs(s) < ROOM * number(tube.radius):
             raise TooNarrow(off)
     turn = _turn(tubes, [found[0] for found in ways], slopes) if turns else None
-    return Piece(line, tuple(tubes), tuple(ways), tuple(off), tuple(slopes), turn)
+    return Tubes(line, tuple(tubes), tuple(ways), tuple(off), tuple(slopes), turn)
 
 
 def _apart(tubes: Sequence[Tube], ball: Any) -> None:
@@ -283,7 +283,7 @@ def _product(factors: Sequence[Any]) -> Any:
 
 
 def curves_near(
-    toy: Toy, parameter: str, line: Line, guesses: Sequence[Sequence[Any]], terms: int,
+    toy: Toy, parameter: str, line: Route, guesses: Sequence[Sequence[Any]], terms: int,
     plateaus: bool = False,
 ) -> list[tuple[Fraction, ...]]:  # fmt: skip
     """Taylor polynomials of a cycle about the middle of a line: no proof.
@@ -297,7 +297,7 @@ def curves_near(
         For each point coefficients of a polynomial nearby, at least one.
     """
     frame, half = Frame(ZERO, ZERO, terms), number(line.half)
-    model = Model.of(toy, parameter, frame, [number(c) for c in line.poly])
+    model = BallToy.of(toy, parameter, frame, [number(c) for c in line.poly])
     curves = [arb_poly(list(guess)) for guess in guesses]
     for _ in range(STEPS):
         misses, slopes = [], []

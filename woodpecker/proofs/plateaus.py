@@ -39,14 +39,14 @@ LARGEST = arb(0.1)  # of |kappa| sigma^2, where the shapes below are near their 
 AGAIN = arb(3, 0.5)  # sigma to the second landing, in units of sigma: 3 for a weak spring
 
 
-class Effect(NamedTuple):
+class SmallTerm(NamedTuple):
     """A small term and its derivative in eta, for a range of eta."""
 
     value: Any
     slope: Any
 
 
-class Touch(NamedTuple):
+class Landed(NamedTuple):
     """What a landing at a plateau does, for a range of eta.
 
     Attributes
@@ -61,8 +61,8 @@ class Touch(NamedTuple):
 
     sigma: Any
     flight: Any
-    velocity: Effect
-    place: Effect
+    velocity: SmallTerm
+    place: SmallTerm
 
     @property
     def last(self) -> Any:
@@ -86,20 +86,20 @@ class Plateau:
     sliding: Any
     turn: Any
 
-    def late(self, eta: Any) -> Touch:
+    def late(self, eta: Any) -> Landed:
         """The contact strikes after the middle, and stays: eta >= 0."""
         sigma = self.sigma(eta)
         whole = ZERO.union(sigma)
         c2, slide = shape_balls(self.kappa * whole**2, 2)[2], self._slides(whole)
         s1, s2 = stumpff_balls(self.sliding, sigma, 2)[1:]
-        return Touch(
+        return Landed(
             sigma,
             ZERO,
-            Effect(slide[1] * c2 * sigma**4 / 4, s1),
-            Effect(-slide[2] * c2 * sigma**5 / 5, -s2),
+            SmallTerm(slide[1] * c2 * sigma**4 / 4, s1),
+            SmallTerm(-slide[2] * c2 * sigma**5 / 5, -s2),
         )
 
-    def early(self, eta: Any) -> Touch:
+    def early(self, eta: Any) -> Landed:
         """The contact strikes before the middle, leaves, and lands again: eta = -s_3(sigma) <= 0.
 
         In flight, h = sigma z after the impact, f = sigma^3 z^2 (c_1 c_2(h) - c z c_3(h)) with
@@ -123,11 +123,11 @@ class Plateau:
         velocity_slope += self.sliding * sigma**3 * _integral(flown, z, slide[1], lever=True) / c2
         place_slope = -s2 - sigma**2 * slide[0] * area / c2
         place_slope += sigma**2 * _integral(fallen, z, slide[1], lever=True)
-        return Touch(
+        return Landed(
             sigma,
             h,
-            Effect(velocity * sigma**4, velocity_slope),
-            Effect(place * sigma**5, place_slope),
+            SmallTerm(velocity * sigma**4, velocity_slope),
+            SmallTerm(place * sigma**5, place_slope),
         )
 
     def sigma(self, eta: Any) -> Any:
@@ -189,7 +189,7 @@ def _integral(powers: dict[int, Any], z: Any, factor: Any = 1, lever: bool = Fal
     return total
 
 
-def effect(eta: Form, on_curve: Effect, near: Effect) -> Form:
+def effect(eta: Form, on_curve: SmallTerm, near: SmallTerm) -> Form:
     """A small term as a form; it has no second derivatives."""
     span = eta.parts[VALUE].span
     if len(eta.parts) > 3:

@@ -25,8 +25,8 @@ from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import decimal, number
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import Form, Frame, P, S, sign
-from woodpecker.proofs.model import Model
-from woodpecker.proofs.motions import Fork, ForkKind, Way
+from woodpecker.proofs.model import BallToy
+from woodpecker.proofs.motions import ForkKind, OpenDecision, Way
 
 FIRST, SHRINK, LAST = Fraction(1, 10**11), 10**6, Fraction(1, 10**25)  # radii of the boxes
 DECIMALS = 40
@@ -98,11 +98,11 @@ def proved_point(toy: Toy, parameter: str, p: float, x: float) -> ProvedPoint:
 
 def _both(
     toy: Toy, parameter: str, p: Fraction, x: Fraction, radius: Fraction
-) -> tuple[tuple[Way, Way], Fork]:
+) -> tuple[tuple[Way, Way], OpenDecision]:
     """Both ways over a box, with derivatives in both directions."""
     ball = arb(0, number(radius).upper())
     frame = Frame(ball, ball, terms=2, depth=3)
-    model = Model.of(toy, parameter, frame, [number(p), arb(1)])
+    model = BallToy.of(toy, parameter, frame, [number(p), arb(1)])
     found = follow(model, frame, [number(x)])
     if len(found) != 2 or found[0].forks[0][0].kind is not ForkKind.MEETING:
         raise Undecided("no two gaps close at once here")
@@ -140,7 +140,7 @@ def _krawczyk(image: Form, border: Form, x: Fraction, radius: Fraction) -> tuple
 
 def _classified(
     toy: Toy, parameter: str, x: Fraction, p: Fraction, radius: Fraction,
-    ways: tuple[Way, Way], own: int, fork: Fork, moved: tuple[Any, Any],
+    ways: tuple[Way, Way], own: int, fork: OpenDecision, moved: tuple[Any, Any],
 ) -> ProvedPoint:  # fmt: skip
     found_x, found_p = number(x) + moved[0], number(p) + moved[1]
     border, image, limit = fork.comparator, ways[own].image, ways[1 - own].image.box

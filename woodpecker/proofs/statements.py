@@ -15,11 +15,11 @@ from woodpecker.base.executors import processes
 from woodpecker.mechanics.toy import Toy
 from woodpecker.not_proved import Undecided
 from woodpecker.proofs import certificates
-from woodpecker.proofs.branches import End, March, ProvedBranch, end_of, joined, marched
+from woodpecker.proofs.branches import March, PieceEnd, ProvedBranch, end_of, joined, marched
 from woodpecker.proofs.certificates import Certificate
 from woodpecker.proofs.forms import precision
 from woodpecker.proofs.model import rational
-from woodpecker.proofs.pieces import Interval, Line, Tube, curves_near, proved
+from woodpecker.proofs.pieces import Fractions, Route, Tube, curves_near, proved
 from woodpecker.proofs.points import proved_point
 from woodpecker.shooting import PeriodicOrbit, shoot
 
@@ -39,7 +39,7 @@ def prove_orbit(orbit: PeriodicOrbit) -> Certificate:
     if not orbit.success:
         raise ValueError(f"only a periodic orbit can be proved, got one with: {orbit.message}")
     toy, points = orbit.toy, orbit.points[: orbit.minimal_period]
-    line = Line((rational(getattr(toy, AT)),), Fraction(0))
+    line = Route((rational(getattr(toy, AT)),), Fraction(0))
     with precision(BITS["orbit"]):
         curves = curves_near(toy, AT, line, [[arb(x)] for x in points], 1)
         inner = proved(toy, AT, line, [Tube(curve, INNER) for curve in curves])
@@ -67,7 +67,7 @@ def prove_branch(
     low, high = float(span[0]), float(span[1])
     if not low < high or not branch.parameter.min() <= low <= branch.parameter.max():
         raise ValueError(f"span must begin on the branch and ascend, got {(low, high)}")
-    spans = parts_of(Interval(rational(low), rational(high)), workers)
+    spans = parts_of(Fractions(rational(low), rational(high)), workers)
     starts = _starts(toy, parameter, branch, [part.low for part in spans])
     tasks = [(toy, parameter, part, points) for part, points in zip(spans, starts, strict=True)]
     if workers == 1:
@@ -81,10 +81,10 @@ def prove_branch(
     return certificates.merged([part.certificate for part in parts])
 
 
-def parts_of(span: Interval, count: int) -> list[Interval]:
+def parts_of(span: Fractions, count: int) -> list[Fractions]:
     """Equal parts of a span, in ascending order, each from where the one before ends."""
     ends = [span.low + span.length * k / count for k in range(count + 1)]
-    return [Interval(*each) for each in pairwise(ends)]
+    return [Fractions(*each) for each in pairwise(ends)]
 
 
 def _starts(
@@ -109,7 +109,7 @@ def _starts(
     return found
 
 
-Task = tuple[Toy, str, Interval, tuple[float, ...]]
+Task = tuple[Toy, str, Fractions, tuple[float, ...]]
 
 
 def _march(task: Task, progress: Progress) -> ProvedBranch:
@@ -118,20 +118,20 @@ def _march(task: Task, progress: Progress) -> ProvedBranch:
         return marched(toy, parameter, span, points, March(), progress)
 
 
-class Part(NamedTuple):
+class BranchPart(NamedTuple):
     """A part of a branch from another process: balls do not travel, certificates and ends do."""
 
     certificate: Certificate
-    low: End
-    high: End
+    low: PieceEnd
+    high: PieceEnd
 
 
-def _march_away(task: Task) -> Part:
+def _march_away(task: Task) -> BranchPart:
     """The same in another process."""
     found = _march(task, lambda done: None)
     with precision(BITS["branch"]):
         certificate = certificates.of_branch(found, DIGITS["branch"])
-        return Part(certificate, end_of(found.pieces[0], -1), end_of(found.pieces[-1], 1))
+        return BranchPart(certificate, end_of(found.pieces[0], -1), end_of(found.pieces[-1], 1))
 
 
 def prove_point(point: SpecialPoint, toy: Toy, parameter: str) -> Certificate:

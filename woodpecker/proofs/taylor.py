@@ -18,7 +18,7 @@ from woodpecker.proofs.balls import ZERO
 
 
 @dataclass(frozen=True)
-class Span:
+class TaylorSpan:
     """An interval of the parameter about a centre.
 
     Attributes
@@ -58,7 +58,7 @@ class Taylor:
 
     __slots__ = ("box", "head", "poly", "rest", "span")
 
-    def __init__(self, span: Span, poly: Any, rest: Any) -> None:
+    def __init__(self, span: TaylorSpan, poly: Any, rest: Any) -> None:
         self.span, self.poly, self.rest = span, poly, rest
         self.head = poly(span.p) if span.terms > 1 else poly[0]
         self.box = self.head + rest
@@ -92,7 +92,7 @@ class Taylor:
     __rmul__ = __mul__
 
 
-def cut(span: Span, poly: Any, rest: Any) -> Taylor:
+def cut(span: TaylorSpan, poly: Any, rest: Any) -> Taylor:
     """A polynomial of any degree, and a rest."""
     n = span.terms
     if poly.degree() >= n:
@@ -101,7 +101,7 @@ def cut(span: Span, poly: Any, rest: Any) -> Taylor:
     return Taylor(span, poly, rest)
 
 
-def constant(span: Span, value: Any) -> Taylor:
+def constant(span: TaylorSpan, value: Any) -> Taylor:
     """A number that does not vary."""
     return Taylor(span, arb_poly([value]), ZERO)
 

@@ -17,8 +17,8 @@ from tampering import changed_texts, false_orbits, resealed
 from typer.testing import CliRunner
 
 from woodpecker import Toy, check_certificate, prove, shoot
-from woodpecker.checking.certificate import Refused, check
-from woodpecker.checking.intervals import Context, I, Span, T, inverse, shapes, wave
+from woodpecker.checking.certificate import Rejected, check
+from woodpecker.checking.intervals import Context, Extent, I, T, inverse, shapes, wave
 from woodpecker.cli.app import app
 
 FOLDER = Path(__file__).parents[3] / "woodpecker" / "checking"
@@ -85,7 +85,7 @@ def test_waves_hold_their_values(kappa: int) -> None:
 def test_taylor_models_hold_their_functions() -> None:
     rng = Random(6)
     Context.bits = 120
-    span = Span(Fraction(1, 50), 4)
+    span = Extent(Fraction(1, 50), 4)
     f, g = (T.of(span, [Fraction(rng.randrange(1, 9)) for _ in range(7)]) for _ in range(2))
     product, quotient = f * g, f * inverse(g)
     for _ in range(50):
@@ -123,11 +123,11 @@ def test_a_thousand_tampered_certificates_are_refused(
     assert check_certificate(path) == orbit["statement"]
     for changed in changed_texts(text, rng, 900):
         path.write_text(changed, encoding="utf-8")
-        with pytest.raises(Refused):
+        with pytest.raises(Rejected):
             check_certificate(path)
         refused += 1
     for content in false_orbits(orbit, rng, 100):
-        with pytest.raises(Refused):
+        with pytest.raises(Rejected):
             check(content)
         refused += 1
     assert refused == 1000
@@ -135,23 +135,23 @@ def test_a_thousand_tampered_certificates_are_refused(
 
 @NEEDS_NUMBA
 def test_refusals_say_why(orbit: dict[str, object]) -> None:
-    with pytest.raises(Refused, match="the seal is broken"):
+    with pytest.raises(Rejected, match="the seal is broken"):
         check({**orbit, "stable": False})
-    with pytest.raises(Refused, match="the format must be 'certificate of the Woodpecker Toy'"):
+    with pytest.raises(Rejected, match="the format must be 'certificate of the Woodpecker Toy'"):
         check({"format": "something"})
-    with pytest.raises(Refused, match="a certificate is an object"):
+    with pytest.raises(Rejected, match="a certificate is an object"):
         check([])
-    with pytest.raises(Refused, match="digits must be a whole number from 20 to 200, got 10"):
+    with pytest.raises(Rejected, match="digits must be a whole number from 20 to 200, got 10"):
         check(resealed({**orbit, "digits": 10}))
-    with pytest.raises(Refused, match="the statement is another one than what is proved"):
+    with pytest.raises(Rejected, match="the statement is another one than what is proved"):
         check(resealed({**orbit, "statement": "The moon is made of wood."}))
-    with pytest.raises(Refused, match="kind must be one of orbit, branch, point"):
+    with pytest.raises(Rejected, match="kind must be one of orbit, branch, point"):
         check(resealed({**orbit, "kind": "proof"}))
-    with pytest.raises(Refused, match="other entries"):
+    with pytest.raises(Rejected, match="other entries"):
         check(resealed({**orbit, "more": 1}))
     for text in ("1e5", "nan", "inf", "0x1", "1/0", "--1", ""):
         toy = {**orbit["toy"], "m_m": text}  # type: ignore[dict-item]
-        with pytest.raises(Refused):
+        with pytest.raises(Rejected):
             check(resealed({**orbit, "toy": toy}))
 
 

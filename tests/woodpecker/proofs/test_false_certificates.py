@@ -16,14 +16,14 @@ from needs import NEEDS_NUMBA
 from tampering import moved
 
 from woodpecker import Toy, Undecided, prove, shoot
-from woodpecker.checking.certificate import Refused, check, claimed
+from woodpecker.checking.certificate import Rejected, check, claimed
 from woodpecker.checking.intervals import I, unit
 from woodpecker.proofs import certificates
-from woodpecker.proofs.branches import End, joined
+from woodpecker.proofs.branches import PieceEnd, joined
 from woodpecker.proofs.certificates import branch_sentence, orbit_sentence, point_sentence, sealed
 from woodpecker.proofs.forms import precision
 from woodpecker.proofs.model import rational
-from woodpecker.proofs.pieces import Interval, Line, Tube, proved, value_of
+from woodpecker.proofs.pieces import Fractions, Route, Tube, proved, value_of
 from woodpecker.proofs.statements import parts_of
 
 KEPT = Path(__file__).parents[3] / "studies" / "results" / "proofs"
@@ -126,7 +126,7 @@ def test_false_branches_are_refused(branch: Content, change: Callable[[Content],
     change(content)
     assert json.dumps(content) != json.dumps(branch)
     statement = signed(content) if content["pieces"] else {"statement": "", **content}
-    with pytest.raises(Refused):
+    with pytest.raises(Rejected):
         check(dict(sealed({k: v for k, v in statement.items() if k != "seal"}).content))
 
 
@@ -175,7 +175,7 @@ POINTS = [
 def test_false_points_are_refused(name: str, change: Callable[[Content], None]) -> None:
     content = kept(name)
     change(content)
-    with pytest.raises(Refused):
+    with pytest.raises(Rejected):
         check(signed(content))
 
 
@@ -189,7 +189,7 @@ def test_a_fixed_point_is_no_cycle_of_two() -> None:
     content["stable"] = True
     for key in ("period", "drop"):
         content[key] = [certificates.text(2 * Fraction(x)) for x in content[key]]
-    with pytest.raises(Refused, match="the cycle may be one of 1, passed several times"):
+    with pytest.raises(Rejected, match="the cycle may be one of 1, passed several times"):
         check(signed(content))
     toy = Toy(eps_n1=0.5)
     tube = Tube((rational(-0.529471967110851),), Fraction(1, 10**8))
@@ -197,7 +197,7 @@ def test_a_fixed_point_is_no_cycle_of_two() -> None:
         precision(140),
         pytest.raises(Undecided, match="the cycle may be one of 1, passed several times"),
     ):
-        proved(toy, "eps_n1", Line((Fraction(1, 2),), Fraction(0)), [tube, tube])
+        proved(toy, "eps_n1", Route((Fraction(1, 2),), Fraction(0)), [tube, tube])
 
 
 def test_a_return_takes_time() -> None:
@@ -206,7 +206,7 @@ def test_a_return_takes_time() -> None:
     now = [["section", "-0.00000000000000000001", "0.00000000000000000001"]]
     for part in ("outer", "inner"):
         content[part]["points"][0]["ways"] = [{"word": "", "events": now}]
-    with pytest.raises(Refused, match="a phase has no duration"):
+    with pytest.raises(Rejected, match="a phase has no duration"):
         check(signed(content))
 
 
@@ -222,7 +222,7 @@ def test_the_only_cycle_is_so_about_the_places_that_are_named() -> None:
     content = kept("cycle")
     point = content["outer"]["points"][0]
     point["curve"][0] = moved(point["curve"][0], Fraction(1, 10**9))
-    with pytest.raises(Refused, match="the middle of the outer one"):
+    with pytest.raises(Rejected, match="the middle of the outer one"):
         check(signed(content))
 
 
@@ -232,7 +232,7 @@ def test_claims_are_compared_exactly() -> None:
     with unit(20):
         claimed("it", I(5, 9), [str(low), str(high)])
         for ends in ([str(low + less), str(high)], [str(low), str(high - less)]):
-            with pytest.raises(Refused, match="it could not be shown to lie in"):
+            with pytest.raises(Rejected, match="it could not be shown to lie in"):
                 claimed("it", I(5, 9), ends)
 
 
@@ -248,7 +248,7 @@ ODD = [
 def test_odd_events_are_refused_with_a_sentence(event: Any, place: int) -> None:
     content = kept("cycle")
     content["outer"]["points"][0]["ways"][0]["events"][place] = event
-    with pytest.raises(Refused, match=r"^[a-z][ -~]{10,250}$"):
+    with pytest.raises(Rejected, match=r"^[a-z][ -~]{10,250}$"):
         check(signed(content))
 
 
@@ -257,7 +257,7 @@ def test_deep_and_huge_content_is_refused() -> None:
     for _ in range(990):
         deep = [deep]
     for odd in (deep, 10**5000, {"a": deep}):
-        with pytest.raises(Refused):
+        with pytest.raises(Rejected):
             check({**kept("cycle"), "more": odd})
 
 
@@ -275,7 +275,7 @@ def test_stretches_between_gaps_are_not_said_to_belong_together(branch: Content)
     told = Fraction(said.split("at most ")[1].split(",")[0])
     assert length <= told <= length * Fraction(11, 10)  # two digits, rounded up
     point = {**content["pieces"][0], "half": "0"}
-    with pytest.raises(Refused, match="a piece of a branch has a length"):
+    with pytest.raises(Rejected, match="a piece of a branch has a length"):
         check(signed({**content, "pieces": [point, content["pieces"][1]]}))
 
 
@@ -286,35 +286,35 @@ def test_a_cycle_whose_word_is_open_is_told_both() -> None:
     toy = Toy(eps_n1=0.20535840734706282)
     x = rational(shoot(toy, -0.7).phi_s)
     with precision(140):
-        line = Line((rational(toy.eps_n1),), Fraction(0))
+        line = Route((rational(toy.eps_n1),), Fraction(0))
         piece = proved(toy, "eps_n1", line, [Tube((x,), Fraction(1, 10**6))])
         content = dict(certificates.of_orbit(toy, "eps_n1", piece, piece, 40).content)
     both = "Its word is S2 D2 I3 D3 I1 I3 D3 I2 J2 or S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2, "
     assert both in check(content)
     one = content["statement"].replace(" or S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2", "")
     rest = {k: v for k, v in content.items() if k not in ("seal", "statement")}
-    with pytest.raises(Refused, match="the statement is another one"):
+    with pytest.raises(Rejected, match="the statement is another one"):
         check(dict(sealed({"statement": one, **rest}).content))
 
 
 def test_parts_join_where_the_cycle_of_one_lies_in_the_tube_of_the_other() -> None:
-    p, wide = Fraction(1, 2), Interval(Fraction(-1), Fraction(1))
+    p, wide = Fraction(1, 2), Fractions(Fraction(-1), Fraction(1))
 
-    def end(low: Fraction, high: Fraction, tube: Interval = wide, at: Fraction = p) -> End:
-        return End(at, (tube,), (Interval(low, high),))
+    def end(low: Fraction, high: Fraction, tube: Fractions = wide, at: Fraction = p) -> PieceEnd:
+        return PieceEnd(at, (tube,), (Fractions(low, high),))
 
     inside, beside = end(Fraction(0), Fraction(1, 2)), end(Fraction(2), Fraction(3))
-    narrow = end(Fraction(2), Fraction(3), Interval(Fraction(2), Fraction(3)))
+    narrow = end(Fraction(2), Fraction(3), Fractions(Fraction(2), Fraction(3)))
     assert joined(inside, inside)
     assert joined(beside, inside)  # what the second found lies in the tube of the first
     assert not joined(beside, beside)
-    assert not joined(narrow, end(Fraction(0), Fraction(1), Interval(Fraction(0), Fraction(1))))
+    assert not joined(narrow, end(Fraction(0), Fraction(1), Fractions(Fraction(0), Fraction(1))))
     assert not joined(inside, inside._replace(p=Fraction(1, 3)))
 
 
 @pytest.mark.parametrize("workers", [1, 2, 3, 7])
 def test_parts_of_a_span_are_equal_however_short(workers: int) -> None:
-    span = Interval(Fraction("0.5"), Fraction("0.5000004"))
+    span = Fractions(Fraction("0.5"), Fraction("0.5000004"))
     parts = parts_of(span, workers)
     assert (parts[0].low, parts[-1].high, len(parts)) == (span.low, span.high, workers)
     assert {part.length for part in parts} == {span.length / workers}

@@ -10,7 +10,7 @@ from flint import arb
 from mpmath import mp, mpf
 
 from woodpecker.checking import forms, motion
-from woodpecker.checking.intervals import I, Span, T, unit
+from woodpecker.checking.intervals import Extent, I, T, unit
 from woodpecker.proofs.balls import fraction
 from woodpecker.proofs.forms import Frame, precision, start, varying
 from woodpecker.proofs.oscillator import Guard, crossing
@@ -75,7 +75,7 @@ def test_of_the_proofs(expected: list[Fraction]) -> None:
 
 def test_of_the_checker(expected: list[Fraction]) -> None:
     with unit(160):
-        box = forms.Box(I.of(-SMALL, SMALL), Span(SMALL, 4), 6)
+        box = forms.Box(I.of(-SMALL, SMALL), Extent(SMALL, 4), 6)
 
         def form(*parts: list[Fraction | int]) -> forms.F:
             return forms.F(box, [T.of(box.span, [Fraction(c) for c in part]) for part in parts])

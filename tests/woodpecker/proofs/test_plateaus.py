@@ -12,7 +12,7 @@ from mpmath import mp, mpf
 from needs import NEEDS_NUMBA
 
 from woodpecker import Toy, Undecided, shoot
-from woodpecker.checking.certificate import Refused, check
+from woodpecker.checking.certificate import Rejected, check
 from woodpecker.checking.intervals import Context, I
 from woodpecker.checking.plateaus import Landing
 from woodpecker.proofs.balls import fraction
@@ -20,8 +20,8 @@ from woodpecker.proofs.branches import March, ProvedBranch, marched
 from woodpecker.proofs.certificates import of_branch, sealed
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import VALUE, Frame, S, precision
-from woodpecker.proofs.model import Model
-from woodpecker.proofs.pieces import Interval
+from woodpecker.proofs.model import BallToy
+from woodpecker.proofs.pieces import Fractions
 from woodpecker.proofs.plateaus import Plateau
 
 KAPPA, SLIDING, TURN = -209800, -57000, 31000  # 1/s^2, near those of the toy
@@ -132,7 +132,7 @@ def test_returns_with_plateaus_hold_those_without(eps: str, x: str) -> None:
     """
     with precision(140):
         frame = Frame(arb(0), arb(0))
-        model = Model.of(Toy(), "eps_n1", frame, [arb(eps)])
+        model = BallToy.of(Toy(), "eps_n1", frame, [arb(eps)])
         (sharp,) = follow(model, frame, [arb(x)])
         (whole,) = follow(model, frame, [arb(x)], plateaus=True)
         assert whole.word == sharp.word
@@ -148,7 +148,7 @@ def test_returns_with_plateaus_hold_those_without(eps: str, x: str) -> None:
 def test_a_plateau_between_has_both_words_in_one_piece() -> None:
     with precision(140):
         frame = Frame(arb(0, 1e-9), arb(0, 2e-8), terms=2)
-        model = Model.of(Toy(), "eps_n1", frame, [arb("0.2143445799"), arb(1)])
+        model = BallToy.of(Toy(), "eps_n1", frame, [arb("0.2143445799"), arb(1)])
         ways = follow(model, frame, [arb("-0.682418551989")], plateaus=True)
         assert [way.forks[0][1] for way in ways] == [1, -1]
         for way, end in zip(ways, ("D3 I2 J2", "I2 D2 I2 J2"), strict=True):
@@ -163,7 +163,7 @@ def through_a_plateau() -> ProvedBranch:
     x = shoot(Toy(eps_n1=float(low)), -0.68242).phi_s
     with precision(128):
         return marched(
-            Toy(), "eps_n1", Interval(low, Fraction("0.2143448")), [x], March(), lambda done: None
+            Toy(), "eps_n1", Fractions(low, Fraction("0.2143448")), [x], March(), lambda done: None
         )
 
 
@@ -192,5 +192,5 @@ def test_a_landing_on_the_other_side_is_refused() -> None:
     for tampered in (ways[:1], ways[1:], [ways[0], ways[0]]):
         point = {**pieces[k]["points"][0], "ways": tampered}
         changed = [*pieces[:k], {**pieces[k], "points": [point]}, *pieces[k + 1 :]]
-        with pytest.raises(Refused, match=r"a decision is open|not those of one decision"):
+        with pytest.raises(Rejected, match=r"a decision is open|not those of one decision"):
             check(dict(sealed({**content, "pieces": changed}).content))

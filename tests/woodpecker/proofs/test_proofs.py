@@ -23,9 +23,9 @@ from woodpecker.proofs.branches import March, marched
 from woodpecker.proofs.certificates import of_branch, text
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import Frame, S, precision, start, varying
-from woodpecker.proofs.model import Model, rational
+from woodpecker.proofs.model import BallToy, rational
 from woodpecker.proofs.oscillator import stumpff
-from woodpecker.proofs.pieces import Interval, Line, Tube, curves_near, proved
+from woodpecker.proofs.pieces import Fractions, Route, Tube, curves_near, proved
 from woodpecker.proofs.stumpff import shape_balls, stumpff_balls
 from woodpecker.proofs.taylor import ZERO
 
@@ -132,7 +132,7 @@ def returns(count: int, seed: int) -> tuple[int, list[str]]:
             there = reference(mpf(x.numerator) / x.denominator, data)
         with precision(128):
             try:
-                (way,) = follow(Model.of(toy), Frame(ZERO, ZERO), [number(x)])
+                (way,) = follow(BallToy.of(toy), Frame(ZERO, ZERO), [number(x)])
             except Undecided:
                 open_.append(there.word if there.status == "returned" else there.status)
                 continue
@@ -230,7 +230,7 @@ def test_a_branch_through_changes_of_its_word_and_a_flip() -> None:
     toy = Toy()
     with precision(128):
         start_ = shoot(toy.replace(eps_n1=0.3), -0.587).points
-        span = Interval(Fraction("0.3"), Fraction("0.304"))
+        span = Fractions(Fraction("0.3"), Fraction("0.304"))
         branch = marched(toy, "eps_n1", span, start_, March(), lambda done: None)
         assert not branch.gaps
         assert {len(piece.ways[0]) for piece in branch.pieces} == {1, 2}
@@ -255,7 +255,7 @@ def test_the_multiplier_turns_as_the_second_derivatives_say() -> None:
     """Against differences of multipliers of orbits in doubles."""
     toy, p = Toy(), Fraction("0.65")
     with precision(128):
-        line = Line.over(Interval(p - Fraction(1, 10**6), p + Fraction(1, 10**6)))
+        line = Route.over(Fractions(p - Fraction(1, 10**6), p + Fraction(1, 10**6)))
         points = shoot(toy.replace(eps_n1=0.65), -0.518).points
         curves = curves_near(toy, "eps_n1", line, [[arb(x)] for x in points], 6)
         tubes = [Tube(curve, Fraction(1, 10**14)) for curve in curves]
