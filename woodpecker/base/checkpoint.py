@@ -12,18 +12,14 @@ import hashlib
 import json
 import os
 import re
-import time
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, TextIO
+from typing import TYPE_CHECKING, Any, TextIO
 
 from pwmap.diagrams.files import write_whole
 
-fcntl: Any
-try:
-    import fcntl
-except ImportError:  # Windows: nothing keeps two runs from writing one file
-    fcntl = None
+if TYPE_CHECKING:
+    from filelock import FileLock
 
 Entry = dict[str, Any]
 RUN, START = "run", "start"  # what is searched; the points from which it sets out
@@ -36,7 +32,7 @@ WAIT = 3.0  # s: as long as the workers of a killed run may take to notice, and 
 class Checkpoint:
     """Lines of JSON, each written through before the search goes on.
 
-    Where the system locks files (not on Windows) nobody else can write the file meanwhile.
+    Nobody else can write the file meanwhile: a lock of the system, on ``<name>.lock``.
 
     Parameters
     ----------
@@ -68,8 +64,9 @@ class Checkpoint:
         if resume:
             _existing(self.path)
         self._file: TextIO = self.path.open("a", encoding="utf-8", newline="\n")
+        self._lock: FileLock | None = None
         try:
-            _lock(self._file, self.path)
+            self._lock = _lock(self.path)
             old, self._digest = self.path.read_bytes(), ""
             first = {RUN: run, "version": version}
             if resume and not line_of(first, "").startswith(old):  # it has begun
@@ -97,29 +94,25 @@ class Checkpoint:
 
     def close(self) -> None:
         """Close the file, and let others write it."""
-        if fcntl is not None and not self._file.closed:  # copies of this process have it open too
-            fcntl.flock(self._file, fcntl.LOCK_UN)
         self._file.close()
+        if self._lock is not None:
+            self._lock.release()
 
 
-def _lock(file: TextIO, path: Path) -> None:
-    """Keep others from writing a file, until it is closed or this process ends."""
-    if fcntl is None:
-        return
-    patience = time.monotonic() + WAIT
-    while True:
-        try:
-            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            if time.monotonic() < patience:
-                time.sleep(0.05)
-                continue
-            raise ValueError(
-                f"another run is writing {path}: wait until it ends, or choose another file"
-            ) from None
-        except OSError:  # a file system without locks
-            return
-        return
+def _lock(path: Path) -> FileLock | None:
+    """Keep others from writing a file, until the lock is released or this process ends."""
+    from filelock import FileLock, Timeout  # it loads asyncio: only where a run is kept
+
+    lock = FileLock(f"{path}.lock", timeout=WAIT)
+    try:
+        lock.acquire()
+    except Timeout:
+        raise ValueError(
+            f"another run is writing {path}: wait until it ends, or choose another file"
+        ) from None
+    except NotImplementedError:  # a file system without locks
+        return None
+    return lock
 
 
 def version_of(path: str | os.PathLike[str]) -> object:

@@ -1,15 +1,18 @@
-"""Where the tasks of a search are carried out: here, in processes of its own, or by an executor.
+"""Where the tasks of a search are carried out: here, and by processes of its own or an executor.
 
-Tasks depend on nothing but their arguments, so it does not matter who carries them out, or whether
-some are submitted ahead and never needed: results and their order are the same.
+The calling thread does what is needed next. Others begin what is likely to be needed later: what a
+task returns depends on nothing but its arguments, so results and their order are those of one
+thread alone.
 
-What carries a task out is sent with it, as bytes, and no process inherits anything but code. So any
-executor will do, several searches can run side by side in threads, and where the system cannot make
-processes a search works alone.
+Tasks and results travel as bytes made by cloudpickle, which knows lambdas and what is defined in a
+script; the map in them is sent once, and is one object on each side. No process inherits anything
+but code: so any executor will do, several searches can run side by side in threads, and where the
+system cannot make processes a search works alone.
 """
 
 from __future__ import annotations
 
+import io
 import logging
 import math
 import multiprocessing
@@ -20,22 +23,22 @@ import sys
 import threading
 import time
 import warnings
-from collections import deque
-from collections.abc import Callable, Iterator
-from concurrent import futures
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import ExitStack, contextmanager, suppress
-from functools import lru_cache, partial
-from multiprocessing.connection import Connection, wait
+from functools import cached_property, lru_cache, partial
+from multiprocessing.connection import wait
 from typing import Any, NamedTuple, Protocol
+
+import cloudpickle
 
 from woodpecker.base.checks import whole
 from woodpecker.base.lost import WorkerLostError
 
-WATCH = 0.5  # s: how often a worker looks whether its owner is still there, if nothing tells it
-PATIENCE = 2.0  # s: what takes less is done before processes that are started anew could help
-READY = 64  # tasks for each worker that would have nothing to do while one takes long
+WATCH = 0.5  # s: how often a worker looks whether its parent is still there, if nothing tells it
+PATIENCE = 0.5  # s: what takes less is done before other processes could help
+READY = 16  # tasks kept ready for each worker: the calling thread may be at one of its own for long
 KEPT = 4  # descriptions of tasks that a process remembers: one for each search it works for
 
 
@@ -46,251 +49,213 @@ class Done(NamedTuple):
     evaluations: int
 
 
-class Pending(Protocol):
-    """A task that was submitted."""
-
-    def result(self) -> Done:
-        """Wait for it."""
-
-    def done(self) -> bool:
-        """Whether it is finished."""
-
-    def cancel(self) -> bool:
-        """Give it up."""
-
-
 Work = Callable[..., Done]
+Call = tuple[Any, ...]
 
 
 class Scheduler(Protocol):
-    """Takes tasks."""
+    """Carries out tasks, each given by its arguments; the same objects mean the same task."""
 
-    @property
-    def ahead(self) -> int:
-        """How many tasks are worth submitting before they are needed."""
+    def result(self, *call: Any) -> Done:
+        """The result of a task that is needed now."""
 
-    @property
-    def spare(self) -> int:
-        """How many tasks are worth having ready for whoever would have nothing to do."""
+    def expect(self, calls: Iterable[Call]) -> None:
+        """Say which tasks are likely to be needed later, the likeliest first."""
 
-    @property
-    def is_idle(self) -> bool:
-        """Whether somebody may soon have nothing to do."""
-
-    def submit(self, *arguments: Any) -> Pending:
-        """Submit a task."""
-
-    def later(self, *arguments: Any) -> Pending:
-        """Submit a task that gives way to others until its result is asked for."""
-
-    def waited(self, pending: Pending) -> bool:
-        """Wait until a task is finished, or another one; whether its result is there for asking."""
-
-
-class _Later:
-    """A task that is carried out when its result is asked for."""
-
-    def __init__(self, work: Work, arguments: tuple[Any, ...]) -> None:
-        self._work, self._arguments = work, arguments
-
-    def result(self) -> Done:
-        return self._work(*self._arguments)
-
-    def done(self) -> bool:
-        return False
-
-    def cancel(self) -> bool:
-        return True
+    def peek(self, *call: Any) -> Done | None:
+        """The result of a task that was expected, if it is there."""
 
 
 class Serial:
     """The calling thread: what is not asked for is not done."""
 
-    ahead = spare = 1
-    is_idle = False
-
     def __init__(self, work: Work) -> None:
         self._work = work
 
-    def submit(self, *arguments: Any) -> Pending:
-        """A task, to be carried out when its result is asked for."""
-        return _Later(self._work, arguments)
+    def result(self, *call: Any) -> Done:
+        """Carry out a task."""
+        return self._work(*call)
 
-    later = submit
+    def expect(self, _: Iterable[Call]) -> None:
+        """Nobody else is there to begin anything."""
 
-    def waited(self, _: Pending) -> bool:
-        """Whether the result is there: it will be when it is asked for."""
-        return True
+    def peek(self, *_: Any) -> Done | None:
+        """Nothing was begun."""
+        return None
+
+
+class Sender:
+    """Makes bytes of tasks and results, and the other way; what both sides share stays at home.
+
+    Parameters
+    ----------
+    shared
+        What is not sent again.
+    """
+
+    def __init__(self, shared: object) -> None:
+        self._shared = shared
+
+    def dumps(self, value: object) -> bytes:
+        """The bytes of a value."""
+        file = io.BytesIO()
+        _Pickler(file, self._shared).dump(value)
+        return file.getvalue()
+
+    def loads(self, sent: bytes) -> Any:
+        """The value again, with what is shared on this side in it."""
+        return _Unpickler(io.BytesIO(sent), self._shared).load()
+
+
+class _Pickler(cloudpickle.Pickler):  # type: ignore[misc]
+    def __init__(self, file: io.BytesIO, shared: object) -> None:
+        super().__init__(file)
+        self._shared = shared
+
+    def persistent_id(self, value: object) -> str | None:
+        return "shared" if value is self._shared else None
+
+
+class _Unpickler(pickle.Unpickler):
+    def __init__(self, file: io.BytesIO, shared: object) -> None:
+        super().__init__(file)
+        self._shared = shared
+
+    def persistent_load(self, _: str) -> object:
+        return self._shared
+
+
+class _Begun:
+    """A task that somebody is at, or has finished; its arguments are kept, and so their ids."""
+
+    def __init__(self, call: Call, future: Future[Any], load: Callable[[Any], Done]) -> None:
+        self.call, self.future, self._load = call, future, load
+
+    @cached_property
+    def result(self) -> Done:
+        return self._load(self.future.result())
 
 
 class Parallel:
-    """An executor: tasks are carried out while others are waited for."""
+    """The calling thread, and others that begin what is likely to be needed.
 
-    def __init__(self, executor: Executor, work: Work, workers: int) -> None:
-        self._executor, self._work, self._workers = executor, work, workers
-        self.ahead, self.spare = 2 * workers, READY * workers
-        self._open, self._fillers = set[Future[Done]](), set[Future[Done]]()
-        self._ready, self._most = deque[_Spare](), max(1, workers - 1)
-        self._lock = threading.RLock()  # futures are done in another thread
+    Parameters
+    ----------
+    work
+        What is to be done with the arguments of a task.
+    sent, sender
+        The same as bytes, none for threads; and what makes bytes of arguments.
+    start
+        Gives the executor of the others, or None if there is none.
+    workers
+        How many tasks they do at once.
+    patience
+        Time [s] after which they are started.
+    """
 
-    @property
-    def is_idle(self) -> bool:
-        """Whether somebody may soon have nothing to do."""
-        return len(self._open) < self._workers
+    def __init__(
+        self, work: Work, sent: bytes, sender: Sender, start: Callable[[], Executor | None],
+        workers: int, patience: float,
+    ) -> None:  # fmt: skip
+        self._work, self._sent, self._sender = work, sent, sender
+        self._start, self._workers = start, workers
+        self._due = time.monotonic() + patience
+        self._executor: Executor | None = None
+        self._ready, self._begun = dict[Call, Call](), dict[Call, _Begun]()
+        self._open, self._lock = set[Future[Any]](), threading.RLock()
 
-    def submit(self, *arguments: Any) -> Future[Done]:
-        """A task for the next worker that is free."""
-        future = self._executor.submit(self._work, *arguments)
+    def result(self, *call: Any) -> Done:
+        """The result of a task: of those who have begun it, or carried out here.
+
+        Others are carried out while it is waited for.
+        """
         with self._lock:
-            self._open.add(future)
-        future.add_done_callback(self._is_done)
-        return future
+            self._ready.pop(_key(call), None)
+            begun = self._begun.pop(_key(call), None)
+        if begun is None:
+            return self._work(*call)
+        while not begun.future.done() and self._do_next():
+            pass
+        return begun.result
 
-    def later(self, *arguments: Any) -> Pending:
-        """A task for a worker that would have nothing to do."""
-        task = _Spare(self, arguments)
+    def expect(self, calls: Iterable[Call]) -> None:
+        """Have others begin tasks, the first ones first; forget those expected before."""
+        if self._executor is None and time.monotonic() >= self._due:
+            self._due, self._executor = math.inf, self._start()
+        if self._executor is None:
+            return
+        ready = dict[Call, Call]()
+        for call in calls:
+            if _key(call) not in self._begun:
+                ready[_key(call)] = call
+            if len(ready) >= READY * self._workers:
+                break
         with self._lock:
-            self._ready.append(task)
+            self._ready = ready
             self._fill()
-        return task
 
-    def waited(self, pending: Pending) -> bool:
-        """Wait until a task is finished, or another one; whether its result is there for asking."""
-        with self._lock:
-            others = {each for each in self._open if not each.done()}
-        if others and not pending.done():
-            futures.wait(others, return_when=futures.FIRST_COMPLETED)
-        return pending.done() or not others
-
-    def take(self, task: _Spare) -> None:
-        """Submit a task that is ready now; or give it up, if it is cancelled."""
-        with self._lock:
-            if task in self._ready:
-                self._ready.remove(task)
-                if not task.cancelled:
-                    task.future = self.submit(*task.arguments)
-                    self._fillers.add(task.future)
-
-    def wait_for(self, task: _Spare) -> Done:
-        """The result of a task that was ready; nothing is more urgent now, so all fill up."""
-        with self._lock:
-            self.take(task)
-            self._most = self._workers
-            self._fill()
-        assert task.future is not None
-        try:
-            return task.future.result()
-        finally:
-            self._most = max(1, self._workers - 1)
+    def peek(self, *call: Any) -> Done | None:
+        """The result of a task that was expected, if it is there; errors wait for their turn."""
+        begun = self._begun.get(_key(call))
+        if begun is None or not begun.future.done() or begun.future.cancelled():
+            return None
+        return None if begun.future.exception() is not None else begun.result
 
     def cancel(self) -> None:
-        """Give up what is not begun."""
+        """Give up what is not needed any more."""
         with self._lock:
-            self._ready.clear()
+            self._ready = {}
             waiting = tuple(self._open)
         for future in waiting:
             future.cancel()
 
-    def _is_done(self, future: Future[Done]) -> None:
+    def _fill(self) -> None:
+        """Keep the others busy. Futures call this from another thread when they are done."""
+        assert self._executor is not None
+        while self._ready and len(self._open) < self._workers:
+            key = next(iter(self._ready))
+            call = self._ready.pop(key)
+            if self._sent:
+                sent = self._sender.dumps(call)
+                future: Future[Any] = self._executor.submit(_perform, self._sent, sent)
+                self._begun[key] = _Begun(call, future, self._sender.loads)
+            else:
+                future = self._executor.submit(self._work, *call)
+                self._begun[key] = _Begun(call, future, _itself)
+            self._open.add(future)
+            future.add_done_callback(self._is_done)
+
+    def _is_done(self, future: Future[Any]) -> None:
         with self._lock, suppress(RuntimeError):  # who asks for a result learns of a broken pool
             self._open.discard(future)
-            self._fillers.discard(future)
             self._fill()
 
-    def _fill(self) -> None:
-        """Keep workers busy, but for one: the next of what is submitted step by step is urgent."""
-        while self._ready and len(self._open) < self._workers and len(self._fillers) < self._most:
-            self.take(self._ready[0])
+    def _do_next(self) -> bool:
+        """Carry out the first of the tasks that are ready, if there is one."""
+        with self._lock:
+            if not self._ready:
+                return False
+            key = next(iter(self._ready))
+            begun = _Begun(self._ready.pop(key), Future(), _itself)
+            self._begun[key] = begun
+        try:
+            begun.future.set_result(self._work(*begun.call))
+        except Exception as error:  # it is raised when its turn comes, if it comes
+            begun.future.set_exception(error)
+        return True
 
 
-class _Spare:
-    """A task that is ready for a worker that would have nothing to do."""
-
-    def __init__(self, parallel: Parallel, arguments: tuple[Any, ...]) -> None:
-        self._parallel, self.arguments, self.cancelled = parallel, arguments, False
-        self.future: Future[Done] | None = None
-
-    def result(self) -> Done:
-        return self._parallel.wait_for(self)
-
-    def done(self) -> bool:
-        return self.future is not None and self.future.done()
-
-    def cancel(self) -> bool:
-        self.cancelled = True
-        self._parallel.take(self)
-        return self.future is None or self.future.cancel()
+def _key(call: Call) -> Call:
+    return tuple(map(id, call))
 
 
-class Joined:
-    """The calling thread, and processes that join it once they have been started anew.
-
-    Parameters
-    ----------
-    work, sent
-        What is to be done with the arguments of a task, and what does it elsewhere.
-    workers
-        How many processes.
-    stack
-        Ends the processes.
-    """
-
-    def __init__(self, work: Work, sent: Work, workers: int, stack: ExitStack) -> None:
-        self._here, self._sent, self._workers, self._stack = Serial(work), sent, workers, stack
-        self._elsewhere: Parallel | None = None
-        self._ready, self._due = threading.Event(), time.monotonic() + PATIENCE
-
-    @property
-    def ahead(self) -> int:
-        """How many tasks are worth submitting before they are needed."""
-        return self._now.ahead
-
-    @property
-    def spare(self) -> int:
-        """How many tasks are worth having ready for whoever would have nothing to do."""
-        return self._now.spare
-
-    @property
-    def is_idle(self) -> bool:
-        """Whether somebody may soon have nothing to do."""
-        return self._now.is_idle
-
-    @property
-    def _now(self) -> Scheduler:
-        if self._elsewhere is not None and self._ready.is_set():
-            return self._elsewhere
-        return self._here
-
-    def submit(self, *arguments: Any) -> Pending:
-        """A task for the processes if they are there, for the calling thread if not."""
-        self._grow()
-        return self._now.submit(*arguments)
-
-    def later(self, *arguments: Any) -> Pending:
-        """The same, for a process that would have nothing to do."""
-        self._grow()
-        return self._now.later(*arguments)
-
-    def waited(self, pending: Pending) -> bool:
-        """Wait until a task is finished, or another one; whether its result is there for asking."""
-        if self._elsewhere is None or isinstance(pending, _Later):
-            return True
-        return self._elsewhere.waited(pending)
-
-    def _grow(self) -> None:
-        """Start processes when it takes long."""
-        if time.monotonic() >= self._due:
-            self._due = math.inf
-            pool = self._stack.enter_context(processes(self._workers))
-            if pool is not None:
-                self._elsewhere = Parallel(pool, self._sent, self._workers)
-                pool.submit(os.getpid).add_done_callback(lambda _: self._ready.set())
-                self._stack.callback(self._elsewhere.cancel)
+def _itself(done: Done) -> Done:
+    return done
 
 
 @contextmanager
 def scheduler(
-    work: Work, workers: int | None, executor: Executor | None = None
+    work: Work, workers: int | None, executor: Executor | None = None, shared: object = None
 ) -> Iterator[Scheduler]:
     """Where tasks are carried out, for the time of a search.
 
@@ -299,14 +264,13 @@ def scheduler(
     work
         What is to be done with the arguments of a task.
     workers
-        How many processes are started for it; by default one for each core. One works in this
-        thread, and so does whoever cannot make processes: the workers of a
-        :class:`multiprocessing.Pool`, or a system without them. Where processes cannot be copied
-        safely, beside other threads and on systems other than Linux, this thread works alone until
-        they have been started anew.
+        How many processes work, this one among them; by default one for each core. It works alone
+        if it cannot make others, as in a :class:`multiprocessing.Pool`.
     executor
-        What carries the tasks out instead; it is not shut down. ``workers`` then says how many it
-        does at once.
+        Any executor of :mod:`concurrent.futures` that helps instead; it is not shut down.
+        ``workers`` then says how many tasks it does at once.
+    shared
+        A part of the work that tasks and results refer to, too.
 
     Raises
     ------
@@ -316,33 +280,22 @@ def scheduler(
         If a process ends before its task does.
     """
     count = worker_count(workers)
-    if executor is not None:
-        with _given_up(Parallel(executor, _portable(work, executor), count)) as parallel:
-            yield parallel
-        return
-    if count == 1:
+    if executor is None and count == 1:
         yield Serial(work)
         return
-    sent = _sent(work)
+    sent = b"" if isinstance(executor, ThreadPoolExecutor) else _sent(work, shared)
+    sender = Sender(shared)
     with ExitStack() as stack:
-        if start_method() != "fork":
-            yield Joined(work, sent, count, stack)
-            return
-        pool = stack.enter_context(processes(count))
-        if pool is None:
-            yield Serial(work)
-            return
-        with _given_up(Parallel(pool, sent, count)) as parallel:
+        if executor is None:
+            own = processes(count - 1)
+            start = partial(stack.enter_context, own)
+            parallel = Parallel(work, sent, sender, start, count - 1, PATIENCE)
+        else:
+            parallel = Parallel(work, sent, sender, lambda: executor, count, 0.0)
+        try:
             yield parallel
-
-
-@contextmanager
-def _given_up(parallel: Parallel) -> Iterator[Parallel]:
-    """Tasks that nobody waits for any more are given up at the end."""
-    try:
-        yield parallel
-    finally:
-        parallel.cancel()
+        finally:
+            parallel.cancel()
 
 
 def worker_count(workers: int | None) -> int:
@@ -359,40 +312,25 @@ def worker_count(workers: int | None) -> int:
     return whole("workers", workers)
 
 
-# --- Sending work ---------------------------------------------------------------------------------
-
-
-def _portable(work: Work, executor: Executor) -> Work:
-    """The work in a form that an executor can carry."""
-    if isinstance(executor, ThreadPoolExecutor):
-        return work
+def _sent(work: Work, shared: object) -> bytes:
     try:
-        return _sent(work)
-    except ValueError:
-        if isinstance(executor, ProcessPoolExecutor):
-            raise
-        return work  # other executors have other ways to send what pickle cannot
-
-
-def _sent(work: Work) -> Work:
-    """The work as bytes, made into what it was where a task is carried out."""
-    try:
-        return partial(_perform, pickle.dumps(work))
-    except (pickle.PicklingError, TypeError, AttributeError) as error:
+        sent: bytes = cloudpickle.dumps((work, shared))
+    except Exception as error:  # whatever the parts of a map raise
         raise ValueError(
-            f"the map cannot be sent to other processes ({error}): define it at the top level of a "
-            "module, or search with workers=1"
+            f"the map cannot be sent to other processes ({error}): search with workers=1"
         ) from None
+    return sent
 
 
-def _perform(description: bytes, *arguments: Any) -> Done:
-    return _work(description)(*arguments)
+def _perform(sent: bytes, call: bytes) -> bytes:
+    work, sender = _received(sent)
+    return sender.dumps(work(*sender.loads(call)))
 
 
 @lru_cache(maxsize=KEPT)
-def _work(description: bytes) -> Work:
-    work: Work = pickle.loads(description)
-    return work
+def _received(sent: bytes) -> tuple[Work, Sender]:
+    work, shared = cloudpickle.loads(sent)
+    return work, Sender(shared)
 
 
 # --- Processes ------------------------------------------------------------------------------------
@@ -402,8 +340,8 @@ def _work(description: bytes) -> Work:
 def processes(count: int) -> Iterator[ProcessPoolExecutor | None]:
     """Processes of this one's own, all started at once; None where none can be made.
 
-    Ctrl-C is left to this process. They end with the block, at once if it ends by an error, and
-    do not outlive this process, however it ends. Those that are still starting are not waited for.
+    Ctrl-C is left to this process. They end with the block, whatever they are at, and do not
+    outlive this process, however it ends.
 
     Raises
     ------
@@ -413,27 +351,27 @@ def processes(count: int) -> Iterator[ProcessPoolExecutor | None]:
     if multiprocessing.current_process().daemon:  # such a process may have no children
         yield None
         return
-    method = start_method()
-    context = multiprocessing.get_context(method)
-    leash, hand = context.Pipe(duplex=False)
-    with leash, hand:
-        try:
-            pool = ProcessPoolExecutor(count, context, initializer=_begin, initargs=(leash,))
-            started = _started(pool, count)
-        except (OSError, NotImplementedError) as error:
-            logging.getLogger("woodpecker").info("working alone: no processes (%s)", error)
-            yield None
-            return
-        try:
-            yield pool
-        except BaseException as error:  # what they are at is not wanted any more
-            hand.send_bytes(b"end")
-            if isinstance(error, BrokenProcessPool):
-                raise WorkerLostError(_BROKEN) from error
-            raise
-        finally:
-            there = method == "fork" or all(future.done() for future in started)
-            pool.shutdown(wait=there, cancel_futures=True)
+    context = multiprocessing.get_context(start_method())
+    try:
+        pool = ProcessPoolExecutor(count, context, initializer=_begin)
+        with warnings.catch_warnings():
+            # Threads of compiled libraries count here; they look after their locks themselves.
+            warnings.simplefilter("ignore", DeprecationWarning)
+            for _ in range(count):  # each starts one if none is free
+                pool.submit(os.getpid)
+    except (OSError, NotImplementedError) as error:
+        logging.getLogger("woodpecker").info("working alone: no processes (%s)", error)
+        yield None
+        return
+    workers = list(pool._processes.values())
+    try:
+        yield pool
+    except BrokenProcessPool as error:
+        raise WorkerLostError(_BROKEN) from error
+    finally:
+        for worker in workers:
+            worker.kill()
+        pool.shutdown(cancel_futures=True)
 
 
 _BROKEN = (
@@ -452,29 +390,22 @@ def start_method() -> str:
     return "fork" if sys.platform == "linux" and alone else "spawn"
 
 
-def _started(pool: ProcessPoolExecutor, count: int) -> list[Future[int]]:
-    """One task for each process, done when it is there."""
-    with warnings.catch_warnings():
-        # Threads of compiled libraries count here; they look after their locks themselves.
-        warnings.simplefilter("ignore", DeprecationWarning)
-        return [pool.submit(os.getpid) for _ in range(count)]  # each starts one if none is free
-
-
-def _begin(leash: Connection) -> None:
-    """A worker leaves Ctrl-C to its owner, and ends when its owner says so or is gone."""
+def _begin() -> None:
+    """A worker leaves Ctrl-C to its parent, and ends when that is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # what a copy has of its owner's is not for it
-    threading.Thread(target=_watch, args=(leash,), daemon=True).start()
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # what a copy has of its parent's is not for it
+    threading.Thread(target=_watch, daemon=True).start()
 
 
-def _watch(leash: Connection) -> None:
-    """End this process when its owner says so or has gone.
+def _watch() -> None:
+    """End this process when its parent has gone.
 
-    The system closes what the owner has open when it ends, however it does; that wakes this thread.
-    A copy of the owner that lives longer may hold it open: so who the parent is is looked up, too.
+    The system closes what the parent has open when it ends, however it does; that wakes this
+    thread. Another copy of the parent that lives longer may hold it open: so who the parent is is
+    looked up, too.
     """
-    owner = multiprocessing.parent_process()
-    assert owner is not None
-    while not wait([leash, owner.sentinel], WATCH) and os.getppid() == owner.pid:
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    while not wait([parent.sentinel], WATCH) and os.getppid() == parent.pid:
         pass
     os._exit(1)

@@ -1,4 +1,4 @@
-"""Compile a kernel of many functions as one piece, in a third of numba's own time.
+"""Compile a kernel of many functions as one piece, in half of numba's own time.
 
 Numba optimises each function together with all that it calls, and makes machine code of it, before
 a caller does the same again: a nest of depth d is treated d times. Here the functions that only
@@ -11,7 +11,6 @@ expected, and then numba does its usual, slower, work.
 
 from __future__ import annotations
 
-import gc
 import signal
 import threading
 from collections.abc import Iterator
@@ -19,37 +18,12 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
-NEEDLESS = {
-    "WithLifting",  # no with statements,
-    "InlineClosureLikes",  # no closures,
-    "MakeFunctionToJitFunction",
-    "RewriteSemanticConstants",  # no arguments that are None or of unknown rank,
-    "DeadBranchPrune",
-    "RewriteDynamicRaises",  # nothing raised,
-    "InlineInlinables",  # nothing that has to be inlined,
-    "InlineOverloads",
-    "FindLiterallyCalls",  # nothing that depends on the value of a literal,
-    "LiteralUnroll",
-    "LiteralPropagationSubPipelinePass",
-    "NoPythonSupportedFeatureValidation",
-    "NopythonRewrites",  # and no expressions of whole arrays
-    "AnnotateTypes",
-    "DumpParforDiagnostics",
-}
-"""Passes of numba's compiler that find nothing to do in the kernel, and take a sixth of the time.
-
-A function that needs one of them is not compiled: numba says so.
-"""
-
-
 ends_at_once = False
 """Whether SIGINT and SIGTERM end this process while the kernel is compiled.
 
 The compiler runs for many seconds in which Python does not, and would not hear of them. A command
 sets this: it has nothing to keep then. In a notebook it would be the end of all that is there.
 """
-
-SELDOM = 100_000  # objects made between two collections while the kernel is compiled
 
 
 def pipelines() -> tuple[Any, Any]:
@@ -67,7 +41,6 @@ def _pipelines() -> tuple[Any, Any]:
     _dynfunc: Any = import_module("numba._dynfunc")
     base: Any = import_module("numba.core.codegen").JITCodeLibrary
     compiler: Any = import_module("numba.core.compiler")
-    manager: Any = import_module("numba.core.compiler_machinery").PassManager
     for name in ("finalize", "add_linking_library", "_optimize_functions", "_ensure_finalized"):
         getattr(base, name)
 
@@ -99,15 +72,7 @@ def _pipelines() -> tuple[Any, Any]:
         module = description.lookup_module()
         return _dynfunc.make_function(module, name, doc, 0, environment, (library,))
 
-    class Lean(compiler.Compiler):  # type: ignore[misc]
-        def define_pipelines(self) -> list[Any]:
-            passes = manager("kernel")
-            usual = compiler.DefaultPassBuilder.define_nopython_pipeline(self.state)
-            passes.passes = [p for p in usual.passes if p[0].__name__ not in NEEDLESS]
-            passes.finalize()
-            return [passes]
-
-    class PartCompiler(Lean):
+    class PartCompiler(compiler.Compiler):  # type: ignore[misc]
         def __init__(
             self, typing: Any, target: Any, library: Any, args: Any, result: Any, flags: Any,
             *others: Any,
@@ -117,22 +82,15 @@ def _pipelines() -> tuple[Any, Any]:
             self.state.library = Part(self.state.targetctx.codegen(), "part")
             self.state.targetctx.get_executable = uncalled
 
-    class WholeCompiler(Lean):
+    class WholeCompiler(compiler.Compiler):  # type: ignore[misc]
         def __init__(self, *args: Any, **options: Any) -> None:
             super().__init__(*args, **options)
             self.state.library = Whole(self.state.targetctx.codegen(), "whole")
             self.state.library.enable_object_caching()
 
         def compile_extra(self, function: Any) -> Any:
-            # The cyclic collector would look again and again through the millions of objects that
-            # numba makes and keeps, for a sixth of the time.
-            usual = gc.get_threshold()
-            gc.set_threshold(max(usual[0], SELDOM) if usual[0] > 0 else 0, *usual[1:])
-            try:
-                with _ended_by_signals():
-                    return super().compile_extra(function)
-            finally:
-                gc.set_threshold(*usual)
+            with _ended_by_signals():
+                return super().compile_extra(function)
 
     return WholeCompiler, PartCompiler
 

@@ -285,7 +285,7 @@ def whole_diagram(
     map_of_pieces(map_)
     wanted = iterates(orders)
     finite_window(settings)
-    with scheduler(Worker(map_, settings), workers, executor) as tasks:
+    with scheduler(Worker(map_, settings), workers, executor, map_) as tasks:
         explorer = Explorer(map_, tasks, settings, wanted, progress or _nothing, record)
         past = restored(explorer, record, map_)
         seen = complete(explorer, settings, search or Search(), past)

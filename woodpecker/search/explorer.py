@@ -1,21 +1,20 @@
 """Everything that is connected: branches are followed with all that hangs on their ends.
 
-Tasks are submitted some time before they are needed, and what was found meanwhile decides whether
-they still are: so the result does not depend on who carries them out, or on how many do.
+Each branch is followed when its turn comes, one after the other. What is likely to be needed later
+is told to the scheduler, and what was found meanwhile decides whether it still is: so the result
+does not depend on who carries out tasks, or on how many do.
 """
 
 from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass, replace
-from itertools import islice
 from typing import Any, NamedTuple, Protocol
 
 from pwmap.diagrams.diagram import BranchKind, Diagram
 from pwmap.diagrams.shown import counted
-from woodpecker.base.executors import Pending, Scheduler
+from woodpecker.base.executors import Call, Scheduler
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.search.curves import Curve, Followed, Start, keys_of
@@ -188,46 +187,15 @@ def _shown(by: Slice) -> Iterator[_Place]:
     yield from map(_of_jump, by.jumps)
 
 
-class _Leg:
-    """A part of a branch that is being followed, and those that continue it, once submitted."""
-
-    def __init__(self, pending: Pending) -> None:
-        self.pending = pending
-        self.onward: list[_Leg] | None = None
-
-    def cancel(self) -> None:
-        """Give up the leg and all that continues it."""
-        self.pending.cancel()
-        self.give_up()
-
-    def give_up(self) -> None:
-        """Give up what continues the leg."""
-        for each in self.onward or ():
-            each.cancel()
-
-
 class _Candidate:
-    """A place, its first leg if that was submitted, and how many branches did not explain it."""
+    """A place, how many branches did not explain it, and whether one did."""
 
     def __init__(self, place: _Place) -> None:
-        self.place = place
-        self.leg: _Leg | None = None
-        self.unexplained_by = -1
-
-
-class _Start:
-    """What starts at a special point: asked for, and then known."""
-
-    def __init__(self, pending: Pending) -> None:
-        self.pending = pending
-        self.candidates: list[_Candidate] | None = None
+        self.place, self.unexplained_by, self.is_explained = place, -1, False
 
 
 class Explorer:
     """Follows branches, and what starts at their ends.
-
-    Each is followed when its turn comes, one after the other. While a result is waited for, those
-    whose turn comes later are submitted too, as long as somebody would have nothing to do.
 
     Parameters
     ----------
@@ -254,13 +222,15 @@ class Explorer:
         self.network, self.slices, self.evaluations = Network(settings), 0, 0
         self.spent, self.untaken = 0, 0  # evaluations, also of earlier runs; slices that were left
         self._allowed = settings.of_search(self.orders)
-        self.coming = deque[Pending]()
+        self.coming: Sequence[float] = ()  # where slices will be taken
         self._known = {
             (kind, order): Known(self.network, kind, order, map_)
             for kind in (BranchKind.FIXED_POINT, BranchKind.JUMP)
             for order in self.orders
         }
-        self._starts: dict[int, _Start] = {}
+        self._candidates: dict[int, _Candidate] = {}  # of what starts at points that wait
+        self._turns = list[deque[_Candidate]]()  # of those whose turn comes next
+        self._met: Collision | End | None = None  # whose turn it is
         self._switches = False  # whether those are followed by now
         self._past = deque[Step]()
 
@@ -308,7 +278,7 @@ class Explorer:
         """Follow the branch through a cycle, and those that continue it beyond its ends."""
         self._tell(orbit.p, len(orbit))
         if not self._is_taken_over():
-            self._keep(self._leg(Tasks.cycle, orbit))
+            self._keep(Tasks.cycle, orbit)
 
     def go_on(self) -> None:
         """Follow what starts at the collisions that were met."""
@@ -325,25 +295,24 @@ class Explorer:
             self.go_on()
         self._switches = False
 
-    def look(self, p: float) -> None:
-        """Take slices of all orders at a parameter, to be seen after those that were taken before.
+    def see(self, p: float) -> Seen:
+        """Take slices of all orders at a parameter; follow what they show and no branch explains.
 
-        They give way to what is needed now.
+        The next ones are taken at the parameters in ``coming``.
         """
         self._tell(p, max(self.orders))
-        self.coming.append(self.scheduler.later(Tasks.slice, p, self.orders))
-
-    def see(self) -> Seen:
-        """Follow what the slices at the next parameter show and no branch explains."""
-        done = self.coming.popleft().result()
+        self.scheduler.expect(self._likely())
+        done = self.scheduler.result(Tasks.slice, p, self.orders)
         new, left = list[int](), list[tuple[int, float]]()
         known = len(self.network.curves)
-        for place in (place for each in done.value for place in _shown(each)):
+        shown = (_Candidate(place) for each in done.value for place in _shown(each))
+        for candidate in self._in_turn(shown):
+            place = candidate.place
             if self.is_spent:
                 if not self._is_explained(place):
                     left.append((place.order, float(place.orbit.x[0])))
                 continue
-            if not self._follow(_Candidate(place)):
+            if not self._follow(candidate):
                 continue
             self.go_on()
             grown = self.network.curves[known:]
@@ -352,7 +321,6 @@ class Explorer:
             if grown and not self._is_explained(place):  # else the branch through it is known
                 left.append((place.order, float(place.orbit.x[0])))
         unresolved = max(each.unresolved for each in done.value)
-        p = done.value[0].p
         return Seen(p, tuple(sorted(set(new))), unresolved, tuple(left), done.evaluations)
 
     def has_seen(self, found: Seen) -> Seen:
@@ -372,22 +340,29 @@ class Explorer:
         starts, evaluations
             And how often the map was evaluated to know that.
         """
-        start, before = self._start(met), self.spent
-        self._wait(start.pending)
-        self._done(start.pending)
-        cost, candidates = self.spent - before, self._candidates(start)
-        for candidate in candidates:
+        before = self.spent
+        starts = self._value(*self._starts(met))
+        cost, candidates = self.spent - before, list(self._inside(starts))
+        for candidate in self._in_turn(candidates):
             if self.is_spent:
                 break
             self._follow(candidate)
         return len(candidates), cost
+
+    def _in_turn(self, candidates: Iterable[_Candidate]) -> Iterator[_Candidate]:
+        """One after the other; those that are left are likely to be needed."""
+        left = deque(candidates)
+        self._turns.append(left)
+        while left:
+            yield left.popleft()
+        self._turns.remove(left)
 
     def _finish_one(self, queue: deque[Any]) -> None:
         """Follow what starts at the first special point of a queue, and take it from there.
 
         It stays there if that takes more evaluations than are allowed.
         """
-        met: Collision | End = queue[0]
+        self._met = met = queue[0]
         if not self._is_finished(met):
             ends_here = isinstance(met, End) and self.network.is_switched(met)
             starts, cost = (0, 0) if ends_here else self._follow_all(met)
@@ -395,7 +370,8 @@ class Explorer:
                 return
             if self.recorder is not None:
                 self.recorder.done(met, starts, cost)
-        self._starts.pop(id(queue.popleft()), None)
+        queue.popleft()
+        self._candidates = {}
 
     def _is_finished(self, met: Collision | End) -> bool:
         """Take over all that starts at a special point, if an interrupted run has finished it."""
@@ -424,46 +400,40 @@ class Explorer:
 
     def _follow(self, candidate: _Candidate) -> bool:
         """Follow what goes through a place, unless a branch explains it; whether that was done."""
-        if self._is_new(candidate):
-            if not self._is_taken_over():
-                place = candidate.place
-                self._keep(candidate.leg or self._leg(place.task, place.argument))
-            return True
-        if candidate.leg is not None:
-            candidate.leg.cancel()
-        return False
+        if not self._is_new(candidate):
+            return False
+        if not self._is_taken_over():
+            self._keep(candidate.place.task, candidate.place.argument)
+        return True
 
-    def _keep(self, first: _Leg) -> None:
+    def _keep(self, task: Callable[..., Any], argument: object) -> None:
         """Keep a branch and those that continue it beyond its ends, until one is known already.
 
         One that is known is followed to its end before that is seen: right beyond a sharp fold it
         cannot be told from the branch that led there.
         """
-        kept, points, todo, before = list[Curve](), list[Curve](), deque([first]), self.spent
+        kept, points, before = list[Curve](), list[Curve](), self.spent
+        todo = deque[Call]([(task, argument)])
         while todo and not self.is_spent:  # each leg is followed, and that is counted
             leg = todo.popleft()
-            self._wait(leg.pending, todo)
-            found = self._done(leg.pending)
-            if found is None:
+            found: Followed | None = self._value(*leg, beside=todo)
+            if found is None or self._is_dropped(found.curve, points):
                 continue
             curve = found.curve
-            if self._is_dropped(curve, points):
-                leg.give_up()
-                continue
             kept.append(curve)
             self.network.add(curve)
             if self.network.is_a_point(curve):
                 points.append(curve)
             else:
                 self._tell(curve.ends[1].p, curve.order)
-            todo += self._onward(leg, found)
-        for leg in todo:
-            leg.cancel()
+            todo += _onward(found)
         if self.recorder is not None:
             self.recorder.followed(kept, self.spent - before)
 
-    def _done(self, pending: Pending) -> Any:
-        done = pending.result()
+    def _value(self, *call: Any, beside: Iterable[Call] = ()) -> Any:
+        """What a task returns, counted; others that are needed soon may be begun beside it."""
+        self.scheduler.expect(self._likely(beside))
+        done = self.scheduler.result(*call)
         self.evaluations += done.evaluations
         self.spent += done.evaluations
         return done.value
@@ -490,72 +460,61 @@ class Explorer:
         known = self._known[place.kind, place.order]
         return known.explains(place.orbit, place.closing, place.keys)
 
-    # --- Submitted, in turn or ahead --------------------------------------------------------------
+    def _starts(self, met: Collision | End) -> Call:
+        """The task that says what starts at a special point."""
+        return Tasks.starts if isinstance(met, Collision) else Tasks.switches, met, self.orders
 
-    def _leg(self, task: Callable[..., Any], argument: object) -> _Leg:
-        return _Leg(self.scheduler.submit(task, argument))
+    def _inside(self, starts: Iterable[Start]) -> Iterator[_Candidate]:
+        """Where branches start, as far as that lies in the span."""
+        low, high = self.network.settings.span
+        for start in starts:
+            if low <= start.begin.sample.orbit.p[0] <= high:
+                if id(start) not in self._candidates:
+                    self._candidates[id(start)] = _Candidate(_of_start(start))
+                yield self._candidates[id(start)]
 
-    def _onward(self, leg: _Leg, found: Followed) -> list[_Leg]:
-        """The legs that continue one."""
-        if leg.onward is None:
-            leg.onward = [self._leg(Tasks.ahead, start) for start in found.onward]
-        return leg.onward
+    # --- Ahead ------------------------------------------------------------------------------------
 
-    def _start(self, met: Collision | End) -> _Start:
-        """What starts at a special point that waits."""
-        if id(met) not in self._starts:
-            task = Tasks.starts if isinstance(met, Collision) else Tasks.switches
-            self._starts[id(met)] = _Start(self.scheduler.submit(task, met, self.orders))
-        return self._starts[id(met)]
+    def _likely(self, legs: Iterable[Call] = ()) -> Iterator[Call]:
+        """Tasks that are likely to be needed later, the likeliest first."""
+        for p in self.coming:
+            yield Tasks.slice, p, self.orders
+        for leg in legs:
+            yield from self._beyond(leg)
+        for left in reversed(self._turns):
+            yield from self._new(left)
+        for met in self._later():
+            found = self.scheduler.peek(*self._starts(met))
+            if found is None:
+                yield self._starts(met)
+                continue
+            yield from self._new(self._inside(found.value))
 
-    def _candidates(self, start: _Start) -> list[_Candidate]:
-        """Where branches start at a special point, as far as they lie in the span."""
-        if start.candidates is None:
-            low, high = self.network.settings.span
-            start.candidates = [
-                _Candidate(_of_start(each))
-                for each in start.pending.result().value
-                if low <= each.begin.sample.orbit.p[0] <= high
-            ]
-        return start.candidates
+    def _new(self, candidates: Iterable[_Candidate]) -> Iterator[Call]:
+        """What goes through places that no branch explains by now."""
+        for each in candidates:
+            each.is_explained = each.is_explained or not self._is_new(each)
+            if not each.is_explained:
+                yield from self._beyond((each.place.task, each.place.argument))
 
-    def _wait(self, pending: Pending, todo: Iterable[_Leg] = ()) -> None:
-        """Wait for a task, and submit what is likely to be needed later."""
-        self._submit_ahead(todo)
-        while not self.scheduler.waited(pending):
-            self._submit_ahead(todo)
-
-    def _submit_ahead(self, todo: Iterable[_Leg]) -> None:
-        """Submit what is likely to be needed later, the likeliest first."""
-        for leg in todo:
-            self._go_ahead(leg)
-        for met in islice(self._later(), self.scheduler.ahead):
-            if not self.scheduler.is_idle:
-                return
-            self._look_ahead(self._start(met))
+    def _beyond(self, leg: Call) -> Iterator[Call]:
+        """A leg that is not followed yet, or those that continue it, as far as it is not known."""
+        found = self.scheduler.peek(*leg)
+        if found is None:
+            yield leg
+        elif not self._is_dropped(found.value.curve):
+            for each in _onward(found.value):
+                yield from self._beyond(each)
 
     def _later(self) -> Iterator[Collision | End]:
         """Special points whose turn comes next."""
-        yield from self.network.waiting
+        yield from (met for met in self.network.waiting if met is not self._met)
         if self._switches:
-            yield from (end for end in self.network.switches if not self.network.is_switched(end))
+            for end in self.network.switches:
+                if end is not self._met and not self.network.is_switched(end):
+                    yield end
 
-    def _look_ahead(self, start: _Start) -> None:
-        """Follow what starts at a special point before its turn has come."""
-        if start.candidates is None and not start.pending.done():
-            return
-        with suppress(Exception):  # it is raised when its turn comes, if it comes
-            for candidate in self._candidates(start):
-                if candidate.leg is not None:
-                    self._go_ahead(candidate.leg)
-                elif self.scheduler.is_idle and self._is_new(candidate):
-                    candidate.leg = self._leg(candidate.place.task, candidate.place.argument)
 
-    def _go_ahead(self, leg: _Leg) -> None:
-        """Continue a leg whose turn has not come, as far as it is not known by now."""
-        if leg.onward is None and leg.pending.done():
-            with suppress(Exception):
-                found = leg.pending.result().value
-                leg.onward = [] if self._is_dropped(found.curve) else self._onward(leg, found)
-        for each in leg.onward or ():
-            self._go_ahead(each)
+def _onward(found: Followed) -> Iterator[Call]:
+    """The tasks that continue a branch beyond its ends."""
+    return ((Tasks.ahead, start) for start in found.onward)

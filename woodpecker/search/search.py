@@ -113,11 +113,9 @@ def complete(
         plan.add(each.then)
     explorer.take_over(past.since)
     while plan.done < len(plan.places) and not explorer.is_spent:
-        ready = plan.done + len(explorer.coming)
-        for p in plan.places[ready : plan.done + explorer.scheduler.spare]:
-            explorer.look(p)
         explorer.slices = plan.done + 1
-        found = explorer.see()
+        explorer.coming = plan.places[plan.done + 1 :]
+        found = explorer.see(plan.places[plan.done])
         place = plan.took()
         then = plan.beside(place) if found.new else []
         plan.add(then)
@@ -126,6 +124,7 @@ def complete(
             plan.add(crowded)
             then += crowded
         seen.append(explorer.has_seen(found._replace(then=tuple(then))))
+    explorer.coming = ()
     explorer.untaken = len(plan.places) - plan.done
     explorer.finish()
     return seen

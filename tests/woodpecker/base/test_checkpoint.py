@@ -27,7 +27,6 @@ from woodpecker.base.checkpoint import (
 ABOUT: Entry = {"parameter": "p", "span": [-2.0, 2.0]}
 VERSION = 7
 ONE: Entry = {"number": 1.0}
-LOCKED = pytest.mark.skipif(sys.platform == "win32", reason="files are not locked there")
 
 
 def check(entry: Entry) -> None:
@@ -256,7 +255,6 @@ def test_types_are_checked() -> None:
 # --- Locks ----------------------------------------------------------------------------------------
 
 
-@LOCKED
 def test_two_runs_do_not_write_one_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("woodpecker.base.checkpoint.WAIT", 0.1)
     path = tmp_path / "run.jsonl"
@@ -274,7 +272,7 @@ def test_two_runs_do_not_write_one_file(tmp_path: Path, monkeypatch: pytest.Monk
     opened(path, resume=True).close()
 
 
-@LOCKED
+@pytest.mark.skipif(sys.platform == "win32", reason="processes are not copied there")
 def test_a_copy_of_the_process_does_not_keep_the_lock(tmp_path: Path) -> None:
     path = tmp_path / "run.jsonl"
     file = opened(path)
@@ -286,7 +284,6 @@ def test_a_copy_of_the_process_does_not_keep_the_lock(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@LOCKED
 def test_a_killed_run_leaves_no_lock(tmp_path: Path) -> None:
     path = tmp_path / "run.jsonl"
     code = "from woodpecker.base.checkpoint import Checkpoint\n"

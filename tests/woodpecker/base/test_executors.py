@@ -15,7 +15,20 @@ import numpy as np
 import pytest
 
 from woodpecker.base import executors
-from woodpecker.base.executors import Done, Serial, scheduler, start_method, worker_count
+from woodpecker.base.executors import (
+    Done,
+    Parallel,
+    Scheduler,
+    Serial,
+    scheduler,
+    start_method,
+    worker_count,
+)
+
+
+@pytest.fixture(autouse=True)
+def at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(executors, "PATIENCE", 0.0)
 
 
 def squared(x: int, pause: float = 0.0) -> Done:
@@ -31,23 +44,19 @@ def dies(x: int) -> Done:
     os._exit(x)
 
 
-def whose(_: int) -> Done:
+def whose(_: object) -> Done:
     return Done(os.getpid(), 0)
 
 
-def short(x: int) -> Done:
-    with scheduler(squared, 2) as tasks:
-        return tasks.submit(x).result()
-
-
-class Table:
-    """A task that remembers something."""
-
-    def __init__(self, table: dict[int, int]) -> None:
-        self.table = table
-
-    def __call__(self, key: int) -> Done:
-        return Done(self.table[key], 1)
+def elsewhere(tasks: Scheduler, *call: Any) -> Done:
+    """A task as somebody else carries it out."""
+    tasks.expect([call])
+    deadline = time.monotonic() + 60.0
+    while (done := tasks.peek(*call)) is None and time.monotonic() < deadline:
+        time.sleep(0.01)
+    assert done is not None
+    assert tasks.result(*call) is done
+    return done
 
 
 def test_alone_does_nothing_that_is_not_asked_for() -> None:
@@ -59,108 +68,100 @@ def test_alone_does_nothing_that_is_not_asked_for() -> None:
 
     with scheduler(task, 1) as tasks:
         assert isinstance(tasks, Serial)
-        first, second = tasks.submit(1), tasks.submit(2)
-        assert second.result().value == 4
-        assert first.cancel()
+        tasks.expect([(1,), (2,)])
+        assert tasks.peek(2) is None
+        assert tasks.result(2).value == 4
     assert done == [2]
 
 
-@pytest.mark.parametrize("workers", [2, 3])
-def test_results_come_as_they_were_submitted(workers: int) -> None:
+@pytest.mark.parametrize("workers", [1, 2, 3])
+def test_results_are_those_of_the_tasks(workers: int) -> None:
+    calls = [(x, 0.02 * (6 - x)) for x in range(6)]
     with scheduler(squared, workers) as tasks:
-        pending = [tasks.submit(x, 0.02 * (3 - x)) for x in range(4)]
-        assert [task.result().value for task in pending] == [0, 1, 4, 9]
+        for k, call in enumerate(calls):
+            tasks.expect(calls[k + 1 :])
+            assert tasks.result(*call).value == k * k
     assert multiprocessing.active_children() == []
 
 
-def test_spare_tasks_give_way_to_others() -> None:
-    """One worker, held up by a first task: the second urgent one comes before the spare ones."""
-    begin, done = threading.Event(), list[int]()
+def test_what_is_expected_is_begun_by_others() -> None:
+    with scheduler(whose, 2) as tasks:
+        assert elsewhere(tasks, "one").value != os.getpid()
+        assert tasks.result("two").value == os.getpid()
 
-    def task(x: int) -> Done:
-        assert begin.wait(60.0)
-        done.append(x)
-        return squared(x)
+
+def test_what_nobody_has_begun_is_done_here_and_others_while_waiting() -> None:
+    """The one thread is held up by the first of three tasks, which is asked for first."""
+    release, by = threading.Event(), dict[str, str]()
+
+    def task(name: str) -> Done:
+        by[name] = threading.current_thread().name
+        if name == "held up":
+            assert release.wait(60.0)
+        if name == "last":
+            release.set()
+        return Done(name, 1)
+
+    here = threading.current_thread().name
+    with ThreadPoolExecutor(1, "other") as pool, scheduler(task, 1, pool) as tasks:
+        tasks.expect([("held up",), ("next",), ("last",)])
+        assert tasks.result("next").value == "next"
+        assert tasks.result("held up").value == "held up"
+        assert tasks.result("last").value == "last"
+    assert by == {"held up": "other_0", "next": here, "last": here}
+
+
+def test_what_is_not_expected_any_more_is_forgotten() -> None:
+    begun, release = list[str](), threading.Event()
+
+    def task(name: str) -> Done:
+        begun.append(name)
+        assert release.wait(60.0)
+        return Done(name, 1)
 
     with ThreadPoolExecutor(1) as pool, scheduler(task, 1, pool) as tasks:
-        first = tasks.submit(0)
-        spare = [tasks.later(x) for x in (1, 2, 3)]
-        urgent = tasks.submit(4)
-        assert spare[1].cancel()
-        begin.set()
-        assert [t.result().value for t in (first, urgent, spare[2], spare[0])] == [0, 16, 9, 1]
-    assert done[:2] == [0, 4]
-    assert sorted(done[2:]) == [1, 3]
-
-
-def test_spare_tasks_leave_a_worker_free() -> None:
-    """Of two workers one is kept for what is submitted step by step, until a spare one is asked."""
-    release, begun = threading.Event(), list[int]()
-
-    def task(x: int) -> Done:
-        begun.append(x)
-        assert x == 9 or release.wait(60.0)
-        return squared(x)
-
-    with ThreadPoolExecutor(2) as pool, scheduler(task, 2, pool) as tasks:
-        spare = [tasks.later(x) for x in (1, 2, 3)]
-        step = tasks.submit(9)
-        while not tasks.waited(step):
-            pass
-        assert step.result().value == 81
-        assert not spare[0].done()
-        assert tasks.is_idle
-        assert begun == [1, 9]
+        tasks.expect([("one",), ("two",)])
+        tasks.expect([("one",), ("three",)])
         release.set()
-        assert [each.result().value for each in spare] == [1, 4, 9]
+        assert tasks.result("three").value == "three"
+    assert "two" not in begun
 
 
-def test_waiting_ends_when_anything_is_done() -> None:
-    """The quick task ends while the slow one is waited for: half a second later."""
-    release, soon = threading.Event(), threading.Event()
+def test_the_calling_thread_and_others_share_the_map() -> None:
+    """It is sent once: what refers to it refers to that of the other side."""
+    table = {3: 30}
 
-    def task(x: int) -> Done:
-        assert (soon if x == 1 else release).wait(60.0)
-        return squared(x)
+    def task(key: int, there: dict[int, int]) -> Done:
+        return Done((there is table, there), table[key])
 
-    with ThreadPoolExecutor(2) as pool, scheduler(task, 2, pool) as tasks:
-        slow, quick = tasks.submit(2), tasks.submit(1)
-        threading.Timer(0.5, soon.set).start()
-        assert not tasks.waited(slow)
-        assert quick.done()
-        release.set()
-        while not tasks.waited(slow):
-            pass
-        assert slow.result().value == 4
+    with scheduler(task, 2, shared=table) as tasks:
+        done = elsewhere(tasks, 3, table)
+    assert done.evaluations == 30
+    assert done.value[0]
+    assert done.value[1] is table
 
 
-@pytest.mark.parametrize("workers", [1, 2])
-def test_spare_tasks_are_done_without_being_asked_for(workers: int) -> None:
-    with scheduler(squared, workers) as tasks:
-        spare = [tasks.later(x) for x in range(5)]
-        assert [task.result().value for task in spare] == [0, 1, 4, 9, 16]
-    assert multiprocessing.active_children() == []
+def test_lambdas_and_closures_travel() -> None:
+    with scheduler(lambda f, x: Done(lambda: f(x), 1), 2) as tasks:
+        assert elsewhere(tasks, lambda x: x + 1, 3).value() == 4
 
 
-def test_spare_tasks_of_a_broken_pool_say_so() -> None:
-    with pytest.raises(RuntimeError, match="ended before its task"), scheduler(dies, 2) as tasks:
-        [tasks.later(3) for _ in range(4)][-1].result()
-
-
-def test_what_a_task_remembers_is_sent() -> None:
-    with scheduler(Table({3: 30}), 2) as tasks:
-        assert tasks.submit(3).result() == Done(30, 1)
-
-
-def test_an_error_of_a_task_is_raised_here() -> None:
-    with pytest.raises(ValueError, match="not 7"), scheduler(refuses, 2) as tasks:
-        tasks.submit(7).result()
+def test_an_error_waits_for_its_turn() -> None:
+    with scheduler(refuses, 2) as tasks:
+        tasks.expect([(7,), (8,)])
+        assert tasks.peek(7) is None
+        with pytest.raises(ValueError, match="not 7"):
+            tasks.result(7)
     assert multiprocessing.active_children() == []
 
 
 def test_a_worker_that_dies_is_named() -> None:
+    def asked(tasks: Scheduler) -> Done:
+        tasks.expect([(3,)])
+        return tasks.result(3)
+
     with pytest.raises(RuntimeError, match="ended before its task"), scheduler(dies, 2) as tasks:
-        tasks.submit(3).result()
+        asked(tasks)
     assert multiprocessing.active_children() == []
 
 
@@ -168,7 +169,7 @@ def test_an_interruption_does_not_wait_for_the_workers() -> None:
     begin = time.monotonic()
 
     def interrupted(tasks: Any) -> None:
-        tasks.submit(1, 60.0)
+        tasks.expect([(1, 60.0)])
         time.sleep(0.2)  # it has begun
         raise KeyboardInterrupt
 
@@ -179,30 +180,24 @@ def test_an_interruption_does_not_wait_for_the_workers() -> None:
 
 
 @pytest.mark.slow
-def test_processes_are_not_copied_beside_other_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_processes_are_not_copied_beside_other_threads() -> None:
     """They are started anew; until they are there this one goes on alone."""
-    monkeypatch.setattr(executors, "PATIENCE", 0.0)
-    found: list[int] = []
 
     def other() -> None:
         assert start_method() == "spawn"
         with scheduler(whose, 2) as tasks:
-            assert tasks.ahead == 1
-            while found[-1:] in ([], [os.getpid()]):
-                found.append(tasks.submit(0).result().value)
-            assert tasks.ahead == 4
+            assert elsewhere(tasks, 0).value != os.getpid()
 
     with ThreadPoolExecutor(1) as thread:
         thread.submit(other).result(timeout=120.0)
-    assert found[0] == os.getpid()
 
 
-def test_a_short_search_beside_other_threads_starts_no_processes(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(executors, "processes", None)
-    with ThreadPoolExecutor(1) as thread:
-        assert thread.submit(short, 3).result() == Done(9, 1)
+def test_a_short_search_starts_no_processes(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(executors, "PATIENCE", 60.0)
+    with scheduler(squared, 2) as tasks:
+        tasks.expect([(3,)])
+        assert multiprocessing.active_children() == []
+        assert tasks.result(3) == Done(9, 1)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="processes are copied on Linux only")
@@ -212,59 +207,43 @@ def test_processes_are_copied_where_there_is_one_thread() -> None:
 
 
 def test_a_given_executor_is_used_and_not_shut_down() -> None:
-    table = {3: 30}
     with ThreadPoolExecutor(2) as threads:
-        with scheduler(lambda key: Done(table[key], 1), None, threads) as tasks:
-            assert tasks.submit(3).result() == Done(30, 1)
+        with scheduler(lambda key: Done(threading.current_thread().name, key), None, threads) as t:
+            assert elsewhere(t, 3).value != threading.current_thread().name
         assert threads.submit(int).result() == 0
     with ProcessPoolExecutor(2, multiprocessing.get_context("fork")) as processes:
         with scheduler(whose, None, processes) as tasks:
-            assert tasks.submit(0).result().value != os.getpid()
+            assert elsewhere(tasks, 0).value != os.getpid()
         assert processes.submit(int).result() == 0
 
 
 def test_an_executor_is_left_without_what_is_not_wanted() -> None:
     begin = time.monotonic()
     with ThreadPoolExecutor(1) as threads, scheduler(squared, 1, threads) as tasks:
-        pending = [tasks.submit(x, 0.2) for x in range(100)]
-        assert pending[0].result().value == 0
+        tasks.expect([(x, 0.2) for x in range(100)])
+        assert tasks.result(0, 0.0).value == 0
     assert time.monotonic() - begin < 10.0  # of 20 s
 
 
 @pytest.mark.parametrize("own", [True, False])
-def test_what_does_not_pickle_is_refused_in_a_sentence(own: bool) -> None:
-    sentence = "the map cannot be sent to other processes .*, or search with workers=1"
+def test_what_cannot_be_sent_is_refused_in_a_sentence(own: bool) -> None:
+    lock, sentence = threading.Lock(), "the map cannot be sent to other processes .* workers=1"
     with ProcessPoolExecutor(1) as pool:
         executor: Executor | None = None if own else pool
-        with (
-            pytest.raises(ValueError, match=sentence),
-            scheduler(lambda x: squared(x), 2, executor),
-        ):
+        with pytest.raises(ValueError, match=sentence), scheduler(lambda x: lock, 2, executor):  # type: ignore[arg-type, return-value]
             pass
 
 
-class Anything(Executor):
-    """An executor that needs nothing pickled."""
-
-    def submit(self, fn: Any, /, *arguments: Any, **options: Any) -> Any:
-        with ThreadPoolExecutor(1) as pool:
-            return pool.submit(fn, *arguments, **options)
-
-
-def test_other_executors_may_carry_what_does_not_pickle() -> None:
-    with scheduler(lambda x: squared(x), 2, Anything()) as tasks:
-        assert tasks.submit(3).result() == Done(9, 1)
-
-
-def in_a_pool(_: int) -> tuple[str, int]:
-    with scheduler(whose, None) as tasks:
-        return type(tasks).__name__, tasks.submit(0).result().value - os.getpid()
+def in_a_pool(_: int) -> bool:
+    with scheduler(whose, 2) as tasks:
+        tasks.expect([(0,)])
+        return tasks.peek(0) is None and tasks.result(0).value == os.getpid()
 
 
 def test_a_worker_of_a_pool_works_alone() -> None:
     """Such processes are daemons, which may have no children."""
     with multiprocessing.Pool(1) as pool:
-        assert pool.map(in_a_pool, [0]) == [("Serial", 0)]
+        assert pool.map(in_a_pool, [0]) == [True]
 
 
 def test_where_no_processes_can_be_made_the_search_works_alone(
@@ -274,8 +253,10 @@ def test_where_no_processes_can_be_made_the_search_works_alone(
         raise NotImplementedError("no semaphores")
 
     monkeypatch.setattr(executors, "ProcessPoolExecutor", impossible)
-    with caplog.at_level("INFO", logger="woodpecker"), scheduler(squared, 4) as tasks:
-        assert isinstance(tasks, Serial)
+    with caplog.at_level("INFO", logger="woodpecker"), scheduler(whose, 4) as tasks:
+        assert isinstance(tasks, Parallel)
+        tasks.expect([(0,)])
+        assert tasks.result(0).value == os.getpid()
     assert caplog.messages == ["working alone: no processes (no semaphores)"]
 
 

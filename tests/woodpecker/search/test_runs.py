@@ -9,6 +9,7 @@ import multiprocessing
 import os
 import subprocess
 import sys
+import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
@@ -56,6 +57,12 @@ from woodpecker.search.tasks import Worker
 SEARCH = Search(slices=5, finest=0.05)
 SETTINGS = Settings(span=(-1.0, 2.5), window=(-20.0, 20.0))
 ABOUT: Entry = {"parameter": "p", "span": [-1.0, 2.5]}
+
+
+@pytest.fixture(autouse=True)
+def workers_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Others than the calling process take part from the beginning."""
+    monkeypatch.setattr("woodpecker.base.executors.PATIENCE", 0.0)
 
 
 def searched(
@@ -365,14 +372,25 @@ def test_processes_do_not_matter(whole: Found) -> None:
     assert to_the_last_bit(found.diagram) == to_the_last_bit(whole.diagram)
 
 
-def test_a_map_that_cannot_be_sent_is_refused() -> None:
+@pytest.mark.slow
+def test_maps_of_lambdas_go_to_other_processes() -> None:
     first, second = paper().pieces
     assert isinstance(first, FormulaPiece)
     local = FormulaPiece("R", type(first.map)(lambda x, p: p - 1.25 * x), first.margins)
     map_ = FormulaMap([local, second])
+    alone = whole_diagram(map_, SETTINGS, (1,), SEARCH, workers=1)
+    shared = whole_diagram(map_, SETTINGS, (1,), SEARCH, workers=2)
+    assert to_the_last_bit(shared.diagram) == to_the_last_bit(alone.diagram)
+    assert shared.evaluations == alone.evaluations
+
+
+def test_a_map_that_cannot_be_sent_is_refused() -> None:
+    first, second = paper().pieces
+    assert isinstance(first, FormulaPiece)
+    lock = threading.Lock()
+    local = FormulaPiece("R", type(first.map)(lambda x, p: p - x if lock else x), first.margins)
     with pytest.raises(ValueError, match="the map cannot be sent to other processes"):
-        whole_diagram(map_, SETTINGS, (1,), SEARCH, workers=2)
-    assert whole_diagram(map_, SETTINGS, (1,), SEARCH, workers=1).diagram.branches
+        whole_diagram(FormulaMap([local, second]), SETTINGS, (1,), SEARCH, workers=2)
 
 
 # --- The toy --------------------------------------------------------------------------------------

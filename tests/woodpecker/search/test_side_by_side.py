@@ -21,6 +21,12 @@ FRICTIONS = (0.30, 0.31, 0.32, 0.33)
 Shown = list[tuple[object, ...]]
 
 
+@pytest.fixture(autouse=True)
+def workers_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Others than the calling process take part from the beginning."""
+    monkeypatch.setattr("woodpecker.base.executors.PATIENCE", 0.0)
+
+
 def searched(mu_2: float, **options: Any) -> Shown:
     found = bifurcation_diagram(
         Toy(mu_2=mu_2),
