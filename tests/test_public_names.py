@@ -39,8 +39,6 @@ ENGINE = {
     "woodpecker.search.ends.Collision": "how a branch ends at a border, as a run keeps it",
     "woodpecker.search.ends.End": "how a branch ends, as a run keeps it",
     "woodpecker.slices.jumps.Limit": "the orbit of a limit on one side of a jump",
-    "woodpecker.slices.orbits.Margin": "the condition that an orbit lies on a border",
-    "woodpecker.slices.orbits.OnBorder": "the same, for the piece beyond it",
     "woodpecker.maps.symbolic.SymbolicPiece": "a formula, with its derivatives compiled",
     "woodpecker.simulation.paths.Follower": "a return that is followed with its word prescribed",
     "woodpecker.toy_map._Room": "what threads do not share",

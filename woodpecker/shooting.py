@@ -12,20 +12,18 @@ from pwmap.diagrams.shown import brief, table
 from woodpecker.base.checks import instance, whole
 from woodpecker.base.settings import Settings
 from woodpecker.engine.newton import STEPS
+from woodpecker.engine.orbits import Closed
 from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation.returns import first_return
 from woodpecker.slices.extents import reach_of
 from woodpecker.slices.jumps import Jump, jump_of
 from woodpecker.slices.orbits import (
-    Closed,
-    Coordinate,
-    Margin,
     Orbit,
+    at_parameter,
     minimal_period,
-    newton_step,
     orbit_of,
-    residuals,
-    solve,
+    stepped,
+    to_engine,
 )
 from woodpecker.toy_map import ToyPieces
 
@@ -210,19 +208,23 @@ def _corrected(map_: ToyPieces, start: Orbit, settings: Settings) -> tuple[Orbit
     With the pieces of the last iterate, if the map takes them at what they lead to; otherwise by
     one step, after which the map is asked for its pieces again.
     """
-    orbit, conditions = start, (Closed(), Coordinate(-1, start.p))
+    orbit = start
     for _ in range(STEPS):
         if not orbit.defined:
             return orbit, False
-        found = solve(orbit, conditions, settings)
-        if found.converged and _taken(map_, found.orbit.x, start.p).keys == found.orbit.keys:
-            return found.orbit, True
-        step = newton_step(orbit, conditions, settings)
-        if not np.isfinite(step).all():
-            least = settings.nearest * settings.x_scale
-            return orbit, bool(np.abs(residuals(orbit, (Closed(),))).max() <= least)
-        orbit = _taken(map_, orbit.x + step[:-1], start.p)
+        found = at_parameter(orbit, settings)
+        if found is not None and _taken(map_, found.x, start.p).keys == found.keys:
+            return found, True
+        points = stepped(orbit, settings)
+        if not np.isfinite(points).all():
+            return orbit, _gap(orbit) <= settings.nearest * settings.x_scale
+        orbit = _taken(map_, points, start.p)
     return orbit, False
+
+
+def _gap(cycle: Orbit) -> float:
+    """Largest gap between a return and the next point."""
+    return float(np.abs(Closed().residual(to_engine(cycle))).max())
 
 
 def _jump_near(map_: ToyPieces, first: Orbit, settings: Settings) -> Jump | None:
@@ -235,7 +237,7 @@ def _jump_near(map_: ToyPieces, first: Orbit, settings: Settings) -> Jump | None
         return None
     nearest = borders[0]
     head = orbit_of([nearest.images[-1].piece], np.array([nearest.end]), p)
-    return jump_of(map_, head, Margin(0, nearest.code), 1, settings)
+    return jump_of(map_, head, nearest.code, 1, settings)
 
 
 def periodic_orbit(toy: Toy, cycle: Orbit, settings: Settings) -> PeriodicOrbit:
@@ -268,7 +270,7 @@ def _orbit(
         drop=sum(each.drop for each in returns),
         multiplier=cycle.multiplier,
         word=" | ".join(cycle.words),
-        residual=float(np.abs(residuals(cycle, (Closed(),))).max()),
+        residual=_gap(cycle),
         points=tuple(cycle.x.tolist()),
         status=reason,
         message=f"{reason.value}: {detail}" if detail else reason.value,

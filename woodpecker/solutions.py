@@ -12,19 +12,12 @@ import numpy as np
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, Hit
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, number
+from woodpecker.engine.curves import Stop
 from woodpecker.mechanics.toy import Toy
+from woodpecker.search.lines import base_of
 from woodpecker.shooting import DEFAULT, PeriodicOrbit, periodic_orbit, shoot
 from woodpecker.simulation.returns import first_return
-from woodpecker.slices.crossings import is_inside
-from woodpecker.slices.orbits import (
-    Closed,
-    Coordinate,
-    Orbit,
-    moved,
-    scales,
-    solve,
-    tangent,
-)
+from woodpecker.slices.orbits import Orbit, is_inside, of_engine, to_engine
 from woodpecker.toy_map import ToyPieces
 
 
@@ -100,8 +93,8 @@ def _solution(toy: Toy, map_: ToyPieces, diagram: Diagram, hit: Hit, value: floa
     The nearer sample first: its pieces are likelier those at the value.
     """
     for k in _beside(hit, value):
-        found = _led(_cycle(map_, diagram, hit.branch, k), value)
-        if found is not None and is_inside(found, Closed()):
+        found = _led(map_, _cycle(map_, diagram, hit.branch, k), value)
+        if found is not None and is_inside(found):
             return periodic_orbit(toy, found, DEFAULT)
     return shoot(toy, hit.x, hit.branch.order)
 
@@ -118,32 +111,22 @@ def _beside(hit: Hit, value: float) -> list[int]:
     return sorted((k, k + 1), key=lambda i: abs(float(p[i]) - value))
 
 
-def _led(start: Orbit, value: float) -> Orbit | None:
-    """The cycle to which one leads at another value, with the same pieces; None if it is lost.
-
-    Along the tangent, in steps that are halved until Newton's method goes no further than a part of
-    the step.
-    """
-    orbit, step = start, value - start.p
-    least = SHORTEST * abs(step)
-    for _ in range(STEPS):
-        if not orbit.defined or orbit.p == value:
-            break
-        step = min(step, value - orbit.p, key=abs)
-        p = value if step == value - orbit.p else orbit.p + step
-        along = tangent(orbit, Closed(), DEFAULT) * scales(len(orbit), DEFAULT)
-        guess = moved(orbit, along / along[-1] * (p - orbit.p))
-        conditions = Closed(), Coordinate(-1, p)
-        found = solve(guess, conditions, DEFAULT, contracts=True) if guess.defined else None
-        if found is not None and found.converged:
-            off, way = (np.abs(found.orbit.x - x).max() for x in (guess.x, orbit.x))
-            if off <= OFF * max(float(way), abs(step)):
-                orbit, step = found.orbit, 2.0 * step
-                continue
-        step *= 0.5
-        if abs(step) < least:
-            return None
-    return orbit if orbit.defined and orbit.p == value else None
+def _led(map_: ToyPieces, start: Orbit, value: float) -> Orbit | None:
+    """The cycle to which one leads at another value, with the same pieces; None if it is lost."""
+    if not start.defined or start.p == value:
+        return start if start.defined else None
+    base, orbit = base_of(map_, DEFAULT), to_engine(start)
+    way = value - start.p
+    first = base.start(orbit, math.copysign(1.0, way) * np.eye(len(start) + 1)[-1])
+    if not first.tangent[-1] * way > 0.0:  # there is none, or the branch turns round here
+        return None
+    step = WHOLE * abs(way / float(first.tangent[-1]))
+    span = min(start.p, value), max(start.p, value)
+    settings = replace(
+        base.settings, spans=(span,), min_step=LEAST * step, step=step, max_step=step
+    )
+    arc = replace(base, settings=settings, tests=()).follow(first)
+    return of_engine(arc.samples[-1].orbit) if arc.stop is Stop.SPAN else None
 
 
 def _cycle(map_: ToyPieces, diagram: Diagram, branch: Branch, k: int) -> Orbit:
@@ -168,9 +151,8 @@ def _cycle(map_: ToyPieces, diagram: Diagram, branch: Branch, k: int) -> Orbit:
     return Orbit(np.array(points), p, tuple(images))
 
 
-STEPS = 200  # tried on the way to a solution at most: one is usual, and halvings to the shortest
-SHORTEST = 1e-6  # of the way to a solution: the shortest step towards it
-OFF = 0.25  # of a step: how far Newton's method may lead from where the step did
+WHOLE = 2.0  # of the way to a solution: the longest step, so that one is usual
+LEAST = 1e-6  # of that: the shortest one
 NEAR = 1e-12  # rad: times the slope, how far from a sample its image is expected at most
 
 OF_A_RETURN = ("period", "drop")  # attributes of woodpecker.Return, by name

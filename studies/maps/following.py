@@ -18,7 +18,7 @@ from woodpecker.search.explorer import Explorer
 from woodpecker.search.network import Network
 from woodpecker.search.search import Search, complete
 from woodpecker.search.tasks import Worker
-from woodpecker.slices.orbits import Closed, Coordinate, Orbit, orbit_of, solve
+from woodpecker.slices.orbits import Orbit, at_parameter, orbit_of
 
 
 def cycle_near(map_: PiecewiseMap, x: Sequence[float], p: float, settings: Settings) -> Orbit:
@@ -30,11 +30,10 @@ def cycle_near(map_: PiecewiseMap, x: Sequence[float], p: float, settings: Setti
         If there is none.
     """
     pieces = [map_.at(each, p).piece for each in x]
-    start = orbit_of(pieces, np.array(x, dtype=float), p)
-    solution = solve(start, (Closed(), Coordinate(-1, p)), settings)
-    if not solution.converged:
+    found = at_parameter(orbit_of(pieces, np.array(x, dtype=float), p), settings)
+    if found is None:
         raise ValueError(f"no cycle of {len(x)} points near {x[0]} at {p}")
-    return solution.orbit
+    return found
 
 
 def branch_near(

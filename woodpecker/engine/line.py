@@ -98,7 +98,7 @@ class LinePiece(NamedTuple):
 
     def at(self, x: Floats, p: Floats) -> Image:
         """Its image of a point, also where the map takes another piece."""
-        return _image(self.own.at(float(x[0]), float(p[0])))
+        return image_of(self.own.at(float(x[0]), float(p[0])))
 
     def cause(self, code: int) -> str:
         """A sentence on what happens where a margin vanishes."""
@@ -122,7 +122,7 @@ class LineMap(NamedTuple):
 
     def at(self, x: Floats, p: Floats) -> Image:
         """The image of a point under the piece that the map takes there."""
-        return _image(self.own.at(float(x[0]), float(p[0])))
+        return image_of(self.own.at(float(x[0]), float(p[0])))
 
     def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
         """The image of a point under the piece that the map takes infinitesimally beside it."""
@@ -209,7 +209,8 @@ def _alike(one: Floats, other: Floats, within: float) -> bool:
     return bool(np.abs(one - other).max() <= within * size)
 
 
-def _image(own: Imaged) -> Image:
+def image_of(own: Imaged) -> Image:
+    """An image of a map of the line as one of R^1."""
     return Image(
         np.array([own.value]), np.array([[own.slope, own.d_parameter]]), own.margins,
         own.gradients, own.causes, LinePiece(own.piece), own.reason,

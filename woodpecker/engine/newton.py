@@ -234,6 +234,12 @@ def solve(problem: Problem, start: Orbit) -> Solution:
     return Solution(orbit, False, STEPS)
 
 
+def newton_step(problem: Problem, orbit: Orbit) -> Floats:
+    """One step of it in scaled unknowns; nan where the equations are singular."""
+    factors, _, step, _ = dgesv(problem.matrix(orbit), -problem.residual(orbit))
+    return step if factors.diagonal().all() else np.full(len(step), math.nan)
+
+
 def _is_met(problem: Problem, orbit: Orbit, matrix: Floats, residual: Floats) -> bool:
     """Whether nothing is left of the equations at an orbit but rounding."""
     return bool((np.abs(residual) <= _noise(problem, orbit, matrix)).all())

@@ -6,16 +6,16 @@ from bisect import bisect_right
 from dataclasses import dataclass
 from typing import TypeVar
 
-from pwmap.diagrams.diagram import BranchKind
+from pwmap.diagrams.diagram import BranchKind, Stretch
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.germs import Beginning
 from woodpecker.engine.tracing import Change
 from woodpecker.search.ends import End
 from woodpecker.slices.jumps import Jump
-from woodpecker.slices.orbits import Orbit
 
 Keys = tuple[object, ...]
 T = TypeVar("T")
+OF_A_LIMIT = "the orbit of a limit of the jump meets a border"
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -92,14 +92,28 @@ class Followed:
     onward: tuple[Start, ...]
 
 
-def keys_of(orbit: Orbit, jump: Jump | None = None) -> tuple[object, ...]:
-    """The pieces of an orbit, see :class:`Word`."""
-    if jump is None:
-        return orbit.keys
-    sides = {(jump.inner.keys[0], jump.closing.code)}
+def keys_of(jump: Jump) -> tuple[object, ...]:
+    """The pieces of a jump, see :class:`Word`."""
+    sides = {(jump.inner.keys[0], jump.code)}
     if jump.outer_code >= 0:
         sides.add((jump.outer.keys[0], jump.outer_code))
-    return *orbit.keys[:-1], frozenset(sides)
+    return *jump.head.keys[:-1], frozenset(sides)
+
+
+def stretches(curve: Curve) -> tuple[Stretch, ...]:
+    """Stretches of a branch with one word, each with the cause of the change that begins it.
+
+    A sample at a border has the pieces before it. What has no mark is the orbit of a limit of a
+    jump that meets a border where borders accumulate.
+    """
+    causes = {mark.sample + 1: mark.cause for mark in curve.marks}
+    unmarked = OF_A_LIMIT if curve.kind is BranchKind.JUMP else ""
+    first, *others = curve.words
+    found = [Stretch(0, first.text, "")]
+    for word in others:
+        if word.text != found[-1].word:
+            found.append(Stretch(word.first, word.text, causes.get(word.first) or unmarked))
+    return tuple(found)
 
 
 def word_at(curve: Curve, k: int) -> Word:

@@ -23,7 +23,7 @@ from woodpecker.search.explorer import Explorer, Progress, Seen
 from woodpecker.search.search import Past, Search, complete
 from woodpecker.search.tasks import Worker
 from woodpecker.slices.margins import depth
-from woodpecker.slices.orbits import Closed, Coordinate, Orbit, minimal_period, orbit_of, solve
+from woodpecker.slices.orbits import Orbit, at_parameter, minimal_period, orbit_of
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -110,19 +110,19 @@ def cycle_near(map_: PiecewiseMap, x: npt.ArrayLike, p: float, settings: Setting
     """
     points = np.atleast_1d(np.asarray(x, dtype=float))
     pieces = [map_of_pieces(map_).at(float(each), p).piece for each in points]
-    found = solve(orbit_of(pieces, points, p), (Closed(), Coordinate(-1, p)), settings)
+    found = at_parameter(orbit_of(pieces, points, p), settings)
     near = ", ".join(f"{each:.6g}" for each in points)
-    if not found.converged:
+    if found is None:
         raise ValueError(f"expected a guess near a cycle of the map at {p}, got {near}")
     least = -settings.same * settings.x_scale  # a point may lie on a border
-    for at, image in zip(found.orbit.x.tolist(), found.orbit.images, strict=True):
+    for at, image in zip(found.x.tolist(), found.images, strict=True):
         if depth(image) < least:
             raise ValueError(
                 f"expected a guess near a cycle of the map at {p}, got {near}: from there a "
                 f"virtual one is found, at {at:.6g} the map takes another piece than "
                 f"{brief(image.piece.word)!r}"
             )
-    return found.orbit
+    return found
 
 
 def connected(

@@ -11,6 +11,8 @@ from scipy.optimize import brentq
 
 from pwmap.diagrams.diagram import BranchKind
 from woodpecker.base.arrays import Bools, Floats, Ints
+from woodpecker.engine.newton import tangent
+from woodpecker.engine.orbits import Condition
 from woodpecker.maps.pieces import Piece, PiecewiseMap
 from woodpecker.search.curves import (
     Curve,
@@ -21,18 +23,15 @@ from woodpecker.search.curves import (
     words_between,
 )
 from woodpecker.search.network import HAIRPIN, Network
-from woodpecker.slices.crossings import is_inside
 from woodpecker.slices.orbits import (
-    LEFT_BY_STEP,
-    Closed,
-    Condition,
-    Coordinate,
+    CYCLE,
     Orbit,
-    newton_step,
+    at_parameter,
+    is_inside,
+    leads,
     orbit_of,
-    scales,
-    solve,
-    tangent,
+    problem_of,
+    to_engine,
 )
 
 
@@ -60,13 +59,13 @@ class Known:
         self._chords: list[_Chords] = []
         self._at = _AtParameter(np.nan, _Chords.joined([]), {})
 
-    def explains(self, orbit: Orbit, closing: Condition, keys: Keys) -> bool:
+    def explains(self, orbit: Orbit, closing: tuple[Condition, ...], keys: Keys) -> bool:
         """Whether a branch passes through an orbit.
 
         Parameters
         ----------
         orbit, closing
-            The orbit, and the condition that makes it a cycle or a border orbit.
+            The orbit, and the conditions that make it a cycle or a border orbit.
         keys
             Its pieces, see :class:`woodpecker.search.curves.Word`.
         """
@@ -78,38 +77,43 @@ class Known:
             if not any(agree(own, keys) for own in place.keys):
                 others.append(place)
             elif any(
-                self._leads(x, orbit, closing)
+                leads(x, orbit, self.settings, closing)
                 for x in (place.x, *self._curved(place, orbit, closing))
             ):
                 return True
-        return isinstance(closing, Closed) and any(
-            self._leads(place.x, orbit, closing) and not self._holds(place) for place in others
+        return closing == CYCLE and any(
+            leads(place.x, orbit, self.settings) and not self._holds(place) for place in others
         )
 
-    def _curved(self, place: _Place, orbit: Orbit, closing: Condition) -> Iterator[Floats]:
+    def _curved(
+        self, place: _Place, orbit: Orbit, closing: tuple[Condition, ...]
+    ) -> Iterator[Floats]:
         """A place on the cubic through both samples, with the tangents of the orbit's pieces.
 
         Where orbits are steep Newton's method needs to start closer by than on the chord.
         """
         number, k, shift = place.chord
-        curve, scale = self.network.curves[number], scales(len(orbit), self.settings)
-        ends = [
-            orbit_of(orbit.pieces, np.roll(curve.points[j], -shift), float(curve.parameter[j]))
+        curve, problem = self.network.curves[number], problem_of(self.settings, *closing)
+        one, other = (
+            to_engine(
+                orbit_of(orbit.pieces, np.roll(curve.points[j], -shift), float(curve.parameter[j]))
+            )
             for j in (k, k + 1)
-        ]
-        chord = (ends[1].point - ends[0].point) / scale
+        )
+        chord = problem.step_between(one, other)
         length = float(np.linalg.norm(chord))
-        along = [tangent(end, closing, self.settings) * length for end in ends]
-        if not (length > 0.0 and all(np.isfinite(each).all() for each in along)):
+        if not (length > 0.0 and one.is_defined and other.is_defined):
             return
-        d0, d1 = (each if each @ chord >= 0.0 else -each for each in along)
+        d0, d1 = (length * tangent(problem, each, chord / length)[0] for each in (one, other))
+        if not (np.isfinite(d0).all() and np.isfinite(d1).all()):
+            return
         square, cube = 3.0 * chord - 2.0 * d0 - d1, d0 + d1 - 2.0 * chord
 
         def away(s: float) -> Floats:
             found: Floats = s * (d0 + s * (square + s * cube))
             return found
 
-        target = (orbit.p - ends[0].p) / self.settings.p_scale
+        target = (orbit.p - float(one.p[0])) / self.settings.p_scale
 
         def past(s: float) -> float:
             """How far beyond the orbit's parameter; at the end without rounding."""
@@ -117,18 +121,7 @@ class Known:
 
         if past(0.0) * past(1.0) < 0.0:  # between the samples
             s = float(brentq(past, 0.0, 1.0))
-            yield ends[0].x + away(s)[:-1] * scale[:-1]
-
-    def _leads(self, x: Floats, orbit: Orbit, closing: Condition) -> bool:
-        """Whether a Newton step leads from some points to an orbit with the same pieces."""
-        before = float(np.abs(x - orbit.x).max())
-        if before <= self.settings.same * self.settings.x_scale:
-            return True
-        step = newton_step(
-            orbit_of(orbit.pieces, x, orbit.p), (closing, Coordinate(-1, orbit.p)), self.settings
-        )
-        after = float(np.abs(x + step[:-1] - orbit.x).max())
-        return after <= LEFT_BY_STEP * before
+            yield one.x[:, 0] + away(s)[:-1] * self.settings.x_scale
 
     def _holds(self, place: _Place) -> bool:
         """Whether a branch takes at a place the pieces that it takes at a sample beside it.
@@ -153,9 +146,8 @@ class Known:
         p, pieces = self._at.p, self._pieces(curve, samples)
         if not pieces:
             return True
-        start = orbit_of(from_point(pieces, shift), x, p)
-        found = solve(start, (Closed(), Coordinate(-1, p)), self.settings)
-        return found.converged and is_inside(found.orbit, Closed())
+        found = at_parameter(orbit_of(from_point(pieces, shift), x, p), self.settings)
+        return found is not None and is_inside(found)
 
     def _pieces(self, curve: Curve, samples: Sequence[int]) -> tuple[Piece, ...]:
         """The pieces of a branch at the first of two samples; none if the map takes others."""

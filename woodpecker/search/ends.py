@@ -52,7 +52,7 @@ class End:
     p, x
         Parameter, and the points (n,) of the orbit; of a jump the first one only counts.
     precision
-        How well the parameter is located, if that is known already; else 0.
+        How well the parameter is located; 0 at an end of the span.
     status
         Whether it is located, or the branch was given up here.
     collision

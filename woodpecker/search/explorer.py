@@ -16,16 +16,17 @@ from pwmap.diagrams.diagram import BranchKind, Diagram
 from pwmap.diagrams.shown import counted
 from woodpecker.base.executors import Call, Scheduler
 from woodpecker.base.settings import Settings
+from woodpecker.engine.orbits import Condition
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.search.curves import Curve, Followed, Start, keys_of
 from woodpecker.search.duplicates import Known
 from woodpecker.search.ends import Collision, End
-from woodpecker.search.lines import closing_of, of_engine
+from woodpecker.search.lines import closing_of
 from woodpecker.search.lines import keys_of as keys_of_engine
 from woodpecker.search.network import Network
 from woodpecker.search.tasks import Tasks
 from woodpecker.slices.jumps import Jump
-from woodpecker.slices.orbits import Closed, Condition, Orbit
+from woodpecker.slices.orbits import CYCLE, Orbit, ending_at, of_engine
 from woodpecker.slices.slices import Slice
 
 
@@ -154,21 +155,20 @@ class _Place(NamedTuple):
     kind: BranchKind
     order: int
     orbit: Orbit
-    closing: Condition
+    closing: tuple[Condition, ...]
     keys: tuple[object, ...]
     task: Callable[..., Any]
     argument: object
 
 
 def _of_cycle(orbit: Orbit) -> _Place:
-    return _Place(
-        BranchKind.FIXED_POINT, len(orbit), orbit, Closed(), orbit.keys, Tasks.cycle, orbit
-    )
+    return _Place(BranchKind.FIXED_POINT, len(orbit), orbit, CYCLE, orbit.keys, Tasks.cycle, orbit)
 
 
 def _of_jump(jump: Jump) -> _Place:
-    keys = keys_of(jump.head, jump)
-    return _Place(BranchKind.JUMP, jump.order, jump.head, jump.closing, keys, Tasks.jump, jump)
+    keys = keys_of(jump)
+    closing = ending_at(len(jump.head), jump.code)
+    return _Place(BranchKind.JUMP, jump.order, jump.head, closing, keys, Tasks.jump, jump)
 
 
 def _of_start(start: Start) -> _Place:

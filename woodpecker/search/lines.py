@@ -1,76 +1,36 @@
-"""Orbits and branches of the engine, as maps of the line have them."""
+"""Branches of the engine, as maps of the line have them."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import cast
 
 import numpy as np
 
 from pwmap.diagrams.diagram import BranchKind, PointKind
 from woodpecker.base.settings import Settings
-from woodpecker.engine import maps, orbits
+from woodpecker.engine import orbits
 from woodpecker.engine.curves import Curve, CurveSettings, Sample
 from woodpecker.engine.germs import Beginning, beginnings, judged, shared
-from woodpecker.engine.line import LineMap, LinePiece
-from woodpecker.engine.maps import Chain, length_of
-from woodpecker.engine.newton import Problem, cycles
+from woodpecker.engine.line import LineMap
+from woodpecker.engine.maps import length_of
+from woodpecker.engine.newton import Problem
 from woodpecker.engine.tracing import Arrival, Change
-from woodpecker.maps.pieces import Image, Piece, PiecewiseMap
+from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.search import curves
 from woodpecker.search.ends import Collision, End
-from woodpecker.slices.orbits import Closed, Condition, Margin, Orbit
+from woodpecker.slices.orbits import CYCLE, ending_at, first_piece, problem_of
 
 
 def base_of(map_: PiecewiseMap, settings: Settings) -> Curve:
     """Curves of cycles of a map of the line."""
-    problem = cycles((0,), (settings.x_scale,), (settings.p_scale,))
+    problem = problem_of(settings, *CYCLE)
     followed = CurveSettings(
         spans=(settings.span,), window=(settings.window,), step=settings.step,
         min_step=settings.min_step, max_step=settings.max_step, max_turn=settings.max_turn,
         max_samples=settings.max_samples,
     )  # fmt: skip
     return Curve(LineMap(map_, settings.x_scale, settings.p_scale), problem, followed)
-
-
-def to_engine(orbit: Orbit) -> orbits.Orbit:
-    """A cycle as one of R^1."""
-    pieces = [LinePiece(piece) for piece in orbit.pieces]
-    return orbits.orbit_of(pieces, orbit.x[:, None], np.array([orbit.p]))
-
-
-def of_engine(orbit: orbits.Orbit) -> Orbit:
-    """A cycle of R^1 as one of the line; of a jump crossing the points up to the border."""
-    p = float(orbit.p[0])
-    images = [_image(image) for image in orbit.images[: len(orbit.x)]]
-    if orbit.outer is not None:
-        images[-1] = _first(orbit.images[-1].piece).at(float(orbit.x[-1, 0]), p)
-    return Orbit(orbit.x[:, 0], p, tuple(images))
-
-
-def closing_of(curve: Curve, orbit: orbits.Orbit) -> Condition:
-    """The equation of the line that closes an orbit of a curve, see :func:`of_engine`."""
-    if orbit.outer is None:
-        return Closed()
-    border, length = curve.problem.conditions[-1], length_of(orbit.images[-1])
-    assert isinstance(border, orbits.OnBorder)
-    return Margin(len(orbit.x) - 1, border.code // length)
-
-
-def _image(image: maps.Image) -> Image:
-    slope, rate = image.jacobian[0].tolist()
-    return Image(
-        float(image.value[0]), slope, rate, image.margins, image.gradients, image.codes,
-        _first(image.piece), image.reason,
-    )  # fmt: skip
-
-
-def _first(piece: maps.Piece) -> Piece:
-    """The piece of the line that is taken first."""
-    first = piece.pieces[0] if isinstance(piece, Chain) else piece
-    assert isinstance(first, LinePiece)
-    return cast("Piece", first.own)
 
 
 def curve_of(
@@ -93,6 +53,15 @@ def curve_of(
     )  # fmt: skip
 
 
+def closing_of(curve: Curve, orbit: orbits.Orbit) -> tuple[orbits.Condition, ...]:
+    """The conditions of a cycle, or of the points of a crossing up to the border."""
+    if orbit.outer is None:
+        return CYCLE
+    border, length = curve.problem.conditions[-1], length_of(orbit.images[-1])
+    assert isinstance(border, orbits.OnBorder)
+    return ending_at(len(orbit.x), border.code // length)
+
+
 def keys_of(orbit: orbits.Orbit, problem: Problem) -> tuple[object, ...]:
     """The pieces of an orbit, see :class:`woodpecker.search.curves.Word`."""
     if orbit.outer is None:
@@ -100,8 +69,7 @@ def keys_of(orbit: orbits.Orbit, problem: Problem) -> tuple[object, ...]:
     x, p, sides = orbit.x[-1], orbit.p, set[object]()
     border = shared(orbit.images[-1], orbit.outer, x, p, problem.lengths) or ([], [])
     for image, codes in zip((orbit.images[-1], orbit.outer), border, strict=True):
-        length = len(image.piece.pieces) if isinstance(image.piece, Chain) else 1
-        first = _first(image.piece).key
+        length, first = length_of(image), first_piece(image).key
         sides |= {(first, code // length) for code in codes if code % length == 0} or {(first, -1)}
     return *(image.piece.key for image in orbit.images[:-1]), frozenset(sides)
 

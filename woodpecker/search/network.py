@@ -22,11 +22,9 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings, differing
 from woodpecker.engine.network import NODE
 from woodpecker.search.accumulations import LINKED, limit_of
-from woodpecker.search.curves import Curve, agree, from_point, words_between
+from woodpecker.search.curves import Curve, agree, from_point, stretches, words_between
 from woodpecker.search.ends import Collision, End
 from woodpecker.search.nearby import Nearby
-from woodpecker.search.records import precision, stretches
-from woodpecker.slices.orbits import shifts
 
 TINY = 1e-300  # in place of a length that is zero: there is nothing to divide
 # In x, a part of the window: a flip and the fold of the doubled cycle this close are one point, if
@@ -180,11 +178,6 @@ class Network:
             if end.kind in SWITCHES and not any(self._is_at(k, end) for k in known):
                 self._switches.add(end.p, end)
                 self.switches.append(end)
-        last = len(curve.parameter) - 1
-        located = [
-            replace(end, precision=precision(end, curve, k, self.settings))
-            for end, k in zip(curve.ends, (0, last), strict=True)
-        ]
         words = stretches(curve)
         columns = 1 if curve.kind is BranchKind.JUMP else curve.order
         for column in range(columns):
@@ -192,7 +185,7 @@ class Network:
             places = [float(x[0]), float(x[-1] if limit is None else limit.x[0])]
             ends = tuple(
                 self._node(end.at(place), place, curve.order)
-                for end, place in zip(located, places, strict=True)
+                for end, place in zip(curve.ends, places, strict=True)
             )
             name = self._name("F" if curve.kind is BranchKind.FIXED_POINT else "J")
             self.branches.append(
@@ -266,7 +259,7 @@ class Network:
         samples = np.column_stack([points, curve.parameter / self.settings.p_scale])
         length = float(np.linalg.norm(np.diff(samples, axis=0), axis=1).sum())
         same = self.settings.same
-        for d in shifts(curve.order)[:-1]:
+        for d in (d for d in range(1, curve.order) if curve.order % d == 0):
             off = np.abs(np.roll(points, d, axis=1) - points).max(axis=1)
             inner = off[1:-1].max(initial=0.0)
             one = len(off) > 2 and inner <= min(same, self.settings.kink * length)

@@ -27,14 +27,13 @@ from woodpecker.search.lines import (
     curve_of,
     end_of,
     text_of,
-    to_engine,
 )
 from woodpecker.search.lines import (
     keys_of as keys_of_engine,
 )
 from woodpecker.search.samples import BranchState, StopRule
 from woodpecker.slices.jumps import Jump
-from woodpecker.slices.orbits import Orbit
+from woodpecker.slices.orbits import Orbit, to_engine
 from woodpecker.slices.slices import Slice, slices_at
 
 
@@ -76,7 +75,7 @@ class Tasks:
     def jump(self, jump: Jump) -> Followed | None:
         """The branch of a jump; None if none of the map is found there."""
         found = crossings_at(self.base, jump.head.x[:, None], np.array([jump.p]), jump.order)
-        wanted = keys_of(jump.head, jump)
+        wanted = keys_of(jump)
         for begin in found:
             orbit = begin.sample.orbit
             if len(orbit.x) == len(jump.head) and agree(

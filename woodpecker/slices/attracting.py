@@ -19,15 +19,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import interval, real_array, whole
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import PiecewiseMap, map_of_pieces
-from woodpecker.slices.orbits import (
-    LEFT_BY_STEP,
-    Closed,
-    Coordinate,
-    Orbit,
-    newton_step,
-    orbit_of,
-    solve,
-)
+from woodpecker.slices.orbits import Orbit, at_parameter, leads
 
 REPEATS = 1e-6  # in x, a part of the window: an orbit that has settled repeats itself so closely
 LONGEST = 64  # period that is looked for in an orbit that has settled
@@ -349,11 +341,7 @@ def _cycle(map_: PiecewiseMap, orbit: SettledOrbit, settings: Settings) -> Orbit
     """The cycle on which an orbit has settled; None if Newton's method does not find it there."""
     x = orbit.x[-orbit.period :]
     images = tuple(map_.at(each, orbit.p) for each in x.tolist())
-    start = Orbit(x, orbit.p, images)
-    if not start.defined:
-        return None
-    found = solve(start, (Closed(), Coordinate(-1, orbit.p)), settings)
-    return found.orbit if found.converged else None
+    return at_parameter(Orbit(x, orbit.p, images), settings)
 
 
 def _passes(hits: Floats, cycle: Orbit, distance: float | None, settings: Settings) -> bool:
@@ -368,8 +356,4 @@ def _passes(hits: Floats, cycle: Orbit, distance: float | None, settings: Settin
     before = float(np.abs(nearest - cycle.x).max())
     same = settings.same * settings.x_scale
     distance = max(same, float(chosen[:, 1].max())) if distance is None else distance
-    if before > distance or before <= settings.same * settings.x_scale:
-        return before <= distance
-    guess = orbit_of(cycle.pieces, nearest, cycle.p)
-    step = newton_step(guess, (Closed(), Coordinate(-1, cycle.p)), settings)
-    return float(np.abs(nearest + step[:-1] - cycle.x).max()) <= LEFT_BY_STEP * before
+    return before <= distance and leads(nearest, cycle, settings)

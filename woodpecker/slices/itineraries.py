@@ -20,7 +20,7 @@ from woodpecker.base.settings import Settings
 from woodpecker.maps.counting import Allowance
 from woodpecker.slices.borders import Border
 from woodpecker.slices.monotone import branches_of
-from woodpecker.slices.orbits import Closed, Coordinate, Orbit, solve
+from woodpecker.slices.orbits import Orbit, at_parameter, is_inside
 from woodpecker.slices.partition import EVEN, Partition
 
 OF_ITERATE = 10  # times the pieces of P_1 that are allowed: pieces of an iterate
@@ -145,25 +145,20 @@ class Itineraries:
 
     def _solved(self, branches: Ints, x: Floats) -> Orbit | None:
         """The cycle of some branches near a guess; None if it lies outside of their pieces."""
-        conditions = Closed(), Coordinate(-1, self.p)
         orbit = self._orbit(branches, x)
         for _ in range(PULLS):
-            solution = solve(orbit, conditions, self.settings)
-            inside = self._inside(solution.orbit) if solution.converged else None
-            if inside is not None:
-                return inside
+            found = at_parameter(orbit, self.settings)
+            if found is not None and self._is_inside(found):
+                return found
             pulled = self._pulled(branches, orbit.x)
             if pulled is None:
                 return None
             orbit = pulled
         return None
 
-    def _inside(self, orbit: Orbit) -> Orbit | None:
+    def _is_inside(self, orbit: Orbit) -> bool:
         low, high = self.window
-        if not (low <= orbit.x.min() and orbit.x.max() <= high):
-            return None
-        inside = all(not len(i.margins) or i.margins.min() >= 0.0 for i in orbit.images)
-        return orbit if inside else None
+        return bool(low <= orbit.x.min() and orbit.x.max() <= high) and is_inside(orbit)
 
     def _orbit(self, branches: Ints, x: Floats) -> Orbit:
         images = [

@@ -10,12 +10,10 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-import numpy as np
-
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import Image, PiecewiseMap
 from woodpecker.slices.borders import beyond
-from woodpecker.slices.orbits import Margin, OnBorder, Orbit
+from woodpecker.slices.orbits import Orbit
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -57,7 +55,7 @@ class Jump:
     ----------
     head
         x_0 .. x_k; the last point lies on the border of its piece.
-    closing
+    code
         The margin of that piece which vanishes.
     order
         The iterate.
@@ -80,7 +78,7 @@ class Jump:
     """
 
     head: Orbit
-    closing: Margin
+    code: int
     order: int
     inner: Limit
     outer: Limit
@@ -108,14 +106,9 @@ class Jump:
         return one * other < 0.0
 
     @property
-    def lost(self) -> str:
-        """Why it has only one limit; empty if it has both."""
-        return self.inner.images[-1].reason or self.outer.images[-1].reason
-
-    @property
     def inner_side(self) -> int:
         """On which side of x_0 the inner limit is."""
-        side = math.copysign(1.0, self.head.images[-1].gradient(self.closing.code)[0])
+        side = math.copysign(1.0, self.head.images[-1].gradient(self.code)[0])
         for image in self.head.images[:-1]:
             side = math.copysign(1.0, side * image.slope)
         return int(side)
@@ -126,66 +119,6 @@ class Jump:
         before = self.head.words[:-1]
         inner, outer = (" | ".join((*before, *side.words)) for side in (self.inner, self.outer))
         return f"{outer} / {inner}" if self.inner_side > 0 else f"{inner} / {outer}"
-
-    def cycle(self, inner: bool) -> Orbit:
-        """The orbit x_0, x_1, .. that takes one of the limits at the border.
-
-        Parameters
-        ----------
-        inner
-            Whether it is the limit of the piece inside.
-
-        Returns
-        -------
-        Orbit
-            It ends at the border.
-        """
-        side = self.inner if inner else self.outer
-        images = (*self.head.images[:-1], *side.images)
-        return Orbit(np.append(self.head.x, side.x), self.p, images)
-
-    def at_border(self, inner: bool, settings: Settings) -> Margin | OnBorder:
-        """The condition that the orbit of a limit lies on the border.
-
-        As the piece inside says it, if the one beyond begins a little further on: one in between is
-        too thin to be seen.
-
-        Parameters
-        ----------
-        inner
-            Whether the piece inside says it.
-        settings
-            Its tolerances.
-
-        Returns
-        -------
-        condition
-            For the corrector.
-        """
-        k, own = self.closing.index, Margin(self.closing.index, self.code(inner))
-        if inner:
-            return own
-        image = self.outer.images[0]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            away = abs(image.margin(own.code) / image.gradient(own.code)[0])
-        if not away > settings.rounded_x(float(self.head.x[k])):
-            return own
-        return OnBorder(k, self.closing.code, self.head.images[k].piece)
-
-    def code(self, inner: bool) -> int:
-        """The margin that vanishes at the border on one of its sides.
-
-        Parameters
-        ----------
-        inner
-            Whether it is that of the piece inside.
-
-        Returns
-        -------
-        int
-            The code of the margin.
-        """
-        return self.closing.code if inner else self.outer_code
 
 
 def limit_of(map_: PiecewiseMap, first: Image, returns: int, p: float) -> Limit:
@@ -199,16 +132,12 @@ def limit_of(map_: PiecewiseMap, first: Image, returns: int, p: float) -> Limit:
     return Limit(tuple(x), tuple(images))
 
 
-def jump_of(
-    map_: PiecewiseMap, head: Orbit, closing: Margin, order: int, settings: Settings
-) -> Jump:
-    """The jump of P_order at a border orbit."""
-    i = closing.index
-    inner = head.images[i]
-    side = inner.onward(closing.code)
-    outer, code = beyond(map_, float(head.x[i]), head.p, side, settings)
-    returns = order - len(head)
+def jump_of(map_: PiecewiseMap, head: Orbit, code: int, order: int, settings: Settings) -> Jump:
+    """The jump of P_order at an orbit that ends where a margin vanishes."""
+    inner, returns = head.images[-1], order - len(head)
+    side = inner.onward(code)
+    outer, outer_code = beyond(map_, float(head.x[-1]), head.p, side, settings)
     return Jump(
-        head, closing, order, limit_of(map_, inner, returns, head.p),
-        limit_of(map_, outer, returns, head.p), code,
+        head, code, order, limit_of(map_, inner, returns, head.p),
+        limit_of(map_, outer, returns, head.p), outer_code,
     )  # fmt: skip

@@ -22,9 +22,10 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.bifurcations import bifurcation_diagram as exact_diagram
 from woodpecker.base.checks import number
 from woodpecker.base.settings import Settings
+from woodpecker.engine.orbits import Closed, OnBorder
 from woodpecker.maps.pieces import Image, PiecewiseMap, map_of_pieces
 from woodpecker.slices.borders import Border, BorderKind
-from woodpecker.slices.orbits import Closed, Margin, Orbit, scales, solve
+from woodpecker.slices.orbits import Orbit, solved
 from woodpecker.slices.windows import border_of, nearest_border
 
 Q = sympy.Symbol("q")
@@ -223,28 +224,30 @@ def _collision(map_: PiecewiseMap, x: float, p: float, settings: Settings) -> Bo
     if met is None or met.kind(settings) is not BorderKind.JUMP:
         raise ValueError(f"the map does not jump at x = {x}, p = {p}")
     found = [
-        solved
+        border
         for image, code, side in (
             (met.inner, met.code, met.side), (met.outer, met.outer_code, -met.side),
         )
-        if (solved := _solved(map_, met, image, code, side, settings)) is not None
+        if (border := _collision_of(map_, met, image, code, side, settings)) is not None
     ]  # fmt: skip
     if not found:
         raise ValueError(f"no limit of the jump at x = {x}, p = {p} lies on the diagonal")
     return min(found, key=lambda border: abs(border.p - p))
 
 
-def _solved(
+def _collision_of(
     map_: PiecewiseMap, met: Border, image: Image, code: int, side: int, settings: Settings
 ) -> Border | None:
     """The collision of a fixed point of one piece with a jump; None if there is none nearby."""
     start = Orbit(np.array([met.x]), met.p, (image,))
-    solution = solve(start, (Closed(), Margin(0, code)), settings)
-    moved = np.abs(solution.orbit.point - start.point) / scales(1, settings)
-    if not solution.converged or float(moved.max()) > settings.beside:
+    found = solved(start, settings, Closed(), OnBorder(0, code))
+    if found is None:
         return None
-    x, p = float(solution.orbit.x[0]), solution.orbit.p
-    return border_of(map_, solution.orbit.images[0], code, x, p, side, settings)
+    x, p = float(found.x[0]), found.p
+    moved = max(abs(x - met.x) / settings.x_scale, abs(p - met.p) / settings.p_scale)
+    if moved > settings.beside:
+        return None
+    return border_of(map_, found.images[0], code, x, p, side, settings)
 
 
 # --- The model ------------------------------------------------------------------------------------

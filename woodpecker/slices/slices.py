@@ -15,18 +15,16 @@ from woodpecker.maps.counting import Allowance, as_counting
 from woodpecker.maps.pieces import Image, PiecewiseMap
 from woodpecker.slices.borders import Border, BorderKind
 from woodpecker.slices.bracketing import bracketed
-from woodpecker.slices.crossings import is_inside
 from woodpecker.slices.itineraries import Itineraries
 from woodpecker.slices.jumps import Jump, jump_of, limit_of
 from woodpecker.slices.margins import depth
 from woodpecker.slices.orbits import (
-    Closed,
-    Coordinate,
-    Margin,
     Orbit,
+    at_parameter,
+    ending_at,
+    is_inside,
     minimal_period,
     orbit_of,
-    solve,
 )
 from woodpecker.slices.partition import (
     NEAR_DIAGONAL,
@@ -166,11 +164,9 @@ def _jumps(
     else:
         heads = orbits.heads(borders, order, wanted)
     for guess, border in heads:
-        closing = Margin(len(guess) - 1, border.code)
-        solution = solve(guess, (closing, Coordinate(-1, border.p)), settings)
-        head = solution.orbit
-        if solution.converged and is_inside(head, closing) and _within(head, settings):
-            jump = jump_of(map_, head, closing, order, settings)
+        head = at_parameter(guess, settings, ending_at(len(guess), border.code))
+        if head is not None and is_inside(head, border.code) and _within(head, settings):
+            jump = jump_of(map_, head, border.code, order, settings)
             if jump.crosses:
                 yield jump
 
@@ -213,9 +209,9 @@ def _fixed_points(pieces: Partition, settings: Settings) -> Iterator[Orbit]:
             if root is None:
                 continue
             start = orbit_of([root[1].piece], np.array([root[0]]), pieces.p)
-            solution = solve(start, (Closed(), Coordinate(-1, pieces.p)), settings)
-            if solution.converged and is_inside(solution.orbit, Closed()):
-                yield solution.orbit
+            found = at_parameter(start, settings)
+            if found is not None and is_inside(found):
+                yield found
 
 
 class _Point(NamedTuple):

@@ -12,7 +12,7 @@ from woodpecker.maps.pieces import Image, PiecewiseMap, map_of_pieces
 from woodpecker.slices.borders import Border, beyond
 from woodpecker.slices.extents import reach_of
 from woodpecker.slices.margins import reach
-from woodpecker.slices.orbits import Coordinate, Margin, Orbit, solve
+from woodpecker.slices.orbits import Orbit, at_parameter, ending_at
 from woodpecker.slices.partition import partition
 
 
@@ -157,10 +157,14 @@ def border_of(
 
 def _sharpened(map_: PiecewiseMap, border: Border, settings: Settings) -> Border:
     """A border at the root of its margin, to rounding; as it is if Newton's method leads away."""
-    start = Orbit(np.array([border.x]), border.p, (border.inner,))
-    root = solve(start, (Margin(0, border.code), Coordinate(-1, border.p)), settings)
-    x = float(root.orbit.x[0])
-    if not root.converged or abs(x - border.x) > settings.beside * settings.x_scale:
+    inner, at = border.inner, border.x
+    if inner.reason:  # rounding has put it beyond the end of a root
+        at -= inner.margin(border.code) / float(inner.gradient(border.code)[0])
+        inner = inner.piece.at(at, border.p)
+    start = Orbit(np.array([at]), border.p, (inner,))
+    root = at_parameter(start, settings, ending_at(1, border.code))
+    if root is None or abs(root.x[0] - border.x) > settings.beside * settings.x_scale:
         return border
+    x = float(root.x[0])
     outer, code = beyond(map_, x, border.p, border.side, settings)
-    return replace(border, x=x, inner=root.orbit.images[0], outer=outer, outer_code=code)
+    return replace(border, x=x, inner=root.images[0], outer=outer, outer_code=code)

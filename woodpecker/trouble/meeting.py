@@ -11,20 +11,12 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
-from woodpecker.maps.pieces import Piece
+from woodpecker.engine.line import LinePiece
+from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, Orbit, orbit_of
 from woodpecker.search.curves import Curve, Followed
 from woodpecker.search.ends import End
 from woodpecker.search.tasks import Tasks
-from woodpecker.slices.multipliers import Multiplier
-from woodpecker.slices.orbits import (
-    Closed,
-    Condition,
-    Coordinate,
-    Margin,
-    Orbit,
-    orbit_of,
-    solve,
-)
+from woodpecker.slices import orbits
 from woodpecker.trouble.changes import FARTHEST, Space
 from woodpecker.trouble.found import Effect
 from woodpecker.trouble.lines import ToyLine
@@ -134,13 +126,10 @@ def _spike(found: list[Met], lost: int) -> Met:
     return replace(place, effect=Effect.SPIKED, stable=True)
 
 
-def cycle_on(line: ToyLine, x: Floats, settings: Settings) -> Orbit | None:
+def cycle_on(line: ToyLine, x: Floats, settings: Settings) -> orbits.Orbit | None:
     """The cycle at the beginning of a line."""
-    start = Orbit(x, 0.0, tuple(line.at(float(each), 0.0) for each in x))
-    if not start.defined:
-        return None
-    found = solve(start, (Closed(), Coordinate(-1, 0.0)), settings)
-    return found.orbit if found.converged else None
+    images = tuple(line.at(float(each), 0.0) for each in x)
+    return orbits.at_parameter(orbits.Orbit(x, 0.0, images), settings)
 
 
 def _read(
@@ -149,14 +138,14 @@ def _read(
     """What a branch meets, in order of the distance from the toy."""
     curve = followed.curve
 
-    def pieces(k: int) -> list[Piece]:
+    def pieces(k: int) -> list[LinePiece]:
         p = float(curve.parameter[k])
-        return [line.at(float(each), p).piece for each in curve.points[k]]
+        return [LinePiece(line.at(float(each), p).piece) for each in curve.points[k]]
 
     def met(k: int, effect: Effect, kind: str, cause: str) -> Met:
-        orbit = orbit_of(pieces(k - 1), curve.points[k], float(curve.parameter[k]))
+        orbit = orbit_of(pieces(k - 1), curve.points[k][:, None], curve.parameter[k : k + 1])
         condition = _condition(orbit, kind, cause, settings)
-        return Met(effect, kind, cause, orbit.p * direction, orbit, condition)
+        return Met(effect, kind, cause, curve.parameter[k] * direction, orbit, condition)
 
     def words(k: int) -> list[str]:
         return [piece.word for piece in pieces(k)]
@@ -187,19 +176,13 @@ def _effect(end: End, *, goes_on: bool) -> Effect | None:
 def _condition(orbit: Orbit, kind: str, cause: str, settings: Settings) -> Condition | None:
     """What vanishes at a special point."""
     if kind in (PointKind.LP.value, PointKind.PD.value):
-        return _multiplier(1.0 if kind == PointKind.LP.value else -1.0, orbit, settings)
+        size = float(orbit.p[0]) or 1.0  # derivatives are differences over parts of a change
+        return Multiplier(kind, (size * settings.x_scale, size))
     best, found = math.inf, None
     for i, image in enumerate(orbit.images):
-        for k, code in enumerate(image.causes.tolist()):
+        for k, code in enumerate(image.codes.tolist()):
             size = abs(float(image.gradients[k, 0])) or 1.0
             away = abs(float(image.margins[k])) / size
             if away < best and image.piece.cause(code) == cause:
-                best, found = away, Margin(i, code)
+                best, found = away, OnBorder(i, code)
     return found
-
-
-def _multiplier(value: float, orbit: Orbit, settings: Settings) -> Multiplier:
-    """A value of the multiplier, whose derivatives are differences over parts of a change."""
-    size, x = orbit.p or 1.0, float(orbit.x[0])
-    near = replace(settings, span=(0.0, size), window=(x, x + size * settings.x_scale))
-    return Multiplier(value, near, settings.nearest)

@@ -8,17 +8,18 @@ until change and gradient are parallel.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
 from scipy.optimize import Bounds, minimize
 
 from woodpecker.base.arrays import Floats
-from woodpecker.slices.multipliers import Multiplier
-from woodpecker.slices.orbits import Closed, Condition, Margin, Orbit, jacobian, orbit_of
+from woodpecker.engine.line import LinePiece
+from woodpecker.engine.orbits import Closed, Condition, Multiplier, OnBorder, Orbit, orbit_of
+from woodpecker.slices.orbits import first_piece, to_engine
 from woodpecker.trouble.changes import FARTHEST, Space
-from woodpecker.trouble.meeting import Key, Met, cycle_on, met_along
+from woodpecker.trouble.meeting import SPIKE, Key, Met, cycle_on, met_along
 
 SEEDS = 16  # conditions, the nearest to first order, that are looked for
 STEPS = 40  # towards the nearest place of a condition; about ten are usual
@@ -26,6 +27,7 @@ PARTS = (2.0, 1.0, 0.5)  # of a turn towards the nearest place to first order th
 NEARLY = 0.05  # sine of the angle between change and gradient from which on pieces are held
 FLAT = 1e-18  # what the square of a change still gains, relatively: the angle squared
 SHORTEST = 2.0**-8  # part of it that is tried at last, where all lead to larger changes
+PAST = 4.0  # times the longest spike: how far a line leads beyond what it is to find
 LEVEL = 1e-10  # relative: changes are as small as each other, to what rounding leaves of a place
 
 
@@ -35,11 +37,7 @@ def _gradient(space: Space, u: Floats, orbit: Orbit, condition: Condition) -> Fl
     Cycle and condition are n + 1 equations for n points: the combination of them that does not
     depend on the points is one for the parameters alone. It is regular at a fold too.
     """
-    lines = [space.line(u, unit) for unit in np.eye(len(u))]
-    rows, ones = [], np.ones(len(orbit) + 1)
-    for line in lines:
-        pieces = [line.carried(piece) for piece in orbit.pieces]
-        rows.append(jacobian(orbit_of(pieces, orbit.x, 0.0), (Closed(), condition), ones))
+    rows = [_jacobian(each, condition) for each in _along_axes(space, u, orbit.x, orbit)]
     if not np.isfinite(rows).all():  # at a root of the map
         return np.full(len(u), math.nan)
     weights = np.linalg.svd(rows[0][:, :-1])[0][:, -1]
@@ -88,19 +86,18 @@ def _polished(space: Space, here: Met) -> Floats | None:
     """
     if here.condition is None:
         return None
-    n, size, ones = len(here.orbit), here.size, np.ones(len(here.orbit) + 1)
-    conditions, start = (Closed(), here.condition), np.append(here.orbit.x, here.u)
+    n, size, condition = len(here.orbit.x), here.size, here.condition
+    start = np.append(here.orbit.x, here.u)
     low, high = (space.low - here.u) / size, (space.high - here.u) / size
 
     def equations(z: Floats) -> Floats:
-        orbit = _seen(space, start + size * z, n, here.orbit, 0)
-        ahead = zip(orbit.images[:-1], orbit.x[1:].tolist(), strict=True)
-        chain = [image.value - x for image, x in ahead]
-        return np.array([*chain, *(each.residual(orbit) for each in conditions)]) / size
+        at = start + size * z
+        orbit = next(_along_axes(space, at[n:], at[:n], here.orbit))
+        return np.append(Closed().residual(orbit), condition.residual(orbit)) / size
 
     def derivatives(z: Floats) -> Floats:
-        orbits = [_seen(space, start + size * z, n, here.orbit, k) for k in range(len(here.u))]
-        every = [jacobian(orbit, conditions, ones) for orbit in orbits]
+        at = start + size * z
+        every = [_jacobian(e, condition) for e in _along_axes(space, at[n:], at[:n], here.orbit)]
         return np.column_stack([every[0][:, :n], *(each[:, n] for each in every)])
 
     found = minimize(
@@ -114,10 +111,18 @@ def _polished(space: Space, here: Met) -> Floats | None:
     return u if np.isfinite(u).all() and u.any() else None
 
 
-def _seen(space: Space, point: Floats, n: int, like: Orbit, axis: int) -> Orbit:
-    """A cycle of n points at a change, ``point`` is both, seen along one of the parameters."""
-    line = space.line(point[n:], np.eye(len(point) - n)[axis])
-    return orbit_of([line.carried(piece) for piece in like.pieces], point[:n], 0.0)
+def _along_axes(space: Space, u: Floats, x: Floats, like: Orbit) -> Iterator[Orbit]:
+    """Points at a change with the pieces of a cycle, seen along one parameter after the other."""
+    for axis in np.eye(len(u)):
+        line = space.line(u, axis)
+        pieces = [LinePiece(line.carried(first_piece(image))) for image in like.images]
+        yield orbit_of(pieces, x.reshape(-1, 1), np.zeros(1))
+
+
+def _jacobian(orbit: Orbit, *conditions: Condition) -> Floats:
+    """Derivatives (n + m, n + 1) of a cycle's equations, and of m conditions, in points and p."""
+    rows: Floats = np.concatenate([each.rows(orbit) for each in (Closed(), *conditions)])
+    return rows[:, :-1]
 
 
 def _target(space: Space, here: Met) -> Floats:
@@ -146,9 +151,12 @@ def _turned(space: Space, here: Met, target: Floats, seen: dict[Key, Met]) -> Me
 
 
 def _same(space: Space, here: Met, way: Floats, seen: dict[Key, Met]) -> Met | None:
-    """The same condition in another direction, if the change is no larger there."""
+    """The same condition in another direction, if the change is no larger there.
+
+    A line that ended right there could not tell a spike from what makes a motion unstable for good.
+    """
     most = here.size * (1.0 + LEVEL)
-    found = met_along(space, np.clip(way, space.low, space.high), most)
+    found = met_along(space, np.clip(way, space.low, space.high), most * (1.0 + PAST * SPIKE))
     keep(found, seen)
     return next((each for each in found if each.key == here.key and each.size <= most), None)
 
@@ -164,17 +172,17 @@ def first_guesses(space: Space) -> list[Floats]:
     """Where conditions hold to first order, the nearest first."""
     none = np.zeros(len(space.names))
     line = space.line(none, np.eye(len(none))[0])
-    orbit = cycle_on(line, space.points, replace(space.settings, span=(0.0, 1.0)))
-    if orbit is None:
+    cycle = cycle_on(line, space.points, replace(space.settings, span=(0.0, 1.0)))
+    if cycle is None:
         return []
-    settings = replace(space.settings, span=(0.0, 1.0))
-    conditions: list[Condition] = [Multiplier(v, settings, settings.nearest) for v in (1.0, -1.0)]
+    orbit, scale = to_engine(cycle), (space.settings.x_scale, 1.0)
+    conditions: list[Condition] = [Multiplier(kind, scale) for kind in ("LP", "PD")]
     for i, image in enumerate(orbit.images):
-        conditions += [Margin(i, code) for code in image.causes.tolist()]
+        conditions += [OnBorder(i, code) for code in image.codes.tolist()]
     rows = _rows(space, none, orbit, conditions)
     found = []
     for condition, row in zip(conditions, rows, strict=True):
-        u = space.projected(row, -condition.residual(orbit))
+        u = space.projected(row, -float(condition.residual(orbit)[0]))
         if np.isfinite(u).all() and 0.0 < np.linalg.norm(u) < FARTHEST:
             found.append(u)
     chosen = sorted(found, key=lambda u: float(np.linalg.norm(u)))[:SEEDS]
@@ -186,12 +194,9 @@ def first_guesses(space: Space) -> list[Floats]:
 
 def _rows(space: Space, u: Floats, orbit: Orbit, conditions: Sequence[Condition]) -> Floats:
     """Gradients (m, k) of conditions along the cycles that hang on the parameters smoothly."""
-    n, columns = len(orbit), []
-    ones = np.ones(n + 1)
-    for unit in np.eye(len(u)):
-        line = space.line(u, unit)
-        there = orbit_of([line.carried(piece) for piece in orbit.pieces], orbit.x, 0.0)
-        matrix = jacobian(there, (Closed(), *conditions), ones)
+    n, columns = len(orbit.x), []
+    for there in _along_axes(space, u, orbit.x, orbit):
+        matrix = _jacobian(there, *conditions)
         along = np.linalg.solve(matrix[:n, :n], -matrix[:n, n])
         columns.append(matrix[n:, n] + matrix[n:, :n] @ along)
     return np.array(columns).T

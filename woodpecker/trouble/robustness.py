@@ -186,7 +186,7 @@ def _row(own: Space, there: Met, effect: Effect, angle: float, names: Sequence[s
     return Trouble(
         effect=effect, kind=there.kind, cause=there.cause, size=there.size,
         changes={name: percents.get(name, 0.0) for name in names},
-        toy=own.toy_at(there.u), phi_s=float(there.orbit.x[0]), word=" | ".join(there.orbit.words),
+        toy=own.toy_at(there.u), phi_s=float(there.orbit.x[0, 0]), word=there.orbit.word,
         stable=there.stable, angle=angle, confirmed=confirmed, evidence=evidence,
     )  # fmt: skip
 
@@ -197,11 +197,11 @@ def _evidence(space: Space, met: Met) -> tuple[bool, str]:
     for part in (1.0 - BESIDE, 1.0 + BESIDE):
         try:
             toy = space.toy_at(part * met.u)
-            orbits.append(shoot(toy, float(met.orbit.x[0]), len(met.orbit)))
+            orbits.append(shoot(toy, float(met.orbit.x[0, 0]), len(met.orbit.x)))
         except ValueError as error:
             return False, f"at {part} of the change: {error}"
     before, after = orbits
-    x = float(met.orbit.x[0])
+    x = float(met.orbit.x[0, 0])
     here, there = (each.success and abs(each.phi_s - x) <= NEAR for each in orbits)
     said = f"before: {_said(before, here)}; beyond: {_said(after, there)}"
     return here and _agrees(met.effect, before, after, there), said

@@ -13,7 +13,7 @@ from woodpecker.search import duplicates as module
 from woodpecker.search.duplicates import Known
 from woodpecker.search.network import Network
 from woodpecker.search.tasks import Tasks
-from woodpecker.slices.orbits import Closed, Orbit, Solution, orbit_of
+from woodpecker.slices.orbits import CYCLE, Orbit, orbit_of
 
 SETTINGS = Settings(span=(-0.9, -0.1), window=(-3.0, 3.0))
 
@@ -27,13 +27,13 @@ def fixed_point(map_: PiecewiseMap, x: float, p: float) -> Orbit:
 def asked(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     """Parameters at which the pieces of a branch were solved for."""
     places: list[float] = []
-    solve = module.solve
+    at_parameter = module.at_parameter
 
-    def counted(start: Orbit, *rest: object) -> Solution:
+    def counted(start: Orbit, settings: Settings) -> Orbit | None:
         places.append(start.p)
-        return solve(start, *rest)  # type: ignore[arg-type]
+        return at_parameter(start, settings)
 
-    monkeypatch.setattr(module, "solve", counted)
+    monkeypatch.setattr(module, "at_parameter", counted)
     return places
 
 
@@ -56,7 +56,7 @@ def test_a_branch_of_the_same_word_explains_without_more(asked: list[float]) -> 
         for p in (-0.8123, -0.3456, -0.1001):
             for x in (left(p), right(p)):
                 orbit = fixed_point(map_, x, p)
-                assert known.explains(orbit, Closed(), orbit.keys)
+                assert known.explains(orbit, CYCLE, orbit.keys)
     assert not asked
 
 
@@ -68,10 +68,10 @@ def test_a_branch_of_another_word_does_not(asked: list[float]) -> None:
     right = map_.at(1.0, p).piece
     for _ in range(3):
         orbit = orbit_of([right], np.array([2.0 * p]), p)  # where the left branch is
-        assert not known.explains(orbit, Closed(), orbit.keys)
+        assert not known.explains(orbit, CYCLE, orbit.keys)
     assert asked == [p]
     other = fixed_point(map_, 2.0 * (p + 1.0) / 3.0, p)
-    assert not known.explains(other, Closed(), other.keys)
+    assert not known.explains(other, CYCLE, other.keys)
 
 
 def test_a_branch_that_is_added_later_counts() -> None:
@@ -79,6 +79,6 @@ def test_a_branch_that_is_added_later_counts() -> None:
     network = network_of(map_, fixed_point(map_, -1.0, -0.5))
     known = Known(network, BranchKind.FIXED_POINT, 1, map_)
     other = fixed_point(map_, 2.0 * (p + 1.0) / 3.0, p)
-    assert not known.explains(other, Closed(), other.keys)
+    assert not known.explains(other, CYCLE, other.keys)
     network.add(Tasks(map_, SETTINGS).cycle(fixed_point(map_, 1.0 / 3.0, -0.5)).curve)
-    assert known.explains(other, Closed(), other.keys)
+    assert known.explains(other, CYCLE, other.keys)

@@ -39,11 +39,11 @@ from woodpecker.engine.newton import branch_point
 from woodpecker.runs import saved_diagram
 from woodpecker.search.curves import Curve
 from woodpecker.search.diagrams import cycle_near, whole_diagram
-from woodpecker.search.lines import base_of, to_engine
+from woodpecker.search.lines import base_of
 from woodpecker.search.network import Network
 from woodpecker.search.search import Search
 from woodpecker.search.tasks import Tasks
-from woodpecker.slices.orbits import orbit_of
+from woodpecker.slices.orbits import orbit_of, to_engine
 from woodpecker.toy_map import ToyPieces
 from woodpecker.window import WINDOW
 

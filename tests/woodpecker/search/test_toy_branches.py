@@ -16,7 +16,7 @@ from woodpecker.search.network import Network
 from woodpecker.search.tasks import Tasks, Worker
 from woodpecker.simulation.returns import first_return
 from woodpecker.slices.borders import BorderKind
-from woodpecker.slices.orbits import Closed, Coordinate, orbit_of, solve
+from woodpecker.slices.orbits import at_parameter, orbit_of
 from woodpecker.slices.partition import partition
 from woodpecker.toy_map import ToyPieces
 
@@ -31,11 +31,12 @@ DIGITS = 1e-10
 def network() -> Network:
     map_ = ToyPieces(Toy())
     start = orbit_of([map_.at(-0.53, 0.5).piece], np.array([-0.53]), 0.5)
-    stable = solve(start, (Closed(), Coordinate(-1, 0.5)), SETTINGS)
+    stable = at_parameter(start, SETTINGS)
+    assert stable is not None
     assert stable.converged
-    assert stable.orbit.x[0] == pytest.approx(-0.52947197, abs=1e-8)
+    assert stable.x[0] == pytest.approx(-0.52947197, abs=1e-8)
     explorer = Explorer(map_, Serial(Worker(map_, SETTINGS)), SETTINGS, (1,))
-    explorer.follow(stable.orbit)
+    explorer.follow(stable)
     return explorer.network
 
 
