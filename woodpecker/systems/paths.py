@@ -37,15 +37,17 @@ from woodpecker.systems.motion import Leg, Machine, Run, short_flight, started
 from woodpecker.systems.sections import Embedding
 
 # Kinds of margins, in the order in which a phase meets them.
-SLACK, BOUNCES, START, EARLY, SPEED, MEETING, DIP, PHASE = range(8)
+SLACK, BOUNCES, START, EARLY, SPEED, MEETING, DIP, PHASE, SETTLES = range(9)
 # SLACK: an inequality of an impact; BOUNCES: 1 - ratio of bounces that accumulate; START: a guard
 # of a contact at rest where the phase begins; EARLY: the duration of a phase, if it is negative;
 # SPEED: the rate of the guard that fires, times its modulus; MEETING: another guard then; DIP: the
-# least value of a guard at a minimum in the phase; PHASE: time from the ends of a period
+# least value of a guard at a minimum in the phase; PHASE: time from the ends of a period; SETTLES:
+# START times the speed of the impact before, where that has been slow
 KINDS, ITEMS = 10, 512  # codes are (KINDS * phase + kind) * ITEMS + item
 NEWTON_MOST = 12  # iterations of an event time; more say that there is no root nearby
 SETTLED = 2.0**-50  # relative: an event time that moves by less has converged
 BOUNCES_MOST = 1000  # that accumulate; a ratio of 0.98 needs so many
+SLOW = 4.0  # a gap f hardly falls where f''^2 < 4 f' f'''; where three roots meet it is 2 f' f'''
 FURTHER = 4.0  # times the neighbour's duration until which a first root is looked for
 SOON = 1e-3  # of a step: a guard that its first derivatives bring back within it does fall
 DIFFERENCE = 1e-5  # relative step of central differences of rates of forces
@@ -124,13 +126,14 @@ class Following:
         self.notes: dict[int, tuple[float, Floats]] = {}
         self._fired: int = 0  # the contact of the guard that ended the last phase
         self._flight: tuple[float, Floats] | None = None  # its duration, if it began at rest
+        self._slow: tuple[float, Floats] | None = None  # the rate at which it ended, if it is slow
 
     def follow(self, x: Floats, times: Floats) -> Along:
         """The return; NoRootError or LostError if the path does not reach so far."""
         z, tangents = self.embedding.state(x, self.p)
         self._z, self._tangents, found = z, tangents, times.copy()
         self._mark = z, tangents
-        self._fired, self._flight = 0, None
+        self._fired, self._flight, self._slow = 0, None, None
         k = repeated = 0
         while k < len(self.path.legs):
             leg = self.path.legs[k]
@@ -208,9 +211,12 @@ class Following:
             raise NoRootError
         for slack, gradient, item in zip(
             struck.slacks, struck.gradients, struck.items, strict=True
-        ):  # all are in proportion to the speed at which the gap closes, and do not vanish with it
-            quotient = float(slack) / -fast
-            self._note(k, SLACK, item, quotient, -(gradient + quotient * turn) / fast)
+        ):
+            quotient = float(slack)
+            if item % 4 != ALONG:  # in proportion to the speed at which the gap closes
+                quotient /= -fast
+                gradient = -(gradient + quotient * turn) / fast
+            self._note(k, SLACK, item, quotient, gradient)
         self._z, self._tangents = struck.z, struck.tangents
 
     def _sum(self, i: int, k: int, mark: Floats, memory: Floats) -> None:
@@ -351,6 +357,10 @@ class Following:
 
         A gap that opens as its force vanishes has, and a slip that starts at the edge of its cone,
         an acceleration in proportion to how fast the bound was reached: no border by itself.
+
+        Where three roots of a gap meet the contact strikes without speed and acceleration; it stays
+        on one side, and leaves from rest on the other. In the distance from there the acceleration
+        goes like the power 1/3 and the speed like 2/3: only their product is smooth.
         """
         for guard in guards_of(self.eq, leg.mode):
             kind, i = divmod(guard, self.eq.m)
@@ -366,7 +376,11 @@ class Following:
                 t, delay = self._flight  # the force is in proportion to a flight that began at rest
                 margin /= t
                 gradient = (gradient - margin * delay) / t
-            self._note(k, START, guard, margin, gradient)
+            if self._slow is not None and leg.impact is not None and i == self._fired:
+                rate, turn = self._slow
+                self._note(k, SETTLES, guard, -rate * margin, -rate * gradient - margin * turn)
+            else:
+                self._note(k, START, guard, margin, gradient)
 
     def _gradients(self, here: Local, guard: int, tangents: Floats) -> tuple[Floats, Floats]:
         """Derivatives of a guard and of its rate, along the tangents at a fixed time."""
@@ -413,11 +427,21 @@ class Following:
         turn = (rate_turn + bends * delay) / scale
         if start.order and t > 0.0:
             turn -= start.order * slope * delay / t
-        if not (start.order and start.comes_back() < SOON * length):  # else it falls for certain
+        self._slow = (rate, rate_turn + bends * delay) if self._is_slow(there, leg) else None
+        certain = start.order and start.comes_back() < SOON * length
+        if not certain and self._slow is None:
             self._note(k, SPEED, leg.guard, -slope * abs(slope), -2.0 * abs(slope) * turn)
         if t < 0.0:
             self._note(k, EARLY, leg.guard, t, delay)
         return delay
+
+    def _is_slow(self, there: Local, leg: Leg) -> bool:
+        """Whether a gap hardly falls where it closes, and cannot graze nearby for all that."""
+        kind, i = divmod(leg.guard, self.eq.m)
+        if kind != GAP or i in leg.touch.closed | leg.touch.leaving:
+            return False
+        _, rate, second, third = there.jet(leg.guard)
+        return second * second < SLOW * rate * third
 
     def _second_rate(self, here: Local, guard: int) -> float:
         """The second derivative of a guard in time."""
@@ -584,7 +608,7 @@ def cause_of(path: Path, code: int, names: Sequence[str]) -> str:
         return f"{fired} before phase {k} begins"
     if kind == MEETING:
         return f"{_guard(item, names)} in the instant in which {fired} at the end of phase {k}"
-    if kind == START:
+    if kind in (START, SETTLES):
         return f"{_guard(item, names)} where phase {k} begins"
     if item // m == GAP:
         return f"{names[item]} grazes in phase {k}"
