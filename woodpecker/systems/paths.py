@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.systems.flows import LostError, Step
-from woodpecker.systems.guards import Least, Series, Start, series
+from woodpecker.systems.flows import STEPS_MOST, LostError, Step
+from woodpecker.systems.guards import Least, Polynomials, Series, Start, series
 from woodpecker.systems.impacts import (
     ALONG,
     NORMAL_SIDE,
@@ -266,7 +266,7 @@ class Following:
         watch = list(starts)
         t = math.nan if near is None else self._root_near(steps, leg, starts[leg.guard], near)
         if not math.isfinite(t):
-            t = self._first_root(steps, leg, watch, list(starts.values()), near)
+            t = self._first_root(steps, leg, starts, near)
         z, changes = steps.exact(t)
         there = Local(eq, leg.mode, z, self.p)
         tangents = changes[:, : eq.size] @ self._tangents
@@ -316,39 +316,49 @@ class Following:
         return t if abs(step) <= 1e-9 * abs(t) and rate < 0.0 else math.nan
 
     def _first_root(
-        self, steps: _Steps, leg: Leg, watch: Sequence[int], starts: Sequence[Start],
-        near: float | None,
-    ) -> float:  # fmt: skip
+        self, steps: _Steps, leg: Leg, starts: dict[int, Start], near: float | None
+    ) -> float:
         """The first root of the guard that fires; NoRootError if there is none soon."""
-        k = watch.index(leg.guard)
-        begin = 0.0
-        for step in steps.all():
-            for window in self._series(leg, step, begin, watch, starts):
-                t = starts[k].soon(step.length) if begin == 0.0 else math.inf
-                if t < math.inf:
-                    return t
-                t = window[k].falls()
-                if t < math.inf:
-                    better = self._root_near(steps, leg, starts[k], t) if t > 0.0 else t
-                    return better if math.isfinite(better) else t
-            begin += step.length
-            if near is not None and begin > FURTHER * abs(near) + steps.first.length:
-                break
+        k, start = list(starts).index(leg.guard), starts[leg.guard]
+        t = start.soon(steps.first.length)
+        if t < math.inf:
+            return t
+        most = math.inf if near is None else FURTHER * abs(near) + steps.first.length
+        for window in self._windows(steps, leg, most, starts):
+            t = window[k].falls()
+            if t < math.inf:
+                better = self._root_near(steps, leg, start, t) if t > 0.0 else t
+                return better if math.isfinite(better) else t
         raise NoRootError
 
-    def _series(
-        self, leg: Leg, step: Step, begin: float, watch: Sequence[int], starts: Sequence[Start]
-    ) -> Iterator[list[Series]]:
-        own = [guard for guard in watch if guard != SECTION * self.eq.m]
+    def _windows(
+        self, steps: _Steps, leg: Leg, until: float, starts: dict[int, Start]
+    ) -> Iterator[Sequence[Series] | Polynomials]:
+        """The guards until a time, interval by interval."""
+        begin, every = 0.0, list(starts.values())
+        section = self.embedding.guard if self.embedding.counts(leg.mode) else None
+        flow = self.machine.flow(leg.mode, section=section)
+        own = [guard for guard in starts if guard != SECTION * self.eq.m]
 
         def values(states: Floats) -> Floats:
             found = guard_values(self.eq, leg.mode, own, self.eq.terms(states, self.p))
-            if len(own) == len(watch):
-                return found
-            assert self.embedding.guard is not None
-            return np.vstack([found, self.embedding.guard.values(states, self.p)])
+            return found if section is None else np.vstack([found, section.values(states, self.p)])
 
-        return series(step, begin, values, starts)
+        made = flow.steps(*steps.start) if flow.has_guards else steps.all()
+        above = None
+        for step in made:
+            if begin >= until:
+                return
+            if flow.has_guards:
+                found = Polynomials(step.length, step.guards, begin, every, above)
+                above = found.ends_above()
+                yield found
+            else:
+                for window in series(step, begin, values, every):
+                    if not window or window[0].low >= until:
+                        return
+                    yield window
+            begin += step.length
 
     # --- Margins ----------------------------------------------------------------------------------
 
@@ -498,19 +508,6 @@ class Following:
                     continue  # it does not fall through zero there
                 self._note_dip(steps, leg, k, guard, found.time[guard], sign)
 
-    def _windows(
-        self, steps: _Steps, leg: Leg, t: float, starts: dict[int, Start]
-    ) -> Iterator[list[Series]]:
-        """The series of all guards until a time."""
-        begin, k = 0.0, 0
-        while begin < t:
-            step = steps.step(k)
-            for window in self._series(leg, step, begin, list(starts), list(starts.values())):
-                if not window or window[0].low >= t:
-                    return
-                yield window
-            begin, k = begin + step.length, k + 1
-
     def _note_dip(self, steps: _Steps, leg: Leg, k: int, guard: int, t: float, sign: float) -> None:
         z, changes = steps.exact(t)
         here, eq = Local(self.eq, leg.mode, z, self.p), self.eq
@@ -527,6 +524,7 @@ class _Steps:
     """The steps of a phase, made as far as they are asked for."""
 
     def __init__(self, machine: Machine, leg: Leg, z: Floats, p: Floats, most: float) -> None:
+        self.start = z, p, most
         self._source = machine.flow(leg.mode, varies=True).steps(z, p, most)
         self._made: list[Step] = []
         self._begins = [0.0]
@@ -545,9 +543,10 @@ class _Steps:
         """The first step."""
         return self._made[0] if self._made else self._more()
 
-    def all(self) -> Sequence[Step]:
-        """All steps, one after the other, without end."""
-        return _Endless(self)
+    def all(self) -> Iterator[Step]:
+        """All steps, one after the other."""
+        for k in range(STEPS_MOST):
+            yield self.step(k)
 
     def exact(self, t: float) -> tuple[Floats, Floats]:
         """State and derivatives at a time, also before the start of the phase."""
@@ -561,19 +560,6 @@ class _Steps:
         while len(self._made) <= k:
             self._more()
         return self._made[k]
-
-
-class _Endless(Sequence[Step]):
-    """Steps as a sequence without end; whoever reads it must stop."""
-
-    def __init__(self, steps: _Steps) -> None:
-        self._steps = steps
-
-    def __getitem__(self, k: int) -> Step:  # type: ignore[override]
-        return self._steps.step(k)
-
-    def __len__(self) -> int:
-        return 10**9
 
 
 # --- Causes ---------------------------------------------------------------------------------------
