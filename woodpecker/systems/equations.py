@@ -91,6 +91,11 @@ class Equations:
         Numbers of a state, and of derivatives: those in z, then those in free parameters.
     rubs
         (m,) which contacts have friction.
+    expressions, kinematics
+        M, h, w_N, w_T, w-bar_N, w-bar_T and mu; gaps, gap rates and slips.
+    balances
+        Makes of a mode a compiled function of state and parameters, see
+        :func:`woodpecker.systems.taylor.balances`; None without a compiler.
     """
 
     def __init__(self, system: ContactSystem, free: Sequence[str] = ()) -> None:
@@ -108,6 +113,7 @@ class Equations:
         self.symbols = (*system.state, *system.parameters)
         self._along = (*system.state, *(known[name] for name in free))
         self._last: tuple[bytes, bytes, Terms] | None = None
+        self.balances: Callable[[tuple[int, ...]], Callable[..., Floats]] | None = None
         self._derive()
 
     def _derive(self) -> None:
@@ -127,6 +133,7 @@ class Equations:
         bar_n = rate.jacobian(q) * u + rate.diff(t)
         bar_t = slip.jacobian(q) * u + slip.diff(t)
         self.expressions = system.M, system.h, w_n, w_t, bar_n, bar_t, mu
+        self.kinematics = gap, rate, slip
         columns = [gap, rate, slip, bar_n, bar_t, mu, eps]
         flat = [np.array(each).ravel() for each in columns]
         whole = [np.array(system.M), np.array(system.h).ravel(), np.array(w_n), np.array(w_t)]

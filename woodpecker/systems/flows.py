@@ -28,6 +28,10 @@ class Step(Protocol):
     def length(self) -> float:
         """How long it is."""
 
+    @property
+    def guards(self) -> Floats:
+        """(g, order + 1) Taylor coefficients of the guards, if its flow has them."""
+
     def states(self, times: Floats) -> Floats:
         """States (b, N) at some times, a little outside too."""
 
@@ -41,12 +45,18 @@ class Step(Protocol):
 class Flow(Protocol):
     """The motion in one mode."""
 
+    @property
+    def has_guards(self) -> bool:
+        """Whether its steps have the Taylor coefficients of guards."""
+
     def steps(self, z: Floats, p: Floats, most: float) -> Iterator[Step]:
         """Steps in turn from a state, the last one to a time; LostError if there are none."""
 
 
 class RungeFlow:
     """The motion in one mode by DOP853, with its variational equations if asked."""
+
+    has_guards = False
 
     def __init__(self, eq: Equations, mode: Mode, *, varies: bool) -> None:
         self._eq, self._mode, self._varies = eq, mode, varies
@@ -88,6 +98,8 @@ class RungeFlow:
 
 class _RungeStep:
     """A step of DOP853; its dense output is less exact than itself."""
+
+    guards: Floats = np.empty((0, 0))
 
     def __init__(
         self, flow: RungeFlow, start: Floats, p: Floats, at: float, solver: DOP853

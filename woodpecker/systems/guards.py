@@ -1,8 +1,9 @@
 """The first guard that fires in a phase, and the least values of those that do not.
 
-Over a step guards are Chebyshev interpolants; between their extremes they are monotone, so the
-first root is bracketed and no grazing is passed over. A guard of which the event that began the
-phase has made leading derivatives zero is divided by that power of time.
+Over a step guards are Taylor polynomials, of which Bernstein coefficients isolate the roots; or
+Chebyshev interpolants, which are monotone between their extremes. So the first root is bracketed
+and no grazing is passed over. A guard of which the event that began the phase has made leading
+derivatives zero is divided by that power of time.
 """
 
 from __future__ import annotations
@@ -10,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
+from functools import lru_cache
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -27,6 +29,11 @@ RESOLVED = 1e-9  # relative: last coefficients of a guard that is resolved
 NOISE = 1e-12  # a guard that is no larger is zero all along, such as the slip of a block at rest
 HALVINGS = 40  # of a window: as far as doubles tell times apart
 WINDOW = 4.0  # times the time at which a guard comes back, as its first derivatives say
+
+FLAT = 1e-24  # a polynomial that is no larger is zero all along
+CLOSE = 2.0**-51  # relative: Newton's steps that are shorter have converged
+SOLVING = 100  # steps of a bracketed Newton's method: bisection alone needs 53
+AT_ONCE = 1e-6  # of a step: a guard that begins below zero but for rounding fires so near its start
 
 _POINTS = np.cos(math.pi * (np.arange(NODES) + 0.5) / NODES)[::-1]  # ascending in (-1, 1)
 _TO_SERIES = np.linalg.inv(chebyshev.chebvander(_POINTS, NODES - 1))
@@ -52,7 +59,7 @@ class Start:
     """
 
     order: int
-    jet: Sequence[float]
+    jet: Sequence[float] = ()
     is_section: bool = False
 
     def noise(self, t: Floats) -> Floats:
@@ -196,7 +203,7 @@ class Least:
     value: dict[int, float] = field(default_factory=dict)
     time: dict[int, float] = field(default_factory=dict)
 
-    def add(self, key: int, one: Series, until: float, *, lowest: bool = True) -> None:
+    def add(self, key: int, one: Series | Power, until: float, *, lowest: bool = True) -> None:
         """Note the least minimum of a guard before a time; or the highest maximum."""
         sign = 1.0 if lowest else -1.0
         times = [t for t in one.extremes().tolist() if t < until]
@@ -206,3 +213,177 @@ class Least:
             bends = sign * (one(t + width) + one(t - width) - 2.0 * one(t))
             if bends > 0.0 and value < self.value.get(key, math.inf):
                 self.value[key], self.time[key] = value, t
+
+
+# --- Taylor polynomials ---------------------------------------------------------------------------
+
+
+@lru_cache(maxsize=8)
+def _bernstein(size: int) -> Floats:
+    """The matrix (size, size) by which power coefficients over [0, 1] become Bernstein's."""
+    n = size - 1
+    rows = [[math.comb(j, k) / math.comb(n, k) for j in range(size)] for k in range(size)]
+    return np.array(rows)
+
+
+@lru_cache(maxsize=8)
+def _halving(size: int) -> tuple[Floats, Floats]:
+    """The matrices that make of Bernstein coefficients those of either half."""
+    left = np.array([[math.comb(j, k) / 2.0**j for j in range(size)] for k in range(size)])
+    return left, left[::-1, ::-1].copy()
+
+
+def _crossings(b: Floats) -> Iterator[tuple[float, float, float, bool]]:
+    """Intervals of [0, 1] with one root each, ascending; a guess of it; and whether b falls there.
+
+    Bernstein coefficients have no fewer changes of sign than the polynomial has roots. Where they
+    still have several in the narrowest interval there is a double root, which is none.
+    """
+    left, right = _halving(len(b))
+    open_ = [(0.0, 1.0, b, 0)]
+    while open_:
+        low, high, b, depth = open_.pop()
+        above = b > 0.0
+        changes = np.count_nonzero(above[1:] != above[:-1])
+        if changes == 0:
+            continue
+        if changes == 1 or (depth == HALVINGS and above[0] != above[-1]):
+            first, last = float(b[0]), float(b[-1])
+            yield low, high, low + (high - low) * first / (first - last), bool(above[0])
+        elif depth < HALVINGS:
+            middle = 0.5 * (low + high)
+            open_ += [(middle, high, b @ right, depth + 1), (low, middle, b @ left, depth + 1)]
+
+
+def _solved(c: list[float], low: float, high: float, x: float, *, falls: bool) -> float:
+    """The root of a polynomial, highest coefficient first, between two numbers; near a third."""
+    for _ in range(SOLVING):
+        value = slope = 0.0
+        for each in c:
+            slope = slope * x + value
+            value = value * x + each
+        if (value > 0.0) == falls:
+            low = x
+        else:
+            high = x
+        new = x - value / slope if slope != 0.0 else low
+        if not low < new < high:
+            new = 0.5 * (low + high)
+        if abs(new - x) <= CLOSE * abs(new):
+            return new
+        x = new
+    return x
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Power:
+    """A guard over a step of a phase, as a power series in the time from its start.
+
+    Attributes
+    ----------
+    low, high
+        The step, in time from the start of the phase.
+    c
+        The coefficients in units of the step's length; of the guard over t**order.
+    order
+        As above; 0 unless the step begins where the phase does.
+    b
+        The same polynomial's Bernstein coefficients.
+    at_once
+        Whether it fires where it begins at zero or below, and falls.
+    """
+
+    low: float
+    high: float
+    c: Floats
+    order: int
+    b: Floats
+    at_once: bool = False
+
+    def __call__(self, t: float) -> float:
+        """Its value, divided."""
+        s = (t - self.low) / (self.high - self.low)
+        return float(np.polynomial.polynomial.polyval(s, self.c))
+
+    @property
+    def is_positive(self) -> bool:
+        """Whether the coefficients alone say that it has no root."""
+        return bool(self.b.min() > 0.0)
+
+    def extremes(self) -> Floats:
+        """Times inside at which its slope vanishes; ascending."""
+        slope = np.diff(self.b)
+        if np.abs(slope).max(initial=0.0) <= CHOPPED * np.abs(self.b).max():
+            return np.empty(0)
+        c = (self.c[1:] * np.arange(1, len(self.c)))[::-1].tolist()
+        roots = [_solved(c, *each, falls=falls) for *each, falls in _crossings(slope)]
+        return self.low + np.array(roots) * (self.high - self.low)
+
+    def falls(self) -> float:
+        """The first time at which it falls through zero; infinite if there is none."""
+        size = float(np.abs(self.b).max())
+        if size <= FLAT:
+            return math.inf
+        length, first = self.high - self.low, float(self.c[1])
+        if self.at_once and self.c[0] <= 0.0 and first < 0.0:
+            s = -float(self.c[0]) / first
+            return self.low + (s if abs(s) < AT_ONCE else 0.0) * length
+        for *each, falls in _crossings(self.b):
+            if falls:
+                return self.low + length * _solved(self.c[::-1].tolist(), *each, falls=True)
+        return math.inf
+
+
+class Polynomials:
+    """All guards over a step, from their Taylor coefficients.
+
+    Parameters
+    ----------
+    length, guards
+        Of the step: its length, and the coefficients (g, order + 1).
+    begin
+        The time of the phase at which it begins.
+    starts
+        How the guards begin where that is zero.
+    above
+        Which of them were above zero where the step before ended: they fire at once where this one
+        begins below.
+
+    Attributes
+    ----------
+    lowest
+        (g,) lower bounds of the guards.
+    """
+
+    def __init__(
+        self, length: float, guards: Floats, begin: float, starts: Sequence[Start],
+        above: Sequence[bool] | None = None,
+    ) -> None:  # fmt: skip
+        self._begin, self._end, self._starts, self._above = begin, begin + length, starts, above
+        size = guards.shape[1]
+        scales = length ** np.arange(size)
+        self._c = guards * scales
+        for k, start in enumerate(starts):
+            if begin == 0.0 and start.order:
+                self._c[k, : -start.order] = guards[k, start.order :] * scales[: -start.order]
+                self._c[k, -start.order :] = 0.0
+        self._b = self._c @ _bernstein(size)
+        self.lowest: list[float] = self._b.min(axis=1).tolist()
+
+    def __len__(self) -> int:
+        return len(self._starts)
+
+    def __iter__(self) -> Iterator[Power]:
+        return (self[k] for k in range(len(self)))
+
+    def __getitem__(self, k: int) -> Power:
+        start, begins = self._starts[k], self._begin == 0.0
+        fires = begins and start.order == 0 and not start.is_section
+        fires = fires or (self._above is not None and self._above[k])
+        order = start.order if begins else 0
+        return Power(self._begin, self._end, self._c[k], order, self._b[k], fires)
+
+    def ends_above(self) -> list[bool]:
+        """Which of them are above zero where the step ends."""
+        found: list[bool] = (self._b[:, -1] > 0.0).tolist()
+        return found

@@ -17,6 +17,7 @@ equations.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
@@ -38,6 +39,11 @@ EXACT = 2.0**-47  # relative: no more than the rounding of few operations
 SAME = 1e-8  # relative: solutions that are closer are one
 
 Cases = tuple[int, ...]
+
+_CASES = {  # of one contact without and with friction
+    False: (REST, FREE),
+    True: tuple(one + other for one in (REST, FREE) for other in (HOLD, FORWARD, BACKWARD)),
+}
 
 
 class Outcome(Enum):
@@ -142,36 +148,62 @@ class Phase(NamedTuple):
     rubs: tuple[bool, ...]
 
 
-def decide(eq: Equations, terms: Terms, contacts: tuple[int, ...]) -> tuple[Outcome, Impact | None]:
-    """Find the cases of an impact at a state whose terms are given."""
-    c = list(contacts)
+class Decision(NamedTuple):
+    """What a contact problem of an impact comes to.
+
+    Attributes
+    ----------
+    outcome
+        Whether it is solved.
+    impact
+        Its cases; None if it is not.
+    u
+        (n,) velocities afterwards.
+    impulses
+        (2, 2, m) normal and tangential impulses of compression and expansion.
+    """
+
+    outcome: Outcome
+    impact: Impact | None
+    u: Floats
+    impulses: Floats
+
+
+def decide(eq: Equations, terms: Terms, contacts: tuple[int, ...], u: Floats) -> Decision:
+    """Find the cases of an impact at a state whose velocities and terms are given."""
+    c, count = list(contacts), len(contacts)
     newton = eq.system.law is ImpactLaw.NEWTON
-    w = np.vstack([terms.w_n[c], terms.w_t[c]])
-    delassus = w @ np.linalg.solve(terms.mass, w.T)
+    w = np.concatenate([terms.w_n[c], terms.w_t[c]])
+    response = np.linalg.solve(terms.mass, w.T)
+    delassus = w @ response
     free = np.concatenate([terms.gap_rate[c], terms.slip[c]])
-    eps, rubs = terms.eps[c], tuple(eq.rubs[c].tolist())
+    eps, mu, rubs = terms.eps[c], terms.mu[c], tuple(eq.rubs[c].tolist())
     if newton:
-        free[: len(c)] *= 1.0 + eps
-    none = np.zeros(len(c))
-    first = Phase(delassus, free, np.diag(terms.mu[c]), none, rubs)
+        free[:count] *= 1.0 + eps
+    none = np.zeros(count)
+    impulses = np.zeros((2, 2, eq.m))
     feeds = none if newton else eps
-    outcome, ends, impulse = solutions(first, feeds > 0.0)
+    outcome, ends, impulse = solutions(Phase(delassus, free, np.diag(mu), none, rubs), feeds > 0.0)
     if impulse is None:
-        return outcome, None
-    floor = feeds * impulse[: len(c)]
+        return Decision(outcome, None, u, impulses)
+    impulses[0][:, c] = impulse.reshape(2, count)
+    after = u + response @ impulse
+    floor = feeds * impulse[:count]
     if not (floor > 0.0).any():
         rates = terms.gap_rate[c]
         back = newton & (eps > 0.0) & (rates < -SLACK * np.abs(rates).max())
         reversed_ = tuple(i for i, is_back in zip(contacts, back, strict=True) if is_back)
-        return outcome, Impact(contacts, ends, rebounds=reversed_)
-    after = free + delassus @ impulse
-    _zero(after, ends[0])
-    bound = _bound(eq, terms.mu[c])
-    final, cases, _ = solutions(Phase(delassus, after, bound, floor, rubs), none > 0.0)
-    if final not in (Outcome.SOLVED, Outcome.INDETERMINATE):
-        return final, None
+        return Decision(outcome, Impact(contacts, ends, rebounds=reversed_), after, impulses)
+    free = free + delassus @ impulse
+    _zero(free, ends[0])
+    bound = _bound(eq, mu)
+    final, cases, impulse = solutions(Phase(delassus, free, bound, floor, rubs), none > 0.0)
+    if impulse is None:
+        return Decision(final, None, u, impulses)
+    impulses[1][:, c] = impulse.reshape(2, count)
     stores = tuple(i for i, least in zip(contacts, floor, strict=True) if least > 0.0)
-    return outcome, Impact(contacts, ends, cases[0], stores)
+    found = Impact(contacts, ends, cases[0], stores)
+    return Decision(outcome, found, after + response @ impulse, impulses)
 
 
 def _bound(eq: Equations, mu: Floats) -> Floats:
@@ -199,6 +231,8 @@ def solutions(phase: Phase, feeds: Bools) -> tuple[Outcome, tuple[Cases, ...], F
     If their normal impulses differ at contacts where these ``feed`` an expansion, it is
     indeterminate: the two ends of the segment, and its middle.
     """
+    if len(phase.rubs) == 1:
+        return _of_one(phase)
     tried = _combinations(phase.rubs) if len(phase.rubs) <= ENUMERATED else _proposed(phase)
     impulses, velocities, worst = _try(phase, tried)
     kept = np.flatnonzero(worst <= SLACK)
@@ -206,13 +240,16 @@ def solutions(phase: Phase, feeds: Bools) -> tuple[Outcome, tuple[Cases, ...], F
         return Outcome.NO_SOLUTION, (), None
     exact = np.flatnonzero(worst <= EXACT)  # of several the first: to rest, and to stick
     best = int(exact[0] if exact.size else kept[worst[kept].argmin()])
+    cases = tuple(tried[best].tolist())
+    if kept.size == 1:
+        return Outcome.SOLVED, (cases,), impulses[best]
     size = np.abs(phase.free) + np.abs(phase.delassus).sum(axis=1) * np.abs(impulses[best]).max()
     if (np.abs(velocities[kept] - velocities[best]) > SAME * size).any():
         return Outcome.AMBIGUOUS, (), None
     n = len(phase.rubs)
     apart = np.abs(impulses[kept] - impulses[best])[:, :n] * feeds
     if (apart <= SAME * np.abs(impulses[best]).max()).all():
-        return Outcome.SOLVED, (tuple(tried[best].tolist()),), impulses[best]
+        return Outcome.SOLVED, (cases,), impulses[best]
     widest = int(np.ptp(impulses[kept], axis=0).argmax())
     low = int(kept[impulses[kept, widest].argmin()])
     high = int(kept[impulses[kept, widest].argmax()])
@@ -220,12 +257,68 @@ def solutions(phase: Phase, feeds: Bools) -> tuple[Outcome, tuple[Cases, ...], F
     return Outcome.INDETERMINATE, ends, 0.5 * (impulses[low] + impulses[high])
 
 
+def _of_one(phase: Phase) -> tuple[Outcome, tuple[Cases, ...], Floats | None]:
+    """The same for one contact, whose six cases are solved in closed form.
+
+    Its impulses follow from its velocities, as its two directions are independent.
+    """
+    (g_nn, g_nt), (g_tn, g_tt) = phase.delassus.tolist()
+    (f_n, f_t), mu, floor = phase.free.tolist(), float(phase.bound[0, 0]), float(phase.floor[0])
+    rubs, det = phase.rubs[0], g_nn * g_tt - g_nt * g_tn
+    kept = list[tuple[float, int, float, float, float, float]]()
+    for case in _CASES[rubs]:
+        tangential = case % 3
+        holds, sign = tangential == HOLD, -1.0 if tangential == FORWARD else 1.0
+        if case < FREE and holds:
+            if det <= SLACK * g_nn * g_tt:
+                continue
+            p_n, p_t = (g_nt * f_t - g_tt * f_n) / det, (g_tn * f_n - g_nn * f_t) / det
+        elif case < FREE:
+            pivot = g_nn + sign * mu * g_nt
+            if abs(pivot) <= SLACK * g_nn:
+                continue
+            p_n = -f_n / pivot
+            p_t = sign * mu * p_n
+        else:
+            p_n = floor
+            p_t = -(f_t + g_tn * floor) / g_tt if holds else sign * mu * floor
+        v_n = 0.0 if case < FREE else f_n + g_nn * p_n + g_nt * p_t
+        v_t = 0.0 if holds else f_t + g_tn * p_n + g_tt * p_t
+        most = max(abs(p_n), abs(p_t))
+        if case < FREE:
+            worst = _relative(floor - p_n, max(most, floor))
+        else:
+            worst = _relative(-v_n, abs(f_n) + (g_nn + abs(g_nt)) * most)
+        if rubs:
+            size = abs(f_t) + (g_tt + abs(g_tn)) * most
+            worst = max(
+                worst,
+                _relative(abs(p_t) - mu * p_n, most) if holds else _relative(sign * v_t, size),
+            )
+        if worst <= SLACK:
+            kept.append((worst, case, p_n, p_t, v_n, v_t))
+    if not kept:
+        return Outcome.NO_SOLUTION, (), None
+    best = next((each for each in kept if each[0] <= EXACT), min(kept))
+    most = max(abs(best[2]), abs(best[3]))
+    sizes = abs(f_n) + (g_nn + abs(g_nt)) * most, abs(f_t) + (g_tt + abs(g_tn)) * most
+    for each in kept:
+        if any(abs(each[4 + k] - best[4 + k]) > SAME * sizes[k] for k in range(1 + rubs)):
+            return Outcome.AMBIGUOUS, (), None
+    return Outcome.SOLVED, ((best[1],),), np.array(best[2:4])
+
+
+def _relative(excess: float, size: float) -> float:
+    """By how much an inequality is violated, in units of what rounding entered; of nan by all."""
+    if excess <= 0.0:
+        return 0.0
+    return excess / size if excess > 0.0 else math.inf
+
+
 @lru_cache(maxsize=64)
 def _combinations(rubs: tuple[bool, ...]) -> Ints:
     """All cases (count, c) of contacts; without friction a contact slides, one way."""
-    with_friction = [normal + each for normal in (REST, FREE) for each in (HOLD, FORWARD, BACKWARD)]
-    one = [with_friction if each else (REST, FREE) for each in rubs]
-    return np.array(list(product(*one)))
+    return np.array(list(product(*(_CASES[each] for each in rubs))))
 
 
 def _proposed(phase: Phase) -> Ints:

@@ -10,15 +10,16 @@ A guard is a function of the state that is positive as long as the mode lasts.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import product
 from typing import NamedTuple
 
 import numpy as np
 
-from woodpecker.base.arrays import Floats
+from woodpecker.base.arrays import Floats, Ints
 from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.systems.equations import Equations, Terms
 from woodpecker.systems.impacts import Outcome, solved
@@ -52,43 +53,55 @@ def guards_of(eq: Equations, mode: Mode) -> list[int]:
 
 
 class Balance(NamedTuple):
-    """Accelerations and forces, and what they were solved from."""
+    """Accelerations and forces."""
 
     a: Floats  # (..., n)
     l_n: Floats  # (..., m)
     l_t: Floats  # (..., m)
-    matrix: Floats  # (..., n + c, n + c)
 
 
 def balance(eq: Equations, mode: Mode, terms: Terms) -> Balance:
     """Accelerations and forces in a mode, at one state or a batch; nan where there are none."""
     n, m = eq.n, eq.m
-    states = np.array(mode)
-    closed, stuck = np.flatnonzero(states != OPEN), np.flatnonzero(states == STICK)
-    sign = _signs(states)
+    closed, stuck, sign = _parts(mode)
     batch = terms.force.shape[:-1]
-    size = n + len(closed) + len(stuck)
-    k, right = np.zeros((*batch, size, size)), np.zeros((*batch, size))
-    k[..., :n, :n], right[..., :n] = terms.mass, terms.force
+    middle, size = n + len(closed), n + len(closed) + len(stuck)
+    right = np.zeros((*batch, size))
+    right[..., :n] = terms.force
+    right[..., n:middle], right[..., middle:] = (
+        -terms.bar_n[..., closed],
+        -terms.bar_t[..., stuck],
+    )
+    x = _solve(_matrix(eq, mode, terms), right)
+    l_n, l_t = np.zeros((*batch, m)), np.zeros((*batch, m))
+    l_n[..., closed] = x[..., n:middle]
+    l_t[...] = sign * terms.mu * l_n
+    l_t[..., stuck] = x[..., middle:]
+    return Balance(x[..., :n], l_n, l_t)
+
+
+def _matrix(eq: Equations, mode: Mode, terms: Terms) -> Floats:
+    """The matrix (..., n + c, n + c) of the linear system that they solve."""
+    n = eq.n
+    closed, stuck, sign = _parts(mode)
+    middle, size = n + len(closed), n + len(closed) + len(stuck)
+    k = np.zeros((*terms.force.shape[:-1], size, size))
+    k[..., :n, :n] = terms.mass
     if len(closed):
         pull = terms.w_n + (sign * terms.mu)[..., None] * terms.w_t
-        middle = n + len(closed)
         k[..., :n, n:middle] = -np.swapaxes(pull[..., closed, :], -1, -2)
         k[..., :n, middle:] = -np.swapaxes(terms.w_t[..., stuck, :], -1, -2)
-        k[..., n:middle, :n], k[..., middle:, :n] = (
-            terms.w_n[..., closed, :],
-            terms.w_t[..., stuck, :],
-        )
-        right[..., n:middle], right[..., middle:] = (
-            -terms.bar_n[..., closed],
-            -terms.bar_t[..., stuck],
-        )
-    x = _solve(k, right)
-    l_n, l_t = np.zeros((*batch, m)), np.zeros((*batch, m))
-    l_n[..., closed] = x[..., n : n + len(closed)]
-    l_t[...] = sign * terms.mu * l_n
-    l_t[..., stuck] = x[..., n + len(closed) :]
-    return Balance(x[..., :n], l_n, l_t, k)
+        k[..., n:middle, :n] = terms.w_n[..., closed, :]
+        k[..., middle:, :n] = terms.w_t[..., stuck, :]
+    return k
+
+
+@lru_cache(maxsize=1024)
+def _parts(mode: Mode) -> tuple[Ints, Ints, Floats]:
+    """Closed contacts, those that stick, and signs of lambda_T = sign mu lambda_N."""
+    states = np.array(mode)
+    sign = np.where(states == SLIDE_UP, -1.0, np.where(states == SLIDE_DOWN, 1.0, 0.0))
+    return np.flatnonzero(states != OPEN), np.flatnonzero(states == STICK), sign
 
 
 def _solve(k: Floats, right: Floats) -> Floats:
@@ -98,11 +111,6 @@ def _solve(k: Floats, right: Floats) -> Floats:
         return solved(k.reshape(-1, *k.shape[-2:]), right.reshape(-1, right.shape[-1])).reshape(
             right.shape
         )
-
-
-def _signs(states: Floats) -> Floats:
-    """Signs of lambda_T = sign mu lambda_N where contacts slide."""
-    return np.where(states == SLIDE_UP, -1.0, np.where(states == SLIDE_DOWN, 1.0, 0.0))
 
 
 def guard_values(eq: Equations, mode: Mode, guards: Sequence[int], terms: Terms) -> Floats:
@@ -146,7 +154,12 @@ class Local:
     @cached_property
     def balance(self) -> Balance:
         """Accelerations and forces."""
-        return balance(self.eq, self.mode, self.terms)
+        eq = self.eq
+        if eq.balances is not None:
+            found = eq.balances(self.mode)(self.z, self.p)
+            if math.isfinite(found.sum()):
+                return Balance(found[: eq.n], found[eq.n : -eq.m], found[-eq.m :])
+        return balance(eq, self.mode, self.terms)
 
     @cached_property
     def flow(self) -> Floats:
@@ -157,11 +170,9 @@ class Local:
     @cached_property
     def changes(self) -> tuple[Floats, Floats, Floats]:
         """Derivatives (.., columns) of accelerations and forces, in z and free parameters."""
-        eq, t = self.eq, self.terms
-        _, l_n, _, k = self.balance
-        n, states = eq.n, np.array(self.mode)
-        closed, stuck = np.flatnonzero(states != OPEN), np.flatnonzero(states == STICK)
-        sign = _signs(states)
+        eq, t, n = self.eq, self.terms, self.eq.n
+        l_n, k = self.balance.l_n, _matrix(eq, self.mode, self.terms)
+        closed, stuck, sign = _parts(self.mode)
         motion, d_n, d_t, d_mu = self._partial
         load = (sign * l_n)[:, None] * d_mu
         right = -np.vstack([motion - t.w_t.T @ load, d_n[closed], d_t[stuck]])
@@ -174,7 +185,7 @@ class Local:
 
     @cached_property
     def _partial(self) -> list[Floats]:
-        a, l_n, l_t, _ = self.balance
+        a, l_n, l_t = self.balance
         return self.eq.motion_changes(self.z, self.p, a, l_n, l_t)
 
     @cached_property
@@ -204,8 +215,10 @@ class Local:
                     sign * (self._acceleration_change(kind, i)[: self.eq.size] @ self.flow)
                 )
             return found[: order + 1]
-        value = _force_guard(kind, t.mu[i], self.balance.l_n[i], self.balance.l_t[i])
-        return [float(value), float(self.gradient(guard)[: self.eq.size] @ self.flow)][: order + 1]
+        value = float(_force_guard(kind, t.mu[i], self.balance.l_n[i], self.balance.l_t[i]))
+        if order == 0:
+            return [value]
+        return [value, float(self.gradient(guard)[: self.eq.size] @ self.flow)]
 
     def _acceleration_change(self, kind: int, i: int) -> Floats:
         """Derivatives (columns,) of the acceleration of a gap or a slip."""
@@ -354,7 +367,8 @@ def _admissible(here: Local, touch: Touch, slack: float) -> bool:
         if kind == SLIP and i not in touch.held:
             continue
         order = touch.order(eq, mode, guard)
-        if not _starts_positive(here, guard, order, slack * _size(here, kind, i)):
+        rounding = slack * _size(here, kind, i) if slack else 0.0
+        if not _starts_positive(here, guard, order, rounding):
             return False
     return True
 
@@ -372,7 +386,7 @@ def _starts_positive(here: Local, guard: int, order: int, rounding: float) -> bo
 
 def _size(here: Local, kind: int, i: int) -> float:
     """How large the terms are that a force, or an acceleration of a contact, is the sum of."""
-    t, (a, l_n, l_t, _) = here.terms, here.balance
+    t, (a, l_n, l_t) = here.terms, here.balance
     if kind not in (GAP, SLIP):
         return float(np.abs(l_n).max() + np.abs(l_t).max() + np.abs(t.force).max())
     w, bar = (t.w_n, t.bar_n) if kind == GAP else (t.w_t, t.bar_t)

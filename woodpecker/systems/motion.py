@@ -8,7 +8,7 @@ up the new index sets. What happened is recorded as a path, along which derivati
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from enum import Enum
 from importlib.util import find_spec
@@ -18,8 +18,8 @@ import numpy as np
 from woodpecker.base.arrays import Floats
 from woodpecker.systems.equations import Equations, Terms
 from woodpecker.systems.flows import Flow, LostError, RungeFlow, Step
-from woodpecker.systems.guards import Start, series
-from woodpecker.systems.impacts import Impact, Outcome, carry_out, decide
+from woodpecker.systems.guards import Polynomials, Start, series
+from woodpecker.systems.impacts import Impact, Outcome, decide
 from woodpecker.systems.model import ContactSystem
 from woodpecker.systems.modes import (
     CONE_UP,
@@ -36,7 +36,7 @@ from woodpecker.systems.modes import (
     guards_of,
     settle,
 )
-from woodpecker.systems.sections import Embedding
+from woodpecker.systems.sections import Embedding, SectionGuard
 
 EVENTS_MOST = 2000  # of one return, unless a caller says otherwise
 STEPS_MOST = 20_000  # of one phase of one return
@@ -149,23 +149,38 @@ class Machine:
             backend = Backend.TAYLOR if find_spec("heyoka") else Backend.RUNGE
         self.backend = Backend(backend)
         self.eq = Equations(system, free)
-        self._flows: dict[tuple[Mode, bool], Flow] = {}
+        self._flows: dict[tuple[Mode, bool, SectionGuard | None], Flow] = {}
+        self._made: dict[Mode, Callable[[Floats, Floats], Floats]] = {}
         time = system.time
         parts = [*system.M, *system.h, *(c.gap for c in system.contacts)]
         parts += [c.slip for c in system.contacts if c.slip is not None]
         self.is_autonomous = not any(part.has(time) for part in parts)
 
-    def flow(self, mode: Mode, *, varies: bool = False) -> Flow:
+        if self.backend is Backend.TAYLOR:
+            self.eq.balances = self._balances
+
+    def flow(
+        self, mode: Mode, *, varies: bool = False, section: SectionGuard | None = None
+    ) -> Flow:
         """The flow of a mode; it is compiled when it is first asked for."""
-        key = mode, varies
+        key = mode, varies, section
         if key not in self._flows:
             if self.backend is Backend.TAYLOR:
                 from woodpecker.systems.taylor import TaylorFlow
 
-                self._flows[key] = TaylorFlow(self.eq, mode, varies=varies)
+                when = None if section is None else section.when
+                self._flows[key] = TaylorFlow(self.eq, mode, varies=varies, when=when)
             else:
                 self._flows[key] = RungeFlow(self.eq, mode, varies=varies)
         return self._flows[key]
+
+    def _balances(self, mode: Mode) -> Callable[[Floats, Floats], Floats]:
+        """Accelerations and forces of a mode, compiled."""
+        if mode not in self._made:
+            from woodpecker.systems.taylor import balances
+
+            self._made[mode] = balances(self.eq, mode)
+        return self._made[mode]
 
 
 @dataclass(slots=True, eq=False)
@@ -276,6 +291,8 @@ class Search:
         """Stop where an open contact is penetrated by more than rounding explains."""
         z, eq = self._run.z, self.eq
         terms = eq.terms(z, self.p)
+        if terms.gap.min() >= -PENETRATED:
+            return
         size = 1.0 + np.abs(terms.w_n) @ np.abs(z[: eq.n])
         if (terms.gap < -PENETRATED * size)[np.array(mode) == OPEN].any():
             raise _StoppedError(MotionStatus.PASSED)
@@ -285,59 +302,37 @@ class Search:
         ignored: int = -1, keeps: bool = True,
     ) -> tuple[int, float, Floats]:  # fmt: skip
         """The guard that fires first in a phase, when, and the state there."""
-        eq, embedding = self.eq, self.embedding
-        here = Local(eq, mode, z, self.p)
-        guards = [guard for guard in guards_of(eq, mode) if guard != ignored]
-        starts = [started(here, touch, guard) for guard in guards]
-        watched = list(guards)
-        section = None
-        if embedding is not None and embedding.counts(mode):
-            section = embedding.guard
-            assert section is not None
-            watched.append(SECTION * eq.m)
-            starts.append(Start(1, section.jet(here), True) if on_section else Start(0, (), True))
-
-        def watch(states: Floats) -> Floats:
-            values = guard_values(eq, mode, guards, eq.terms(states, self.p))
-            if section is None:
-                return values
-            return np.vstack([values, section.values(states, self.p)])
-
-        t = 0.0
         if most <= 0.0:
-            return TIME, t, z
-        for count, step in enumerate(self.machine.flow(mode).steps(z, self.p, most)):
+            return TIME, 0.0, z
+        phase = _Phase(self, mode, z, touch, on_section=on_section)
+        t, step = 0.0, None
+        for count, step in enumerate(phase.flow.steps(z, self.p, most)):
             if self.keeps and keeps:
                 self._run.steps.append((float(z[-1]) + t, step))
-            for window in series(step, t, watch, starts):
-                early = [start.soon(step.length) if t == 0.0 else math.inf for start in starts]
-                falls = [
-                    time if time < math.inf else each.falls()
-                    for time, each in zip(early, window, strict=True)
-                ]
-                k = min(range(len(falls)), key=falls.__getitem__, default=-1)
-                if k >= 0 and early[k] == falls[k] < math.inf:
-                    return watched[k], early[k], step.exact(early[k])[0]
-                if k >= 0 and falls[k] < math.inf:
-                    width = window[k].high - window[k].low
-                    return watched[k], *self._polished(
-                        mode, watched[k], starts[k], step, t, falls[k], width
-                    )
+            guard, time = phase.fired(step, t, ignored)
+            if guard != TIME:
+                return guard, *self._polished(phase, guard, step, t, time)
             t += step.length
             if count > STEPS_MOST:
                 raise _StoppedError(MotionStatus.STEPS_LIMIT)
+        assert step is not None
         return TIME, t, step.exact(step.length)[0]
 
     def _polished(
-        self, mode: Mode, guard: int, start: Start, step: Step, begin: float, t: float, width: float
+        self, phase: _Phase, guard: int, step: Step, begin: float, t: float
     ) -> tuple[float, Floats]:
-        """A root of a series, made exact by a step of Newton's method."""
+        """The state at a root; that of an interpolant is made exact by a step of Newton's method.
+
+        One that is known from the derivatives of its guard is so already.
+        """
         z, _ = step.exact(t - begin)
-        here = Local(self.eq, mode, z, self.p)
+        if phase.width == 0.0:
+            return t, z
+        here = Local(self.eq, phase.mode, z, self.p)
         value, rate = self.value_and_rate(here, guard)
         if begin == 0.0:
-            value -= float(start.noise(np.array(t)))
-        if rate < 0.0 and abs(value) < POLISHED * width * -rate:
+            value -= float(phase.starts[phase.watched.index(guard)].noise(np.array(t)))
+        if rate < 0.0 and abs(value) < POLISHED * phase.width * -rate:
             t -= value / rate
             z, _ = step.exact(t - begin)
         return t, z
@@ -386,13 +381,15 @@ class Search:
     def _strike(self, contacts: tuple[int, ...], _: int) -> Impact:
         """The contact problems of compression and expansion."""
         found, n = self._run, self.eq.n
-        outcome, impact = decide(self.eq, self.eq.terms(found.z, self.p), contacts)
+        before = found.z[n : 2 * n]
+        outcome, impact, u, impulses = decide(
+            self.eq, self.eq.terms(found.z, self.p), contacts, before
+        )
         if impact is None:
             raise _StoppedError(_OF_OUTCOME.get(outcome, MotionStatus.AMBIGUOUS))
-        struck = carry_out(self.eq, impact, found.z, self.p)
-        before = found.z[n : 2 * n]
-        found.z = struck.z
-        self._note(impact.symbol, before, struck.impulses)
+        found.z = found.z.copy()
+        found.z[n : 2 * n] = u
+        self._note(impact.symbol, before, impulses)
         self._touch = self._collapsed(impact)
         return impact
 
@@ -405,6 +402,8 @@ class Search:
         z, eq = self._run.z, self.eq
         terms = eq.terms(z, self.p)
         touch = implied(terms, after(impact), impact.held)
+        if not touch.leaving:
+            return touch
         free = np.abs(np.linalg.solve(terms.mass, terms.force))
         pull = np.abs(terms.w_n) @ free + np.abs(terms.bar_n)
         instant = COLLAPSED * max(abs(z[-1]), *self._run.durations[-1:], 0.0)
@@ -506,6 +505,73 @@ class Search:
             mode, found.z, self._touch, 2.0 * tail, ignored=GAP * self.eq.m + i, keeps=False
         )
         return guard == TIME
+
+
+class _Phase:
+    """The guards of a phase, and which fires first.
+
+    Attributes
+    ----------
+    watched, starts
+        The guards, and how they begin.
+    width
+        Of the interpolant by which the last root was found; 0 where that is as exact as doubles.
+    """
+
+    def __init__(
+        self, search: Search, mode: Mode, z: Floats, touch: Touch, *, on_section: bool
+    ) -> None:
+        eq, embedding = search.eq, search.embedding
+        self.mode, self._eq, self._p, self.width = mode, eq, search.p, 0.0
+        self._section = embedding.guard if embedding and embedding.counts(mode) else None
+        self.flow = search.machine.flow(mode, section=self._section)
+        self.watched = guards_of(eq, mode)
+        self._guards = list(self.watched)
+        if self.flow.has_guards:
+            self.starts = [Start(touch.order(eq, mode, guard)) for guard in self.watched]
+        else:
+            here = Local(eq, mode, z, self._p)
+            self.starts = [started(here, touch, guard) for guard in self.watched]
+        if self._section is not None:
+            self.watched.append(SECTION * eq.m)
+            jet = self._section.jet(Local(eq, mode, z, self._p)) if on_section else ()
+            self.starts.append(Start(int(on_section), jet, True))
+        self._above: list[bool] | None = None
+
+    def fired(self, step: Step, begin: float, ignored: int) -> tuple[int, float]:
+        """The guard that fires first in a step that begins at a time, and when; TIME if none."""
+        if self.flow.has_guards:
+            return self._of_polynomials(step, begin, ignored)
+        for window in series(step, begin, self._values, self.starts):
+            best, time, self.width = TIME, math.inf, 0.0
+            for guard, start, each in zip(self.watched, self.starts, window, strict=True):
+                if guard == ignored:
+                    continue
+                early = start.soon(step.length) if begin == 0.0 else math.inf
+                t = early if early < math.inf else each.falls()
+                if t < time:
+                    best, time = guard, t
+                    self.width = 0.0 if early < math.inf else each.high - each.low
+            if best != TIME:
+                return best, time
+        return TIME, math.inf
+
+    def _of_polynomials(self, step: Step, begin: float, ignored: int) -> tuple[int, float]:
+        best, time = TIME, math.inf
+        found = Polynomials(step.length, step.guards, begin, self.starts, self._above)
+        for k, (guard, low) in enumerate(zip(self.watched, found.lowest, strict=True)):
+            if low <= 0.0 and guard != ignored:
+                t = found[k].falls()
+                if t < time:
+                    best, time = guard, t
+        self._above = found.ends_above()
+        return best, time
+
+    def _values(self, states: Floats) -> Floats:
+        values = guard_values(self._eq, self.mode, self._guards, self._eq.terms(states, self._p))
+        if self._section is None:
+            return values
+        return np.vstack([values, self._section.values(states, self._p)])
 
 
 def short_flight(here: Local, i: int, speed: float) -> float:

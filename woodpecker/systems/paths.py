@@ -15,8 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.systems.flows import LostError, Step
-from woodpecker.systems.guards import Least, Series, Start, series
+from woodpecker.systems.flows import STEPS_MOST, LostError, Step
+from woodpecker.systems.guards import Least, Polynomials, Series, Start, series
 from woodpecker.systems.impacts import (
     ALONG,
     NORMAL_SIDE,
@@ -37,15 +37,17 @@ from woodpecker.systems.motion import Leg, Machine, Run, short_flight, started
 from woodpecker.systems.sections import Embedding
 
 # Kinds of margins, in the order in which a phase meets them.
-SLACK, BOUNCES, START, EARLY, SPEED, MEETING, DIP, PHASE = range(8)
+SLACK, BOUNCES, START, EARLY, SPEED, MEETING, DIP, PHASE, SETTLES = range(9)
 # SLACK: an inequality of an impact; BOUNCES: 1 - ratio of bounces that accumulate; START: a guard
 # of a contact at rest where the phase begins; EARLY: the duration of a phase, if it is negative;
 # SPEED: the rate of the guard that fires, times its modulus; MEETING: another guard then; DIP: the
-# least value of a guard at a minimum in the phase; PHASE: time from the ends of a period
+# least value of a guard at a minimum in the phase; PHASE: time from the ends of a period; SETTLES:
+# START times the speed of the impact before, where that has been slow
 KINDS, ITEMS = 10, 512  # codes are (KINDS * phase + kind) * ITEMS + item
 NEWTON_MOST = 12  # iterations of an event time; more say that there is no root nearby
 SETTLED = 2.0**-50  # relative: an event time that moves by less has converged
 BOUNCES_MOST = 1000  # that accumulate; a ratio of 0.98 needs so many
+SLOW = 4.0  # a gap f hardly falls where f''^2 < 4 f' f'''; where three roots meet it is 2 f' f'''
 FURTHER = 4.0  # times the neighbour's duration until which a first root is looked for
 SOON = 1e-3  # of a step: a guard that its first derivatives bring back within it does fall
 DIFFERENCE = 1e-5  # relative step of central differences of rates of forces
@@ -124,13 +126,14 @@ class Following:
         self.notes: dict[int, tuple[float, Floats]] = {}
         self._fired: int = 0  # the contact of the guard that ended the last phase
         self._flight: tuple[float, Floats] | None = None  # its duration, if it began at rest
+        self._slow: tuple[float, Floats] | None = None  # the rate at which it ended, if it is slow
 
     def follow(self, x: Floats, times: Floats) -> Along:
         """The return; NoRootError or LostError if the path does not reach so far."""
         z, tangents = self.embedding.state(x, self.p)
         self._z, self._tangents, found = z, tangents, times.copy()
         self._mark = z, tangents
-        self._fired, self._flight = 0, None
+        self._fired, self._flight, self._slow = 0, None, None
         k = repeated = 0
         while k < len(self.path.legs):
             leg = self.path.legs[k]
@@ -208,9 +211,12 @@ class Following:
             raise NoRootError
         for slack, gradient, item in zip(
             struck.slacks, struck.gradients, struck.items, strict=True
-        ):  # all are in proportion to the speed at which the gap closes, and do not vanish with it
-            quotient = float(slack) / -fast
-            self._note(k, SLACK, item, quotient, -(gradient + quotient * turn) / fast)
+        ):
+            quotient = float(slack)
+            if item % 4 != ALONG:  # in proportion to the speed at which the gap closes
+                quotient /= -fast
+                gradient = -(gradient + quotient * turn) / fast
+            self._note(k, SLACK, item, quotient, gradient)
         self._z, self._tangents = struck.z, struck.tangents
 
     def _sum(self, i: int, k: int, mark: Floats, memory: Floats) -> None:
@@ -260,7 +266,7 @@ class Following:
         watch = list(starts)
         t = math.nan if near is None else self._root_near(steps, leg, starts[leg.guard], near)
         if not math.isfinite(t):
-            t = self._first_root(steps, leg, watch, list(starts.values()), near)
+            t = self._first_root(steps, leg, starts, near)
         z, changes = steps.exact(t)
         there = Local(eq, leg.mode, z, self.p)
         tangents = changes[:, : eq.size] @ self._tangents
@@ -310,39 +316,49 @@ class Following:
         return t if abs(step) <= 1e-9 * abs(t) and rate < 0.0 else math.nan
 
     def _first_root(
-        self, steps: _Steps, leg: Leg, watch: Sequence[int], starts: Sequence[Start],
-        near: float | None,
-    ) -> float:  # fmt: skip
+        self, steps: _Steps, leg: Leg, starts: dict[int, Start], near: float | None
+    ) -> float:
         """The first root of the guard that fires; NoRootError if there is none soon."""
-        k = watch.index(leg.guard)
-        begin = 0.0
-        for step in steps.all():
-            for window in self._series(leg, step, begin, watch, starts):
-                t = starts[k].soon(step.length) if begin == 0.0 else math.inf
-                if t < math.inf:
-                    return t
-                t = window[k].falls()
-                if t < math.inf:
-                    better = self._root_near(steps, leg, starts[k], t) if t > 0.0 else t
-                    return better if math.isfinite(better) else t
-            begin += step.length
-            if near is not None and begin > FURTHER * abs(near) + steps.first.length:
-                break
+        k, start = list(starts).index(leg.guard), starts[leg.guard]
+        t = start.soon(steps.first.length)
+        if t < math.inf:
+            return t
+        most = math.inf if near is None else FURTHER * abs(near) + steps.first.length
+        for window in self._windows(steps, leg, most, starts):
+            t = window[k].falls()
+            if t < math.inf:
+                better = self._root_near(steps, leg, start, t) if t > 0.0 else t
+                return better if math.isfinite(better) else t
         raise NoRootError
 
-    def _series(
-        self, leg: Leg, step: Step, begin: float, watch: Sequence[int], starts: Sequence[Start]
-    ) -> Iterator[list[Series]]:
-        own = [guard for guard in watch if guard != SECTION * self.eq.m]
+    def _windows(
+        self, steps: _Steps, leg: Leg, until: float, starts: dict[int, Start]
+    ) -> Iterator[Sequence[Series] | Polynomials]:
+        """The guards until a time, interval by interval."""
+        begin, every = 0.0, list(starts.values())
+        section = self.embedding.guard if self.embedding.counts(leg.mode) else None
+        flow = self.machine.flow(leg.mode, section=section)
+        own = [guard for guard in starts if guard != SECTION * self.eq.m]
 
         def values(states: Floats) -> Floats:
             found = guard_values(self.eq, leg.mode, own, self.eq.terms(states, self.p))
-            if len(own) == len(watch):
-                return found
-            assert self.embedding.guard is not None
-            return np.vstack([found, self.embedding.guard.values(states, self.p)])
+            return found if section is None else np.vstack([found, section.values(states, self.p)])
 
-        return series(step, begin, values, starts)
+        made = flow.steps(*steps.start) if flow.has_guards else steps.all()
+        above = None
+        for step in made:
+            if begin >= until:
+                return
+            if flow.has_guards:
+                found = Polynomials(step.length, step.guards, begin, every, above)
+                above = found.ends_above()
+                yield found
+            else:
+                for window in series(step, begin, values, every):
+                    if not window or window[0].low >= until:
+                        return
+                    yield window
+            begin += step.length
 
     # --- Margins ----------------------------------------------------------------------------------
 
@@ -351,6 +367,10 @@ class Following:
 
         A gap that opens as its force vanishes has, and a slip that starts at the edge of its cone,
         an acceleration in proportion to how fast the bound was reached: no border by itself.
+
+        Where three roots of a gap meet the contact strikes without speed and acceleration; it stays
+        on one side, and leaves from rest on the other. In the distance from there the acceleration
+        goes like the power 1/3 and the speed like 2/3: only their product is smooth.
         """
         for guard in guards_of(self.eq, leg.mode):
             kind, i = divmod(guard, self.eq.m)
@@ -366,7 +386,11 @@ class Following:
                 t, delay = self._flight  # the force is in proportion to a flight that began at rest
                 margin /= t
                 gradient = (gradient - margin * delay) / t
-            self._note(k, START, guard, margin, gradient)
+            if self._slow is not None and leg.impact is not None and i == self._fired:
+                rate, turn = self._slow
+                self._note(k, SETTLES, guard, -rate * margin, -rate * gradient - margin * turn)
+            else:
+                self._note(k, START, guard, margin, gradient)
 
     def _gradients(self, here: Local, guard: int, tangents: Floats) -> tuple[Floats, Floats]:
         """Derivatives of a guard and of its rate, along the tangents at a fixed time."""
@@ -413,11 +437,21 @@ class Following:
         turn = (rate_turn + bends * delay) / scale
         if start.order and t > 0.0:
             turn -= start.order * slope * delay / t
-        if not (start.order and start.comes_back() < SOON * length):  # else it falls for certain
+        self._slow = (rate, rate_turn + bends * delay) if self._is_slow(there, leg) else None
+        certain = start.order and start.comes_back() < SOON * length
+        if not certain and self._slow is None:
             self._note(k, SPEED, leg.guard, -slope * abs(slope), -2.0 * abs(slope) * turn)
         if t < 0.0:
             self._note(k, EARLY, leg.guard, t, delay)
         return delay
+
+    def _is_slow(self, there: Local, leg: Leg) -> bool:
+        """Whether a gap hardly falls where it closes, and cannot graze nearby for all that."""
+        kind, i = divmod(leg.guard, self.eq.m)
+        if kind != GAP or i in leg.touch.closed | leg.touch.leaving:
+            return False
+        _, rate, second, third = there.jet(leg.guard)
+        return second * second < SLOW * rate * third
 
     def _second_rate(self, here: Local, guard: int) -> float:
         """The second derivative of a guard in time."""
@@ -474,19 +508,6 @@ class Following:
                     continue  # it does not fall through zero there
                 self._note_dip(steps, leg, k, guard, found.time[guard], sign)
 
-    def _windows(
-        self, steps: _Steps, leg: Leg, t: float, starts: dict[int, Start]
-    ) -> Iterator[list[Series]]:
-        """The series of all guards until a time."""
-        begin, k = 0.0, 0
-        while begin < t:
-            step = steps.step(k)
-            for window in self._series(leg, step, begin, list(starts), list(starts.values())):
-                if not window or window[0].low >= t:
-                    return
-                yield window
-            begin, k = begin + step.length, k + 1
-
     def _note_dip(self, steps: _Steps, leg: Leg, k: int, guard: int, t: float, sign: float) -> None:
         z, changes = steps.exact(t)
         here, eq = Local(self.eq, leg.mode, z, self.p), self.eq
@@ -503,6 +524,7 @@ class _Steps:
     """The steps of a phase, made as far as they are asked for."""
 
     def __init__(self, machine: Machine, leg: Leg, z: Floats, p: Floats, most: float) -> None:
+        self.start = z, p, most
         self._source = machine.flow(leg.mode, varies=True).steps(z, p, most)
         self._made: list[Step] = []
         self._begins = [0.0]
@@ -521,9 +543,10 @@ class _Steps:
         """The first step."""
         return self._made[0] if self._made else self._more()
 
-    def all(self) -> Sequence[Step]:
-        """All steps, one after the other, without end."""
-        return _Endless(self)
+    def all(self) -> Iterator[Step]:
+        """All steps, one after the other."""
+        for k in range(STEPS_MOST):
+            yield self.step(k)
 
     def exact(self, t: float) -> tuple[Floats, Floats]:
         """State and derivatives at a time, also before the start of the phase."""
@@ -537,19 +560,6 @@ class _Steps:
         while len(self._made) <= k:
             self._more()
         return self._made[k]
-
-
-class _Endless(Sequence[Step]):
-    """Steps as a sequence without end; whoever reads it must stop."""
-
-    def __init__(self, steps: _Steps) -> None:
-        self._steps = steps
-
-    def __getitem__(self, k: int) -> Step:  # type: ignore[override]
-        return self._steps.step(k)
-
-    def __len__(self) -> int:
-        return 10**9
 
 
 # --- Causes ---------------------------------------------------------------------------------------
@@ -584,7 +594,7 @@ def cause_of(path: Path, code: int, names: Sequence[str]) -> str:
         return f"{fired} before phase {k} begins"
     if kind == MEETING:
         return f"{_guard(item, names)} in the instant in which {fired} at the end of phase {k}"
-    if kind == START:
+    if kind in (START, SETTLES):
         return f"{_guard(item, names)} where phase {k} begins"
     if item // m == GAP:
         return f"{names[item]} grazes in phase {k}"

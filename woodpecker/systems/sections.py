@@ -253,7 +253,7 @@ class SectionGuard:
         self._function = eq.function([both.jacobian(eq.along), both.jacobian(a)], a)
         self._values = eq.function([both], a)
         self._value = eq.function([sympy.Matrix([value])])
-        self._n = eq.n
+        self.when = when
 
     def values(self, z: Floats, p: Floats) -> Floats:
         """Values (b,) at states (b, N)."""

@@ -1,9 +1,13 @@
-"""The motion within one mode by heyoka's Taylor series, compiled once for each mode."""
+"""The motion within one mode by heyoka's Taylor series, compiled once for each mode.
+
+Without derivatives the guards of the mode are integrated along with the state: their Taylor
+polynomials say when they fire.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import heyoka as hy
@@ -13,39 +17,71 @@ import sympy
 from woodpecker.base.arrays import Floats
 from woodpecker.systems.equations import Equations
 from woodpecker.systems.flows import STEPS_MOST, LostError, Step
-from woodpecker.systems.modes import OPEN, SLIDE_UP, STICK, Mode
+from woodpecker.systems.modes import (
+    CONE_UP,
+    GAP,
+    NORMAL,
+    OPEN,
+    SLIDE_UP,
+    SLIP,
+    STICK,
+    Mode,
+    guards_of,
+)
 
 TOLERANCE = 2.0**-53  # of the Taylor series: the rounding of doubles
 SMALL = 400  # numbers of a state from which on compiling in compact mode pays
 
 
 class TaylorFlow:
-    """The motion in one mode by Taylor series, with its variational equations if asked."""
+    """The motion in one mode by Taylor series, with its variational equations if asked.
 
-    def __init__(self, eq: Equations, mode: Mode, *, varies: bool) -> None:
-        self._eq, self._varies = eq, varies
-        state = hy.make_vars(*(f"z{k}" for k in range(eq.size)))
-        values = [hy.par[k] for k in range(len(eq.p))]
-        names = dict(zip(eq.symbols, [*state, *values], strict=True))
-        n = eq.n
-        rates = [*state[n : 2 * n], *_accelerations(eq, mode, names), hy.expression(1.0)]
-        system: Any = list(zip(state, rates, strict=True))
+    Parameters
+    ----------
+    eq, mode
+        The equations, and the states of all contacts.
+    varies
+        Whether there are derivatives; else there are guards.
+    when
+        The expression of a section, whose fall through zero is the last guard; None: no section.
+    """
+
+    def __init__(
+        self, eq: Equations, mode: Mode, *, varies: bool, when: sympy.Expr | None = None
+    ) -> None:
+        self._eq, self._varies, self.has_guards = eq, varies, not varies
+        terms = _Expressions(eq, mode)
+        system: Any = list(zip(terms.state, terms.rates, strict=True))
+        self._starts: Any = None
         if varies:
-            system = hy.var_ode_sys(system, [*state, *(hy.par[k] for k in eq.places)], 1)
-        size = eq.size * (1 + eq.columns if varies else 1)
+            parameters = [hy.par[k] for k in eq.places]
+            system = hy.var_ode_sys(system, [*terms.state, *parameters], 1)
+            size = eq.size * (1 + eq.columns)
+        else:
+            values, rates = terms.guards(when)
+            marks = [hy.expression(f"g{k}") for k in range(len(values))]
+            system += list(zip(marks, rates, strict=True))
+            size = eq.size + len(marks)
+            if values:
+                self._starts = hy.cfunc(values, vars=terms.state)
         self._integrator = hy.taylor_adaptive(
-            system, np.zeros(eq.size), tol=TOLERANCE, compact_mode=size > SMALL or varies
+            system, np.zeros(eq.size if varies else size), tol=TOLERANCE,
+            compact_mode=size > SMALL or varies,
         )  # fmt: skip
+        self._pars = self._integrator.pars
         self._start = np.eye(eq.size, eq.columns).ravel() if varies else np.zeros(0)
 
     def steps(self, z: Floats, p: Floats, most: float) -> Iterator[Step]:
         """Steps in turn; the last one ends at a time that may be negative."""
-        state = np.concatenate([z, self._start])
+        size, integrator, pars = self._eq.size, self._integrator, self._pars
+        more = self._start
+        if self._starts is not None:
+            more = self._starts(z, pars=p[: self._starts.nparams])
+        state = np.concatenate([z, more])
         t = 0.0
         for _ in range(STEPS_MOST):
-            integrator = self._integrator  # others may have used it since
-            if len(integrator.pars):
-                integrator.pars[:] = p[: len(integrator.pars)]
+            if len(pars):  # others may have used the integrator since
+                pars[:] = p[: len(pars)]
             integrator.time = 0.0
             integrator.state[:] = state
             left = most - t
@@ -53,62 +89,148 @@ class TaylorFlow:
                 outcome, length = integrator.step(write_tc=True)
             else:
                 outcome, length = integrator.step(left, write_tc=True)
-            if outcome == hy.taylor_outcome.err_nf_state or not np.isfinite(integrator.state).all():
-                raise LostError
             state = integrator.state.copy()
-            yield _TaylorStep(self._eq, integrator.tc.copy(), length)
+            if outcome == hy.taylor_outcome.err_nf_state or not math.isfinite(state.sum()):
+                raise LostError
+            yield TaylorStep(integrator.tc.copy(), length, size, varies=self._varies)
             t += length
             if outcome == hy.taylor_outcome.time_limit:
                 return
         raise LostError
 
 
-class _TaylorStep:
-    """A step: the Taylor polynomials of all numbers of the state."""
+class TaylorStep:
+    """A step: the Taylor polynomials of all numbers of the state, and of guards.
 
-    def __init__(self, eq: Equations, coefficients: Floats, length: float) -> None:
-        self._eq, self._coefficients, self.length = eq, coefficients, length
+    Attributes
+    ----------
+    length
+        How long it is.
+    guards
+        (g, order + 1) Taylor coefficients of the guards; empty if derivatives are known.
+    """
+
+    def __init__(self, coefficients: Floats, length: float, size: int, *, varies: bool) -> None:
+        self._size, self.length = size, length
+        self._coefficients = coefficients if varies else coefficients[:size]
+        self.guards = coefficients[:0] if varies else coefficients[size:]
+        self._powers = np.arange(coefficients.shape[1])
 
     def states(self, times: Floats) -> Floats:
         """States (b, N)."""
-        powers = times[:, None] ** np.arange(self._coefficients.shape[1])
-        found: Floats = powers @ self._coefficients[: self._eq.size].T
+        found: Floats = times[:, None] ** self._powers @ self._coefficients[: self._size].T
         return found
 
     def exact(self, t: float) -> tuple[Floats, Floats]:
-        """The state and its derivatives, by Horner's rule."""
-        y = self._coefficients[:, -1].copy()
-        for column in self._coefficients.T[-2::-1]:
-            y = y * t + column
-        size = self._eq.size
-        return y[:size], y[size:].reshape(size, -1)
+        """The state and its derivatives."""
+        y = self._coefficients @ t**self._powers
+        return y[: self._size], y[self._size :].reshape(self._size, -1)
 
 
-def _accelerations(eq: Equations, mode: Mode, names: dict[sympy.Symbol, Any]) -> list[Any]:
-    """The accelerations of a mode as expressions: the balance, eliminated."""
-    mass, force, w_n, w_t, bar_n, bar_t, mu = (
-        [[_converted(entry, names) for entry in row] for row in each.tolist()]
-        for each in eq.expressions
-    )
-    n = eq.n
-    closed = [i for i, state in enumerate(mode) if state != OPEN]
-    stuck = [i for i in closed if mode[i] == STICK]
-    zero, size = hy.expression(0.0), n + len(closed) + len(stuck)
-    rows = [[zero] * (size + 1) for _ in range(size)]
-    for j in range(n):
-        rows[j][:n], rows[j][size] = mass[j], force[j][0]
+def balances(eq: Equations, mode: Mode) -> Callable[[Floats, Floats], Floats]:
+    """A compiled function of state and parameters.
+
+    It gives accelerations (n,), and forces lambda_N and lambda_T (m,).
+    """
+    terms = _Expressions(eq, mode)
+    function = hy.cfunc([*terms.a, *terms.l_n, *terms.l_t], vars=terms.state)
+    needs = function.nparams
+
+    def found(z: Floats, p: Floats) -> Floats:
+        values: Floats = function(z, pars=p[:needs])
+        return values
+
+    return found
+
+
+class _Expressions:
+    """The motion in a mode in heyoka's expressions.
+
+    Attributes
+    ----------
+    state, rates
+        z = (q, u, t), and z'.
+    a, l_n, l_t
+        Accelerations and contact forces.
+    """
+
+    def __init__(self, eq: Equations, mode: Mode) -> None:
+        self._eq, self._mode = eq, mode
+        self.state = [hy.expression(f"z{k}") for k in range(eq.size)]
+        values = [hy.par[k] for k in range(len(eq.p))]
+        self._names = dict(zip(eq.symbols, [*self.state, *values], strict=True))
+        self._terms = [self._converted(each) for each in eq.expressions]
+        self._balance()
+        n = eq.n
+        self.rates = [*self.state[n : 2 * n], *self.a, hy.expression(1.0)]
+
+    def _converted(self, matrix: Any) -> list[list[Any]]:
+        return [[_converted(entry, self._names) for entry in row] for row in matrix.tolist()]
+
+    def _balance(self) -> None:
+        """The linear system of :func:`woodpecker.systems.modes.balance`, eliminated."""
+        eq, mode, n = self._eq, self._mode, self._eq.n
+        mass, force, w_n, w_t, bar_n, bar_t, mu = self._terms
+        closed = [i for i, state in enumerate(mode) if state != OPEN]
+        stuck = [i for i in closed if mode[i] == STICK]
+        zero, size = hy.expression(0.0), n + len(closed) + len(stuck)
+        rows = [[zero] * (size + 1) for _ in range(size)]
+        for j in range(n):
+            rows[j][:n], rows[j][size] = mass[j], force[j][0]
+            for k, i in enumerate(closed):
+                pull = w_n[i][j]
+                if mode[i] != STICK and eq.rubs[i]:
+                    friction = mu[i][0] * w_t[i][j]
+                    pull = pull - friction if mode[i] == SLIDE_UP else pull + friction
+                rows[j][n + k] = -pull
+            for k, i in enumerate(stuck):
+                rows[j][n + len(closed) + k] = -w_t[i][j]
+        bars = [(w_n[i], bar_n[i]) for i in closed] + [(w_t[i], bar_t[i]) for i in stuck]
+        for k, (row, bar) in enumerate(bars):
+            rows[n + k][:n], rows[n + k][size] = row, -bar[0]
+        x = _eliminated(rows)
+        self.a, self.l_n, self.l_t = x[:n], [zero] * eq.m, [zero] * eq.m
         for k, i in enumerate(closed):
-            pull = w_n[i][j]
+            self.l_n[i] = x[n + k]
             if mode[i] != STICK and eq.rubs[i]:
-                friction = mu[i][0] * w_t[i][j]
-                pull = pull - friction if mode[i] == SLIDE_UP else pull + friction
-            rows[j][n + k] = -pull
+                sign = -1.0 if mode[i] == SLIDE_UP else 1.0
+                self.l_t[i] = sign * mu[i][0] * x[n + k]
         for k, i in enumerate(stuck):
-            rows[j][n + len(closed) + k] = -w_t[i][j]
-    for k, (row, bar) in enumerate([(w_n[i], bar_n[i]) for i in closed] +
-                                   [(w_t[i], bar_t[i]) for i in stuck]):  # fmt: skip
-        rows[n + k][:n], rows[n + k][size] = row, -bar[0]
-    return _eliminated(rows)[:n]
+            self.l_t[i] = x[n + len(closed) + k]
+
+    def guards(self, when: sympy.Expr | None) -> tuple[list[Any], list[Any]]:
+        """All guards of the mode, and their rates."""
+        eq, values, rates = self._eq, list[Any](), list[Any]()
+        w_t, bar_t, mu = self._terms[3], *self._terms[5:]
+        gaps, gap_rates, slips = (
+            [row[0] for row in self._converted(each)] for each in eq.kinematics
+        )
+        for guard in guards_of(eq, self._mode):
+            kind, i = divmod(guard, eq.m)
+            if kind == GAP:
+                values.append(gaps[i])
+                rates.append(gap_rates[i])
+            elif kind == SLIP:
+                sign = 1.0 if self._mode[i] == SLIDE_UP else -1.0
+                values.append(sign * slips[i])
+                turned = [w * a for w, a in zip(w_t[i], self.a, strict=True)]
+                rates.append(sign * (hy.sum(turned) + bar_t[i][0]))
+            else:
+                cone = -1.0 if kind == CONE_UP else 1.0
+                value = self.l_n[i]
+                if kind != NORMAL:
+                    value = mu[i][0] * value + cone * self.l_t[i]
+                values.append(value)
+                rates.append(self._rate(value))
+        if when is not None:
+            values.append(-_converted(when, self._names))
+            rates.append(self._rate(values[-1]))
+        return values, rates
+
+    def _rate(self, value: Any) -> Any:
+        """The derivative of an expression in time."""
+        slopes = hy.diff_tensors([value], diff_args=self.state).gradient
+        return hy.sum([d * v for d, v in zip(slopes, self.rates, strict=True) if not _is_zero(d)])
 
 
 def _converted(entry: sympy.Expr, names: dict[sympy.Symbol, Any]) -> Any:
