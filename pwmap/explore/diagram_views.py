@@ -6,11 +6,12 @@ from typing import Any
 
 import numpy as np
 from bokeh.core.property.descriptors import UnsetValueError
-from bokeh.models import Range1d, Span
+from bokeh.models import Range1d
 
 from pwmap.explore.diagrams import Shown
 from pwmap.explore.figures import (
     FONT,
+    Put,
     hover,
     new_figure,
     patch,
@@ -69,12 +70,7 @@ class DiagramView:
         self.here = source("x", "y")
         self.moved = False  # whether somebody looks closer than at the whole
         self._shown: Shown | None = None
-        at, figure = (
-            Span(dimension="height", line_color=VIOLET, line_alpha=0.7, level="overlay"),
-            self.figure,
-        )
-        figure.add_layout(at)
-        self.at = at
+        figure = self.figure
         figure.scatter("x", "y", source=self.orbits, size=1.6, color="#636363", alpha=0.35)
         figure.multi_line("xs", "ys", source=self.selected, **select_style())
         figure.multi_line(
@@ -83,6 +79,7 @@ class DiagramView:
         samples = figure.scatter("x", "y", source=self.samples, size=9, alpha=0.0)
         marks = _marks(figure, self.points)
         _texts(figure, self.names)
+        figure.vspan("x", source=self.here, color=VIOLET, line_alpha=0.7, level="overlay")
         figure.scatter(
             "x", "y", source=self.here, size=12, fill_color=None, line_color=VIOLET, line_width=2.5,
             level="overlay",
@@ -131,10 +128,9 @@ class DiagramView:
         """Mark one branch."""
         patch(self.selected, **_part(self._shown.lines if self._shown else None, branch))
 
-    def stand(self, p: float, x: float) -> None:
-        """Show where the page is."""
-        self.at.location = p
-        patch(self.here, x=[p], y=[x])
+    def stand(self, p: float, x: float, put: Put = patch) -> None:
+        """Show where the page is; nan if it has no height."""
+        put(self.here, x=[p], y=[x])
 
     def _renamed(self, attr: str, old: object, new: object) -> None:
         self._name()

@@ -24,6 +24,7 @@ SELECTED = "#fec44f"  # around what is selected, under everything else
 SHORT = 100  # values that go as a list
 SHRUNK = 0.6  # of an axis: what fills less of it is shown larger
 SMALL, PLAIN = "11px", "12px"
+Put = Callable[..., None]  # puts columns into a table: patch, or Frame.put while a slider moves
 
 
 def new_figure(

@@ -109,7 +109,7 @@ class MapTab:
         self.state, self.message, self.due = state, "", True
         if state.axis:
             value = float(rational(state.place[state.axis]))
-            self.diagram.at.location = value
+            self.diagram.stand(value, np.nan)
         names = [name for name in state.plane if name in state.parameters]
         if len(names) == 2:
             x, y = (float(rational(state.place[name])) for name in names)

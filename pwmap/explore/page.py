@@ -14,9 +14,12 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+import numpy.typing as npt
 from bokeh.core.properties import String
 from bokeh.document import Document
 from bokeh.model import DataModel
+from bokeh.models import ColumnDataSource
 from jinja2 import Environment, FileSystemLoader, select_autoescape
 
 FOLDER = Path(__file__).parent / "files"
@@ -70,6 +73,37 @@ class Control:
     exact: bool = False
 
 
+class Frame:
+    """New columns of tables, for one letter: they are drawn by ``sketch.js``, and not by Bokeh.
+
+    Attributes
+    ----------
+    tables
+        Columns by the id of their table: a list, or where its numbers lie among all of them.
+    """
+
+    def __init__(self) -> None:
+        self.tables: dict[str, dict[str, Any]] = {}
+        self._parts: list[npt.NDArray[np.float64]] = []
+        self._size = 0
+
+    def put(self, table: ColumnDataSource, /, **columns: Any) -> None:
+        """Put new columns into a table, all at once."""
+        self.tables[table.id] = {name: self._part(values) for name, values in columns.items()}
+
+    @property
+    def numbers(self) -> npt.NDArray[np.float64]:
+        """All numbers, one after the other."""
+        return np.concatenate([np.empty(0), *self._parts])
+
+    def _part(self, values: Any) -> Any:
+        if not isinstance(values, np.ndarray):
+            return list(values)
+        self._parts.append(values.astype(float))
+        self._size += values.size
+        return {"at": self._size - values.size, "n": values.size}
+
+
 def fill(
     document: Document, template: Path, roots: Sequence[Any], verbs: Mapping[str, Verb],
     **variables: Any,
@@ -93,15 +127,22 @@ def fill(
     Returns
     -------
     callable
-        Sends an answer: values that are told to the script of the page.
+        Sends an answer: values that are told to the script of the page, and the :class:`Frame`
+        ``frame``, if there is one.
     """
     wish, answer = Wish(name="wish"), Answer(name="answer")
+    numbers = ColumnDataSource({"all": np.empty(0)}, name="numbers")  # of a frame
     count = 0
 
     def say(values: Mapping[str, Any]) -> None:
         nonlocal count
         count += 1
-        answer.text = json.dumps({**values, "count": count})
+        told = dict(values)
+        frame: Frame | None = told.pop("frame", None)
+        if frame is not None:
+            numbers.data = {"all": frame.numbers}
+            told["tables"] = frame.tables
+        answer.text = json.dumps({**told, "count": count})
 
     def hear(_: str, __: str, text: str) -> None:
         told: dict[str, Any] = {}
@@ -116,7 +157,7 @@ def fill(
         say(told)
 
     wish.on_change("text", hear)
-    roots[0].tags = [wish, answer]  # so that they are parts of the document
+    roots[0].tags = [wish, answer, numbers]  # so that they are parts of the document
     for root in roots:
         document.add_root(root)
     document.template = _environment(template.parent).get_template(template.name)

@@ -13,9 +13,9 @@ from bokeh.events import RangesUpdate
 
 from pwmap.explore.diagram_views import DiagramView, GraphView
 from pwmap.explore.diagrams import Shown, nearest_line, nearest_sample
-from pwmap.explore.figures import on_click
+from pwmap.explore.figures import Put, on_click, patch
 from pwmap.explore.jobs import Failure, Finished, Job, is_warm
-from pwmap.explore.page import numbers
+from pwmap.explore.page import Frame, numbers
 from woodpecker import Toy, parameters
 from woodpecker.explore.branches import Key, Progress, at_sample, diagram, key_of, orbits
 from woodpecker.explore.model import TOY_MODEL, MapCurve, Model, Motion, fine_map
@@ -62,6 +62,7 @@ class Tab:
         self.work, self.stage, self.branch = Work(), "", ""
         self._shown: Shown | None = None
         self._now: Motion | None = None
+        self._frame: Frame | None = None
         self._refine_at, self._search_at = np.inf, np.inf
         self._key: Key | None = None
         self._orbits_of: Any = None
@@ -78,13 +79,15 @@ class Tab:
         self.state = state
         if self.work.curve is not None:
             self.work.curve.stop()
+        self._frame = Frame() if moving else None
+        put = self._put
         for curve in self.model.curves(state, fine=False):
-            self.map.show(curve, state.order)
-        self.map.follow(self.model.orbit(state))
+            self.map.show(curve, state.order, put)
+        self.map.follow(self.model.orbit(state), put)
         self._now = self.model.motion(state)
-        self.motion.show(self._now, state, moving=moving)
-        self.word.show(self._now.marks)
-        self.diagram.stand(state.value, state.phi_s)
+        self.motion.show(self._now, state, put, moving=moving)
+        self.word.show(self._now.marks, put)
+        self.diagram.stand(state.value, state.phi_s, put)
         if state.window != before.window:
             self.map.look(state.window)
         self._refine_at = time.monotonic() + REST
@@ -93,6 +96,11 @@ class Tab:
             self.stage = "another diagram is begun soon"
         if not moving:
             self._reselect()
+
+    @property
+    def _put(self) -> Put:
+        """Where columns of tables go: into a letter while a slider moves."""
+        return patch if self._frame is None else self._frame.put
 
     def begin(self) -> None:
         """Draw the first picture."""
@@ -115,7 +123,7 @@ class Tab:
             "query": to_query(state), "start": state.phi_s, "periodic": state.periodic,
             "numbers": {n: _finite(v) for n, v in now.numbers.items()} if now else {},
             "message": self.message or (now.message if now else ""),
-            "shape": {n: getattr(state.toy, n) for n in SHAPE},
+            "shape": {n: getattr(state.toy, n) for n in SHAPE}, "frame": self._frame,
         }  # fmt: skip
         if whole:
             told |= {
@@ -174,7 +182,9 @@ class Tab:
         curve = self.work.curve
         for result in curve.results() if curve is not None else ():
             if isinstance(result, MapCurve):
-                self.map.show(result, self.state.order)
+                self._frame = Frame() if self._frame is not None else None
+                self.map.show(result, self.state.order, self._put)
+                self.say({"frame": self._frame})
         self._hear_of_branches()
         self._hear_of_orbits()
 

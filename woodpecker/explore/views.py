@@ -12,6 +12,7 @@ from pwmap.explore.figures import (
     DASHED,
     DOTTED,
     FONT,
+    Put,
     cobweb,
     hover,
     keep_in,
@@ -91,17 +92,17 @@ class MapView:
         set_range(self.figure.x_range, *window)
         set_range(self.figure.y_range, *window)
 
-    def show(self, found: MapCurve, order: int) -> None:
+    def show(self, found: MapCurve, order: int, put: Put = patch) -> None:
         """Draw a map."""
-        patch(self.curve, x=found.x, y=found.y)
+        put(self.curve, x=found.x, y=found.y)
         for table, lines in (
             (self.jumps, found.jumps), (self.crossings, found.crossings), (self.steep, found.steep),
         ):  # fmt: skip
-            patch(table, **strokes(lines[:, ::2], lines[:, 1::2]))
+            put(table, **strokes(lines[:, ::2], lines[:, 1::2]))
         at = found.crossings[:, 0]
-        patch(self.rings, x=at, y=at)
+        put(self.rings, x=at, y=at)
         colors = [STABLE if stable else UNSTABLE for stable in found.stable]
-        patch(
+        put(
             self.fixed, x=found.fixed, y=found.fixed, color=colors,
             fill=[c if stable else "white" for c, stable in zip(colors, found.stable, strict=True)],
             kind=["stable" if stable else "unstable" for stable in found.stable],
@@ -109,10 +110,10 @@ class MapView:
         )  # fmt: skip
         self.figure.yaxis.axis_label = rf"$$\varphi_{{S,k+{order}}}\ [\mathrm{{rad}}]$$"
 
-    def follow(self, orbit: Floats) -> None:
+    def follow(self, orbit: Floats, put: Put = patch) -> None:
         """Draw the cobweb of an orbit."""
-        patch(self.web, **cobweb(orbit))
-        patch(self.start, x=orbit[:1], y=orbit[:1])
+        put(self.web, **cobweb(orbit))
+        put(self.start, x=orbit[:1], y=orbit[:1])
 
 
 class MotionView:
@@ -136,16 +137,15 @@ class MotionView:
         self.way = source("x", "y")
         self.way.name = "way"
         self.impacts = source("t", "a", "y", "color", "symbol")
-        self.drop, self.struck = source("t", "y"), source("t", "y", "color")
-        self.strokes = source("xs", "ys", "color")
+        self.strokes = source("x0", "y0", "x1", "y1", "color")
         self.now = ColumnDataSource({"x": [0.0], "y": [0.0]}, name="now", syncable=False)
+        self.instant = ColumnDataSource({"t": [0.0]}, name="instant", syncable=False)
         self._stops: list[Span] = []
-        self._shown = 0
         self._draw_histories()
         portrait = self.portrait
         portrait.line("x", "y", source=self.way, color=STABLE, line_width=1.7)
-        portrait.multi_line("xs", "ys", source=self.strokes, color="color", line_dash=DASHED,
-                            line_width=1.7)  # fmt: skip
+        portrait.segment("x0", "y0", "x1", "y1", source=self.strokes, color="color",
+                         line_dash=DASHED, line_width=1.7)  # fmt: skip
         portrait.scatter("x", "y", source=self.now, size=11, color=VIOLET, line_color="white",
                          level="overlay")  # fmt: skip
 
@@ -153,13 +153,7 @@ class MotionView:
         for column, dash in (("phi_s", "solid"), ("phi_m", DASHED)):
             self.angles.line("t", column, source=self.motion, color=STABLE, line_width=1.7,
                              line_dash=dash)  # fmt: skip
-        self.fall.line("t", "y", source=self.drop, color=STABLE, line_width=1.7)
-        for figure in (self.angles, self.fall):
-            instant = Span(
-                location=0.0, dimension="height", line_color=VIOLET, line_width=1.6,
-                level="overlay", name=f"instant_{figure.name}", syncable=False,
-            )  # fmt: skip
-            figure.add_layout(instant)
+        self.fall.line("t", "y", source=self.motion, color=STABLE, line_width=1.7)
         self.angles.xaxis.major_label_text_font_size = "0px"
         self.angles.xaxis.axis_label_text_font_size = "0px"
         for _ in range(3):
@@ -167,26 +161,29 @@ class MotionView:
             self._stops.append(stop)
             self.angles.add_layout(stop)
         self.angles.scatter("t", "a", source=self.impacts, size=7, color="color")
-        self.fall.scatter("t", "y", source=self.struck, size=7, color="color")
+        self.fall.scatter("t", "y", source=self.impacts, size=7, color="color")
+        for figure in (self.angles, self.fall):
+            figure.vspan("t", source=self.instant, color=VIOLET, line_width=1.6, level="overlay")
 
-    def show(self, motion: Motion, state: State, *, moving: bool) -> None:
+    def show(self, motion: Motion, state: State, put: Put = patch, *, moving: bool) -> None:
         """Draw a motion; while a slider moves axes stay where they are, if they can."""
         columns = as_columns(motion)
-        patch(self.motion, **columns)
+        put(self.motion, **columns)
         self._stop(state.toy)
         end = float(columns["t"][-1])
         keep_in(self.angles.x_range, 0.0, end * (1.04 if moving else 1.0), moving=moving)
         both = np.concatenate([columns["phi_s"], columns["phi_m"], [state.toy.phi_s_max]])
         keep_in(self.angles.y_range, *_room(both, 0.1), moving=moving)
-        impacts = _impacts(motion, columns)
-        patch(self.impacts, **impacts)
-        self._shown += 1
-        if not moving or self._shown % 2:  # while a slider moves these take turns
-            self._turn(motion, columns, state.portrait, moving)
-        if not moving or not self._shown % 2:
-            patch(self.drop, t=columns["t"], y=columns["y"])
-            patch(self.struck, **{name: impacts[name] for name in ("t", "y", "color")})
-            keep_in(self.fall.y_range, *_room(columns["y"], 0.1), moving=moving)
+        keep_in(self.fall.y_range, *_room(columns["y"], 0.1), moving=moving)
+        put(self.impacts, **_impacts(motion, columns))
+        across = columns["phi_m" if state.portrait == "phi_m" else "phi_s"]
+        up = columns[PORTRAITS[state.portrait]]
+        put(self.way, **_way(columns["t"], across, up))
+        put(self.strokes, **_strokes(motion, columns["t"], across, up))
+        keep_in(self.portrait.x_range, *_room(across, 0.06), moving=moving)
+        keep_in(self.portrait.y_range, *_room(up, 0.06), moving=moving)
+        labels = LABELS[state.portrait]
+        self.portrait.xaxis.axis_label, self.portrait.yaxis.axis_label = labels
 
     def _stop(self, toy: Toy) -> None:
         """Where contacts close."""
@@ -194,25 +191,22 @@ class MotionView:
         for stop, limit in zip(self._stops, limits, strict=True):
             stop.location = limit
 
-    def _turn(self, motion: Motion, columns: dict[str, Any], portrait: str, moving: bool) -> None:
-        """Draw one of the phase portraits."""
-        across = columns["phi_m" if portrait == "phi_m" else "phi_s"]
-        up = columns[PORTRAITS[portrait]]
-        struck = np.flatnonzero(np.diff(columns["t"]) == 0.0)
-        patch(
-            self.way, x=np.insert(across, struck + 1, np.nan), y=np.insert(up, struck + 1, np.nan)
-        )
-        by_time = {1e3 * mark.time: color_of(mark.contacts) for mark in motion.marks
-                   if mark.symbol.startswith("I")}  # fmt: skip
-        patch(
-            self.strokes,
-            xs=[across[k : k + 2] for k in struck], ys=[up[k : k + 2] for k in struck],
-            color=[by_time.get(float(columns["t"][k]), NO_COLOR) for k in struck],
-        )  # fmt: skip
-        keep_in(self.portrait.x_range, *_room(across, 0.06), moving=moving)
-        keep_in(self.portrait.y_range, *_room(up, 0.06), moving=moving)
-        labels = LABELS[portrait]
-        self.portrait.xaxis.axis_label, self.portrait.yaxis.axis_label = labels
+
+def _way(t: Floats, across: Floats, up: Floats) -> dict[str, Any]:
+    """The way of a phase portrait, with gaps where velocities jump."""
+    struck = np.flatnonzero(np.diff(t) == 0.0) + 1
+    return {"x": np.insert(across, struck, np.nan), "y": np.insert(up, struck, np.nan)}
+
+
+def _strokes(motion: Motion, t: Floats, across: Floats, up: Floats) -> dict[str, Any]:
+    """Jumps of velocity, in the colours of their contacts."""
+    struck = np.flatnonzero(np.diff(t) == 0.0)
+    by_time = {1e3 * mark.time: color_of(mark.contacts) for mark in motion.marks
+               if mark.symbol.startswith("I")}  # fmt: skip
+    return {
+        "x0": across[struck], "y0": up[struck], "x1": across[struck + 1], "y1": up[struck + 1],
+        "color": [by_time.get(time, NO_COLOR) for time in t[struck].tolist()],
+    }  # fmt: skip
 
 
 def _impacts(motion: Motion, columns: dict[str, Any]) -> dict[str, Any]:
@@ -258,10 +252,10 @@ class WordView:
                        level="overlay")  # fmt: skip
         figure.add_tools(hover(boxes, OF_EVENT))
 
-    def show(self, marks: tuple[Mark, ...]) -> None:
+    def show(self, marks: tuple[Mark, ...], put: Put = patch) -> None:
         """Draw the events of a motion."""
         n = len(marks)
-        patch(
+        put(
             self.events, x=list(range(n)), color=[color_of(mark.contacts) for mark in marks],
             symbol=[mark.symbol for mark in marks], time=[1e3 * mark.time for mark in marks],
             what=[mark.what for mark in marks], impulses=[mark.impulses for mark in marks],

@@ -23,6 +23,7 @@ const explorer = window.explorer = {
     const told = JSON.parse(text);
     this.count = told.count;
     this.answer = { ...this.answer, ...told };
+    if (told.tables) sketch.take(told.tables, this.doc.get_model_by_name("numbers").data.all);
     if (told.message !== undefined) write("#message", told.message);
     if (told.values) { this.values = told.values; show_values(told.values); }
     if (told.query !== undefined && !this.waiting?.drag) {
@@ -34,6 +35,7 @@ const explorer = window.explorer = {
     for (const listener of this.heard) listener(told);
     if (this.waiting && told.n === this.waiting.n) {
       const { at, drag } = this.waiting;
+      if (!drag) sketch.end();
       this.waiting = null;
       requestAnimationFrame(() => setTimeout(() => drag && this.times.push(performance.now() - at)));
       const next = this.rest.shift() ?? this.next;
@@ -120,10 +122,11 @@ addEventListener("click", (event) => {
 });
 addEventListener("keydown", (event) => { if (event.key === "Escape") for (const menu of $$(".menu[open]")) menu.open = false; });
 
-// Bokeh asks the browser for a style of CSS before every stroke, in case a page themes it so. This one
-// does not, and a slider would pay a third of its time for it.
+// Bokeh asks the browser for a style of CSS before every stroke, in case a page themes it so, and for
+// the size of a font, which is that of shell.css. To answer it the browser lays out the page each time.
 try {
-  window.Bokeh.require("core/visuals/visual").VisualProperties.prototype._get_css_value = () => "";
+  Bokeh.require("core/visuals/visual").VisualProperties.prototype._get_css_value = () => "";
+  Object.defineProperty(Bokeh.require("models/plots/plot_canvas").PlotView.prototype, "base_font_size", { get: () => 13 });
 } catch { /* another version: only slower */ }
 
 // Begin when the document is there; after a lost session load the page again: the link holds the state.

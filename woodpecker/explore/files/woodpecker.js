@@ -6,7 +6,7 @@ const clock = {
   model(name) { return (this.models[name] ??= explorer.doc.get_model_by_name(name)); },
   // The state at a part of the motion, between its samples.
   state(part) {
-    const data = this.model("motion").data, t = data.t, n = t.length;
+    const data = sketch.data(this.model("motion")), t = data.t, n = t.length;
     if (!n) return null;
     const time = part * t[n - 1];
     let low = 0, high = n - 1;
@@ -51,11 +51,11 @@ const clock = {
   },
   mark(s) {
     const rate = { phi_s: ["phi_s", "dphi_s"], phi_m: ["phi_m", "dphi_m"], fall: ["phi_s", "dy"] }[explorer.answer.portrait ?? "phi_s"];
-    for (const name of ["instant_angles", "instant_fall"]) this.model(name).location = s.time;
-    this.model("now").data = { x: [s.value(rate[0])], y: [s.value(rate[1])] };
-    const times = this.model("events").data.time ?? [];
+    const times = sketch.data(this.model("events")).time ?? [];
     let k = 0; while (k < times.length && times[k] <= s.time) k++;
-    this.model("word_now").data = { x: [k - 0.5] };
+    sketch.put(this.model("instant"), { t: [s.time] });
+    sketch.put(this.model("now"), { x: [s.value(rate[0])], y: [s.value(rate[1])] });
+    sketch.put(this.model("word_now"), { x: [k - 0.5] });
     if (document.activeElement !== $("#instant") || this.playing) $("#instant").value = this.at;
   },
 };
