@@ -33,7 +33,8 @@ from pwmap.checking.places import Place
 from pwmap.checking.polynomials import Poly, primitive
 from pwmap.checking.reading import number, read_map
 from pwmap.checking.refusing import Refused, Work
-from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint, Stretch
+from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint, Stretch
+from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import write_whole
 from pwmap.diagrams.slices import real
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order

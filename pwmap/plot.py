@@ -14,14 +14,8 @@ from matplotlib.lines import Line2D
 from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
-from pwmap.diagrams.diagram import (
-    Branch,
-    BranchKind,
-    Diagram,
-    FloatArray,
-    PointKind,
-    SpecialPoint,
-)
+from pwmap.diagrams.data import Branch, BranchKind, FloatArray, PointKind, SpecialPoint
+from pwmap.diagrams.diagram import Diagram
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
 from pwmap.plot_labels import Curve, Labels, Name

@@ -17,15 +17,8 @@ from sympy import QQ
 
 from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import simplest_between, spread
-from pwmap.diagrams.diagram import (
-    Branch,
-    BranchKind,
-    Diagram,
-    FloatArray,
-    PointKind,
-    SpecialPoint,
-    Stretch,
-)
+from pwmap.diagrams.data import Branch, BranchKind, FloatArray, PointKind, SpecialPoint, Stretch
+from pwmap.diagrams.diagram import Diagram
 from pwmap.longrun.crises.diagram import AttractorCell, AttractorDiagram, Crisis
 from pwmap.longrun.crises.meetings import meeting_x
 from pwmap.longrun.dynamics import dynamics

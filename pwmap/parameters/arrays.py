@@ -13,7 +13,7 @@ import numpy as np
 from sympy import QQ
 
 from pwmap.algebra.exact import Fraction_, Number, to_float
-from pwmap.diagrams.diagram import BranchKind, FloatArray
+from pwmap.diagrams.data import BranchKind, FloatArray
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.branches import Continuation, Segment
 from pwmap.parameters.curves import Curve

@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 from sympy import Basic
 
 from pwmap.algebra.exact import Fraction_, cancelled, is_constant
-from pwmap.diagrams.diagram import BranchKind
+from pwmap.diagrams.data import BranchKind
 from pwmap.maps.cylinders import Cut, Cylinder, Inclusion, Iterate, minimal_period
 from pwmap.maps.words import Orbits, SignOracle, Word
 from pwmap.parameters.axis import INFINITE, Axis

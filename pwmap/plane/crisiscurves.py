@@ -19,7 +19,7 @@ from pwmap.algebra.bivariate import at_value, degree_in, irreducible_factors
 from pwmap.algebra.exact import Number, to_sympy
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, real_roots
-from pwmap.diagrams.diagram import PointKind
+from pwmap.diagrams.data import PointKind
 from pwmap.longrun.crises.diagram import Crisis, attractor_diagram
 from pwmap.longrun.crises.kinds import kind_at
 from pwmap.longrun.crises.meetings import meeting_polynomial

@@ -6,7 +6,7 @@ from collections import defaultdict
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from pwmap.diagrams.diagram import PointKind
+from pwmap.diagrams.data import PointKind
 from pwmap.maps.cylinders import minimal_period
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Word

@@ -29,7 +29,7 @@ from pwmap.algebra.roots import (
     sign_at,
     simplest_between,
 )
-from pwmap.diagrams.diagram import PointKind
+from pwmap.diagrams.data import PointKind
 from pwmap.plane.kinds import PlaneKind
 from pwmap.plane.limits import limit_of
 from pwmap.plane.marks import Event

@@ -13,7 +13,7 @@ from sympy import QQ
 from pwmap.algebra.exact import Number, to_float
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, bounds, spread
-from pwmap.diagrams.diagram import FloatArray
+from pwmap.diagrams.data import FloatArray
 from pwmap.longrun.attractors import attractors_of
 from pwmap.longrun.entropies import entropy_of
 from pwmap.longrun.line import Line, line_of

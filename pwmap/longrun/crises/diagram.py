@@ -22,7 +22,7 @@ from pwmap.algebra.exact import Fraction_, Number, quotient_to_sympy
 from pwmap.algebra.exact import fraction_to_sympy as shown_fraction
 from pwmap.algebra.roots import Real, bounds, real_to_sympy
 from pwmap.algebra.terms import shortened
-from pwmap.diagrams.diagram import PointKind
+from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.crises.changes import Change, Changes
 from pwmap.longrun.crises.cuts import Cuts

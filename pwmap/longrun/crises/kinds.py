@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pwmap.algebra.exact import Number, dense
 from pwmap.algebra.roots import Real, RealRoot, bounds
-from pwmap.diagrams.diagram import PointKind
+from pwmap.diagrams.data import PointKind
 from pwmap.longrun.crises.changes import Change, Changes
 from pwmap.longrun.crises.samples import Image, Sample, Samples
 from pwmap.longrun.line import Interval, joined
