@@ -29,6 +29,7 @@ ENGINE = {
     "pwmap.maps.cylinders.Cut": "an end of a piece, as a preimage of a break",
     "pwmap.maps.cylinders.Cylinder": "what a piece is made from",
     "pwmap.maps.cylinders.Iterate": "cylinders of an iterate, with their signs",
+    "pwmap.maps.decided.Decided": "what a map is, and who decides its signs",
     "pwmap.maps.reading.Definition": "a map as it was read",
     "pwmap.maps.scopes.Scope": "for which parameters signs hold",
     "pwmap.maps.words.Orbits": "polynomials of words, which the iterates of a map share",

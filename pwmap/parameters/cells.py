@@ -33,6 +33,7 @@ from pwmap.maps.cylinders import (
     iterate_of,
     refined,
 )
+from pwmap.maps.decided import in_cell
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import SignOracle
 from pwmap.parameters.admitted import (
@@ -442,14 +443,15 @@ def shown_cells(
         lower = -sympy.oo if cell.lower is None else axis.to_sympy(cell.lower)
         upper = sympy.oo if cell.upper is None else axis.to_sympy(cell.upper)
         scope = axis.scope(cell.lower, cell.upper, orders)
-        decided = PiecewiseLinearMap.decided(
-            map_,
+        decided = in_cell(
+            map_.definition,
+            map_.chain,
             scope,
             axis.orbits,
             SignOracle(axis.orbits, scope.sign, cell.study.oracle.signs),
             {map_.chain * order: shown for order, shown in cell.study.iterates.items()},
         )
-        shown.append(ParameterCell(lower=lower, upper=upper, map=decided))
+        shown.append(ParameterCell(lower=lower, upper=upper, map=PiecewiseLinearMap.of(decided)))
     symbol = next(s for s in map_.parameters if str(s) == axis.name)
     return ParameterCells(parameter=symbol, orders=orders, cells=tuple(shown), given=axis.given)
 

@@ -36,7 +36,8 @@ from pwmap.algebra.exact import (
     to_sympy,
 )
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap, letter_bounds
+from pwmap.maps.cycles import letter_bounds
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Layout, Word
 from pwmap.rotations.patterns import Run, read_pattern
 from pwmap.rotations.pieces import checked_map
