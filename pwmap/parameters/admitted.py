@@ -16,8 +16,7 @@ from pwmap.algebra.inequalities import Constraint, degree
 from pwmap.algebra.samples import EmptyRegionError
 from pwmap.algebra.terms import own_name
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.parameters.axes import identical
-from pwmap.parameters.axis import Axis, ResampleError
+from pwmap.parameters.axis import Axis, ResampleError, identical
 
 Span = tuple[Number | None, Number | None]  # None is an infinite end
 TRIES = 40  # samples: all but the first few are generic but for an accident

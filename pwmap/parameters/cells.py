@@ -43,8 +43,8 @@ from pwmap.parameters.admitted import (
     samples,
     shown_sample,
 )
-from pwmap.parameters.axes import axis_of, identical
-from pwmap.parameters.axis import Axis, ResampleError
+from pwmap.parameters.axes import axis_of
+from pwmap.parameters.axis import Axis, ResampleError, identical
 from pwmap.parameters.persistence import Answers
 
 Result = TypeVar("Result")
