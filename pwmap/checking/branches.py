@@ -7,15 +7,15 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from pwmap.checking.iterates import Study
+from pwmap.checking.iterates import CheckedIterate
 from pwmap.checking.lists import period
 from pwmap.checking.places import Number, Place
 from pwmap.checking.polynomials import Poly, Quotient, plus, sign_near, times
 from pwmap.checking.reading import fields, listed, number, pair, quotient, read_map, shown, whole
-from pwmap.checking.refusing import ORDER, ROWS, STEP, Work, refuse
+from pwmap.checking.refusing import ORDER, ROWS, STEP, CheckingWork, refuse
 
 
-class Stretch(NamedTuple):
+class ClaimedStretch(NamedTuple):
     """A claim that something exists from one place to another.
 
     Place 2 i is the i-th edge, place 2 i + 1 the open interval from it to the next.
@@ -38,20 +38,20 @@ class Stretch(NamedTuple):
         """Whether it exists at a place."""
         return self.first <= place <= self.last
 
-    def goes_on_as(self, other: Stretch) -> bool:
+    def goes_on_as(self, other: ClaimedStretch) -> bool:
         """Whether another stretch that follows says the same."""
         slopes = [each.quotients.get("slope") is None for each in (self, other)]
         return self.stable is other.stable and slopes[0] is slopes[1]
 
 
-class End(NamedTuple):
+class ClaimedEnd(NamedTuple):
     """What ends at an edge: a stretch and on which side it lies, 0 if it exists at the edge alone.
 
     A fixed point that ``passes`` is there on both sides and at the edge, and attracts at all of
     them or at none.
     """
 
-    stretch: Stretch
+    stretch: ClaimedStretch
     side: int
     passes: bool = False
 
@@ -80,8 +80,8 @@ KINDS = {"fixed points": ("x", "slope"), "intervals": (), "crossings": ("x", "le
 
 
 def read_stretches(
-    certificate: Mapping[str, Any], orders: Sequence[int], last: int, work: Work
-) -> list[Stretch]:
+    certificate: Mapping[str, Any], orders: Sequence[int], last: int, work: CheckingWork
+) -> list[ClaimedStretch]:
     """All claims of a diagram that something exists."""
     found = []
     for kind, names in KINDS.items():
@@ -97,15 +97,17 @@ def read_stretches(
             }
             if more and type(rest[-1]) is not bool:
                 refuse(f"true or false was expected, got {shown(rest[-1])}")
-            found.append(Stretch(kind, order, word, first, stop, values, rest[-1:] == [True]))
+            found.append(
+                ClaimedStretch(kind, order, word, first, stop, values, rest[-1:] == [True])
+            )
     return found
 
 
-class Diagram:
+class ClaimedDiagram:
     """The claims of a diagram, the places they speak of, and the iterates there."""
 
     def __init__(self, certificate: Mapping[str, Any]) -> None:
-        self.work = work = Work()
+        self.work = work = CheckingWork()
         self.map, self.name, self.map_text = read_map(certificate["map"], work, parametric=True)
         self.orders = [whole(n, 1, ORDER) for n in listed(certificate["orders"], ORDER)]
         if not self.orders or self.orders != sorted({d for n in self.orders for d in divisors(n)}):
@@ -118,17 +120,17 @@ class Diagram:
             Place(self.edges[i // 2], self.edges[(i + 1) // 2], work) for i in range(self.last + 1)
         ]
         self.stretches = read_stretches(certificate, self.orders, self.last, work)
-        self._things: dict[tuple[str, int, str], list[Stretch]] = {}
+        self._things: dict[tuple[str, int, str], list[ClaimedStretch]] = {}
         for stretch in self.stretches:
             self._things.setdefault(stretch.thing, []).append(stretch)
-        self._ends: dict[int, list[End]] = {}
-        self._studies: dict[tuple[int, int], Study] = {}
+        self._ends: dict[int, list[ClaimedEnd]] = {}
+        self._studies: dict[tuple[int, int], CheckedIterate] = {}
         self._found: dict[tuple[int, int], dict[str, dict[str, Any]]] = {}
 
-    def study(self, place: int, order: int) -> Study:
+    def study(self, place: int, order: int) -> CheckedIterate:
         """An iterate at a place."""
         if (place, order) not in self._studies:
-            self._studies[place, order] = Study(self.map, self.places[place], order)
+            self._studies[place, order] = CheckedIterate(self.map, self.places[place], order)
         return self._studies[place, order]
 
     def verify(self) -> None:
@@ -151,7 +153,7 @@ class Diagram:
                 if own or 0 < i < self.last:
                     self._verify_at(i, n, own)
 
-    def _verify_at(self, i: int, n: int, own: Sequence[Stretch]) -> None:
+    def _verify_at(self, i: int, n: int, own: Sequence[ClaimedStretch]) -> None:
         found = {kind: self.found(i, n, kind) for kind in KINDS}
         for kind, items in found.items():
             words = [s.word for s in own if s.kind == kind]
@@ -162,7 +164,7 @@ class Diagram:
         for s in own:
             self._verify_values(s, i, found[s.kind][s.word])
 
-    def _verify_values(self, s: Stretch, i: int, found: Any) -> None:
+    def _verify_values(self, s: ClaimedStretch, i: int, found: Any) -> None:
         for name, value in s.quotients.items():
             if not self.equal(value, getattr(found, name), i):
                 refuse(f"{name} of {s.word} is another one {self.where(i)}")
@@ -185,7 +187,7 @@ class Diagram:
             self._found[i, n] = own_parts(self.study(i, n))
         return self._found[i, n][kind]
 
-    def ends(self, edge: int) -> list[End]:
+    def ends(self, edge: int) -> list[ClaimedEnd]:
         """What ends at an edge, or exists nowhere else, and fixed points that pass beside it.
 
         What exists before, at and after the edge decides, not where a list cuts it.
@@ -197,7 +199,7 @@ class Diagram:
             self._ends[edge] = [end for end in ends if not end.passes or self._is_bent(end, edge)]
         return self._ends[edge]
 
-    def _is_bent(self, end: End, edge: int) -> bool:
+    def _is_bent(self, end: ClaimedEnd, edge: int) -> bool:
         """Whether a fixed point that passes is at a border, or has slope -1.
 
         Beside any other one the iterates are affine for all values nearby, and nothing ends.
@@ -206,7 +208,7 @@ class Diagram:
         there = self.found(2 * edge, order, "fixed points").get(word)
         return there is None or there.at_border or self.study(2 * edge, order).excess(word, 1) == 0
 
-    def is_at(self, end: End, edge: int, x: Number | int) -> bool:
+    def is_at(self, end: ClaimedEnd, edge: int, x: Number | int) -> bool:
         """Whether an end, or part of an interval, is at a number, or at infinity: -1 or 1."""
         if end.is_band:
             band = self.study(2 * edge, end.stretch.order).bands[end.stretch.word]
@@ -253,16 +255,16 @@ class Diagram:
         return f"at {self.name} = {low}"
 
 
-def ends_of(same: Sequence[Stretch], edge: int) -> Iterator[End]:
+def ends_of(same: Sequence[ClaimedStretch], edge: int) -> Iterator[ClaimedEnd]:
     """The ends of one thing at an edge."""
     before, here, after = (next((s for s in same if s.at(2 * edge + k)), None) for k in (-1, 0, 1))
     beside = [(s, side) for s, side in ((before, -1), (after, 1)) if s is not None]
     goes_on = here is not None and len(beside) == 2
     if here is not None and not beside:
-        yield End(here, 0)
+        yield ClaimedEnd(here, 0)
     elif same[0].kind == "fixed points" or (same[0].kind == "crossings" and not goes_on):
         stable = {s.stable for s in (before, here, after) if s is not None}
-        yield from (End(s, side, goes_on and len(stable) == 1) for s, side in beside)
+        yield from (ClaimedEnd(s, side, goes_on and len(stable) == 1) for s, side in beside)
 
 
 def divisors(n: int) -> list[int]:
@@ -270,7 +272,7 @@ def divisors(n: int) -> list[int]:
     return [d for d in range(1, n + 1) if n % d == 0]
 
 
-def own_parts(study: Study) -> dict[str, dict[str, Any]]:
+def own_parts(study: CheckedIterate) -> dict[str, dict[str, Any]]:
     """What lies on the diagonal and belongs to no smaller iterate; all jumps."""
     n = study.order
 

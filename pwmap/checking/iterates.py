@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 
 from pwmap.checking.places import Place
 from pwmap.checking.polynomials import Poly, Quotient, plus, power, times
-from pwmap.checking.refusing import ATOMS, BYTE, OBJECT, Work, refuse
+from pwmap.checking.refusing import ATOMS, BYTE, OBJECT, CheckingWork, refuse
 
 
-class Value(NamedTuple):
+class IterateValue(NamedTuple):
     """A value of an iterate: a polynomial over a power of the map's denominator."""
 
     top: Poly
@@ -28,8 +28,8 @@ class Atom(NamedTuple):
     """
 
     word: str
-    left: Value | None
-    right: Value | None
+    left: IterateValue | None
+    right: IterateValue | None
     cut: tuple[int, int] | None = None
 
 
@@ -44,15 +44,15 @@ class Map(NamedTuple):
     intercepts: Mapping[str, Poly]
     breaks: tuple[Poly, ...]
     unit: Poly
-    work: Work
+    work: CheckingWork
 
-    def follow(self, value: Value, word: str) -> Value:
+    def follow(self, value: IterateValue, word: str) -> IterateValue:
         """A value after some more letters."""
         top, n = value
         for letter in word:
             shift = self._times(self.intercepts[letter], self._power(n))
             top, n = plus(self.work, self._times(self.slopes[letter], top), shift), n + 1
-        return Value(top, n)
+        return IterateValue(top, n)
 
     def slope(self, word: str) -> Poly:
         """The slope of a word of n letters, over the n-th power of the denominator."""
@@ -61,11 +61,11 @@ class Map(NamedTuple):
             found = self._times(found, self.slopes[letter])
         return found
 
-    def offset(self, word: str) -> Value:
+    def offset(self, word: str) -> IterateValue:
         """The value of the affine map of a word at x = 0."""
-        return self.follow(Value((), 1), word)
+        return self.follow(IterateValue((), 1), word)
 
-    def over(self, value: Value, k: int) -> Poly:
+    def over(self, value: IterateValue, k: int) -> Poly:
         """The numerator of a value minus a break."""
         at = self._times(self.breaks[k], self._power(value.power - 1))
         return plus(self.work, value.top, at, -1)
@@ -89,7 +89,7 @@ class Map(NamedTuple):
     def _power(self, n: int) -> Poly:
         return power(self.work, self.unit, n)
 
-    def ratio(self, value: Value) -> Quotient:
+    def ratio(self, value: IterateValue) -> Quotient:
         """A value as a quotient."""
         return value.top, self._power(value.power)
 
@@ -103,7 +103,7 @@ class Fixed(NamedTuple):
     at_border: bool  # whether it is an end of a piece
 
 
-class Crossing(NamedTuple):
+class CheckedCrossing(NamedTuple):
     """A jump with limits strictly on both sides of the diagonal."""
 
     x: Quotient
@@ -118,7 +118,7 @@ class Band(NamedTuple):
     closed: tuple[bool, bool]
 
 
-class Study:
+class CheckedIterate:
     """An iterate at a place, composed from the map alone, and all that lies on its diagonal."""
 
     def __init__(self, map_: Map, place: Place, order: int) -> None:
@@ -149,7 +149,7 @@ class Study:
             found *= self.place.sign(self.map.slopes[letter])
         return found
 
-    def _slot(self, value: Value) -> int:
+    def _slot(self, value: IterateValue) -> int:
         """The slot that holds a value: 2 k + 1 for break k, even numbers for what lies between."""
         for k in range(len(self.map.breaks)):
             side = self.place.sign(self.map.over(value, k))
@@ -157,7 +157,7 @@ class Study:
                 return 2 * k + 1 + side
         return 2 * len(self.map.breaks)
 
-    def _beside(self, value: Value | None, side: int) -> int:
+    def _beside(self, value: IterateValue | None, side: int) -> int:
         """The open slot that holds what lies beside a value; None is infinite."""
         if value is None:
             return 0 if side > 0 else 2 * len(self.map.breaks)
@@ -168,7 +168,9 @@ class Study:
         """An atom of the next iterate or, where its image holds breaks, several."""
         map_, word, sense = self.map, atom.word, self.sense(atom.word)
 
-        def new(slot: int, left: Value | None, right: Value | None, cut: Any = None) -> Atom:
+        def new(
+            slot: int, left: IterateValue | None, right: IterateValue | None, cut: Any = None
+        ) -> Atom:
             letter = map_.slots[slot]
             first, last = (None if v is None else map_.follow(v, letter) for v in (left, right))
             return Atom(word + letter, first, last, cut)
@@ -180,7 +182,7 @@ class Study:
         first, last = self._beside(atom.left, sense), self._beside(atom.right, -sense)
         left = atom.left
         for slot in range(first, last, 2 * sense):
-            right = Value(map_.breaks[(slot + sense) // 2], 1)
+            right = IterateValue(map_.breaks[(slot + sense) // 2], 1)
             yield new(slot, left, right)
             yield new(slot + sense, right, right, ((slot + sense) // 2, len(word)))
             left = right
@@ -188,12 +190,12 @@ class Study:
 
     # A piece of the iterate is an interval with those of its ends that have its word.
 
-    def above(self, point: Atom, value: Value) -> Poly:
+    def above(self, point: Atom, value: IterateValue) -> Poly:
         """A polynomial with the sign of a value minus the x of a point, but for that of sense."""
         k, steps = point.cut or (0, 0)
         return self.map.over(self.map.follow(value, point.word[:steps]), k)
 
-    def side(self, point: Atom | None, value: Value | None) -> int:
+    def side(self, point: Atom | None, value: IterateValue | None) -> int:
         """The sign of a value minus the x of a point, 0 if there is none."""
         if point is None or value is None:
             return 0
@@ -275,7 +277,7 @@ class Study:
         return Fixed(self.x(atom), self.slope(atom.word) if owned else None, stable, True)
 
     @cached_property
-    def crossings(self) -> dict[str, Crossing]:
+    def crossings(self) -> dict[str, CheckedCrossing]:
         """All jumps over the diagonal, by the words on both sides."""
         found = {}
         for low, atom, high in self.beside:
@@ -284,6 +286,6 @@ class Study:
                 continue
             if self.side(atom, left) * self.side(atom, right) < 0:
                 limits = self.map.ratio(left), self.map.ratio(right)
-                found[f"{low.word}|{high.word}"] = Crossing(self.x(atom), *limits)
+                found[f"{low.word}|{high.word}"] = CheckedCrossing(self.x(atom), *limits)
                 self._keep(self.x(atom), *limits)
         return found

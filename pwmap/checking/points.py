@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pwmap.checking.branches import KINDS, Diagram, End
-from pwmap.checking.iterates import Study
+from pwmap.checking.branches import KINDS, ClaimedDiagram, ClaimedEnd
+from pwmap.checking.iterates import CheckedIterate
 from pwmap.checking.lists import COPIES, count
 from pwmap.checking.places import Number
 from pwmap.checking.polynomials import derivative, primitive
@@ -20,7 +20,9 @@ class Point:
     With n the least order of the fixed points there, only ends of that order count, but for notes.
     """
 
-    def __init__(self, diagram: Diagram, edge: int, ends: Sequence[End], *, infinite: bool) -> None:
+    def __init__(
+        self, diagram: ClaimedDiagram, edge: int, ends: Sequence[ClaimedEnd], *, infinite: bool
+    ) -> None:
         self.diagram, self.edge, self.ends, self.infinite = diagram, edge, ends, infinite
         self.place = diagram.places[2 * edge]
         self.order = min(end.stretch.order for end in ends if not end.is_jump)
@@ -72,7 +74,7 @@ class Point:
         steep = len(folding) == 1 and jumps and self._is_steep(folding[0])
         return ("FF" if steep else "BC"), "fold"
 
-    def _staying_note(self, staying: Sequence[End]) -> str:
+    def _staying_note(self, staying: Sequence[ClaimedEnd]) -> str:
         """What happens to fixed points that stay on a border, and what else ends on them."""
         words = {end.stretch.word for end in staying}
         sides = {end.side for end in self.own if end.stretch.word not in words} - {0}
@@ -102,17 +104,17 @@ class Point:
                         "does not attract at this value"]  # fmt: skip
         return []
 
-    def _study(self, end: End) -> Study:
+    def _study(self, end: ClaimedEnd) -> CheckedIterate:
         """The iterate in the interval on which an end lies."""
         return self.diagram.study(2 * self.edge + end.side, self.order)
 
-    def _is_steep(self, end: End) -> bool:
+    def _is_steep(self, end: ClaimedEnd) -> bool:
         """Whether the slope is larger than 1 in size, in the interval on which an end lies."""
         study, word = self._study(end), end.stretch.word
         slope = end.stretch.quotients["slope"]
         return slope is not None and study.excess(word, 1) * study.excess(word, -1) < 0
 
-    def _condition(self, end: End, code: str) -> dict[str, Any]:
+    def _condition(self, end: ClaimedEnd, code: str) -> dict[str, Any]:
         """What vanishes where a stretch of fixed points ends, and whether its zero is simple."""
         word = end.stretch.word
         if code in ("LP", "PD"):
@@ -157,13 +159,13 @@ class Point:
         return None
 
 
-def is_special(ends: Sequence[End]) -> bool:
+def is_special(ends: Sequence[ClaimedEnd]) -> bool:
     """Whether fixed points end, or pass where an interval of them exists at the edge alone."""
     changing = any(not end.passes and not end.is_jump for end in ends)
     return changing and any(end.is_fixed for end in ends)
 
 
-def verified_points(diagram: Diagram, rows: Sequence[object]) -> list[str]:
+def verified_points(diagram: ClaimedDiagram, rows: Sequence[object]) -> list[str]:
     """Verify the special points; texts that name them.
 
     Every end of fixed points inside must be that of one of them; at each of them fixed points end,
@@ -206,7 +208,7 @@ def verified_points(diagram: Diagram, rows: Sequence[object]) -> list[str]:
 
 def diagram_statement(certificate: Mapping[str, Any]) -> str:
     """Verify branches and special points over a parameter; the sentence that says so."""
-    diagram = Diagram(certificate)
+    diagram = ClaimedDiagram(certificate)
     diagram.verify()
     texts = verified_points(diagram, listed(certificate["points"], ROWS))
     rows = {

@@ -21,7 +21,7 @@ from pwmap.diagrams.data import (
     Stretch,
     runs_of,
 )
-from pwmap.diagrams.slices import Slice, Value, exact_number
+from pwmap.diagrams.slices import ExactSlice, ExactValue, exact_number
 
 
 def hits(
@@ -29,28 +29,28 @@ def hits(
 ) -> tuple[Hit, ...]:
     """Where branches are at a value of the parameter of a name, in order of x."""
     if any("interval" in branch.exact for branch in branches):
-        return _exact_hits(branches, Slice(name, exact_number(parameter), sample))
+        return _exact_hits(branches, ExactSlice(name, exact_number(parameter), sample))
     at = float(parameter)  # type: ignore[arg-type]
     found = [hit for branch in branches for hit in _between_samples(branch, at)]
     return tuple(sorted(found, key=lambda hit: hit.x))
 
 
-def _exact_hits(branches: Sequence[Branch], here: Slice) -> tuple[Hit, ...]:
-    found: list[tuple[Value, Hit]] = []
+def _exact_hits(branches: Sequence[Branch], here: ExactSlice) -> tuple[Hit, ...]:
+    found: list[tuple[ExactValue, Hit]] = []
     for branch in branches:
         for formulas in (stretch.exact for stretch in branch.words):
             if "interval" in formulas and here.meets(formulas["interval"]):
                 found += _hits_of(branch, formulas, here)
 
-    def by_x(one: tuple[Value, Hit], other: tuple[Value, Hit]) -> int:
+    def by_x(one: tuple[ExactValue, Hit], other: tuple[ExactValue, Hit]) -> int:
         return here.compare(one[0], other[0])
 
     return tuple(hit for _, hit in sorted(found, key=cmp_to_key(by_x)))
 
 
 def _hits_of(
-    branch: Branch, formulas: Mapping[str, object], here: Slice
-) -> Iterator[tuple[Value, Hit]]:
+    branch: Branch, formulas: Mapping[str, object], here: ExactSlice
+) -> Iterator[tuple[ExactValue, Hit]]:
     """Where a branch is that has some formulas at a parameter: a band at both of its ends."""
     names = [n for n in formulas if n not in ("interval", "lower", "upper", "x")]
     values = {name: here.value(formulas[name]) for name in names}

@@ -30,7 +30,7 @@ class Wish(DataModel):  # type: ignore[misc]
     text = String(default="")
 
 
-class Answer(DataModel):  # type: ignore[misc]
+class PageAnswer(DataModel):  # type: ignore[misc]
     """What the page shows besides its views, as JSON."""
 
     text = String(default="")
@@ -95,7 +95,7 @@ def fill(
     callable
         Sends an answer: values that are told to the script of the page.
     """
-    wish, answer = Wish(name="wish"), Answer(name="answer")
+    wish, answer = Wish(name="wish"), PageAnswer(name="answer")
     count = 0
 
     def say(values: Mapping[str, Any]) -> None:

@@ -11,7 +11,7 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
-from pwmap.algebra.assumptions import Region
+from pwmap.algebra.assumptions import AssumedRegion
 from pwmap.algebra.exact import (
     Number,
     evaluate,
@@ -26,7 +26,7 @@ from pwmap.algebra.inequalities import Constraint
 from pwmap.algebra.terms import own_name, shortened
 from pwmap.maps import cylinders as cyl
 from pwmap.maps.budget import BUDGET, Meter
-from pwmap.maps.cylinders import Cut, Cylinder, Iterate
+from pwmap.maps.cylinders import Cut, Cylinder, StudiedIterate
 from pwmap.maps.reading import Definition
 from pwmap.maps.scopes import Edge, Scope, SymbolicEdge
 from pwmap.maps.words import (
@@ -62,7 +62,7 @@ class Decided:
     scope: Scope
     orbits: Orbits
     oracle: SignOracle
-    iterates: Mapping[Chain, Iterate]
+    iterates: Mapping[Chain, StudiedIterate]
     known: dict[Chain, tuple[Cylinder, ...]]
 
     def __reduce__(self) -> tuple[Callable[..., Decided], tuple[object, ...]]:
@@ -86,7 +86,7 @@ class Decided:
         return len(self.chain)
 
     @property
-    def studied(self) -> Iterate | None:
+    def studied(self) -> StudiedIterate | None:
         """What the map shows on the diagonal, if the cell was cut for it."""
         return self.iterates.get(self.chain)
 
@@ -146,7 +146,7 @@ def in_cell(
     scope: Scope,
     orbits: Orbits,
     oracle: SignOracle,
-    iterates: Mapping[Chain, Iterate],
+    iterates: Mapping[Chain, StudiedIterate],
 ) -> Decided:
     """A map whose signs are known in a cell."""
     known = {(): cyl.WHOLE_LINE, **{c: iterate.cylinders for c, iterate in iterates.items()}}
@@ -175,7 +175,7 @@ def with_values(map_: Decided, values: Mapping[Any, object]) -> Decided:
         Constraint(evaluate(c.polynomial, numbers, ring), c.strict)
         for c in dict.fromkeys((*definition.region.constraints, *map_.scope.constraints))
     ]
-    region = Region(ring, tuple(c for c in constraints if not is_constant(c.polynomial)))
+    region = AssumedRegion(ring, tuple(c for c in constraints if not is_constant(c.polynomial)))
     _ = region.sample  # complains if the values leave nothing
     table = definition.table.mapped(lambda number: evaluate(number, numbers, ring))
     return as_written(Definition(map_.x, ring, region, table, definition.letters), map_.chain)
@@ -218,7 +218,7 @@ def _joined(first: Definition, second: Definition) -> tuple[Definition, int]:
         for m in (first, second)
         for c in m.region.constraints
     ]
-    region = Region(ring, tuple(dict.fromkeys(constraints)))
+    region = AssumedRegion(ring, tuple(dict.fromkeys(constraints)))
     _ = region.sample
     table = Table(
         tables[0].slopes + tables[1].slopes,

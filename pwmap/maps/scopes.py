@@ -15,7 +15,7 @@ from typing import Any, Protocol
 
 import sympy
 
-from pwmap.algebra.assumptions import Region, UndecidedError
+from pwmap.algebra.assumptions import AssumedRegion, UndecidedError
 from pwmap.algebra.exact import (
     Fraction_,
     Number,
@@ -45,7 +45,7 @@ Orders = tuple[int, ...]
 
 
 class Scope(Protocol):
-    """Values of the parameters; a :class:`Region`, or a cell."""
+    """Values of the parameters; a :class:`AssumedRegion`, or a cell."""
 
     @property
     def constraints(self) -> tuple[Constraint, ...]:
@@ -98,7 +98,7 @@ class CellScope(ABC):
 
 
 @dataclass(frozen=True, slots=True)
-class Interval(CellScope):
+class ParameterInterval(CellScope):
     """An open cell of the only parameter; an end that is None is infinite."""
 
     symbol: sympy.Symbol
@@ -106,7 +106,7 @@ class Interval(CellScope):
     high: Real | None
     orders: Orders = field(compare=False)
 
-    def __reduce__(self) -> tuple[Callable[..., Interval], tuple[object, ...]]:
+    def __reduce__(self) -> tuple[Callable[..., ParameterInterval], tuple[object, ...]]:
         return _interval, (self.symbol, portable(self.low), portable(self.high), self.orders)
 
     def _sign(self, polynomial: Number) -> int | None:
@@ -127,8 +127,8 @@ class Interval(CellScope):
         return between(_shown(self.low), self.symbol, _shown(self.high))
 
 
-def _interval(symbol: sympy.Symbol, low: Any, high: Any, orders: Orders) -> Interval:
-    return Interval(symbol, restored(low), restored(high), orders)
+def _interval(symbol: sympy.Symbol, low: Any, high: Any, orders: Orders) -> ParameterInterval:
+    return ParameterInterval(symbol, restored(low), restored(high), orders)
 
 
 @dataclass(frozen=True, slots=True)
@@ -166,7 +166,7 @@ class SymbolicInterval(CellScope):
     """
 
     symbol: sympy.Symbol
-    region: Region
+    region: AssumedRegion
     low: sympy.Expr | None
     high: sympy.Expr | None
     orders: Orders = field(compare=False)
@@ -200,7 +200,7 @@ class SymbolicEdge(CellScope):
 
     symbol: sympy.Symbol
     value: Fraction_
-    region: Region
+    region: AssumedRegion
     orders: Orders = field(compare=False)
 
     def __reduce__(self) -> tuple[Callable[..., SymbolicEdge], tuple[object, ...]]:
@@ -231,20 +231,20 @@ class SymbolicEdge(CellScope):
         return None if found is None else found * int(self.region.sign(bottom) ** degree)
 
     def _holds(self, values: Mapping[str, Number]) -> bool:
-        return Region(self.region.ring, self.constraints).contains(values) is None
+        return AssumedRegion(self.region.ring, self.constraints).contains(values) is None
 
     def __str__(self) -> str:
         return f"{self.symbol} = {fraction_to_sympy(self.value)}"
 
 
 def _symbolic_edge(
-    symbol: sympy.Symbol, kept: Packed, region: Region, orders: Orders
+    symbol: sympy.Symbol, kept: Packed, region: AssumedRegion, orders: Orders
 ) -> SymbolicEdge:
     top, bottom = unpacked(kept)[1]
     return SymbolicEdge(symbol, (top, bottom), region, orders)
 
 
-def _sign_in(region: Region, polynomial: Number) -> int | None:
+def _sign_in(region: AssumedRegion, polynomial: Number) -> int | None:
     """The sign that inequalities prove, or None."""
     try:
         return region.sign(polynomial)

@@ -10,7 +10,7 @@ from typing import Any
 from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
-from pwmap.algebra.assumptions import Region
+from pwmap.algebra.assumptions import AssumedRegion
 from pwmap.algebra.exact import Number, is_constant
 from pwmap.algebra.inequalities import Constraint, degree
 from pwmap.algebra.samples import EmptyRegionError
@@ -142,7 +142,7 @@ def samples(
             yield values
 
 
-def _over(region: Region, name: str, span: Span) -> Region:
+def _over(region: AssumedRegion, name: str, span: Span) -> AssumedRegion:
     """What assumptions leave to the other parameters if they hold all over a span.
 
     One that is of degree one in the parameter of the axis holds inside a span just if it does at
@@ -158,7 +158,7 @@ def _over(region: Region, name: str, span: Span) -> Region:
             continue
         values = [constraint.polynomial.subs(index, end) for end in span]
         constraints += [Constraint(v, False) for v in values if not is_constant(v)]
-    narrowed = Region(region.ring, tuple(constraints))
+    narrowed = AssumedRegion(region.ring, tuple(constraints))
     try:
         _ = narrowed.sample
     except EmptyRegionError:

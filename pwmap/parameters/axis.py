@@ -20,7 +20,7 @@ import sympy
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.assumptions import Region
+from pwmap.algebra.assumptions import AssumedRegion
 from pwmap.algebra.bivariate import divides
 from pwmap.algebra.exact import (
     Fraction_,
@@ -47,7 +47,7 @@ from pwmap.algebra.roots import (
     spread,
 )
 from pwmap.maps.reading import Definition
-from pwmap.maps.scopes import Edge, Interval, Scope, SymbolicEdge, SymbolicInterval
+from pwmap.maps.scopes import Edge, ParameterInterval, Scope, SymbolicEdge, SymbolicInterval
 from pwmap.maps.words import Decision, IntegerOrbits, Orbits, SignOracle
 
 INFINITE = "infinite"
@@ -355,7 +355,7 @@ class RationalAxis(Axis):
         symbol = self.definition.ring.symbols[0]
         if low is not None and low is high:
             return Edge(symbol, low)
-        return Interval(symbol, low, high, orders)
+        return ParameterInterval(symbol, low, high, orders)
 
 
 class RecordedAxis(Axis):
@@ -400,7 +400,9 @@ class RecordedAxis(Axis):
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
         ring, symbol = self.definition.ring, self.definition.ring.symbols[self.index]
         if low is not None and low is high:
-            return SymbolicEdge(symbol, self._quotient(low), Region(ring, self._assumed), orders)
+            return SymbolicEdge(
+                symbol, self._quotient(low), AssumedRegion(ring, self._assumed), orders
+            )
         limits = [*self._assumed]
         for side, end in ((1, low), (-1, high)):
             if end is not None:
@@ -408,7 +410,7 @@ class RecordedAxis(Axis):
                 sense = side * sign(evaluate(bottom, self.sample, None))
                 limits.append(Constraint(sense * (self.identity[0] * bottom - top), True))
         left, right = (None if end is None else self.to_sympy(end) for end in (low, high))
-        return SymbolicInterval(symbol, Region(ring, tuple(limits)), left, right, orders)
+        return SymbolicInterval(symbol, AssumedRegion(ring, tuple(limits)), left, right, orders)
 
     @abstractmethod
     def _quotient(self, place: Any) -> Fraction_:
