@@ -32,8 +32,9 @@ from pwmap.checking.places import Number as CheckedNumber
 from pwmap.checking.places import Place
 from pwmap.checking.polynomials import Poly, primitive
 from pwmap.checking.reading import number, read_map
-from pwmap.checking.refusing import Refused, Work
-from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint, Stretch
+from pwmap.checking.refusing import CheckingWork, Refused
+from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint, Stretch
+from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import write_whole
 from pwmap.diagrams.slices import real
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
@@ -233,7 +234,7 @@ class _Recorder(Place):
     def __init__(self, sample: Number) -> None:
         x = Fraction(*pair(sample))
         place = CheckedNumber((), x, x)
-        super().__init__(place, place, Work())
+        super().__init__(place, place, CheckingWork())
         self.asked: set[Poly] = set()
 
     def sign(self, f: Poly) -> int:
@@ -301,7 +302,7 @@ def _image(root: RealRoot, top: Dense, bottom: Dense) -> Real:
     return candidates[sum(above)]
 
 
-def _at_edge(row: Row, read: branches.Claims, place: int) -> Row:
+def _at_edge(row: Row, read: branches.ClaimedDiagram, place: int) -> Row:
     """A row of fixed points as it is at an edge, of which diagrams state x alone."""
     there = read.found(place, row["order"], "fixed points").get(row["word"])
     if there is None:  # to be refused by the checker, in its words
@@ -355,7 +356,7 @@ class _DiagramWriter:
         ends = {end for _, stretch in own for end in self._ends(stretch)}
         if len(ends) < 2:
             _fail("the diagram has no branch over an interval of the parameter")
-        map_read = read_map(self._map, Work(), parametric=True)[0]
+        map_read = read_map(self._map, CheckingWork(), parametric=True)[0]
         self._edges = _closed(map_read, ends, self._orders)
         self._index = {edge: i for i, edge in enumerate(self._edges)}
 
@@ -373,11 +374,11 @@ class _DiagramWriter:
             "points": [],
         }
         try:
-            read = branches.Claims(found)
+            read = branches.ClaimedDiagram(found)
             found["intervals"] = list(self._intervals(read))
             for kind, row in self._followed(read):
                 found[kind].append(row)
-            read = branches.Claims(found)
+            read = branches.ClaimedDiagram(found)
             found["points"] = [
                 row
                 for point in self._diagram.points
@@ -388,7 +389,7 @@ class _DiagramWriter:
             _fail(str(error))
         return found
 
-    def _followed(self, read: branches.Claims) -> Iterator[tuple[str, Row]]:
+    def _followed(self, read: branches.ClaimedDiagram) -> Iterator[tuple[str, Row]]:
         """Kinds and rows: stretches of one word joined, and cut where what they say changes."""
         found: dict[tuple[str, int, str], dict[int, Row]] = {}
         for branch, stretch in self._stretches:
@@ -457,7 +458,7 @@ class _DiagramWriter:
         """A formula in the parameter as the checker reads it."""
         return [[_text(c) for c in reversed(part)] for part in self._parts(expr)]
 
-    def _intervals(self, read: branches.Claims) -> Iterator[Row]:
+    def _intervals(self, read: branches.ClaimedDiagram) -> Iterator[Row]:
         """Intervals of fixed points, each from the first to the last place in a row."""
         for order in self._orders:
             words = [read.found(i, order, "intervals") for i in range(1, read.last)]
@@ -468,7 +469,7 @@ class _DiagramWriter:
                 for word in here:
                     runs.setdefault(word, [i])
 
-    def _point(self, point: SpecialPoint, read: branches.Claims) -> Iterator[Row]:
+    def _point(self, point: SpecialPoint, read: branches.ClaimedDiagram) -> Iterator[Row]:
         """A special point as the checker reads it, if fixed points end there."""
         parameter = real(point.exact["parameter"])
         i = self._index.get(parameter, 0)
@@ -476,7 +477,7 @@ class _DiagramWriter:
         if at is None:
             return
         side = {"oo": 1, "-oo": -1}.get(at) if isinstance(at, str) else None
-        place = side if side is not None else number(at, Work())
+        place = side if side is not None else number(at, CheckingWork())
         ends = [end for end in read.ends(i) if read.is_at(end, i, place)]
         if not points.is_special(ends):
             return

@@ -14,17 +14,11 @@ from matplotlib.lines import Line2D
 from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
-from pwmap.diagrams.diagram import (
-    Branch,
-    BranchKind,
-    Diagram,
-    FloatArray,
-    PointKind,
-    SpecialPoint,
-)
+from pwmap.diagrams.data import Branch, BranchKind, FloatArray, PointKind, SpecialPoint
+from pwmap.diagrams.diagram import Diagram
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
-from pwmap.plot_labels import Curve, Labels, Name
+from pwmap.plot_labels import LabelledCurve, Labels, Name
 
 STABLE, UNSTABLE, JUMP, WORD = "#08306b", "#d95f0e", "#238b45", "#737373"
 INK, GREY, VIOLET = "#252525", "#969696", "#6a51a3"
@@ -226,7 +220,9 @@ def _labels(
             for p in written.values()
         ],
         [
-            Curve(f"$P_{{{c.order}}}$" if iterated else "", c.p, c.x, _STYLES[c.label]["color"])
+            LabelledCurve(
+                f"$P_{{{c.order}}}$" if iterated else "", c.p, c.x, _STYLES[c.label]["color"]
+            )
             for c in curves
         ],
         [(float(p.parameter), float(p.x)) for p in marked],

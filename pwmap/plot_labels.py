@@ -63,7 +63,7 @@ class Name(NamedTuple):
     always: bool = True
 
 
-class Curve(NamedTuple):
+class LabelledCurve(NamedTuple):
     """A curve, and what is written on it if it is not too short [pt]; nothing if there is none."""
 
     text: str
@@ -99,7 +99,7 @@ class Labels(Artist):
     """
 
     def __init__(
-        self, names: Sequence[Name], curves: Sequence[Curve] = (), markers: Any = ()
+        self, names: Sequence[Name], curves: Sequence[LabelledCurve] = (), markers: Any = ()
     ) -> None:
         super().__init__()
         self.names, self.curves = list(names), list(curves)
@@ -114,7 +114,7 @@ class Labels(Artist):
         """Look for places and write the names there."""
         if self.axes is None or not self.get_visible():
             return
-        room = _Room(self, renderer)
+        room = _TakenRoom(self, renderer)
         self.placed = []
         for curve in sorted(self.curves, key=lambda each: -_length(room.seen(each))):
             if curve.text:
@@ -123,7 +123,7 @@ class Labels(Artist):
         self.placed, self.leads = room.placed, room.leads
 
 
-class _Room:
+class _TakenRoom:
     """What is taken in a picture, in pixels."""
 
     def __init__(self, labels: Labels, renderer: Any) -> None:
@@ -146,12 +146,12 @@ class _Room:
     def _shows(self, name: Name) -> bool:
         return bool(self.frame.contains(*self.to_pixels((name.x, name.y))))
 
-    def seen(self, curve: Curve) -> Floats:
+    def seen(self, curve: LabelledCurve) -> Floats:
         """A curve in pixels, (n, 2)."""
         places: Floats = self.to_pixels(np.column_stack([curve.x, curve.y]))
         return places[np.isfinite(places).all(axis=1)]
 
-    def write_on(self, curve: Curve) -> None:
+    def write_on(self, curve: LabelledCurve) -> None:
         """The name of a curve at its middle or near it, where that is seen and free."""
         places = _spaced(self.seen(curve), STEP * self.pt)
         x, y = places.T

@@ -15,7 +15,8 @@ from matplotlib.patches import Rectangle
 from sympy import QQ
 
 from pwmap.algebra.roots import simplest_between
-from pwmap.diagrams.diagram import Diagram, FloatArray, PointKind
+from pwmap.diagrams.data import FloatArray, PointKind
+from pwmap.diagrams.diagram import Diagram
 from pwmap.longrun.constant import EntropyIntervals, constant_entropy
 from pwmap.longrun.crises.diagram import AttractorDiagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics

@@ -13,7 +13,7 @@ from sympy import QQ
 
 from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import bounds, spread
-from pwmap.diagrams.diagram import FloatArray, PointKind
+from pwmap.diagrams.data import FloatArray, PointKind
 from pwmap.parameters.cells import ParameterCell
 from pwmap.plane.colours import Colours
 from pwmap.plane.network import CodimensionTwo
@@ -22,7 +22,7 @@ from pwmap.plane.rasters import PlaneRaster, arc_arrays, root_array
 from pwmap.plane.strips import Strip
 from pwmap.plot import NAMES, axis_label
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, below, new_axes, styled
-from pwmap.plot_labels import Curve, Labels, Name
+from pwmap.plot_labels import LabelledCurve, Labels, Name
 
 PERIODS = ("#4575b4", "#b3cde3", "#7fbc41", "#d9ef8b", "#f46d43", "#fee08b", "#9e7fb8", "#d8b5d8")
 NEAR = QQ(1, 10**6)  # of a strip: so close to its ends borders are drawn
@@ -127,13 +127,15 @@ def _place(point: CodimensionTwo) -> tuple[float, float]:
 
 def _named(ax: Axes, plane: ParameterPlane, step: float) -> Labels:
     """Names on the longest arcs of curves, and beside points."""
-    curves = list[Curve]()
+    curves = list[LabelledCurve]()
     for curve in plane.curves:
         arcs = [arc_arrays(arc, step) for arc in curve.arcs]
         longest = max(range(len(arcs)), key=lambda k: len(arcs[k][0]), default=0)
         color = LINES[curve.kind]["color"]
         for k, (across, along) in enumerate(arcs):
-            curves.append(Curve(curve.id if k == longest else "", across, along, color, 0.0))
+            curves.append(
+                LabelledCurve(curve.id if k == longest else "", across, along, color, 0.0)
+            )
     points = [Name(point.id, *_place(point), always=False) for point in plane.points]
     labels = Labels(points, curves)
     ax.add_artist(labels)

@@ -19,7 +19,7 @@ DRAWING = ("pwmap.plot", "pwmap.cli", "woodpecker.plot", "woodpecker.cli")
 
 @cache
 def imports(package: str) -> nx.DiGraph:
-    """Files of a package and what they import of this project, also inside functions.
+    """Files of a package and what they import of this project, also by ``import_module``.
 
     The public names of a package are imported by its stub, when they are used.
     """
@@ -36,7 +36,14 @@ def imports(package: str) -> nx.DiGraph:
                 parts = [f"{source}.{alias.name}" for alias in node.names]
                 files = [part for part in parts if is_file(part)]
                 graph.add_edges_from((module, target) for target in files or [source])
+            elif isinstance(node, ast.Call) and "import_module" in ast.unparse(node.func):
+                graph.add_edges_from((module, a.value) for a in node.args if is_text(a))
     return graph
+
+
+def is_text(node: ast.expr) -> bool:
+    """Whether an argument is written out."""
+    return isinstance(node, ast.Constant) and isinstance(node.value, str)
 
 
 def name_of(path: Path) -> str:
@@ -87,6 +94,12 @@ def test_mechanics_knows_no_map() -> None:
     for module, target in imports("woodpecker").edges:
         if module.startswith("woodpecker.mechanics") and target.startswith("woodpecker"):
             assert target.startswith(("woodpecker.mechanics", "woodpecker.base")), (module, target)
+
+
+def test_diagrams_know_no_picture() -> None:
+    for module, target in imports("pwmap").edges:
+        if module.startswith("pwmap.diagrams"):
+            assert not target.startswith(("pwmap.plot", "pwmap.cli", "pwmap.explore")), module
 
 
 def test_only_drawing_files_import_matplotlib() -> None:

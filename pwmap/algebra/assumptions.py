@@ -62,7 +62,7 @@ class UndecidedError(ValueError):
 
 
 @dataclass(frozen=True)
-class Region:
+class AssumedRegion:
     """All parameter values that satisfy some inequalities.
 
     Parameters
@@ -76,7 +76,7 @@ class Region:
     ring: Ring
     constraints: tuple[Constraint, ...] = ()
 
-    def __reduce__(self) -> tuple[Callable[..., Region], tuple[object, ...]]:
+    def __reduce__(self) -> tuple[Callable[..., AssumedRegion], tuple[object, ...]]:
         kept = packed(self.ring, [constraint.polynomial for constraint in self.constraints])
         return _region, (kept, tuple(constraint.strict for constraint in self.constraints))
 
@@ -154,9 +154,9 @@ class Region:
         return shortened(shown(self.constraints))
 
 
-def _region(kept: Packed, strict: tuple[bool, ...]) -> Region:
+def _region(kept: Packed, strict: tuple[bool, ...]) -> AssumedRegion:
     ring, polynomials = unpacked(kept)
-    return Region(ring, tuple(map(Constraint, polynomials, strict)))
+    return AssumedRegion(ring, tuple(map(Constraint, polynomials, strict)))
 
 
 def read_constraints(given: Iterable[Term], ring: Ring) -> tuple[Constraint, ...]:

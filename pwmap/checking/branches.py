@@ -12,10 +12,10 @@ from pwmap.checking.lists import period
 from pwmap.checking.places import Number, Place
 from pwmap.checking.polynomials import Poly, Quotient, plus, sign_near, times
 from pwmap.checking.reading import fields, listed, number, pair, quotient, read_map, shown, whole
-from pwmap.checking.refusing import ORDER, ROWS, STEP, Work, refuse
+from pwmap.checking.refusing import ORDER, ROWS, STEP, CheckingWork, refuse
 
 
-class Claim(NamedTuple):
+class ClaimedStretch(NamedTuple):
     """A claim that something exists from one place to another.
 
     Place 2 i is the i-th edge, place 2 i + 1 the open interval from it to the next.
@@ -38,7 +38,7 @@ class Claim(NamedTuple):
         """Whether it exists at a place."""
         return self.first <= place <= self.last
 
-    def goes_on_as(self, other: Claim) -> bool:
+    def goes_on_as(self, other: ClaimedStretch) -> bool:
         """Whether another stretch that follows says the same."""
         slopes = [each.quotients.get("slope") is None for each in (self, other)]
         return self.stable is other.stable and slopes[0] is slopes[1]
@@ -51,7 +51,7 @@ class ClaimedEnd(NamedTuple):
     them or at none.
     """
 
-    stretch: Claim
+    stretch: ClaimedStretch
     side: int
     passes: bool = False
 
@@ -80,8 +80,8 @@ KINDS = {"fixed points": ("x", "slope"), "intervals": (), "crossings": ("x", "le
 
 
 def read_stretches(
-    certificate: Mapping[str, Any], orders: Sequence[int], last: int, work: Work
-) -> list[Claim]:
+    certificate: Mapping[str, Any], orders: Sequence[int], last: int, work: CheckingWork
+) -> list[ClaimedStretch]:
     """All claims of a diagram that something exists."""
     found = []
     for kind, names in KINDS.items():
@@ -97,15 +97,17 @@ def read_stretches(
             }
             if more and type(rest[-1]) is not bool:
                 refuse(f"true or false was expected, got {shown(rest[-1])}")
-            found.append(Claim(kind, order, word, first, stop, values, rest[-1:] == [True]))
+            found.append(
+                ClaimedStretch(kind, order, word, first, stop, values, rest[-1:] == [True])
+            )
     return found
 
 
-class Claims:
+class ClaimedDiagram:
     """The claims of a diagram, the places they speak of, and the iterates there."""
 
     def __init__(self, certificate: Mapping[str, Any]) -> None:
-        self.work = work = Work()
+        self.work = work = CheckingWork()
         self.map, self.name, self.map_text = read_map(certificate["map"], work, parametric=True)
         self.orders = [whole(n, 1, ORDER) for n in listed(certificate["orders"], ORDER)]
         if not self.orders or self.orders != sorted({d for n in self.orders for d in divisors(n)}):
@@ -118,7 +120,7 @@ class Claims:
             Place(self.edges[i // 2], self.edges[(i + 1) // 2], work) for i in range(self.last + 1)
         ]
         self.stretches = read_stretches(certificate, self.orders, self.last, work)
-        self._things: dict[tuple[str, int, str], list[Claim]] = {}
+        self._things: dict[tuple[str, int, str], list[ClaimedStretch]] = {}
         for stretch in self.stretches:
             self._things.setdefault(stretch.thing, []).append(stretch)
         self._ends: dict[int, list[ClaimedEnd]] = {}
@@ -151,7 +153,7 @@ class Claims:
                 if own or 0 < i < self.last:
                     self._verify_at(i, n, own)
 
-    def _verify_at(self, i: int, n: int, own: Sequence[Claim]) -> None:
+    def _verify_at(self, i: int, n: int, own: Sequence[ClaimedStretch]) -> None:
         found = {kind: self.found(i, n, kind) for kind in KINDS}
         for kind, items in found.items():
             words = [s.word for s in own if s.kind == kind]
@@ -162,7 +164,7 @@ class Claims:
         for s in own:
             self._verify_values(s, i, found[s.kind][s.word])
 
-    def _verify_values(self, s: Claim, i: int, found: Any) -> None:
+    def _verify_values(self, s: ClaimedStretch, i: int, found: Any) -> None:
         for name, value in s.quotients.items():
             if not self.equal(value, getattr(found, name), i):
                 refuse(f"{name} of {s.word} is another one {self.where(i)}")
@@ -253,7 +255,7 @@ class Claims:
         return f"at {self.name} = {low}"
 
 
-def ends_of(same: Sequence[Claim], edge: int) -> Iterator[ClaimedEnd]:
+def ends_of(same: Sequence[ClaimedStretch], edge: int) -> Iterator[ClaimedEnd]:
     """The ends of one thing at an edge."""
     before, here, after = (next((s for s in same if s.at(2 * edge + k)), None) for k in (-1, 0, 1))
     beside = [(s, side) for s, side in ((before, -1), (after, 1)) if s is not None]

@@ -9,10 +9,10 @@ from typing import Any, NamedTuple
 
 from pwmap.checking.places import Place
 from pwmap.checking.polynomials import Poly, Quotient, plus, power, times
-from pwmap.checking.refusing import ATOMS, BYTE, OBJECT, Work, refuse
+from pwmap.checking.refusing import ATOMS, BYTE, OBJECT, CheckingWork, refuse
 
 
-class Ratio(NamedTuple):
+class IterateValue(NamedTuple):
     """A value of an iterate: a polynomial over a power of the map's denominator."""
 
     top: Poly
@@ -28,8 +28,8 @@ class Atom(NamedTuple):
     """
 
     word: str
-    left: Ratio | None
-    right: Ratio | None
+    left: IterateValue | None
+    right: IterateValue | None
     cut: tuple[int, int] | None = None
 
 
@@ -44,15 +44,15 @@ class Map(NamedTuple):
     intercepts: Mapping[str, Poly]
     breaks: tuple[Poly, ...]
     unit: Poly
-    work: Work
+    work: CheckingWork
 
-    def follow(self, value: Ratio, word: str) -> Ratio:
+    def follow(self, value: IterateValue, word: str) -> IterateValue:
         """A value after some more letters."""
         top, n = value
         for letter in word:
             shift = self._times(self.intercepts[letter], self._power(n))
             top, n = plus(self.work, self._times(self.slopes[letter], top), shift), n + 1
-        return Ratio(top, n)
+        return IterateValue(top, n)
 
     def slope(self, word: str) -> Poly:
         """The slope of a word of n letters, over the n-th power of the denominator."""
@@ -61,11 +61,11 @@ class Map(NamedTuple):
             found = self._times(found, self.slopes[letter])
         return found
 
-    def offset(self, word: str) -> Ratio:
+    def offset(self, word: str) -> IterateValue:
         """The value of the affine map of a word at x = 0."""
-        return self.follow(Ratio((), 1), word)
+        return self.follow(IterateValue((), 1), word)
 
-    def over(self, value: Ratio, k: int) -> Poly:
+    def over(self, value: IterateValue, k: int) -> Poly:
         """The numerator of a value minus a break."""
         at = self._times(self.breaks[k], self._power(value.power - 1))
         return plus(self.work, value.top, at, -1)
@@ -89,7 +89,7 @@ class Map(NamedTuple):
     def _power(self, n: int) -> Poly:
         return power(self.work, self.unit, n)
 
-    def ratio(self, value: Ratio) -> Quotient:
+    def ratio(self, value: IterateValue) -> Quotient:
         """A value as a quotient."""
         return value.top, self._power(value.power)
 
@@ -149,7 +149,7 @@ class CheckedIterate:
             found *= self.place.sign(self.map.slopes[letter])
         return found
 
-    def _slot(self, value: Ratio) -> int:
+    def _slot(self, value: IterateValue) -> int:
         """The slot that holds a value: 2 k + 1 for break k, even numbers for what lies between."""
         for k in range(len(self.map.breaks)):
             side = self.place.sign(self.map.over(value, k))
@@ -157,7 +157,7 @@ class CheckedIterate:
                 return 2 * k + 1 + side
         return 2 * len(self.map.breaks)
 
-    def _beside(self, value: Ratio | None, side: int) -> int:
+    def _beside(self, value: IterateValue | None, side: int) -> int:
         """The open slot that holds what lies beside a value; None is infinite."""
         if value is None:
             return 0 if side > 0 else 2 * len(self.map.breaks)
@@ -168,7 +168,9 @@ class CheckedIterate:
         """An atom of the next iterate or, where its image holds breaks, several."""
         map_, word, sense = self.map, atom.word, self.sense(atom.word)
 
-        def new(slot: int, left: Ratio | None, right: Ratio | None, cut: Any = None) -> Atom:
+        def new(
+            slot: int, left: IterateValue | None, right: IterateValue | None, cut: Any = None
+        ) -> Atom:
             letter = map_.slots[slot]
             first, last = (None if v is None else map_.follow(v, letter) for v in (left, right))
             return Atom(word + letter, first, last, cut)
@@ -180,7 +182,7 @@ class CheckedIterate:
         first, last = self._beside(atom.left, sense), self._beside(atom.right, -sense)
         left = atom.left
         for slot in range(first, last, 2 * sense):
-            right = Ratio(map_.breaks[(slot + sense) // 2], 1)
+            right = IterateValue(map_.breaks[(slot + sense) // 2], 1)
             yield new(slot, left, right)
             yield new(slot + sense, right, right, ((slot + sense) // 2, len(word)))
             left = right
@@ -188,12 +190,12 @@ class CheckedIterate:
 
     # A piece of the iterate is an interval with those of its ends that have its word.
 
-    def above(self, point: Atom, value: Ratio) -> Poly:
+    def above(self, point: Atom, value: IterateValue) -> Poly:
         """A polynomial with the sign of a value minus the x of a point, but for that of sense."""
         k, steps = point.cut or (0, 0)
         return self.map.over(self.map.follow(value, point.word[:steps]), k)
 
-    def side(self, point: Atom | None, value: Ratio | None) -> int:
+    def side(self, point: Atom | None, value: IterateValue | None) -> int:
         """The sign of a value minus the x of a point, 0 if there is none."""
         if point is None or value is None:
             return 0

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pwmap.checking.branches import KINDS, ClaimedEnd, Claims
+from pwmap.checking.branches import KINDS, ClaimedDiagram, ClaimedEnd
 from pwmap.checking.iterates import CheckedIterate
 from pwmap.checking.lists import COPIES, count
 from pwmap.checking.places import Number
@@ -21,7 +21,7 @@ class Point:
     """
 
     def __init__(
-        self, diagram: Claims, edge: int, ends: Sequence[ClaimedEnd], *, infinite: bool
+        self, diagram: ClaimedDiagram, edge: int, ends: Sequence[ClaimedEnd], *, infinite: bool
     ) -> None:
         self.diagram, self.edge, self.ends, self.infinite = diagram, edge, ends, infinite
         self.place = diagram.places[2 * edge]
@@ -165,7 +165,7 @@ def is_special(ends: Sequence[ClaimedEnd]) -> bool:
     return changing and any(end.is_fixed for end in ends)
 
 
-def verified_points(diagram: Claims, rows: Sequence[object]) -> list[str]:
+def verified_points(diagram: ClaimedDiagram, rows: Sequence[object]) -> list[str]:
     """Verify the special points; texts that name them.
 
     Every end of fixed points inside must be that of one of them; at each of them fixed points end,
@@ -208,7 +208,7 @@ def verified_points(diagram: Claims, rows: Sequence[object]) -> list[str]:
 
 def diagram_statement(certificate: Mapping[str, Any]) -> str:
     """Verify branches and special points over a parameter; the sentence that says so."""
-    diagram = Claims(certificate)
+    diagram = ClaimedDiagram(certificate)
     diagram.verify()
     texts = verified_points(diagram, listed(certificate["points"], ROWS))
     rows = {

@@ -24,7 +24,7 @@ _T = sympy.Symbol("t")
 
 
 @dataclass(frozen=True, slots=True)
-class Value:
+class ExactValue:
     """A formula at one value of the parameter.
 
     Attributes
@@ -44,7 +44,7 @@ class Value:
 
 
 @dataclass(frozen=True, slots=True)
-class Slice:
+class ExactSlice:
     """One value of the parameter.
 
     Parameters
@@ -77,24 +77,24 @@ class Slice:
         values = {s: self.sample[s.name] for s in expr.free_symbols if s.name in self.sample}
         return expr.xreplace(values) if values else expr
 
-    def value(self, expr: sympy.Expr) -> Value:
+    def value(self, expr: sympy.Expr) -> ExactValue:
         """A formula in the parameter at this value."""
         if expr.is_infinite or expr is sympy.nan:
-            return Value(expr, expr, float(expr))
+            return ExactValue(expr, expr, float(expr))
         own = next((s for s in expr.free_symbols if s.name == self.name), None)
         drawn = self._sampled(expr)
         if not isinstance(self.at, RealRoot) or own is None:
             point = {own: real_to_sympy(self.at)} if own is not None else {}
             key = real(drawn.xreplace(point))
-            return Value(expr.xreplace(point), key, to_float(key))
+            return ExactValue(expr.xreplace(point), key, to_float(key))
         top, bottom = _quotient(drawn, own)
         coefficients = self.at.quotient(top, bottom)
         formula = expr.xreplace({own: self.at.to_sympy()})
         if drawn == expr:
             formula = self.at.element_to_sympy(coefficients)
-        return Value(formula, coefficients, self.at.to_float(top, bottom))
+        return ExactValue(formula, coefficients, self.at.to_float(top, bottom))
 
-    def compare(self, first: Value, second: Value) -> int:
+    def compare(self, first: ExactValue, second: ExactValue) -> int:
         """-1, 0 or 1: the order of two values."""
         keys = first.key, second.key
         infinite = [_side(key) for key in keys]

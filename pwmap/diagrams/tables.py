@@ -8,7 +8,8 @@ from pathlib import Path
 
 from rich.table import Column, Table
 
-from pwmap.diagrams.diagram import NAME, VERSION, Branch, Diagram, SpecialPoint, Stretch
+from pwmap.diagrams.data import Branch, SpecialPoint, Stretch
+from pwmap.diagrams.diagram import NAME, VERSION, Diagram
 from pwmap.diagrams.files import table_as_text, write_whole
 from pwmap.diagrams.formulas import text_of
 from pwmap.diagrams.graph import graph_as_bytes

@@ -10,7 +10,8 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint
+from pwmap.diagrams.diagram import Diagram
 from pwmap.explore.figures import COLORS, DASHES, MARKS
 from pwmap.plot import GREY, MARKERS, WIDTHS
 

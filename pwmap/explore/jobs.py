@@ -30,7 +30,7 @@ class Failure:
 
 
 @dataclass(frozen=True, slots=True)
-class Finished:
+class JobFinished:
     """A job that came to its end; the last of its results."""
 
 
@@ -65,7 +65,7 @@ class Job:
                 found.append(self._results.recv())
             except (EOFError, OSError):  # it was killed, for instance by the system
                 found.append(Failure("the work was broken off by the system"))
-            if isinstance(found[-1], Failure | Finished):
+            if isinstance(found[-1], Failure | JobFinished):
                 self.stop()
         if not self.is_over and time.monotonic() > self._end:
             self.stop()
@@ -123,7 +123,7 @@ def _carry_out(sender: Connection, work: Work, arguments: tuple[Any, ...]) -> No
         except Exception as error:
             sender.send(Failure(str(error) or type(error).__name__))
         else:
-            sender.send(Finished())
+            sender.send(JobFinished())
 
 
 def _limit_memory() -> None:

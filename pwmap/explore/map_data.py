@@ -37,7 +37,7 @@ Rows = list[list[str]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Part:
+class MapAnswer:
     """One answer.
 
     Parameters
@@ -61,7 +61,7 @@ class Part:
     shown: Shown | None = None
 
 
-def answers(state: MapState) -> Iterator[Part]:
+def answers(state: MapState) -> Iterator[MapAnswer]:
     """Everything that a page shows of a map, the quick answers first."""
     given = [part.strip() for part in state.given.split(";") if part.strip()]
     family = PiecewiseLinearMap.from_sympy(state.map, "x", given)
@@ -76,13 +76,13 @@ def answers(state: MapState) -> Iterator[Part]:
         try:
             yield answer(state, family, here)
         except (ValueError, ArithmeticError) as error:  # one answer fails, the others may not
-            yield Part(name, message=str(error)[:400])
+            yield MapAnswer(name, message=str(error)[:400])
 
 
 # --- The map --------------------------------------------------------------------------------------
 
 
-def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) -> Part:
+def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) -> MapAnswer:
     """Pieces, what lies on the diagonal, and a cobweb."""
     iterate = here.iterate(state.order)
     pieces, fixed, jumps = iterate.pieces, iterate.fixed_points(), iterate.jump_crossings()
@@ -119,7 +119,7 @@ def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) 
         f"Cycles up to period {PERIODS}": _cycle_rows(family, here),
         "Orbit": [[str(k), _text(x)] for k, x in enumerate(orbit[:ROWS])],
     }
-    return Part("map", tables, rows)
+    return MapAnswer("map", tables, rows)
 
 
 def _graph(pieces: Any, low: float, high: float) -> dict[str, dict[str, Any]]:
@@ -186,10 +186,10 @@ def _orders(state: MapState) -> tuple[int, ...]:
     return tuple(range(1, state.orders + 1))
 
 
-def _cells(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> Part:
+def _cells(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> MapAnswer:
     """Cells of the parameter, each with its cycles as formulas."""
     if not state.axis:
-        return Part("cells")
+        return MapAnswer("cells")
     line = _one_parameter(state, family)
     found = parameter_cells(line, state.axis, _orders(state), span=state.span, budget=BUDGET)
     value = Fraction(state.place[state.axis])
@@ -207,12 +207,12 @@ def _cells(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -
             if p.period == order
         ]  # fmt: skip
         rows.append([where + (" ← here" if inside else ""), "; ".join(points) or "no cycle"])
-    return Part("cells", rows={f"Cells of {state.axis}": rows[:ROWS]})
+    return MapAnswer("cells", rows={f"Cells of {state.axis}": rows[:ROWS]})
 
 
-def _diagram(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> Part:
+def _diagram(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> MapAnswer:
     if not state.axis:
-        return Part("diagram")
+        return MapAnswer("diagram")
     line = _one_parameter(state, family)
     found = bifurcation_diagram(line, state.axis, state.span, _orders(state), budget=BUDGET)
     rows = [
@@ -221,13 +221,15 @@ def _diagram(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap)
         for p in found.points if str(p.kind) != "EP"
     ]  # fmt: skip
     note = "; ".join(text for text in found.given if "stopped" in text)
-    return Part("diagram", rows={"Special points": rows[:ROWS]}, shown=shown(found), message=note)
+    return MapAnswer(
+        "diagram", rows={"Special points": rows[:ROWS]}, shown=shown(found), message=note
+    )
 
 
 # --- The long run, and two parameters -------------------------------------------------------------
 
 
-def _long(_: MapState, __: PiecewiseLinearMap, here: PiecewiseLinearMap) -> Part:
+def _long(_: MapState, __: PiecewiseLinearMap, here: PiecewiseLinearMap) -> MapAnswer:
     """Attractors, entropy, and the density of what is chaotic."""
     found = dynamics(here, budget=BUDGET)
     entropy = found.entropy
@@ -242,7 +244,7 @@ def _long(_: MapState, __: PiecewiseLinearMap, here: PiecewiseLinearMap) -> Part
         for low, high, value in density.steps() if density is not None else ():
             for column, each in zip(steps.values(), (low, high, value), strict=True):
                 column.append(float(each))
-    return Part("long", {"density": steps}, rows)
+    return MapAnswer("long", {"density": steps}, rows)
 
 
 def _exponent(attractor: Any) -> str:
@@ -253,11 +255,11 @@ def _exponent(attractor: Any) -> str:
     return "" if bounds is None else f"Lyapunov exponent in [{bounds[0]:.6g}, {bounds[1]:.6g}]"
 
 
-def _plane(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> Part:
+def _plane(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> MapAnswer:
     """Curves on which cycles bifurcate, with their polynomials."""
     names = [name for name in state.plane if name in state.parameters]
     if len(names) != 2:
-        return Part("plane")
+        return MapAnswer("plane")
     rest = {n: v for n, v in state.place.items() if n not in names and _has(family, n)}
     flat = family.at(rest) if rest else family
     found = parameter_plane(
@@ -288,7 +290,7 @@ def _plane(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -
     ]
     tables = {"plane": lines, "meeting": {"x": [n[0] for n in nodes], "y": [n[1] for n in nodes]}}
     told = {"Curves of the plane": rows[:ROWS], "Points of codimension two": meeting[:ROWS]}
-    return Part("plane", tables, told, found.left_out)
+    return MapAnswer("plane", tables, told, found.left_out)
 
 
 # --- Texts ----------------------------------------------------------------------------------------

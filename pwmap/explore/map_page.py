@@ -26,8 +26,8 @@ from pwmap.explore.figures import (
     source,
     strokes,
 )
-from pwmap.explore.jobs import Failure, Finished, Job, is_warm, warm_up
-from pwmap.explore.map_data import SECONDS, Part, answers
+from pwmap.explore.jobs import Failure, Job, JobFinished, is_warm, warm_up
+from pwmap.explore.map_data import SECONDS, MapAnswer, answers
 from pwmap.explore.map_state import MapState, from_query, python_of, rational, to_query
 from pwmap.explore.page import Control, fill
 from pwmap.explore.serving import Site, serve
@@ -125,17 +125,17 @@ class MapTab:
         told = False
         for result in self.job.results() if self.job is not None else ():
             told = True
-            if isinstance(result, Part):
+            if isinstance(result, MapAnswer):
                 self._take(result)
             elif isinstance(result, Failure):
                 self.message = result.sentence
                 self.rows = {}
-            elif isinstance(result, Finished):
+            elif isinstance(result, JobFinished):
                 self.message = next(filter(None, self.notes.values()), "")
         if told:
             self.say(self.answer())
 
-    def _take(self, part: Part) -> None:
+    def _take(self, part: MapAnswer) -> None:
         self.rows[part.name], self.notes[part.name] = part.rows, part.message
         tables = part.tables
         if part.name == "map" and tables:
@@ -176,7 +176,7 @@ class MapTab:
             set_range(axis_range, *tables["window"]["x"])
         self.map.yaxis.axis_label = rf"$$P_{{{self.state.order}}}(x)$$"
 
-    def _show_diagram(self, part: Part) -> None:
+    def _show_diagram(self, part: MapAnswer) -> None:
         self._shown = part.shown
         self.diagram.figure.xaxis.axis_label = self.state.axis
         self.diagram.show(part.shown)

@@ -33,7 +33,7 @@ class Wish(DataModel):  # type: ignore[misc]
     text = String(default="")
 
 
-class Answer(DataModel):  # type: ignore[misc]
+class PageAnswer(DataModel):  # type: ignore[misc]
     """What the page shows besides its views, as JSON."""
 
     text = String(default="")
@@ -130,7 +130,7 @@ def fill(
         Sends an answer: values that are told to the script of the page, and the :class:`Frame`
         ``frame``, if there is one.
     """
-    wish, answer = Wish(name="wish"), Answer(name="answer")
+    wish, answer = Wish(name="wish"), PageAnswer(name="answer")
     numbers = ColumnDataSource({"all": np.empty(0)}, name="numbers")  # of a frame
     count = 0
 

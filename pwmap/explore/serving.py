@@ -22,7 +22,7 @@ from bokeh.server.server import Server
 from tornado.ioloop import IOLoop, PeriodicCallback
 from tornado.web import HTTPError, RequestHandler
 
-from pwmap.explore.jobs import Failure, Finished, Job
+from pwmap.explore.jobs import Failure, Job, JobFinished
 from pwmap.explore.page import compare_page, in_words
 
 ADDRESS = "127.0.0.1"
@@ -194,7 +194,7 @@ class _Export(_OwnName):
         if failures:
             self._refuse(failures[0])
             return
-        (kind, content) = next(each for each in found if not isinstance(each, Finished))
+        (kind, content) = next(each for each in found if not isinstance(each, JobFinished))
         self.set_header("Content-Type", kind)
         self.set_header("Content-Disposition", f'attachment; filename="{name}"')
         self.finish(content)

@@ -19,8 +19,8 @@ from math import gcd
 from sympy import QQ
 
 from pwmap.algebra.exact import pair
-from pwmap.longrun.fates import AttractingCycle, Fate, Fates, Orbit, abs_, unfollowed
-from pwmap.longrun.line import Branch, Germ, Interval, Line, add, joined, length, outside
+from pwmap.longrun.fates import AttractingCycle, Fate, Fates, GermOrbit, abs_, unfollowed
+from pwmap.longrun.line import AffinePiece, Germ, Interval, MapLine, add, joined, length, outside
 from pwmap.longrun.neutral import NeutralIntervals, is_neutral, neutral_intervals
 from pwmap.longrun.numbers import Element, Exact, enclosed, in_order, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
@@ -99,11 +99,11 @@ class Attractors:
         A sentence if a budget or an interrupt is the cause.
     """
 
-    line: Line
+    line: MapLine
     cycles: tuple[AttractingCycle, ...]
     neutral: tuple[NeutralIntervals, ...]
     bands: tuple[Bands, ...]
-    orbits: tuple[Orbit, ...]
+    orbits: tuple[GermOrbit, ...]
     open: tuple[Exact, ...]
     left_out: str = ""
 
@@ -116,7 +116,7 @@ class _Settled(Exception):  # noqa: N818  it is not an error
     """What grows from a break comes elsewhere than to a chaotic attractor."""
 
 
-def attractors_of(line: Line, steps: int = STEPS, budget: Budget | Meter = BUDGET) -> Attractors:
+def attractors_of(line: MapLine, steps: int = STEPS, budget: Budget | Meter = BUDGET) -> Attractors:
     """The attractors of a map.
 
     Parameters
@@ -131,7 +131,7 @@ def attractors_of(line: Line, steps: int = STEPS, budget: Budget | Meter = BUDGE
     meter = metered(budget)
     expands = all(abs_(branch.slope) > 1 for branch in line.branches)
     fates = Fates(line, min(steps, EXPANDING) if expands else steps, meter)
-    orbits, open_, bands = list[Orbit](), set(line.breaks), list[Bands]()
+    orbits, open_, bands = list[GermOrbit](), set(line.breaks), list[Bands]()
     with meter.keeping(line.branches):
         for germ in meter.each(line.germs, "orbits of breaks"):
             orbits.append(_like_the_last(line, germ, orbits) or fates.orbit(germ))
@@ -174,7 +174,7 @@ def attractors_of(line: Line, steps: int = STEPS, budget: Budget | Meter = BUDGE
     )  # fmt: skip
 
 
-def _like_the_last(line: Line, germ: Germ, orbits: Sequence[Orbit]) -> Orbit | None:
+def _like_the_last(line: MapLine, germ: Germ, orbits: Sequence[GermOrbit]) -> GermOrbit | None:
     """The orbit of a germ with the image of the one before: both sides of a continuous break."""
     last = orbits[-1] if orbits else None
     if last is None or last.fate is Fate.FINITE or line.image(germ) not in last.germs[1:2]:
@@ -183,7 +183,9 @@ def _like_the_last(line: Line, germ: Germ, orbits: Sequence[Orbit]) -> Orbit | N
     return replace(last, germs=(germ, *last.germs[1:]), letters=letters)
 
 
-def _beside(fates: Fates, growth: _Growth, sides: tuple[Orbit, Orbit]) -> set[Intervals] | None:
+def _beside(
+    fates: Fates, growth: _Growth, sides: tuple[GermOrbit, GermOrbit]
+) -> set[Intervals] | None:
     """What grows from the sides of a break, () where that settles; None if it is open."""
     found = set[Intervals]()
     image = sides[0].germs[1:2]
@@ -198,7 +200,7 @@ def _beside(fates: Fates, growth: _Growth, sides: tuple[Orbit, Orbit]) -> set[In
     return found
 
 
-def _is_settled(line: Line, orbit: Orbit, fates: Fates) -> bool:
+def _is_settled(line: MapLine, orbit: GermOrbit, fates: Fates) -> bool:
     """Whether it is known that points beside a break come to no chaotic attractor."""
     return (
         orbit.fate in (Fate.DRAWN, Fate.LOST)
@@ -208,12 +210,12 @@ def _is_settled(line: Line, orbit: Orbit, fates: Fates) -> bool:
     )
 
 
-def _inside(line: Line, intervals: Intervals) -> tuple[Exact, ...]:
+def _inside(line: MapLine, intervals: Intervals) -> tuple[Exact, ...]:
     """The breaks inside of intervals."""
     return tuple(x for x in line.breaks if any(low < x < high for low, high in intervals))
 
 
-def absorbing_of(line: Line) -> Interval | None:
+def absorbing_of(line: MapLine) -> Interval | None:
     """The smallest closed interval with all breaks and their images that is mapped into itself.
 
     It holds all breaks, so that its ends lie on the outer pieces, and an end is where the least or
@@ -248,7 +250,7 @@ def _fixed(low: tuple[Exact, ...], high: tuple[Exact, ...]) -> Interval | None:
     return None if not size else (((1 - e) * c + b * f) / size, (d * c + (1 - a) * f) / size)
 
 
-def height(line: Line) -> int:
+def height(line: MapLine) -> int:
     """Bits of the largest denominator of a map's coefficients."""
     return max(map(bits, (*line.breaks, *(x for branch in line.branches for x in branch[:2]))))
 
@@ -260,7 +262,7 @@ def bits(x: Exact) -> int:
     return pair(x)[1].bit_length()
 
 
-def _ends_in_a_cycle(orbit: Orbit, fates: Fates) -> bool:
+def _ends_in_a_cycle(orbit: GermOrbit, fates: Fates) -> bool:
     """Whether a finite orbit ends in an attracting cycle."""
     if orbit.fate is not Fate.FINITE:
         return False
@@ -268,7 +270,7 @@ def _ends_in_a_cycle(orbit: Orbit, fates: Fates) -> bool:
     return any(end & set(cycle.points) for cycle in fates.cycles)
 
 
-def _ends_at_a_break(line: Line, orbit: Orbit, fates: Fates) -> bool:
+def _ends_at_a_break(line: MapLine, orbit: GermOrbit, fates: Fates) -> bool:
     """Whether a finite orbit ends in a cycle that attracts on one side, since it meets a break."""
     if orbit.fate is not Fate.FINITE or _ends_in_a_cycle(orbit, fates):
         return False
@@ -290,7 +292,7 @@ class _Growth:
     """
 
     def __init__(
-        self, fates: Fates, orbits: Sequence[Orbit], neutral: Sequence[NeutralIntervals]
+        self, fates: Fates, orbits: Sequence[GermOrbit], neutral: Sequence[NeutralIntervals]
     ) -> None:
         self.fates, self.line, self.meter = fates, fates.line, fates.meter
         high = height(self.line)
@@ -383,7 +385,7 @@ class _Growth:
         near = min(self.images[max(0, k - 1) : k + 1], key=lambda each: abs_(each - x))
         return near if abs_(near - x) < self.close else None
 
-    def image(self, branch: Branch, part: Interval) -> Interval:
+    def image(self, branch: AffinePiece, part: Interval) -> Interval:
         """The image of an interval on one piece, if it does not settle."""
         self.note([part])
         low, high = branch.over(part)
@@ -418,7 +420,7 @@ def _length(part: Interval) -> Exact:
     return part[1] - part[0]
 
 
-def expanded(line: Line, intervals: Intervals, meter: Meter) -> set[Interval] | None:
+def expanded(line: MapLine, intervals: Intervals, meter: Meter) -> set[Interval] | None:
     """The images of all that follows a word until the product of its slopes is larger than 2.
 
     None if they are not found: then something in there may be attracting, neutral or wandering.
@@ -443,7 +445,7 @@ def expanded(line: Line, intervals: Intervals, meter: Meter) -> set[Interval] | 
     return None if level else found
 
 
-def _scale(line: Line) -> Exact:
+def _scale(line: MapLine) -> Exact:
     """A length that is small beside what breaks keep apart."""
     breaks = line.breaks
     gaps = [b - a for a, b in pairwise(breaks)]

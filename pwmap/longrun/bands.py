@@ -17,15 +17,8 @@ from sympy import QQ
 
 from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import simplest_between, spread
-from pwmap.diagrams.diagram import (
-    Branch,
-    BranchKind,
-    Diagram,
-    FloatArray,
-    PointKind,
-    SpecialPoint,
-    Stretch,
-)
+from pwmap.diagrams.data import Branch, BranchKind, FloatArray, PointKind, SpecialPoint, Stretch
+from pwmap.diagrams.diagram import Diagram
 from pwmap.longrun.crises.diagram import AttractorCell, AttractorDiagram, Crisis
 from pwmap.longrun.crises.meetings import meeting_x
 from pwmap.longrun.dynamics import dynamics
@@ -94,7 +87,7 @@ class _Row:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Piece:
+class _BandPiece:
     """A band from one crisis to the next: it may pass several cells."""
 
     rows: tuple[_Row, ...]
@@ -142,17 +135,17 @@ def _formulas(row: _Row) -> dict[str, object]:
     }
 
 
-def _pieces(found: AttractorDiagram) -> Iterator[_Piece]:
+def _pieces(found: AttractorDiagram) -> Iterator[_BandPiece]:
     """All bands, from left to right and bottom to top, each as far as no crisis ends it."""
     ends = {crisis.parameter for crisis in found.crises}
     run: list[list[_Row]] = []  # the rows of each cell since the last crisis
     for cell in found.cells:
         rows = _rows(found, cell)
         if run and (cell.lower in ends or len(rows) != len(run[-1])):
-            yield from (_Piece(each) for each in zip(*run, strict=True))
+            yield from (_BandPiece(each) for each in zip(*run, strict=True))
             run = []
         run.append(rows)
-    yield from (_Piece(each) for each in zip(*run, strict=True))
+    yield from (_BandPiece(each) for each in zip(*run, strict=True))
 
 
 def _rows(found: AttractorDiagram, cell: AttractorCell) -> list[_Row]:

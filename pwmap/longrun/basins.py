@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import sympy
 from sympy import QQ
 
-from pwmap.longrun.line import Germ, Interval, Line
+from pwmap.longrun.line import Germ, Interval, MapLine
 from pwmap.longrun.numbers import Exact, work_of
 from pwmap.longrun.pointsets import (
     Part,
@@ -112,7 +112,7 @@ class WholeBasin:
 
 
 def whole_basin(
-    line: Line, core: PointSet, immediate: Basin, budget: Budget | Meter = BUDGET
+    line: MapLine, core: PointSet, immediate: Basin, budget: Budget | Meter = BUDGET
 ) -> WholeBasin:
     """All that comes to an attractor.
 
@@ -147,7 +147,7 @@ def whole_basin(
     return WholeBasin(found[-1], complete)
 
 
-def _with_more(line: Line, known: PointSet, longer: PointSet, meter: Meter) -> PointSet:
+def _with_more(line: MapLine, known: PointSet, longer: PointSet, meter: Meter) -> PointSet:
     """A set with what lies beside its new ends, and is mapped into it or closer to them."""
     before = {end for pair in known.interior for end in pair}
     intervals = longer.interior
@@ -164,7 +164,7 @@ def _work(part: Part) -> int:
     return STEP + 3 * sum(work_of(cut[0]) for cut in part if cut is not None)
 
 
-def staying(line: Line, intervals: Sequence[Interval]) -> PointSet:
+def staying(line: MapLine, intervals: Sequence[Interval]) -> PointSet:
     """Closed intervals that are mapped into themselves, without ends that are breaks and leave."""
     whole = closed_intervals(intervals)
     ends = [x for interval in intervals for x in interval]
@@ -178,7 +178,7 @@ def staying(line: Line, intervals: Sequence[Interval]) -> PointSet:
     )
 
 
-def _comes(line: Line, core: PointSet, x: Exact, meter: Meter) -> bool | None:
+def _comes(line: MapLine, core: PointSet, x: Exact, meter: Meter) -> bool | None:
     """Whether a point comes to an attractor, by its own orbit; None if that is not known."""
     leaving = any(y in core and line(y) not in core for y in line.breaks)
     seen = list[Exact]()
@@ -193,7 +193,7 @@ def _comes(line: Line, core: PointSet, x: Exact, meter: Meter) -> bool | None:
     return None
 
 
-def basin_of(line: Line, start: Sequence[Open], budget: Budget | Meter = BUDGET) -> Basin:
+def basin_of(line: MapLine, start: Sequence[Open], budget: Budget | Meter = BUDGET) -> Basin:
     """The immediate basin of an attractor.
 
     Iterates are looked at until all ends may have come back, twice: what is mapped to the other
@@ -224,7 +224,7 @@ def basin_of(line: Line, start: Sequence[Open], budget: Budget | Meter = BUDGET)
 
 
 def _extended(
-    line: Line, known: Sequence[Open], k: int, side: int, orders: int, meter: Meter
+    line: MapLine, known: Sequence[Open], k: int, side: int, orders: int, meter: Meter
 ) -> Open:
     """An interval with what lies beside it, on one piece of the map, and is mapped into the known.
 
@@ -274,7 +274,7 @@ def _nearer(x: Exact, limit: End, side: int) -> Exact:
     return min(x, limit) if side > 0 else max(x, limit)
 
 
-def _pieces(line: Line, end: Exact, side: int, orders: int, meter: Meter) -> Iterator[Reaching]:
+def _pieces(line: MapLine, end: Exact, side: int, orders: int, meter: Meter) -> Iterator[Reaching]:
     """Slope, intercept and farthest end of the pieces of iterates beside a point, by order."""
     slope, intercept, limit = QQ.one, QQ.zero, None
     germ = Germ(end, side)

@@ -45,12 +45,12 @@ from pwmap.longrun.entropies import Entropy, exact_entropy
 from pwmap.longrun.fates import AttractingCycle, Fates
 from pwmap.longrun.itineraries import STEPS, Ending, Itinerary, drawn_to, growth_at, itinerary_of
 from pwmap.longrun.kneading import cofactors, growth_by_kneading
-from pwmap.longrun.line import Line, line_at
+from pwmap.longrun.line import MapLine, line_at
 from pwmap.longrun.matching import family_of, growth_of_pairs, matched
 from pwmap.longrun.numbers import sign, to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
-from pwmap.maps.words import CriticalOrbit, Decision, Multiplier, Return, Slope
+from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, OrbitReturn, Slope
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.cells import only_axis
 
@@ -299,14 +299,14 @@ class _Study:
         constraints = self.axis.definition.region.constraints
         return all(c.holds(self.axis.sign(c.polynomial, place)) for c in constraints)
 
-    def line(self, place: Real) -> Line:
+    def line(self, place: Real) -> MapLine:
         """The map at a place."""
         return line_at(self.map, place)
 
-    def proof(self, line: Line) -> Proof | GapCause:
+    def proof(self, line: MapLine) -> Proof | GapCause:
         """What is known of the growth of laps of the map at a place."""
         if all(-1 <= branch.slope <= 1 for branch in line.branches):
-            units = [Multiplier((k,), unit) for k in set(self.letters) for unit in (1, -1)]
+            units = [MultiplierSign((k,), unit) for k in set(self.letters) for unit in (1, -1)]
             return Proof(QQ.one, tuple(units))
         itineraries = self.itineraries(line)
         endings = {each.ending for each in itineraries}
@@ -322,7 +322,7 @@ class _Study:
             decided |= dict.fromkeys(self.decisions(line, number // 2, itinerary))
         return Proof(growth, tuple(decided), None in endings)
 
-    def itineraries(self, line: Line) -> list[Itinerary]:
+    def itineraries(self, line: MapLine) -> list[Itinerary]:
         """Of all germs, each to the end, or up to where it matches that of the other side."""
         found = list[Itinerary]()
         for number in range(len(line.breaks)):
@@ -369,7 +369,7 @@ class _Study:
             for each in self.polynomials(decisions)
         )
 
-    def matched(self, line: Line, number: int) -> tuple[Itinerary, Itinerary] | None:
+    def matched(self, line: MapLine, number: int) -> tuple[Itinerary, Itinerary] | None:
         """The itineraries of both sides of a break, if they match wherever they are the same."""
         found = matched(line, number, self.steps, self.meter)
         if found is None:
@@ -379,7 +379,7 @@ class _Study:
         one, other = (orbits.orbit(k, word) for word in words)
         return found if one == other else None
 
-    def decisions(self, line: Line, number: int, itinerary: Itinerary) -> Iterator[Decision]:
+    def decisions(self, line: MapLine, number: int, itinerary: Itinerary) -> Iterator[Decision]:
         """What says that a germ at a break has an itinerary.
 
         Signs of slopes go without saying; they say on which side of an image points lie.
@@ -392,11 +392,11 @@ class _Study:
         again = word[itinerary.start :]
         match itinerary.ending:
             case Ending.PERIODIC | Ending.OUTWARD:
-                yield Return(k, word, itinerary.start)
+                yield OrbitReturn(k, word, itinerary.start)
             case Ending.DRAWN if self.slope(line, itinerary) < 0:
-                yield Multiplier(tuple(sorted(again)), -1)
+                yield MultiplierSign(tuple(sorted(again)), -1)
             case Ending.DRAWN:
-                yield Multiplier(tuple(sorted(again)), 1)
+                yield MultiplierSign(tuple(sorted(again)), 1)
                 for n, piece in enumerate(itinerary.word):
                     turned = again[n:] + again[:n]
                     yield from (CriticalOrbit(b, turned, b) for b in self.around(piece))
@@ -406,7 +406,7 @@ class _Study:
         return self.layout.breaks[max(0, piece - 1) : piece + 1]
 
     @staticmethod
-    def slope(line: Line, itinerary: Itinerary) -> int:
+    def slope(line: MapLine, itinerary: Itinerary) -> int:
         """The sign of the slope of the word that comes again and again."""
         found = 1
         for k in itinerary.word:

@@ -20,7 +20,7 @@ from sympy import QQ
 
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.fates import abs_
-from pwmap.longrun.line import Branch, Germ, Line, Owner, line_of
+from pwmap.longrun.line import AffinePiece, Germ, MapLine, Owner, line_of
 from pwmap.longrun.numbers import Exact, exact_to_sympy, key, sign, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, Progress, Report, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
@@ -54,7 +54,7 @@ class FoundCycle:
     [('LLR', (-5/2, -1/4, 7/8), -1), ('LRR', (-13/7, 1/14, 5/7), 8)]
     """
 
-    line: Line
+    line: MapLine
     word: str
     start: Exact
     slope: Exact | None
@@ -148,7 +148,7 @@ class FoundCycles:
         return iter(self.cycles)
 
 
-class _Start(NamedTuple):
+class _StartSet(NamedTuple):
     """The points, between two ends, that follow a word and lie left of all of their images."""
 
     word: tuple[int, ...]
@@ -237,7 +237,7 @@ def cycles(
 
 
 def closed_words(
-    line: Line, order: int, budget: Budget | Meter = BUDGET
+    line: MapLine, order: int, budget: Budget | Meter = BUDGET
 ) -> Iterator[tuple[tuple[int, ...], Exact]]:
     """Words of cycles that lie on no break, as numbers of branches, with their multipliers.
 
@@ -249,14 +249,14 @@ def closed_words(
                 yield start.word, start.slope
 
 
-def _levels(line: Line, meter: Meter) -> Iterator[list[_Start]]:
+def _levels(line: MapLine, meter: Meter) -> Iterator[list[_StartSet]]:
     """All words of one letter, of two, and so on, until there are none."""
-    level = [_Start((), QQ.one, QQ.zero, None, None)]
+    level = [_StartSet((), QQ.one, QQ.zero, None, None)]
     while level := [longer for start in level for longer in _longer(line, start, meter)]:
         yield level
 
 
-def _longer(line: Line, start: _Start, meter: Meter) -> Iterator[_Start]:
+def _longer(line: MapLine, start: _StartSet, meter: Meter) -> Iterator[_StartSet]:
     """The words of one letter more that points follow, each with these points."""
     meter.spend(STEP * len(line.branches) * work_of(start.intercept))
     for k, branch in enumerate(line.branches):
@@ -265,10 +265,10 @@ def _longer(line: Line, start: _Start, meter: Meter) -> Iterator[_Start]:
             continue
         slope = branch.slope * start.slope
         intercept = branch.slope * start.intercept + branch.intercept
-        yield _Start((*start.word, k), slope, intercept, *cut)
+        yield _StartSet((*start.word, k), slope, intercept, *cut)
 
 
-def _mapped_into(start: _Start, branch: Branch) -> tuple[Exact | None, Exact | None] | None:
+def _mapped_into(start: _StartSet, branch: AffinePiece) -> tuple[Exact | None, Exact | None] | None:
     """The points of a start whose last image lies in a branch, and not left of themselves."""
     low, high = start.low, start.high
     for end, side in ((branch.lower, 1), (branch.upper, -1)):
@@ -296,7 +296,7 @@ def _cut(
     return None if low is not None and high is not None and not low < high else (low, high)
 
 
-def _closed(start: _Start) -> Exact | None:
+def _closed(start: _StartSet) -> Exact | None:
     """The fixed point of a word, if it is among the points that follow it."""
     if start.slope == 1:
         return None
@@ -305,11 +305,11 @@ def _closed(start: _Start) -> Exact | None:
     return x if above and (start.high is None or x < start.high) else None
 
 
-def _spelled(line: Line, word: tuple[int, ...]) -> str:
+def _spelled(line: MapLine, word: tuple[int, ...]) -> str:
     return "".join(line.branches[k].letter for k in word)
 
 
-def _through_breaks(line: Line, order: int, meter: Meter) -> Iterator[FoundCycle]:
+def _through_breaks(line: MapLine, order: int, meter: Meter) -> Iterator[FoundCycle]:
     """Cycles that have a point on a break."""
     seen = set[Any]()
     for x in line.breaks:
@@ -336,7 +336,7 @@ def _through_breaks(line: Line, order: int, meter: Meter) -> Iterator[FoundCycle
             yield FoundCycle(line, "".join(piece.letter for piece in pieces), least, slope, True)
 
 
-def _is_followed(line: Line, points: list[Exact], pieces: list[Owner], side: int) -> bool:
+def _is_followed(line: MapLine, points: list[Exact], pieces: list[Owner], side: int) -> bool:
     """Whether points close to a cycle through breaks, on one side of its first, follow its pieces.
 
     If not on either side, it is a piece of an iterate for itself, and has no slope.

@@ -23,7 +23,7 @@ from sympy import QQ
 
 from pwmap.longrun.attractors import Bands
 from pwmap.longrun.fates import abs_
-from pwmap.longrun.line import Germ, Interval, Line
+from pwmap.longrun.line import Germ, Interval, MapLine
 from pwmap.longrun.numbers import (
     Element,
     Exact,
@@ -68,7 +68,7 @@ class Enclosure(mpmath.ctx_iv.ivmpf):  # type: ignore[misc]
 
 
 @dataclass(frozen=True, slots=True)
-class _End:
+class _BreakSide:
     """One side of a break inside a band, with the jumps that leave it.
 
     Attributes
@@ -114,7 +114,7 @@ class Density:
     (True, log(2))
     """
 
-    line: Line
+    line: MapLine
     bands: Bands
     exact: bool
     places: tuple[Exact, ...]
@@ -180,7 +180,7 @@ class Density:
         return math.nextafter(float(total.a), -math.inf), math.nextafter(float(total.b), math.inf)
 
 
-def density_of(line: Line, bands: Bands, budget: Budget | Meter = BUDGET) -> Density | None:
+def density_of(line: MapLine, bands: Bands, budget: Budget | Meter = BUDGET) -> Density | None:
     """The invariant density of a chaotic attractor.
 
     Parameters
@@ -204,7 +204,7 @@ def density_of(line: Line, bands: Bands, budget: Budget | Meter = BUDGET) -> Den
         return None
 
 
-def _density_of(line: Line, bands: Bands, meter: Meter) -> Density | None:
+def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
     mpmath.iv.prec = BITS
     later = _tail(line, bands, meter)
     if later is None:
@@ -229,7 +229,7 @@ def _density_of(line: Line, bands: Bands, meter: Meter) -> Density | None:
     return None if found is None else _density(line, bands, ends, found, exact=exact)
 
 
-def _sign(end: _End) -> int:
+def _sign(end: _BreakSide) -> int:
     """The jump at the image of a left end goes up, and that at a right end goes down."""
     return end.germ.side
 
@@ -249,7 +249,7 @@ def _enclosure(x: Exact) -> Any:
     return mpmath.iv.mpf([low.a, high.b])
 
 
-def _followed(line: Line, germ: Germ, later: float, meter: Meter) -> _End:
+def _followed(line: MapLine, germ: Germ, later: float, meter: Meter) -> _BreakSide:
     """An end of a piece with its jumps, until they end in a break, come again, or are small."""
     branch = line.beside(germ)
     x, weight = branch(germ.x), 1 / branch.slope
@@ -260,20 +260,20 @@ def _followed(line: Line, germ: Germ, later: float, meter: Meter) -> _End:
             start = seen[x]
             ratio = weight / found[start][1]
             found[start:] = [(y, w / (1 - ratio)) for y, w in found[start:]]
-            return _End(germ, tuple(found), 0.0)
+            return _BreakSide(germ, tuple(found), 0.0)
         seen[x] = len(found)
         found.append((x, weight))
         if x in line.breaks:
-            return _End(germ, tuple(found), 0.0)
+            return _BreakSide(germ, tuple(found), 0.0)
         if len(found) >= LONGEST or abs_(weight) < LEAST:
             size = max(enclosed(abs_(weight)))
             rest = math.nextafter(float(size), math.inf) * later
-            return _End(germ, tuple(found), math.nextafter(rest, math.inf))
+            return _BreakSide(germ, tuple(found), math.nextafter(rest, math.inf))
         branch = line.beside(Germ(x, 0))
         x, weight = branch(x), weight / branch.slope
 
 
-def _tail(line: Line, bands: Bands, meter: Meter) -> float | None:
+def _tail(line: MapLine, bands: Bands, meter: Meter) -> float | None:
     """A bound of 1/|A_1| + 1/|A_1 A_2| + ..., the slopes along any orbit; None if none is found."""
     parts: list[tuple[list[Interval], Exact]] = [
         ([interval], QQ.one) for interval in bands.intervals
@@ -301,7 +301,7 @@ def _tail(line: Line, bands: Bands, meter: Meter) -> float | None:
 
 
 def _row(
-    here: Germ, ends: Sequence[_End], number: Callable[[Any], Any], k: int, *, exact: bool
+    here: Germ, ends: Sequence[_BreakSide], number: Callable[[Any], Any], k: int, *, exact: bool
 ) -> list[Any]:
     """Coefficients of the values at all ends: that at one of them, less the jumps before it."""
     row = []
@@ -359,7 +359,7 @@ def _size(x: Any, *, exact: bool) -> Any:
 
 
 def _density(
-    line: Line, bands: Bands, ends: Sequence[_End], found: Sequence[Any], *, exact: bool
+    line: MapLine, bands: Bands, ends: Sequence[_BreakSide], found: Sequence[Any], *, exact: bool
 ) -> Density:
     """The steps that the values at ends make."""
     number: Callable[[Any], Any] = (lambda x: x) if exact else _enclosure

@@ -24,9 +24,9 @@ from pwmap.longrun.attractors import (
 from pwmap.longrun.basins import Basin, WholeBasin, basin_of, staying, whole_basin
 from pwmap.longrun.densities import Density, density_of
 from pwmap.longrun.entropies import ORDERS, Entropy, entropy_of, lap_numbers
-from pwmap.longrun.fates import AttractingCycle, Fate, Orbit
+from pwmap.longrun.fates import AttractingCycle, Fate, GermOrbit
 from pwmap.longrun.itineraries import STEPS, Ending, itinerary_of
-from pwmap.longrun.line import Germ, Interval, Line, line_of
+from pwmap.longrun.line import Germ, Interval, MapLine, line_of
 from pwmap.longrun.neutral import NeutralIntervals
 from pwmap.longrun.numbers import exact_to_sympy, sign
 from pwmap.longrun.pointsets import PointSet, open_intervals, part_to_sympy
@@ -155,7 +155,7 @@ class Attractor:
     ((0,), 1/2, False)
     """
 
-    line: Line
+    line: MapLine
     core: AttractingCycle | NeutralIntervals | Bands
     budget: Budget | Meter = field(default=BUDGET, repr=False)
 
@@ -411,7 +411,7 @@ class Dynamics:
     1 band: [0, 1]
     """
 
-    line: Line
+    line: MapLine
     orders: tuple[int, ...] = ORDERS
     budget: Budget | Meter = field(default=BUDGET, repr=False)
 
@@ -547,7 +547,7 @@ def dynamics(
 EXTREMA = {-1: Extremum.MAXIMUM, 1: Extremum.MINIMUM, 0: Extremum.CONSTANT}  # by a germ's side
 
 
-def _minmax(line: Line, start: Germ, orbit: Orbit) -> MinMax:
+def _minmax(line: MapLine, start: Germ, orbit: GermOrbit) -> MinMax:
     """The min-max sequence of an orbit: it starts at the first image."""
     found = itinerary_of(line, start, STEPS)
     if found.ending in (Ending.FLAT, Ending.OPEN):
@@ -564,7 +564,7 @@ def _minmax(line: Line, start: Germ, orbit: Orbit) -> MinMax:
     return _from_first_image(sides[:-1], [branch.letter for branch in pieces], found.start)
 
 
-def _until_back(line: Line, germ: Germ, orbit: Orbit) -> tuple[Sequence[Germ], int | None]:
+def _until_back(line: MapLine, germ: Germ, orbit: GermOrbit) -> tuple[Sequence[Germ], int | None]:
     """Germs until one comes again, and the number of that, if one does in so many steps."""
     if orbit.fate is Fate.FINITE:
         return orbit.germs, orbit.start

@@ -29,7 +29,7 @@ from sympy.polys.matrices import DomainMatrix
 from pwmap.algebra.roots import Real, RealRoot, real_roots, real_to_sympy
 from pwmap.longrun.attractors import Attractors
 from pwmap.longrun.fates import escapes
-from pwmap.longrun.line import Line
+from pwmap.longrun.line import MapLine
 from pwmap.longrun.numbers import Element, Exact, log_bounds, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
@@ -108,7 +108,7 @@ class Laps:
         return self.ways == self.whole
 
 
-def laps_of(line: Line, found: Attractors, order: int, budget: Budget | Meter = BUDGET) -> Laps:
+def laps_of(line: MapLine, found: Attractors, order: int, budget: Budget | Meter = BUDGET) -> Laps:
     """The graph of laps up to an order.
 
     Parameters
@@ -157,7 +157,7 @@ def _work(node: Node) -> int:
     return STEP + 3 * sum(work_of(end) for end in node[1:] if end is not None)
 
 
-def _without_laps(line: Line, found: Attractors) -> list[Part]:
+def _without_laps(line: MapLine, found: Attractors) -> list[Part]:
     """Where the iterates have no further laps, sorted: what is lost, and what cycles draw in."""
     below, above = escapes(line)
     parts = sorted(part for cycle in found.cycles for part in cycle.drawn_in)
@@ -184,7 +184,7 @@ def _clipped(part: Part, cut_off: Sequence[Part]) -> Iterator[Part]:
     yield low, high
 
 
-def _onward(line: Line, node: Node, cut_off: Sequence[Part]) -> Iterator[Node]:
+def _onward(line: MapLine, node: Node, cut_off: Sequence[Part]) -> Iterator[Node]:
     """Where the ways from a node lead."""
     k, low, high = node
     branch = line.branches[k]
@@ -197,7 +197,7 @@ def _onward(line: Line, node: Node, cut_off: Sequence[Part]) -> Iterator[Node]:
         yield from _cut(line, a, b)
 
 
-def _cut(line: Line, low: Exact | None, high: Exact | None) -> Iterator[Node]:
+def _cut(line: MapLine, low: Exact | None, high: Exact | None) -> Iterator[Node]:
     """An open interval cut at the breaks inside it."""
     breaks = line.breaks
     first = 0 if low is None else bisect_right(breaks, low)
@@ -208,7 +208,10 @@ def _cut(line: Line, low: Exact | None, high: Exact | None) -> Iterator[Node]:
 
 
 def entropy_of(
-    line: Line, found: Attractors, orders: Sequence[int] = ORDERS, budget: Budget | Meter = BUDGET
+    line: MapLine,
+    found: Attractors,
+    orders: Sequence[int] = ORDERS,
+    budget: Budget | Meter = BUDGET,
 ) -> Entropy:
     """The topological entropy of a map.
 
@@ -328,7 +331,7 @@ def growth_of(ways: Sequence[Sequence[int]]) -> Real | None:
     return best
 
 
-def lap_numbers(line: Line, order: int, budget: Budget | Meter = BUDGET) -> list[int]:
+def lap_numbers(line: MapLine, order: int, budget: Budget | Meter = BUDGET) -> list[int]:
     """How many intervals iterates up to an order cut the line into, each affine on every one.
 
     Nodes of the graph of laps are counted with how many paths lead there, so that the cost grows

@@ -10,7 +10,7 @@ from functools import cached_property
 
 from sympy import QQ
 
-from pwmap.longrun.line import Branch, Germ, Interval, Line
+from pwmap.longrun.line import AffinePiece, Germ, Interval, MapLine
 from pwmap.longrun.numbers import Exact, key, sign, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
@@ -92,7 +92,7 @@ class AttractingCycle:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Orbit:
+class GermOrbit:
     """A germ's orbit, as far as it was followed.
 
     Attributes
@@ -128,9 +128,9 @@ class Orbit:
         return f"{word}..."
 
 
-def unfollowed(line: Line, germ: Germ) -> Orbit:
+def unfollowed(line: MapLine, germ: Germ) -> GermOrbit:
     """The orbit of a germ of which nothing is known."""
-    return Orbit((germ,), (line.letter(germ),), Fate.OPEN)
+    return GermOrbit((germ,), (line.letter(germ),), Fate.OPEN)
 
 
 class Fates:
@@ -146,7 +146,7 @@ class Fates:
         What it may take.
     """
 
-    def __init__(self, line: Line, steps: int, budget: Budget | Meter = BUDGET) -> None:
+    def __init__(self, line: MapLine, steps: int, budget: Budget | Meter = BUDGET) -> None:
         self.line, self.steps, self.meter = line, steps, metered(budget)
         self.lost_below, self.lost_above = escapes(line)
         self.cycles = list[AttractingCycle]()
@@ -157,7 +157,7 @@ class Fates:
             self.lost_above is not None and x > self.lost_above
         )
 
-    def orbit(self, germ: Germ) -> Orbit:
+    def orbit(self, germ: Germ) -> GermOrbit:
         """The orbit of a germ until its fate is known."""
         seen, germs, letters = dict[Hashable, int](), list[Germ](), list[str]()
         for step in range(self.steps):
@@ -168,19 +168,19 @@ class Fates:
             place = key(germ.x), germ.side
             if place in seen:
                 self._kept(self._cycle_at(germ, step - seen[place]))
-                return Orbit(tuple(germs), tuple(letters), Fate.FINITE, seen[place])
+                return GermOrbit(tuple(germs), tuple(letters), Fate.FINITE, seen[place])
             if self.is_lost(germ.x):
-                return Orbit(tuple(germs), tuple(letters), Fate.LOST)
+                return GermOrbit(tuple(germs), tuple(letters), Fate.LOST)
             drawn = next((each for each in self.cycles if each.draws(germ.x)), None)
             if drawn is None and step >= FIRST and not step & (step - 1):
                 drawn = self._drawn(germ, letters)
             if drawn is not None and germ.x not in drawn.points:
-                return Orbit(tuple(germs), tuple(letters), Fate.DRAWN, cycle=drawn)
+                return GermOrbit(tuple(germs), tuple(letters), Fate.DRAWN, cycle=drawn)
             seen[place] = step
             germs.append(germ)
             letter, germ = self.line.step(germ)
             letters.append(letter)
-        return Orbit(tuple(germs), tuple(letters), Fate.OPEN)
+        return GermOrbit(tuple(germs), tuple(letters), Fate.OPEN)
 
     def _kept(self, cycle: AttractingCycle | None) -> AttractingCycle | None:
         if cycle is not None and all(cycle.points != each.points for each in self.cycles):
@@ -261,7 +261,7 @@ def abs_(x: Exact) -> Exact:
     return -x if x < 0 else x
 
 
-def escapes(line: Line) -> tuple[Exact | None, Exact | None]:
+def escapes(line: MapLine) -> tuple[Exact | None, Exact | None]:
     """Ends beyond which orbits tend to infinity, below and above; None where they do not.
 
     Where both outer pieces rise each side is for itself; a falling one maps its far end to the
@@ -281,7 +281,7 @@ def escapes(line: Line) -> tuple[Exact | None, Exact | None]:
     return below, above
 
 
-def _own(branch: Branch, side: int) -> Exact | None:
+def _own(branch: AffinePiece, side: int) -> Exact | None:
     """Beyond which point of an outer piece that rises orbits run away on its own side."""
     end = branch.upper if side < 0 else branch.lower
     if branch.slope > 1:
@@ -300,7 +300,7 @@ def _most(end: Exact | None, x: Exact) -> Exact:
     return x if end is None else max(end, x)
 
 
-def _swapped(left: Branch, right: Branch) -> tuple[Exact | None, Exact | None]:
+def _swapped(left: AffinePiece, right: AffinePiece) -> tuple[Exact | None, Exact | None]:
     """The ends where two falling pieces map what lies beyond to each other's side.
 
     Twice, each is an affine map that runs away from its fixed point, a 2-cycle of the two pieces;

@@ -17,7 +17,7 @@ from sympy import QQ
 
 from pwmap.algebra.roots import Real
 from pwmap.longrun.entropies import growth_of
-from pwmap.longrun.line import Germ, Line
+from pwmap.longrun.line import Germ, MapLine
 from pwmap.longrun.numbers import Exact, sign, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
@@ -63,7 +63,9 @@ class Itinerary:
         return step + 1 if step + 1 < len(self.pieces) else self.start
 
 
-def itinerary_of(line: Line, germ: Germ, steps: int, budget: Budget | Meter = BUDGET) -> Itinerary:
+def itinerary_of(
+    line: MapLine, germ: Germ, steps: int, budget: Budget | Meter = BUDGET
+) -> Itinerary:
     """The itinerary of a germ, up to the first step after which it is known to the end.
 
     Parameters
@@ -96,7 +98,7 @@ def itinerary_of(line: Line, germ: Germ, steps: int, budget: Budget | Meter = BU
     return Itinerary(tuple(pieces), 0, Ending.OPEN)
 
 
-def _drawn_from(line: Line, pieces: Sequence[int]) -> int | None:
+def _drawn_from(line: MapLine, pieces: Sequence[int]) -> int | None:
     """The step from which on the last letters are a word that draws in what follows it; or None.
 
     A word w of slope s, 0 < s < 1, takes an orbit that has followed it once closer to its fixed
@@ -118,7 +120,7 @@ def _drawn_from(line: Line, pieces: Sequence[int]) -> int | None:
     return None
 
 
-def drawn_to(line: Line, word: Sequence[int]) -> Exact:
+def drawn_to(line: MapLine, word: Sequence[int]) -> Exact:
     """The fixed point of a word that draws in."""
     slope, intercept = QQ.one, QQ.zero
     for k in word:
@@ -127,7 +129,7 @@ def drawn_to(line: Line, word: Sequence[int]) -> Exact:
     return intercept / (1 - slope)
 
 
-def _follows(line: Line, x: Exact, word: Sequence[int]) -> bool:
+def _follows(line: MapLine, x: Exact, word: Sequence[int]) -> bool:
     """Whether a point follows a word in the closures of its pieces."""
     for k in word:
         branch = line.branches[k]
@@ -139,7 +141,7 @@ def _follows(line: Line, x: Exact, word: Sequence[int]) -> bool:
     return True
 
 
-def _outward_from(line: Line, pieces: Sequence[int], places: Sequence[Exact]) -> int | None:
+def _outward_from(line: MapLine, pieces: Sequence[int], places: Sequence[Exact]) -> int | None:
     """The step from which on an orbit moves outward, and goes on like that; None if it does not.
 
     Either within one outer piece that rises, or round two that fall: a word of a positive slope
@@ -156,7 +158,7 @@ def _outward_from(line: Line, pieces: Sequence[int], places: Sequence[Exact]) ->
     return None
 
 
-def growth_at(line: Line, itineraries: Sequence[Itinerary]) -> Real | None:
+def growth_at(line: MapLine, itineraries: Sequence[Itinerary]) -> Real | None:
     """How laps grow: the spectral radius of the graph that itineraries make, at least 1.
 
     Parameters
@@ -178,7 +180,7 @@ End = tuple[int, int] | None  # of a node: the number of a germ and a step of it
 _Node = tuple[int, End, End]  # the number of a piece, and both ends of a part of it
 
 
-def _ways(line: Line, itineraries: Sequence[Itinerary]) -> list[list[int]]:
+def _ways(line: MapLine, itineraries: Sequence[Itinerary]) -> list[list[int]]:
     """The graph of laps."""
     slopes = [sign(branch.slope) for branch in line.branches]
     last = len(slopes) - 1

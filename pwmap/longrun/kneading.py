@@ -21,14 +21,14 @@ from sympy.polys.rings import PolyElement, ring
 
 from pwmap.algebra.roots import Real, real_roots
 from pwmap.longrun.itineraries import Itinerary
-from pwmap.longrun.line import Line
+from pwmap.longrun.line import MapLine
 from pwmap.longrun.numbers import sign
 
 LARGEST = 400  # degree of a determinant whose roots are looked for
 RING, T = ring("t", QQ)
 
 
-def growth_by_kneading(line: Line, itineraries: Sequence[Itinerary]) -> Real | None:
+def growth_by_kneading(line: MapLine, itineraries: Sequence[Itinerary]) -> Real | None:
     """How laps grow: one over the least root of the kneading determinant, at least 1.
 
     Parameters
@@ -49,7 +49,7 @@ def growth_by_kneading(line: Line, itineraries: Sequence[Itinerary]) -> Real | N
 
 
 def _matrix(
-    line: Line, itineraries: Sequence[Itinerary], left_out: int = 0
+    line: MapLine, itineraries: Sequence[Itinerary], left_out: int = 0
 ) -> list[list[PolyElement]]:
     """The differences of both sides of each break, times a polynomial that has no root in (0, 1).
 
@@ -70,7 +70,7 @@ def _determinant(rows: Sequence[Sequence[PolyElement]]) -> PolyElement:
     return matrix.charpoly()[-1]
 
 
-def cofactors(line: Line, itineraries: Sequence[Itinerary], number: int) -> list[PolyElement]:
+def cofactors(line: MapLine, itineraries: Sequence[Itinerary], number: int) -> list[PolyElement]:
     """The factors of the pieces in the series of one break, which make the determinant of it.
 
     Parameters

@@ -33,7 +33,7 @@ class Germ(NamedTuple):
     side: int
 
 
-class Branch(NamedTuple):
+class AffinePiece(NamedTuple):
     """One affine piece on an open interval: slope x + intercept between two ends, None infinite."""
 
     slope: Exact
@@ -60,7 +60,7 @@ class Owner(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
+class MapLine:
     """A map at one place of its parameters.
 
     Attributes
@@ -73,7 +73,7 @@ class Line:
         The piece that each break belongs to.
     """
 
-    branches: tuple[Branch, ...]
+    branches: tuple[AffinePiece, ...]
     values: tuple[Exact, ...]
     owners: tuple[Owner, ...]
 
@@ -91,7 +91,7 @@ class Line:
         """The number of the branch on the side of a germ; for a point within a branch of that."""
         return (bisect_left if germ.side < 0 else bisect_right)(self.breaks, germ.x)
 
-    def beside(self, germ: Germ) -> Branch:
+    def beside(self, germ: Germ) -> AffinePiece:
         """The branch on the side of a germ; for a point within a branch that branch."""
         return self.branches[self.number(germ)]
 
@@ -124,7 +124,7 @@ class Line:
         """The letter of the piece that a germ is mapped by; at a break itself that of its value."""
         return self.beside(germ).letter if germ.side else self.piece(germ.x).letter
 
-    def parts(self, interval: Interval) -> Iterator[tuple[Branch, Interval]]:
+    def parts(self, interval: Interval) -> Iterator[tuple[AffinePiece, Interval]]:
         """An interval, longer than a point, cut at the breaks inside it."""
         low, high = interval
         first, last = bisect_right(self.breaks, low), bisect_left(self.breaks, high)
@@ -188,7 +188,7 @@ def length(intervals: Iterable[Interval]) -> Exact:
     return sum((high - low for low, high in intervals), start=QQ.zero)
 
 
-def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None) -> Line:
+def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None) -> MapLine:
     """A map at one place of its parameters.
 
     Parameters
@@ -227,9 +227,9 @@ def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None
     return line_at(map_, next(iter(roots.values())))
 
 
-def _of_pieces(map_: PiecewiseLinearMap) -> Line:
+def _of_pieces(map_: PiecewiseLinearMap) -> MapLine:
     """A map, or an iterate, whose parameters have rational values."""
-    orbits, branches = map_.orbits, list[Branch]()
+    orbits, branches = map_.orbits, list[AffinePiece]()
     values, owners = list[Exact](), list[Owner]()
 
     def quotient(fraction: tuple[Any, Any]) -> Exact:
@@ -253,15 +253,15 @@ def _of_pieces(map_: PiecewiseLinearMap) -> Line:
             owners.append(Owner(letter, None if cylinder.is_point else slope))
         if cylinder.is_point:
             continue
-        branches.append(Branch(slope, intercept, last, end, letter))
+        branches.append(AffinePiece(slope, intercept, last, end, letter))
         if cylinder.upper_closed:
             values.append(slope * end + intercept)
             owners.append(Owner(letter, slope))
         last = end
-    return Line(tuple(branches), tuple(values), tuple(owners))
+    return MapLine(tuple(branches), tuple(values), tuple(owners))
 
 
-def line_at(map_: PiecewiseLinearMap, place: Real) -> Line:
+def line_at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
     """A map of one parameter at a rational or algebraic value of it.
 
     Its branches are those of the map's layout, one by one.
@@ -292,7 +292,7 @@ def line_at(map_: PiecewiseLinearMap, place: Real) -> Line:
     layout = table.layouts[map_.chain[0]]
     cuts = [None, *(breaks[k] for k in layout.breaks), None]
     branches = tuple(
-        Branch(slopes[letter], intercepts[letter], cuts[i], cuts[i + 1], map_.letters[letter])
+        AffinePiece(slopes[letter], intercepts[letter], cuts[i], cuts[i + 1], map_.letters[letter])
         for i, letter in enumerate(layout.slots[::2])
     )
     values = tuple(
@@ -305,4 +305,4 @@ def line_at(map_: PiecewiseLinearMap, place: Real) -> Line:
             layout.slots[:-1:2], layout.slots[1::2], layout.slots[2::2], strict=True
         )
     )
-    return Line(branches, values, owners)
+    return MapLine(branches, values, owners)

@@ -33,7 +33,7 @@ from pwmap.algebra.exact import Number, dense, floor, is_constant
 from pwmap.algebra.roots import Real, RealRoot, bounds, value_at
 from pwmap.longrun.itineraries import Itinerary
 from pwmap.longrun.kneading import RING, T, growth_from
-from pwmap.longrun.line import Germ, Line
+from pwmap.longrun.line import Germ, MapLine
 from pwmap.longrun.numbers import sign, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -50,7 +50,7 @@ Range = tuple[Number, Number]  # of a number: all from one to another
 
 
 def matched(
-    line: Line, number: int, steps: int, budget: Budget | Meter = BUDGET
+    line: MapLine, number: int, steps: int, budget: Budget | Meter = BUDGET
 ) -> tuple[Itinerary, Itinerary] | None:
     """The itineraries of both sides of a break up to the step at which they match; None if none.
 
@@ -81,7 +81,7 @@ def matched(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Family:
+class MatchingFamily:
     """A map over an interval of its parameter.
 
     Attributes
@@ -99,7 +99,7 @@ class Family:
     breaks: tuple[Ends, ...]
 
 
-def family_of(map_: PiecewiseLinearMap, low: Number, high: Number) -> Family | None:
+def family_of(map_: PiecewiseLinearMap, low: Number, high: Number) -> MatchingFamily | None:
     """A map over an interval of its one parameter; None if it depends on it in another way."""
     table = map_.definition.table
     layout = table.layouts[map_.chain[0]]
@@ -116,7 +116,7 @@ def family_of(map_: PiecewiseLinearMap, low: Number, high: Number) -> Family | N
         return value_at(polynomial, low) / unit, value_at(polynomial, high) / unit
 
     intercepts, breaks = (tuple(map(ends, group)) for group in affine)
-    return Family(tuple(ends(slope)[0] for slope in slopes), intercepts, breaks)
+    return MatchingFamily(tuple(ends(slope)[0] for slope in slopes), intercepts, breaks)
 
 
 def _along(slope: Number, x: Ends, intercept: Ends) -> Ends:
@@ -156,7 +156,7 @@ class Move(NamedTuple):
     onward: Pair
 
 
-class Step(NamedTuple):
+class MatchingStep(NamedTuple):
     """What is left of the determinant at a pair: term + factor times that at another one."""
 
     term: PolyElement
@@ -164,7 +164,7 @@ class Step(NamedTuple):
     onward: Pair
 
 
-def _move(family: Family, pair: Pair, left: bool, piece: int) -> Move:
+def _move(family: MatchingFamily, pair: Pair, left: bool, piece: int) -> Move:
     slope, intercept = family.slopes[piece], family.intercepts[piece]
     ratio, offset, lag = pair
     if left:
@@ -173,7 +173,9 @@ def _move(family: Family, pair: Pair, left: bool, piece: int) -> Move:
     return Move(left, piece, Pair(ratio * slope, _along(slope, offset, intercept), lag - 1))
 
 
-def _step(family: Family, weights: Sequence[PolyElement], pair: Pair, move: Move) -> Step:
+def _step(
+    family: MatchingFamily, weights: Sequence[PolyElement], pair: Pair, move: Move
+) -> MatchingStep:
     """What a move says of the series of the right orbit minus that of the left one.
 
     Both series begin where the orbits are, with the power of t from the earlier time on. The
@@ -183,23 +185,25 @@ def _step(family: Family, weights: Sequence[PolyElement], pair: Pair, move: Move
     weight = weights[move.piece]
     if move.left:
         factor = sign(family.slopes[move.piece]) * T ** min(left + 1, right)
-        return Step(-weight * T**left, factor, move.onward)
-    return Step(sign(pair.ratio) * weight * T**right, T ** min(left, right + 1), move.onward)
+        return MatchingStep(-weight * T**left, factor, move.onward)
+    return MatchingStep(
+        sign(pair.ratio) * weight * T**right, T ** min(left, right + 1), move.onward
+    )
 
 
-class Region(NamedTuple):
+class MatchingRegion(NamedTuple):
     """Where the left orbit of a pair may be: from one affine bound to another."""
 
     low: Ends
     high: Ends
 
-    def with_(self, other: Region) -> Region:
+    def with_(self, other: MatchingRegion) -> MatchingRegion:
         """The smallest region that holds two of them."""
         low, high = zip(self.low, other.low, strict=True), zip(self.high, other.high, strict=True)
         (a, b), (c, d) = map(min, low), map(max, high)
-        return Region((a, b), (c, d))
+        return MatchingRegion((a, b), (c, d))
 
-    def between(self, low: Ends | None, high: Ends | None) -> Region | None:
+    def between(self, low: Ends | None, high: Ends | None) -> MatchingRegion | None:
         """A region that holds its part between two bounds; None if there is none.
 
         Of two bounds that cross the new one is taken, so that there are few of them.
@@ -210,7 +214,7 @@ class Region(NamedTuple):
             return None
         least = next(a for a in lows if a is self.low or not _at_most(a, self.low))
         most = next(a for a in highs if a is self.high or not _at_most(self.high, a))
-        return Region(least, most)
+        return MatchingRegion(least, most)
 
 
 def _at_most(one: Ends, other: Ends) -> bool:
@@ -219,7 +223,7 @@ def _at_most(one: Ends, other: Ends) -> bool:
 
 
 def _graph(
-    family: Family, number: int, first: Pair, meter: Meter
+    family: MatchingFamily, number: int, first: Pair, meter: Meter
 ) -> Mapping[Pair, Sequence[Move]] | None:
     """The moves from the pair that follows a break, and from all that follow then.
 
@@ -231,7 +235,7 @@ def _graph(
         None if they are too many, or if both orbits come together after different numbers of steps.
     """
     start = family.breaks[number]
-    regions = {first: _moved(family, Region(start, start), number)}
+    regions = {first: _moved(family, MatchingRegion(start, start), number)}
     found, changes, waiting = dict[Pair, list[Move]](), Counter[Pair](), deque([first])
     while waiting:
         pair = waiting.popleft()
@@ -255,8 +259,8 @@ def _graph(
 
 
 def _moves(
-    family: Family, pair: Pair, region: Region, meter: Meter
-) -> Iterator[tuple[Move, Region]]:
+    family: MatchingFamily, pair: Pair, region: MatchingRegion, meter: Meter
+) -> Iterator[tuple[Move, MatchingRegion]]:
     """The moves from a pair with its left orbit in a region, and where that is afterwards."""
     ratio, offset, _ = TOGETHER if pair.left_is_next else pair  # where the orbit is that moves
     cuts = [((a - offset[0]) / ratio, (b - offset[1]) / ratio) for a, b in family.breaks]
@@ -269,15 +273,15 @@ def _moves(
             yield move, _moved(family, inside, piece) if move.left else inside
 
 
-def _moved(family: Family, region: Region, piece: int) -> Region:
+def _moved(family: MatchingFamily, region: MatchingRegion, piece: int) -> MatchingRegion:
     """Where a piece maps a region to."""
     slope = family.slopes[piece]
     low, high = (_along(slope, ends, family.intercepts[piece]) for ends in region)
-    return Region(low, high) if slope > 0 else Region(high, low)
+    return MatchingRegion(low, high) if slope > 0 else MatchingRegion(high, low)
 
 
 def growth_of_pairs(
-    family: Family,
+    family: MatchingFamily,
     number: int,
     weights: Sequence[PolyElement],
     budget: Budget | Meter = BUDGET,
@@ -305,7 +309,9 @@ def growth_of_pairs(
         _step(family, weights, pair, move)
         for pair, move in ((TOGETHER, left), (left.onward, right))
     )
-    start = Step(one.term + one.factor * other.term, one.factor * other.factor, other.onward)
+    start = MatchingStep(
+        one.term + one.factor * other.term, one.factor * other.factor, other.onward
+    )
     graph = _graph(family, number, start.onward, meter)
     if graph is None:
         return None
@@ -314,7 +320,9 @@ def growth_of_pairs(
     return _growth(start, steps, meter)
 
 
-def _growth(start: Step, steps: Mapping[Pair, Sequence[Step]], meter: Meter) -> Real | None:
+def _growth(
+    start: MatchingStep, steps: Mapping[Pair, Sequence[MatchingStep]], meter: Meter
+) -> Real | None:
     """One over the least root of the determinant, if it is the same on every path; else None."""
     rests = _matching(steps)
     if not steps.keys() <= rests.keys():
@@ -325,7 +333,7 @@ def _growth(start: Step, steps: Mapping[Pair, Sequence[Step]], meter: Meter) -> 
         return None
     of_growth = growth.polynomial if isinstance(growth, RealRoot) else (QQ.one, -growth)
     divisor = sum((c * T**k for k, c in enumerate(of_growth)), start=RING.zero)
-    quotients = dict[Pair, list[Step]]()
+    quotients = dict[Pair, list[MatchingStep]]()
     for pair, each in steps.items():
         quotients[pair] = []
         for step in each:
@@ -338,7 +346,7 @@ def _growth(start: Step, steps: Mapping[Pair, Sequence[Step]], meter: Meter) -> 
     return growth if _has_no_root(start, quotients, 1 / bounds(growth)[0], meter) else None
 
 
-def _matching(steps: Mapping[Pair, Sequence[Step]]) -> dict[Pair, PolyElement]:
+def _matching(steps: Mapping[Pair, Sequence[MatchingStep]]) -> dict[Pair, PolyElement]:
     """What is left of the determinant at each pair on a shortest path to where orbits match."""
     found = {TOGETHER: RING.zero}
     while True:
@@ -353,7 +361,7 @@ def _matching(steps: Mapping[Pair, Sequence[Step]]) -> dict[Pair, PolyElement]:
 
 
 def _has_no_root(
-    start: Step, steps: Mapping[Pair, Sequence[Step]], end: Number, meter: Meter
+    start: MatchingStep, steps: Mapping[Pair, Sequence[MatchingStep]], end: Number, meter: Meter
 ) -> bool:
     """Whether what paths make of terms and factors is not zero from 0 to some place below 1."""
     parts = [(QQ.zero, end)]
@@ -368,7 +376,9 @@ def _has_no_root(
     return False
 
 
-def _bounds(part: Range, start: Step, steps: Mapping[Pair, Sequence[Step]], meter: Meter) -> Range:
+def _bounds(
+    part: Range, start: MatchingStep, steps: Mapping[Pair, Sequence[MatchingStep]], meter: Meter
+) -> Range:
     """Bounds of what paths make of terms and factors, for all t in a part of [0, 1).
 
     So many steps as there are pairs come back to one of them, which takes a power of t: that gives

@@ -14,8 +14,8 @@ from typing import Any
 
 from sympy import QQ
 
-from pwmap.longrun.fates import Fate, Orbit, abs_
-from pwmap.longrun.line import Germ, Line
+from pwmap.longrun.fates import Fate, GermOrbit, abs_
+from pwmap.longrun.line import Germ, MapLine
 from pwmap.longrun.numbers import Exact
 from pwmap.longrun.pointsets import Part, PointSet, point_set
 
@@ -72,7 +72,7 @@ class NeutralIntervals:
         return len(self.intervals) * (1 if self.multiplier > 0 else 2)
 
 
-def neutral_intervals(line: Line, orbits: Iterable[Orbit]) -> tuple[NeutralIntervals, ...]:
+def neutral_intervals(line: MapLine, orbits: Iterable[GermOrbit]) -> tuple[NeutralIntervals, ...]:
     """All neutral intervals at which orbits of germs end, from left to right.
 
     Parameters
@@ -90,7 +90,7 @@ def neutral_intervals(line: Line, orbits: Iterable[Orbit]) -> tuple[NeutralInter
     return tuple(sorted(found.values(), key=lambda each: _leftmost(each.intervals[0])))
 
 
-def is_neutral(line: Line, orbit: Orbit) -> bool:
+def is_neutral(line: MapLine, orbit: GermOrbit) -> bool:
     """Whether a germ comes back to itself, or to another, that follows a word of slope 1."""
     if orbit.fate is not Fate.FINITE:
         return False
@@ -100,7 +100,7 @@ def is_neutral(line: Line, orbit: Orbit) -> bool:
     return bool(size == 1)
 
 
-def _around(line: Line, germs: tuple[Germ, ...]) -> NeutralIntervals:
+def _around(line: MapLine, germs: tuple[Germ, ...]) -> NeutralIntervals:
     """The intervals beside the points of a cycle of germs of slope 1 that follow them."""
     ahead, behind = (_room(line, germs, way) for way in (1, -1))
     visited, letters, scale = list[tuple[End, End]](), list[str](), QQ.one
@@ -125,7 +125,7 @@ def _around(line: Line, germs: tuple[Germ, ...]) -> NeutralIntervals:
     )
 
 
-def _room(line: Line, germs: tuple[Germ, ...], way: int) -> End:
+def _room(line: MapLine, germs: tuple[Germ, ...], way: int) -> End:
     """How far beside the first germ points follow all of them, on its side or on the other one."""
     found: End = None
     scale = QQ.one
@@ -139,7 +139,9 @@ def _room(line: Line, germs: tuple[Germ, ...], way: int) -> End:
     return found
 
 
-def _with_ends(line: Line, intervals: tuple[tuple[End, End], ...], period: int) -> tuple[Part, ...]:
+def _with_ends(
+    line: MapLine, intervals: tuple[tuple[End, End], ...], period: int
+) -> tuple[Part, ...]:
     """Intervals with those ends that follow the same pieces as points beside them."""
 
     def belongs(x: Exact, side: int) -> bool:
@@ -157,7 +159,7 @@ def _with_ends(line: Line, intervals: tuple[tuple[End, End], ...], period: int) 
     )  # fmt: skip
 
 
-def _of_one_piece(line: Line) -> tuple[NeutralIntervals, ...]:
+def _of_one_piece(line: MapLine) -> tuple[NeutralIntervals, ...]:
     """The whole line, if one affine map takes all of it back at once, or turns it."""
     (branch,) = line.branches
     if branch.slope == -1 or (branch.slope == 1 and not branch.intercept):

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from pwmap.longrun.line import Branch, Line
+from pwmap.longrun.line import AffinePiece, MapLine
 from pwmap.longrun.numbers import Exact, exact_to_sympy, sign
 
 Cut = tuple[Exact, int]  # a number, and -1 just below it or +1 just above it
@@ -119,14 +119,14 @@ def closed_intervals(intervals: Iterable[tuple[Exact, Exact]]) -> PointSet:
     return point_set(((low, -1), (high, 1)) for low, high in intervals)
 
 
-def preimage(line: Line, target: PointSet, breaks: Iterable[Exact]) -> PointSet:
+def preimage(line: MapLine, target: PointSet, breaks: Iterable[Exact]) -> PointSet:
     """All numbers that a map takes into a set; of breaks only such as are given."""
     found = [part for branch in line.branches for part in _drawn_back(branch, target)]
     found += [((x, -1), (x, 1)) for x in breaks if line(x) in target]
     return point_set(found)
 
 
-def _drawn_back(branch: Branch, target: PointSet) -> Iterator[Part]:
+def _drawn_back(branch: AffinePiece, target: PointSet) -> Iterator[Part]:
     """What a piece on its open interval takes into a set."""
     whole: Part = (
         None if branch.lower is None else (branch.lower, 1),

@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 import sympy
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.assumptions import UndecidedError
 from pwmap.algebra.bivariate import (
     degree_in,
     discriminant,
@@ -20,15 +19,14 @@ from pwmap.algebra.bivariate import (
     irreducible_factors,
     leading_in,
 )
-from pwmap.algebra.exact import Number, constant, is_constant, sign
-from pwmap.algebra.inequalities import Constraint
+from pwmap.algebra.exact import Number
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import real_roots, sign_at, simplest_between
-from pwmap.maps.scopes import Orders, between, refusal
+from pwmap.maps.scopes import CellScope, Orders, between
 
 
 @dataclass(frozen=True, slots=True)
-class ColumnInterval:
+class ColumnInterval(CellScope):
     """A cell: the part of a column between two roots; one that is None is infinite."""
 
     column: Column
@@ -37,20 +35,15 @@ class ColumnInterval:
     orders: Orders = field(compare=False)
 
     @property
-    def constraints(self) -> tuple[Constraint, ...]:
-        """None: a root of a polynomial is no inequality."""
-        return ()
+    def symbol(self) -> sympy.Symbol:
+        """The parameter of roots."""
+        return self.column.symbols[self.column.along]
 
-    def sign(self, polynomial: Number) -> int:
-        """The sign, if no root of the polynomial enters the cell."""
-        if is_constant(polynomial):
-            return sign(constant(polynomial))
-        column = self.column
-        for factor in irreducible_factors(polynomial):
-            if not self._is_clear(factor):
-                raise UndecidedError(refusal(polynomial, self, self.orders))
+    def _sign(self, polynomial: Number) -> int | None:
+        if not all(map(self._is_clear, irreducible_factors(polynomial))):
+            return None
         ends = (None if end is None else end.value for end in (self.low, self.high))
-        return sign_at(column.at_sample(polynomial), simplest_between(*ends))
+        return sign_at(self.column.at_sample(polynomial), simplest_between(*ends))
 
     def _is_clear(self, factor: PolyElement) -> bool:
         """Whether an irreducible polynomial is surely not zero in the cell."""
@@ -70,26 +63,21 @@ class ColumnInterval:
         ends = (end for end in (self.low, self.high) if end is not None)
         return all(end.factor == factor or column.is_apart(end, factor) for end in ends)
 
-    def contains(self, values: Mapping[str, Number]) -> ColumnInterval | None:
-        """The cell itself, if the values lie outside."""
+    def _holds(self, values: Mapping[str, Number]) -> bool:
         other, own = self.column.values(values)
-        if other is None:
-            return None
-        if not self.column.holds(other):
-            return self
+        if other is None or not self.column.holds(other):
+            return other is None
         low, high = (
             None if end is None else self.column.number(end, other) for end in (self.low, self.high)
         )
-        inside = own is None or ((low is None or low < own) and (high is None or own < high))
-        return None if inside else self
+        return own is None or ((low is None or low < own) and (high is None or own < high))
 
     def __str__(self) -> str:
-        symbol = self.column.symbols[self.column.along]
-        return between(_shown(self.low, self.column), symbol, _shown(self.high, self.column))
+        return between(_shown(self.low, self.column), self.symbol, _shown(self.high, self.column))
 
 
 @dataclass(frozen=True, slots=True)
-class ColumnEdge:
+class ColumnEdge(CellScope):
     """A root over a column."""
 
     column: Column
@@ -97,30 +85,26 @@ class ColumnEdge:
     orders: Orders = field(compare=False)
 
     @property
-    def constraints(self) -> tuple[Constraint, ...]:
-        """None: a root of a polynomial is no inequality."""
-        return ()
+    def symbol(self) -> sympy.Symbol:
+        """The parameter of roots."""
+        return self.column.symbols[self.column.along]
 
-    def sign(self, polynomial: Number) -> int:
-        """The sign at the root, if it is the same all over the column."""
-        if is_constant(polynomial):
-            return sign(constant(polynomial))
+    def _sign(self, polynomial: Number) -> int | None:
         if divides(self.root.factor, polynomial):
             return 0
         if not self.column.is_apart(self.root, polynomial):
-            raise UndecidedError(refusal(polynomial, self, self.orders))
+            return None
         return sign_at(self.column.at_sample(polynomial), self.root.value)
 
-    def contains(self, values: Mapping[str, Number]) -> ColumnEdge | None:
-        """The edge itself, if the values are not on it."""
+    def _holds(self, values: Mapping[str, Number]) -> bool:
         other, own = self.column.values(values)
         if other is None:
-            return None
+            return True
         here = self.column.number(self.root, other)
-        return None if here is not None and (own is None or here == own) else self
+        return here is not None and (own is None or here == own)
 
     def __str__(self) -> str:
-        return f"{self.column.symbols[self.column.along]} = {_shown(self.root, self.column)}"
+        return f"{self.symbol} = {_shown(self.root, self.column)}"
 
 
 def _shown(root: Root | None, column: Column) -> sympy.Expr | None:

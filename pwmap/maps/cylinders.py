@@ -183,7 +183,7 @@ class Inclusion(Enum):
     NONE = "there is none: the slope is 1"
 
 
-class Crossing(NamedTuple):
+class CylinderCrossing(NamedTuple):
     """A cut at which the iterate jumps over the diagonal, and the words on both sides."""
 
     cut: Cut
@@ -192,22 +192,22 @@ class Crossing(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Iterate:
+class StudiedIterate:
     """What one iterate shows at a place: its cylinders and what lies on the diagonal."""
 
     cylinders: tuple[Cylinder, ...]
     inclusion: tuple[Inclusion, ...]  # of the fixed point of each cylinder
     stable: tuple[bool, ...]  # whether it attracts
-    crossings: tuple[Crossing, ...]
+    crossings: tuple[CylinderCrossing, ...]
 
 
-def iterate_of(cylinders: tuple[Cylinder, ...], ask: Ask) -> Iterate:
+def iterate_of(cylinders: tuple[Cylinder, ...], ask: Ask) -> StudiedIterate:
     """All that an iterate shows, with every sign that it depends on."""
     sides = [None if each.is_point else ask(sides_of, each) for each in cylinders]
     inclusion = tuple(map(partial(ask, inclusion_of), cylinders, sides))
     beside = (words_beside(cylinders, i, each) for i, each in enumerate(inclusion))
     stable = tuple(bool(words) and ask(is_stable, cut, words) for cut, words in beside)
-    return Iterate(cylinders, inclusion, stable, tuple(crossings(cylinders, sides)))
+    return StudiedIterate(cylinders, inclusion, stable, tuple(crossings(cylinders, sides)))
 
 
 def inclusion_of(cylinder: Cylinder, known: Sides | None, oracle: SignOracle) -> Inclusion:
@@ -232,7 +232,9 @@ def inclusion_of(cylinder: Cylinder, known: Sides | None, oracle: SignOracle) ->
     return Inclusion.INSIDE
 
 
-def crossings(cylinders: Sequence[Cylinder], sides: Iterable[Sides | None]) -> Iterator[Crossing]:
+def crossings(
+    cylinders: Sequence[Cylinder], sides: Iterable[Sides | None]
+) -> Iterator[CylinderCrossing]:
     """Cuts whose one-sided limits lie strictly on opposite sides of the diagonal.
 
     The signs of the sides of all cylinders but points are given.
@@ -242,7 +244,7 @@ def crossings(cylinders: Sequence[Cylinder], sides: Iterable[Sides | None]) -> I
     for (left, (_, before)), (right, (after, _)) in pairwise(intervals):
         if before * after < 0:
             assert right.lower is not None
-            yield Crossing(right.lower, left.word, right.word)
+            yield CylinderCrossing(right.lower, left.word, right.word)
 
 
 @lru_cache(maxsize=65536)  # a word is asked in many cells

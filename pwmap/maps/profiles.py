@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import sympy
 
 from pwmap.algebra.arithmetic import Arithmetic, NotPolynomialError, Quotient
-from pwmap.algebra.assumptions import Region, UndecidedError
+from pwmap.algebra.assumptions import AssumedRegion, UndecidedError
 from pwmap.algebra.exact import (
     Fraction_,
     Number,
@@ -50,7 +50,7 @@ _HOLDS: dict[Operation, Callable[[int], bool]] = {
 }
 
 
-class Line:
+class ProfileLine:
     """The line of a variable, on which trees become profiles.
 
     Parameters
@@ -63,7 +63,7 @@ class Line:
         Over the ring of the parameters.
     """
 
-    def __init__(self, x: sympy.Symbol, region: Region, arithmetic: Arithmetic) -> None:
+    def __init__(self, x: sympy.Symbol, region: AssumedRegion, arithmetic: Arithmetic) -> None:
         self.x = x
         self._name = plain_name(x)
         self._region = region

@@ -18,7 +18,7 @@ from pwmap.algebra.arithmetic import (
     Quotient,
     WorkLimit,
 )
-from pwmap.algebra.assumptions import Region, UndecidedError, read_constraints
+from pwmap.algebra.assumptions import AssumedRegion, UndecidedError, read_constraints
 from pwmap.algebra.exact import (
     Fraction_,
     Number,
@@ -33,7 +33,7 @@ from pwmap.algebra.exact import (
 from pwmap.algebra.inequalities import Constraint, variables
 from pwmap.algebra.parsing import checked_name, shown, term_of
 from pwmap.algebra.terms import Operation, Term, plain_name
-from pwmap.maps.profiles import Line, Profile, slot_name
+from pwmap.maps.profiles import Profile, ProfileLine, slot_name
 from pwmap.maps.words import Layout, Table
 
 Affine = tuple[Fraction_, Fraction_]  # slope and intercept
@@ -45,7 +45,7 @@ class Definition:
 
     x: sympy.Symbol
     ring: Ring
-    region: Region
+    region: AssumedRegion
     table: Table
     letters: tuple[str, ...]
 
@@ -54,7 +54,7 @@ class Definition:
 
 
 def _definition(
-    x: sympy.Symbol, region: Region, table: Table, letters: tuple[str, ...]
+    x: sympy.Symbol, region: AssumedRegion, table: Table, letters: tuple[str, ...]
 ) -> Definition:
     return Definition(x, region.ring, region, table, letters)
 
@@ -109,7 +109,7 @@ def _read(
     given = [given] if isinstance(given, str | sympy.Basic) else list(given)
     assumed = [term_of(condition, [x]) for condition in given]
     region = _region([term for pair in pairs for term in pair], assumed, x)
-    line = Line(x, region, Arithmetic(region.ring, WorkLimit()))
+    line = ProfileLine(x, region, Arithmetic(region.ring, WorkLimit()))
     conditions = [line.condition(condition) for _, condition in pairs]
     formulas = [_formula(formula, line) for formula, _ in pairs]
     breaks = line.union([*conditions, *formulas])
@@ -126,14 +126,14 @@ def _read(
     return _assembled(x, region, breaks, list(zip(owners, affine, strict=True)), letters)
 
 
-def _formula(term: Term, line: Line) -> Profile:
+def _formula(term: Term, line: ProfileLine) -> Profile:
     try:
         return line.formula(term)
     except NotPolynomialError:
         raise ValueError(f"the piece {term} is not affine in {line.x}") from None
 
 
-def _region(terms: Sequence[Term], assumed: Sequence[Term], x: sympy.Symbol) -> Region:
+def _region(terms: Sequence[Term], assumed: Sequence[Term], x: sympy.Symbol) -> AssumedRegion:
     """The parameters of some trees, and what is assumed of them.
 
     What is assumed of parameters that do not occur says nothing about the map, but is read.
@@ -148,10 +148,12 @@ def _region(terms: Sequence[Term], assumed: Sequence[Term], x: sympy.Symbol) -> 
     named = set().union(*(condition.names() for condition in assumed))
     every = polynomial_ring(sorted((chosen[name] for name in used | named), key=str))
     constraints = read_constraints(assumed, every)
-    _ = Region(every, constraints).sample  # complains if the assumptions contradict each other
+    _ = AssumedRegion(
+        every, constraints
+    ).sample  # complains if the assumptions contradict each other
     ring = polynomial_ring(sorted((chosen[name] for name in used), key=str))
     if ring == every:
-        return Region(ring, constraints)
+        return AssumedRegion(ring, constraints)
     absent = {str(chosen[name]): QQ.zero for name in named - used}
     places = {i for i, symbol in enumerate(every.symbols) if str(symbol) in absent}
     kept = [
@@ -159,7 +161,7 @@ def _region(terms: Sequence[Term], assumed: Sequence[Term], x: sympy.Symbol) -> 
         for c in constraints
         if not variables(c.polynomial) & places
     ]
-    return Region(ring, tuple(kept) if ring is not None else ())
+    return AssumedRegion(ring, tuple(kept) if ring is not None else ())
 
 
 def _symbols(terms: Iterable[Term]) -> dict[str, sympy.Symbol]:
@@ -203,7 +205,7 @@ def _join_points(breaks: Sequence[Fraction_], owners: Sequence[int], affine: lis
 
 def _assembled(
     x: sympy.Symbol,
-    region: Region,
+    region: AssumedRegion,
     breaks: Sequence[Fraction_],
     slots: Sequence[tuple[int, Affine]],
     letters: Sequence[str] | None,
@@ -245,7 +247,7 @@ def _value(affine: Affine, x: Fraction_) -> Fraction_:
     return cancelled((m * x[0] * d + c * n * x[1], n * d * x[1]))
 
 
-def _denominator(fractions: Iterable[Fraction_], region: Region, one: Number) -> Number:
+def _denominator(fractions: Iterable[Fraction_], region: AssumedRegion, one: Number) -> Number:
     """A positive common multiple of denominators.
 
     Raises

@@ -8,13 +8,14 @@ answer is the same throughout the cell, and refused otherwise.
 from __future__ import annotations
 
 import math
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Protocol
 
 import sympy
 
-from pwmap.algebra.assumptions import Region, UndecidedError
+from pwmap.algebra.assumptions import AssumedRegion, UndecidedError
 from pwmap.algebra.exact import (
     Fraction_,
     Number,
@@ -23,6 +24,7 @@ from pwmap.algebra.exact import (
     dense,
     fraction_to_sympy,
     is_constant,
+    names_of,
     packed,
     sign,
     to_sympy,
@@ -43,7 +45,7 @@ Orders = tuple[int, ...]
 
 
 class Scope(Protocol):
-    """Values of the parameters; a :class:`Region`, or a cell."""
+    """Values of the parameters; a :class:`AssumedRegion`, or a cell."""
 
     @property
     def constraints(self) -> tuple[Constraint, ...]:
@@ -56,8 +58,47 @@ class Scope(Protocol):
         """What some values break, as far as they are given, or None."""
 
 
+class CellScope(ABC):
+    """A cell, or an edge of cells: a sign is known at one place of it, maybe everywhere.
+
+    Attributes
+    ----------
+    symbol
+        The parameter of the axis.
+    """
+
+    __slots__ = ()
+    symbol: sympy.Symbol
+
+    @property
+    def constraints(self) -> tuple[Constraint, ...]:
+        """None, where a border is an algebraic number or function, and no inequality."""
+        return ()
+
+    def sign(self, polynomial: Number) -> int:
+        """The sign of a polynomial, if it is the same throughout."""
+        if is_constant(polynomial):
+            return sign(constant(polynomial))
+        found = self._sign(polynomial)
+        if found is None:
+            raise UndecidedError(refusal(polynomial, self, getattr(self, "orders", ())))
+        return found
+
+    def contains(self, values: Mapping[str, Number]) -> CellScope | None:
+        """The cell itself, if values lie outside, as far as they are given."""
+        return None if self._holds(values) else self
+
+    @abstractmethod
+    def _sign(self, polynomial: Number) -> int | None:
+        """The sign of a polynomial, or None if it may have several."""
+
+    @abstractmethod
+    def _holds(self, values: Mapping[str, Number]) -> bool:
+        """Whether values lie inside."""
+
+
 @dataclass(frozen=True, slots=True)
-class Interval:
+class ParameterInterval(CellScope):
     """An open cell of the only parameter; an end that is None is infinite."""
 
     symbol: sympy.Symbol
@@ -65,28 +106,20 @@ class Interval:
     high: Real | None
     orders: Orders = field(compare=False)
 
-    def __reduce__(self) -> tuple[Callable[..., Interval], tuple[object, ...]]:
+    def __reduce__(self) -> tuple[Callable[..., ParameterInterval], tuple[object, ...]]:
         return _interval, (self.symbol, portable(self.low), portable(self.high), self.orders)
 
-    @property
-    def constraints(self) -> tuple[Constraint, ...]:
-        """None: an algebraic end is no inequality over the rationals."""
-        return ()
-
-    def sign(self, polynomial: Number) -> int:
-        """The sign at an inner point, if there is no root inside."""
+    def _sign(self, polynomial: Number) -> int | None:
         coefficients = dense(polynomial)
-        for root in real_roots(coefficients) if coefficients else ():
-            if self._holds(root):
-                raise UndecidedError(refusal(polynomial, self, self.orders))
+        if any(self._contains(root) for root in real_roots(coefficients)):
+            return None
         return sign_at(coefficients, simplest_between(self.low, self.high))
 
-    def contains(self, values: Mapping[str, Number]) -> Interval | None:
-        """The cell itself, if the value of the parameter lies outside."""
+    def _holds(self, values: Mapping[str, Number]) -> bool:
         value = values.get(str(self.symbol))
-        return None if value is None or self._holds(value) else self
+        return value is None or self._contains(value)
 
-    def _holds(self, value: Real) -> bool:
+    def _contains(self, value: Real) -> bool:
         above = self.low is None or self.low < value
         return bool(above and (self.high is None or value < self.high))
 
@@ -94,12 +127,12 @@ class Interval:
         return between(_shown(self.low), self.symbol, _shown(self.high))
 
 
-def _interval(symbol: sympy.Symbol, low: Any, high: Any, orders: Orders) -> Interval:
-    return Interval(symbol, restored(low), restored(high), orders)
+def _interval(symbol: sympy.Symbol, low: Any, high: Any, orders: Orders) -> ParameterInterval:
+    return ParameterInterval(symbol, restored(low), restored(high), orders)
 
 
 @dataclass(frozen=True, slots=True)
-class Edge:
+class Edge(CellScope):
     """A single value of the only parameter."""
 
     symbol: sympy.Symbol
@@ -108,19 +141,11 @@ class Edge:
     def __reduce__(self) -> tuple[Callable[..., Edge], tuple[object, ...]]:
         return _edge, (self.symbol, portable(self.value))
 
-    @property
-    def constraints(self) -> tuple[Constraint, ...]:
-        """None: an algebraic number is no inequality over the rationals."""
-        return ()
-
-    def sign(self, polynomial: Number) -> int:
-        """The sign at this value."""
+    def _sign(self, polynomial: Number) -> int:
         return sign_at(dense(polynomial), self.value)
 
-    def contains(self, values: Mapping[str, Number]) -> Edge | None:
-        """The edge itself, if the parameter has another value."""
-        value = values.get(str(self.symbol))
-        return None if value is None or self.value == value else self
+    def _holds(self, values: Mapping[str, Number]) -> bool:
+        return bool(values.get(str(self.symbol), self.value) == self.value)
 
     def __str__(self) -> str:
         return f"{self.symbol} = {_shown(self.value)}"
@@ -131,7 +156,7 @@ def _edge(symbol: sympy.Symbol, value: Any) -> Edge:
 
 
 @dataclass(frozen=True, slots=True)
-class SymbolicInterval:
+class SymbolicInterval(CellScope):
     """An open cell of one parameter where others stay symbolic.
 
     Attributes
@@ -141,7 +166,7 @@ class SymbolicInterval:
     """
 
     symbol: sympy.Symbol
-    region: Region
+    region: AssumedRegion
     low: sympy.Expr | None
     high: sympy.Expr | None
     orders: Orders = field(compare=False)
@@ -151,23 +176,18 @@ class SymbolicInterval:
         """The bounds, and what is assumed of the others."""
         return self.region.constraints
 
-    def sign(self, polynomial: Number) -> int:
-        """The sign, if the bounds prove it."""
-        try:
-            return self.region.sign(polynomial)
-        except UndecidedError:
-            raise UndecidedError(refusal(polynomial, self, self.orders)) from None
+    def _sign(self, polynomial: Number) -> int | None:
+        return _sign_in(self.region, polynomial)
 
-    def contains(self, values: Mapping[str, Number]) -> SymbolicInterval | None:
-        """The cell itself, if values break one of its inequalities."""
-        return None if self.region.contains(values) is None else self
+    def _holds(self, values: Mapping[str, Number]) -> bool:
+        return self.region.contains(values) is None
 
     def __str__(self) -> str:
         return between(self.low, self.symbol, self.high)
 
 
 @dataclass(frozen=True, slots=True)
-class SymbolicEdge:
+class SymbolicEdge(CellScope):
     """A value of one parameter that is a quotient of polynomials in the others.
 
     Attributes
@@ -180,7 +200,7 @@ class SymbolicEdge:
 
     symbol: sympy.Symbol
     value: Fraction_
-    region: Region
+    region: AssumedRegion
     orders: Orders = field(compare=False)
 
     def __reduce__(self) -> tuple[Callable[..., SymbolicEdge], tuple[object, ...]]:
@@ -191,50 +211,45 @@ class SymbolicEdge:
     def constraints(self) -> tuple[Constraint, ...]:
         """The equality as two inequalities, and what is assumed of the others."""
         top, bottom = self.value
-        difference = self._generator * bottom - top
+        difference = self.region.ring.gens[self._index] * bottom - top
         both = (Constraint(side * difference, False) for side in (1, -1))
         return (*self.region.constraints, *both)
 
     @property
-    def _generator(self) -> Number:
-        ring = self.region.ring
-        return ring.gens[self._index]
-
-    @property
     def _index(self) -> int:
-        return [str(s) for s in self.region.ring.symbols].index(str(self.symbol))
+        return names_of(self.region.ring).index(str(self.symbol))
 
-    def sign(self, polynomial: Number) -> int:
-        """The sign after the value is put for the parameter, if it follows for all others."""
-        if is_constant(polynomial):
-            return sign(constant(polynomial))
-        top, bottom = self.value
-        degree = max(0, int(polynomial.degree(self._index))) if polynomial else 0
-        total = self.region.ring.zero
+    def _sign(self, polynomial: Number) -> int | None:
+        """Put the value for the parameter; the rest must have one sign for all others."""
+        (top, bottom), ring, index = self.value, self.region.ring, self._index
+        degree, total = max(0, int(polynomial.degree(index))), ring.zero
         for exponents, coefficient in polynomial.terms():
-            power = exponents[self._index]
-            others = (*exponents[: self._index], 0, *exponents[self._index + 1 :])
-            rest = self.region.ring.from_dict({others: coefficient})
-            factors = [top] * power + [bottom] * (degree - power)
-            total += math.prod(factors, start=rest)
-        try:
-            return self.region.sign(total) * int(self.region.sign(bottom) ** degree)
-        except UndecidedError:
-            raise UndecidedError(refusal(polynomial, self, self.orders)) from None
+            power = exponents[index]
+            rest = ring.from_dict({(*exponents[:index], 0, *exponents[index + 1 :]): coefficient})
+            total += math.prod([top] * power + [bottom] * (degree - power), start=rest)
+        found = _sign_in(self.region, total)
+        return None if found is None else found * int(self.region.sign(bottom) ** degree)
 
-    def contains(self, values: Mapping[str, Number]) -> SymbolicEdge | None:
-        """The edge itself, if values break its equality or what is assumed of the others."""
-        return None if Region(self.region.ring, self.constraints).contains(values) is None else self
+    def _holds(self, values: Mapping[str, Number]) -> bool:
+        return AssumedRegion(self.region.ring, self.constraints).contains(values) is None
 
     def __str__(self) -> str:
         return f"{self.symbol} = {fraction_to_sympy(self.value)}"
 
 
 def _symbolic_edge(
-    symbol: sympy.Symbol, kept: Packed, region: Region, orders: Orders
+    symbol: sympy.Symbol, kept: Packed, region: AssumedRegion, orders: Orders
 ) -> SymbolicEdge:
     top, bottom = unpacked(kept)[1]
     return SymbolicEdge(symbol, (top, bottom), region, orders)
+
+
+def _sign_in(region: AssumedRegion, polynomial: Number) -> int | None:
+    """The sign that inequalities prove, or None."""
+    try:
+        return region.sign(polynomial)
+    except UndecidedError:
+        return None
 
 
 def refusal(polynomial: Number, cell: object, orders: Orders) -> str:

@@ -129,7 +129,7 @@ class CriticalOrbit(NamedTuple):
     l: int  # noqa: E741  the notation of the module
 
 
-class Return(NamedTuple):
+class OrbitReturn(NamedTuple):
     """How far a critical orbit has moved since its first n letters: A_word(b_k) - A_start(b_k)."""
 
     k: int
@@ -144,7 +144,7 @@ class Slope(NamedTuple):
     letter: int
 
 
-class Multiplier(NamedTuple):
+class MultiplierSign(NamedTuple):
     """The slope of a word minus a unit, +1 or -1; the letters are sorted, they commute."""
 
     word: Word
@@ -158,7 +158,7 @@ class Offset(NamedTuple):
     name: str = "offset"
 
 
-Decision = CriticalOrbit | Return | Slope | Multiplier | Offset
+Decision = CriticalOrbit | OrbitReturn | Slope | MultiplierSign | Offset
 
 
 class Orbits:
@@ -289,11 +289,11 @@ class Orbits:
             case CriticalOrbit(k, word, l):
                 b = self.table.breaks[l]
                 return self.orbit(k, word) - (b if self._plain else b * self.power(len(word)))
-            case Return(k, word, n, _):
+            case OrbitReturn(k, word, n, _):
                 return self.orbit(k, word) - self.orbit(k, word[:n]) * self.power(len(word) - n)
             case Slope(letter):
                 return self.table.slopes[letter]
-            case Multiplier(word, unit):
+            case MultiplierSign(word, unit):
                 slope, power = self.slope(word)
                 return slope - unit * power
             case Offset(word):
@@ -335,11 +335,11 @@ class IntegerOrbits:
         match decision:
             case CriticalOrbit(k, word, l):
                 return self._orbit(k, word) - self._breaks[l] * self._power(len(word))
-            case Return(k, word, n, _):
+            case OrbitReturn(k, word, n, _):
                 return self._orbit(k, word) - self._orbit(k, word[:n]) * self._power(len(word) - n)
             case Slope(letter):
                 return self._slopes[letter]
-            case Multiplier(word, unit):
+            case MultiplierSign(word, unit):
                 return prod(self._slopes[i] for i in word) - unit * self._power(len(word))
             case Offset(word):
                 return self._followed(0, word, 0)
@@ -422,7 +422,7 @@ class SignOracle:
 
     def multiplier(self, word: Word, unit: int) -> int:
         """Sign of the slope of a word minus a unit, +1 or -1."""
-        return self.sign(Multiplier(tuple(sorted(word)), unit))
+        return self.sign(MultiplierSign(tuple(sorted(word)), unit))
 
     def slot(self, layout: int, k: int, word: Word) -> int:
         """The slot of a map in which A_word(b_k) lies."""

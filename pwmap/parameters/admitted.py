@@ -10,14 +10,13 @@ from typing import Any
 from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
-from pwmap.algebra.assumptions import Region
+from pwmap.algebra.assumptions import AssumedRegion
 from pwmap.algebra.exact import Number, is_constant
 from pwmap.algebra.inequalities import Constraint, degree
 from pwmap.algebra.samples import EmptyRegionError
 from pwmap.algebra.terms import own_name
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.parameters.axes import identical
-from pwmap.parameters.axis import Axis, ResampleError
+from pwmap.parameters.axis import Axis, ResampleError, identical
 
 Span = tuple[Number | None, Number | None]  # None is an infinite end
 TRIES = 40  # samples: all but the first few are generic but for an accident
@@ -143,7 +142,7 @@ def samples(
             yield values
 
 
-def _over(region: Region, name: str, span: Span) -> Region:
+def _over(region: AssumedRegion, name: str, span: Span) -> AssumedRegion:
     """What assumptions leave to the other parameters if they hold all over a span.
 
     One that is of degree one in the parameter of the axis holds inside a span just if it does at
@@ -159,7 +158,7 @@ def _over(region: Region, name: str, span: Span) -> Region:
             continue
         values = [constraint.polynomial.subs(index, end) for end in span]
         constraints += [Constraint(v, False) for v in values if not is_constant(v)]
-    narrowed = Region(region.ring, tuple(constraints))
+    narrowed = AssumedRegion(region.ring, tuple(constraints))
     try:
         _ = narrowed.sample
     except EmptyRegionError:

@@ -13,10 +13,10 @@ import numpy as np
 from sympy import QQ
 
 from pwmap.algebra.exact import Fraction_, Number, to_float
-from pwmap.diagrams.diagram import BranchKind, FloatArray
+from pwmap.diagrams.data import BranchKind, FloatArray
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.branches import Continuation, Segment
-from pwmap.parameters.curves import Curve
+from pwmap.parameters.curves import SegmentCurve
 
 POINTS = 65  # along a branch that is curved: smooth to the eye in a picture of a page's width
 ROUNDING = 2.0**-53  # of one operation, relative
@@ -32,7 +32,7 @@ class BranchArrays(NamedTuple):
     multiplier: FloatArray
 
 
-def curve_arrays(continuation: Continuation, curve: Curve) -> tuple[BranchArrays, list[int]]:
+def curve_arrays(continuation: Continuation, curve: SegmentCurve) -> tuple[BranchArrays, list[int]]:
     """A branch as arrays, and the first sample of each of its segments.
 
     Where a segment is followed by another one they share a sample, that of the following one. A

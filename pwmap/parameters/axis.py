@@ -1,33 +1,42 @@
 """One parameter of a map as an axis with exact places on it.
 
-A place is a rational, an algebraic number, or, where other parameters stay symbolic, a quotient of
-polynomials in these with its value at a sample of them.
+A place is a number, or, where other parameters stay symbolic, a function of these with its value at
+a sample of them. All is decided at the sample, where places are numbers; an axis beside others
+records which polynomials in these must keep their signs for that to hold.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache, total_ordering
+from itertools import pairwise
 from typing import Any
 
 import sympy
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
+from pwmap.algebra.assumptions import AssumedRegion
+from pwmap.algebra.bivariate import divides
 from pwmap.algebra.exact import (
     Fraction_,
     Number,
     dense,
+    evaluate,
     names_of,
+    polynomial_ring,
     sign,
     to_float,
 )
 from pwmap.algebra.inequalities import Constraint
+from pwmap.algebra.rootfunctions import Root
 from pwmap.algebra.roots import (
     Dense,
+    Real,
     RealRoot,
     difference,
     integers,
@@ -38,7 +47,7 @@ from pwmap.algebra.roots import (
     spread,
 )
 from pwmap.maps.reading import Definition
-from pwmap.maps.scopes import Edge, Interval, Scope
+from pwmap.maps.scopes import Edge, ParameterInterval, Scope, SymbolicEdge, SymbolicInterval
 from pwmap.maps.words import Decision, IntegerOrbits, Orbits, SignOracle
 
 INFINITE = "infinite"
@@ -52,30 +61,94 @@ class DegreeError(ValueError):
     """A polynomial is of a higher degree in the parameter of the axis than one."""
 
 
+@total_ordering
+@dataclass(frozen=True, eq=False)
+class Threshold:
+    """A value of the parameter that is a quotient of polynomials in several others.
+
+    Attributes
+    ----------
+    value
+        Its value at the sample of the other parameters.
+    top, bottom
+        Polynomials in the others of which it is the quotient, not in lowest terms.
+    """
+
+    value: Number
+    top: PolyElement
+    bottom: PolyElement
+
+    @cached_property
+    def expr(self) -> Any:
+        """The quotient in lowest terms."""
+        return self.top.ring.to_field().new(self.top, self.bottom)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Threshold) and self.value == other.value
+
+    def __hash__(self) -> int:
+        return hash(self.value)
+
+    def __lt__(self, other: Threshold) -> bool:
+        return bool(self.value < other.value)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class ValueAt:
+    """A quotient of polynomials at a place, where other parameters stay symbolic.
+
+    Attributes
+    ----------
+    value
+        At the sample of the other parameters, in canonical form.
+    top, bottom
+        The polynomials, not in lowest terms.
+    factor
+        The polynomial that is zero at the place; None if only the other parameters are left.
+    """
+
+    value: Any
+    top: PolyElement
+    bottom: PolyElement
+    factor: PolyElement | None = None
+
+    def __eq__(self, other: object) -> bool:
+        if not isinstance(other, ValueAt) or self.value != other.value:
+            return False
+        rest = self.top * other.bottom - other.top * self.bottom
+        return not rest if self.factor is None else divides(self.factor, rest)
+
+    def __hash__(self) -> int:
+        return hash(self.value)
+
+
+def identical(first: Any, second: Any) -> bool:
+    """Whether two equal places stay equal for other values of the symbolic parameters."""
+    match first:
+        case Root():
+            return bool(first.factor == second.factor and first.number == second.number)
+        case Threshold():
+            return bool(first.top * second.bottom == second.top * first.bottom)
+    return True
+
+
 class Axis(ABC):
-    """One parameter of a map, along which the signs of polynomials are followed."""
+    """One parameter of a map, along which the signs of polynomials are followed.
 
-    definition: Definition
-    name: str
-    sample: dict[str, Number]  # values of the other, symbolic parameters
-    orbits: Orbits  # of the map, in all its parameters
+    Parameters
+    ----------
+    definition
+        The map.
+    name
+        The parameter of the axis.
+    sample
+        Values of the others, which stay symbolic.
+    """
 
-    @abstractmethod
-    def place(self, value: Number) -> Any:
-        """A rational value as a place on the axis."""
-
-    @abstractmethod
-    def between(self, low: Any, high: Any) -> Any:
-        """A place strictly between two others; None is an infinite end."""
-
-    @abstractmethod
-    def oracle(self, place: Any) -> SignOracle:
-        """Who decides all signs at a place."""
-
-    def __init__(self, definition: Definition) -> None:
-        self.definition = definition
+    def __init__(self, definition: Definition, name: str, sample: dict[str, Number]) -> None:
+        self.definition, self.name, self.sample = definition, name, sample
         self.orbits = Orbits(definition.table)
-        self.sample = {}
+        self.index = names_of(definition.ring).index(name)
         self._roots: dict[Decision | PolyElement, tuple[Any, ...] | None] = {}
 
     def copy(self) -> Axis:
@@ -85,6 +158,25 @@ class Axis(ABC):
             if isinstance(value, dict):
                 setattr(twin, name, dict(value))
         return twin
+
+    # --- Places ---------------------------------------------------------------------------------
+
+    @abstractmethod
+    def place(self, value: Number) -> Any:
+        """A rational value as a place on the axis."""
+
+    @abstractmethod
+    def real(self, place: Any) -> Real:
+        """The number that a place is at the sample."""
+
+    def between(self, low: Any, high: Any) -> Any:
+        """A place strictly between two others; None is an infinite end."""
+        ends = (None if end is None else self.real(end) for end in (low, high))
+        return self.place(simplest_between(*ends))
+
+    def spread(self, low: Any, high: Any, n: int) -> list[Any]:
+        """Places inside an interval, in equal steps."""
+        return [self.place(value) for value in spread(self.real(low), self.real(high), n)]
 
     def roots(self, decision: Decision) -> tuple[Any, ...] | None:
         """Places where the sign of a decision is zero; None if it is zero everywhere."""
@@ -115,9 +207,55 @@ class Axis(ABC):
     def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
         """Places where a polynomial in the parameters is zero; None if it is zero everywhere."""
 
+    # --- Decided at the sample ------------------------------------------------------------------
+
     @abstractmethod
+    def coefficients(self, polynomial: Number) -> Dense:
+        """A polynomial in the parameter of the axis alone, others at their sample."""
+
+    @cached_property
+    def _orbits_here(self) -> Orbits:
+        """Those of the map at the sample."""
+        if not self.sample:
+            return self.orbits
+        ring = polynomial_ring([self.definition.ring.symbols[self.index]])
+        table = self.definition.table.mapped(lambda n: evaluate(n, self.sample, ring))
+        return Orbits(table)
+
+    def oracle(self, place: Any) -> SignOracle:
+        """Who decides all signs at a place."""
+        value = self.real(place)
+        if isinstance(value, RealRoot):
+            return SignOracle(self._orbits_here, SignAt(value))
+        table = self._orbits_here.table.mapped(lambda number: _at(dense(number), value))
+        return SignOracle(IntegerOrbits(table), sign)
+
     def sign(self, polynomial: Number, place: Any) -> int:
         """Sign of a polynomial in the parameters at a place."""
+        return sign_at(self.coefficients(polynomial), self.real(place))
+
+    def number(self, fraction: Fraction_, place: Any) -> float:
+        """A finite quotient at a place as a float, infinite if it is too large; for drawing."""
+        top, bottom = (self.coefficients(number) for number in fraction)
+        value = self.real(place)
+        if isinstance(value, RealRoot):
+            return value.to_float(top, bottom)
+        return to_float(_at(top, value) / _at(bottom, value))
+
+    def compare_values(self, first: Any, second: Any, place: Any) -> int:
+        """Sign of the difference of two values, as :meth:`value` returned them for a place.
+
+        With symbolic parameters it is the sign at their sample, which is not recorded.
+        """
+        one, other = (v.value if isinstance(v, ValueAt) else v for v in (first, second))
+        value = self.real(place)
+        return (
+            sign_at(difference(one, other), value)
+            if isinstance(value, RealRoot)
+            else sign(one - other)
+        )
+
+    # --- Decided, and recorded ------------------------------------------------------------------
 
     @abstractmethod
     def value(self, fraction: Fraction_, place: Any) -> Any:
@@ -127,32 +265,26 @@ class Axis(ABC):
     def compare(self, first: Fraction_, second: Fraction_, place: Any) -> int:
         """Sign of the difference of two finite quotients at a place."""
 
-    @abstractmethod
-    def compare_values(self, first: Any, second: Any, place: Any) -> int:
-        """Sign of the difference of two values, as :meth:`value` returned them for a place.
+    def closing(self, places: Sequence[Any], decided: Iterable[Decision]) -> None:  # noqa: B027
+        """Record what the order of some places, from left to right, asks of other parameters.
 
-        With symbolic parameters it is the sign at their sample, which is not recorded.
+        So does what was decided at some of these places, but maybe not beside them.
         """
+
+    @property
+    def given(self) -> tuple[sympy.Basic, ...]:
+        """Conditions on other, symbolic parameters under which all that was decided holds."""
+        return ()
+
+    # --- What a user sees -----------------------------------------------------------------------
 
     @abstractmethod
     def to_sympy(self, place: Any) -> sympy.Expr:
         """A place as an expression."""
 
     @abstractmethod
-    def number(self, fraction: Fraction_, place: Any) -> float:
-        """A finite quotient at a place as a float, infinite if it is too large; for drawing."""
-
-    @abstractmethod
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
         """What :meth:`value` returned for a place, as an expression."""
-
-    @abstractmethod
-    def coefficients(self, polynomial: Number) -> Dense:
-        """A polynomial in the parameter of the axis alone, others at their sample."""
-
-    @abstractmethod
-    def spread(self, low: Any, high: Any, n: int) -> list[Any]:
-        """Places inside an interval, in equal steps."""
 
     @abstractmethod
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
@@ -165,23 +297,11 @@ class Axis(ABC):
     def identity(self) -> Fraction_:
         """The parameter itself, as a quotient."""
         ring = self.definition.ring
-        return ring.gens[names_of(ring).index(self.name)], ring.one
+        return ring.gens[self.index], ring.one
 
     def degree(self, number: Number) -> int:
         """Degree of a polynomial in the parameter of the axis; 0 for zero."""
-        index = names_of(self.definition.ring).index(self.name)
-        return max(0, int(number.degree(index))) if number else 0
-
-    def closing(self, places: Sequence[Any], decided: Iterable[Decision]) -> None:  # noqa: B027
-        """Record what the order of some places, from left to right, asks of other parameters.
-
-        So does what was decided at some of these places, but maybe not beside them.
-        """
-
-    @property
-    def given(self) -> tuple[sympy.Basic, ...]:
-        """Conditions on other, symbolic parameters under which all that was decided holds."""
-        return ()
+        return max(0, int(number.degree(self.index))) if number else 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,78 +320,118 @@ def _integers(number: Number) -> tuple[int, ...]:
 
 
 class RationalAxis(Axis):
-    """The only parameter of a map."""
-
-    def __init__(self, definition: Definition) -> None:
-        super().__init__(definition)
-        self.name = str(definition.ring.symbols[0])
+    """The only parameter of a map; places are numbers."""
 
     def place(self, value: Number) -> Number:
         return value
 
-    def between(self, low: Any, high: Any) -> Number:
-        return simplest_between(low, high)
-
-    def oracle(self, place: Any) -> SignOracle:
-        if isinstance(place, RealRoot):
-            return SignOracle(self.orbits, SignAt(place))
-        table = self.definition.table.mapped(lambda number: _at(number, place))
-        return SignOracle(IntegerOrbits(table), sign)
-
-    def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
-        symbol = self.definition.ring.symbols[0]
-        if low is not None and low is high:
-            return Edge(symbol, low)
-        return Interval(symbol, low, high, orders)
+    def real(self, place: Real) -> Real:
+        return place
 
     def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
         return real_roots(dense(polynomial)) if polynomial else None
 
-    def sign(self, polynomial: Number, place: Any) -> int:
-        return sign_at(dense(polynomial), place)
+    def coefficients(self, polynomial: Number) -> Dense:
+        return dense(polynomial)
 
     def value(self, fraction: Fraction_, place: Any) -> Any:
         top, bottom = (dense(number) for number in fraction)
-        if sign_at(bottom, place) == 0:
-            return INFINITE
-        if isinstance(place, RealRoot):
-            return place.quotient(top, bottom)
-        return _at(fraction[0], place) / _at(fraction[1], place)
+        return quotient_at(top, bottom, place) if sign_at(bottom, place) else INFINITE
 
     def compare(self, first: Fraction_, second: Fraction_, place: Any) -> int:
         (a, b), (c, d) = first, second
         bottom = sign_at(dense(b), place) * sign_at(dense(d), place)
         return sign_at(dense(a * d - c * b), place) * bottom
 
-    def compare_values(self, first: Any, second: Any, place: Any) -> int:
-        if isinstance(place, RealRoot):
-            return sign_at(difference(first, second), place)
-        return sign(first - second)
-
     def to_sympy(self, place: Any) -> sympy.Expr:
         return real_to_sympy(place)
-
-    def number(self, fraction: Fraction_, place: Any) -> float:
-        if isinstance(place, RealRoot):
-            top, bottom = (dense(number) for number in fraction)
-            return place.to_float(top, bottom)
-        return to_float(_at(fraction[0], place) / _at(fraction[1], place))
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
         if not isinstance(place, RealRoot):
             return QQ.to_sympy(value)
         return place.element_to_sympy(value)
 
-    def coefficients(self, polynomial: Number) -> Dense:
-        return dense(polynomial)
+    def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
+        symbol = self.definition.ring.symbols[0]
+        if low is not None and low is high:
+            return Edge(symbol, low)
+        return ParameterInterval(symbol, low, high, orders)
 
-    def spread(self, low: Any, high: Any, n: int) -> list[Number]:
-        return spread(low, high, n)
+
+class RecordedAxis(Axis):
+    """An axis beside other parameters, which records what is asked of these."""
+
+    def real(self, place: Any) -> Real:
+        return place.value
+
+    def closing(self, places: Sequence[Any], decided: Iterable[Decision]) -> None:
+        """Record that all roots keep their order inside the places, and stay outside them."""
+        if not places:
+            return
+        for decision in decided:
+            self.roots(decision)
+        low, high = places[0], places[-1]
+        known = self._known()
+        inside: dict[Any, Any] = {}
+        for place in (*places, *known):
+            if low <= place <= high and not identical(inside.setdefault(place, place), place):
+                raise ResampleError
+        pairs = list(pairwise(sorted(inside)))
+        pairs += [(place, low) for place in known if place < low]
+        pairs += [(high, place) for place in known if high < place]
+        for left, right in pairs:
+            self._keep_order(left, right)
+
+    def _known(self) -> list[Any]:
+        """All roots that were found, each once; equal ones only if they are not the same."""
+        found: list[Any] = []
+        known: dict[Any, list[Any]] = defaultdict(list)
+        for roots in self._roots.values():
+            for root in roots or ():
+                if not any(identical(root, other) for other in known[root]):
+                    known[root].append(root)
+                    found.append(root)
+        return found
+
+    @abstractmethod
+    def _keep_order(self, left: Any, right: Any) -> None:
+        """Record that two places must not meet."""
+
+    def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
+        ring, symbol = self.definition.ring, self.definition.ring.symbols[self.index]
+        if low is not None and low is high:
+            return SymbolicEdge(
+                symbol, self._quotient(low), AssumedRegion(ring, self._assumed), orders
+            )
+        limits = [*self._assumed]
+        for side, end in ((1, low), (-1, high)):
+            if end is not None:
+                top, bottom = self._quotient(end)
+                sense = side * sign(evaluate(bottom, self.sample, None))
+                limits.append(Constraint(sense * (self.identity[0] * bottom - top), True))
+        left, right = (None if end is None else self.to_sympy(end) for end in (low, high))
+        return SymbolicInterval(symbol, AssumedRegion(ring, tuple(limits)), left, right, orders)
+
+    @abstractmethod
+    def _quotient(self, place: Any) -> Fraction_:
+        """Numerator and denominator of a place in the ring of all parameters."""
+
+    @property
+    @abstractmethod
+    def _assumed(self) -> tuple[Constraint, ...]:
+        """What holds of the other parameters, when all was decided."""
 
 
-def _at(number: PolyElement, value: Number) -> Number:
-    """A polynomial in one parameter at a rational value."""
+def quotient_at(top: Dense, bottom: Dense, value: Real) -> Any:
+    """A quotient of polynomials at a number, in canonical form."""
+    if isinstance(value, RealRoot):
+        return value.quotient(top, bottom)
+    return _at(top, value) / _at(bottom, value)
+
+
+def _at(polynomial: Dense, value: Number) -> Number:
+    """The value of a polynomial at a rational number."""
     total = QQ.zero
-    for (exponent,), coefficient in number.items():
-        total += coefficient * value**exponent
+    for coefficient in polynomial:
+        total = total * value + coefficient
     return total

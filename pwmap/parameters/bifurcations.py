@@ -19,7 +19,8 @@ from sympy import QQ
 from pwmap.algebra.assumptions import UndecidedError
 from pwmap.algebra.exact import fraction_to_sympy, quotient_to_sympy
 from pwmap.algebra.roots import ceiling, whole_part
-from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint, Stretch
+from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint, Stretch
+from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.record import PROGRAM
 from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, Meter, Progress, Report, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -33,15 +34,15 @@ from pwmap.parameters.branches import (
     RIGHT,
     BranchKey,
     Continuation,
-    End,
     Infinite,
     Junction,
-    Known,
+    KnownValues,
     Segment,
+    SegmentEnd,
 )
 from pwmap.parameters.cells import (
     Cell,
-    Stage,
+    CellStage,
     aside,
     checked_orders,
     checked_span,
@@ -49,7 +50,7 @@ from pwmap.parameters.cells import (
     studied_at,
     with_stages,
 )
-from pwmap.parameters.curves import Curve, Tip, connected
+from pwmap.parameters.curves import SegmentCurve, Tip, connected
 
 
 def bifurcation_diagram(
@@ -149,9 +150,9 @@ class _Growing:
     progress: Report | None
     finished: Callable[[Diagram], None] | None
 
-    def __call__(self, axis: Axis, found: Iterator[Stage]) -> Diagram:
+    def __call__(self, axis: Axis, found: Iterator[CellStage]) -> Diagram:
         """The diagram of all orders, or of those that were completed."""
-        known, cells = Known(), list[Cell]()
+        known, cells = KnownValues(), list[Cell]()
         done: dict[int, Diagram | None] = {}  # up to each order of those that were asked for
         with self.meter.keeping(done):
             self.meter.advance("orders", 0, len(self.orders))
@@ -166,7 +167,9 @@ class _Growing:
             diagram if len(done) == len(self.orders) else _said(diagram, done, self.meter.stopped)
         )
 
-    def _upto(self, order: int, axis: Axis, cells: list[Cell], known: Known) -> Diagram | None:
+    def _upto(
+        self, order: int, axis: Axis, cells: list[Cell], known: KnownValues
+    ) -> Diagram | None:
         """The diagram up to an order, if it is wanted now."""
         finished = self.finished or (lambda _: None)
         if order == self.orders[-1]:
@@ -182,7 +185,7 @@ class _Growing:
         finished(_said(diagram, [n for n in self.orders if n <= order], INTERRUPTED))
         return diagram
 
-    def _built(self, axis: Axis, cells: list[Cell], known: Known) -> Diagram:
+    def _built(self, axis: Axis, cells: list[Cell], known: KnownValues) -> Diagram:
         """The diagram from cells of some order, what they ask of the axis recorded."""
         close(axis, cells)
         low, high = self.limits
@@ -192,7 +195,7 @@ class _Growing:
             close(axis, cells)
         else:
             ends = axis.place(low), axis.place(high)
-        known = known if not axis.sample else Known()
+        known = known if not axis.sample else KnownValues()
         continuation = Continuation(axis, cells, len(self.map.chain), ends, known)
         return _assembled(self.map, continuation, self.orders)
 
@@ -278,7 +281,7 @@ def _text(map_: PiecewiseLinearMap) -> list[str]:
         return [repr(map_)]
 
 
-def _names(curves: Sequence[Curve]) -> Iterator[str]:
+def _names(curves: Sequence[SegmentCurve]) -> Iterator[str]:
     """F1, F2, ... for branches of fixed points, and J1, J2, ... for jumps."""
     counts: dict[str, int] = defaultdict(int)
     for curve in curves:
@@ -332,7 +335,7 @@ def _cause(
 def _branch(
     map_: PiecewiseLinearMap,
     continuation: Continuation,
-    curve: Curve,
+    curve: SegmentCurve,
     branch_ids: Mapping[Tip, str],
     points: Mapping[Tip, SpecialPoint],
 ) -> Branch:
@@ -444,7 +447,7 @@ def _interval(segment: Segment, low: sympy.Expr, high: sympy.Expr) -> sympy.Set:
 # --- What kind of point ---------------------------------------------------------------------------
 
 
-def lowest(ends: Sequence[End]) -> int:
+def lowest(ends: Sequence[SegmentEnd]) -> int:
     """Word length of the fixed points that meet, or of the jumps if only jumps do."""
     fixed = [end.length for end in ends if end.is_fixed]
     return min(fixed or [end.length for end in ends])
@@ -507,7 +510,7 @@ def classify(junction: Junction, *, at_span_end: bool) -> tuple[PointKind, str]:
     return (PointKind.FF if flips else PointKind.BC), "fold"
 
 
-def _of_jumps(ends: Sequence[End]) -> str:
+def _of_jumps(ends: Sequence[SegmentEnd]) -> str:
     """What happens at a point in which jumps end, but no fixed points.
 
     A single jump ends where a piece is flat: then a whole interval is mapped onto its break.
@@ -518,7 +521,7 @@ def _of_jumps(ends: Sequence[End]) -> str:
     return "the branch closes" if 2 in beside.values() else "the jump ends"
 
 
-def _staying_note(junction: Junction, own: Sequence[End], staying: set[BranchKey]) -> str:
+def _staying_note(junction: Junction, own: Sequence[SegmentEnd], staying: set[BranchKey]) -> str:
     """What happens to a branch that stays on a border, and which others end on it."""
     stayed = [end.segment for end in own if end.segment.key in staying]
     stable = {segment.location.stable for segment in stayed if segment.location}

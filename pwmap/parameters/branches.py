@@ -19,8 +19,8 @@ from typing import Any, NamedTuple
 from sympy import Basic
 
 from pwmap.algebra.exact import Fraction_, cancelled, is_constant
-from pwmap.diagrams.diagram import BranchKind
-from pwmap.maps.cylinders import Cut, Cylinder, Inclusion, Iterate, minimal_period
+from pwmap.diagrams.data import BranchKind
+from pwmap.maps.cylinders import Cut, Cylinder, Inclusion, StudiedIterate, minimal_period
 from pwmap.maps.words import Orbits, SignOracle, Word
 from pwmap.parameters.axis import INFINITE, Axis
 from pwmap.parameters.cells import Cell
@@ -114,7 +114,7 @@ class Segment:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class End:
+class SegmentEnd:
     """One end of a segment.
 
     Attributes
@@ -175,7 +175,7 @@ class Junction:
     place: Any
     value: Any
     x: float
-    ends: tuple[End, ...]
+    ends: tuple[SegmentEnd, ...]
     attracts: int
 
 
@@ -183,7 +183,7 @@ Present = list[tuple[BranchKey, Location | None]]  # what of an iterate lies on 
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Known:
+class KnownValues:
     """What was computed of keys and segments, which is the same whatever the cells are.
 
     Who follows the cells of one order after the other hands it on, so that only what is new with an
@@ -192,13 +192,13 @@ class Known:
     """
 
     keys: dict[BranchKey, BranchKey] = field(default_factory=dict)  # one object for each
-    present: dict[int, tuple[Iterate, Present]] = field(default_factory=dict)  # by id
+    present: dict[int, tuple[StudiedIterate, Present]] = field(default_factory=dict)  # by id
     positions: dict[BranchKey, Fraction_] = field(default_factory=dict)
     numbers: dict[tuple[BranchKey, Any], float] = field(default_factory=dict)
     values: dict[tuple[BranchKey, Any], Any] = field(default_factory=dict)
     units: dict[tuple[Any, Any], int] = field(default_factory=dict)
     segments: dict[Hashable, Segment] = field(default_factory=dict)  # by all that they hold
-    ends: dict[Segment, tuple[End, End]] = field(default_factory=dict)
+    ends: dict[Segment, tuple[SegmentEnd, SegmentEnd]] = field(default_factory=dict)
     formulas: dict[Segment, dict[str, Basic]] = field(default_factory=dict)
     arrays: dict[Segment, Any] = field(default_factory=dict)
 
@@ -221,7 +221,7 @@ class Continuation:
     cells: Sequence[Cell]
     length: int
     span: tuple[Any, Any]
-    known: Known = field(default_factory=Known, repr=False)
+    known: KnownValues = field(default_factory=KnownValues, repr=False)
 
     @property
     def orbits(self) -> Orbits:
@@ -257,7 +257,7 @@ class Continuation:
             yield from known[id(iterate)][1]
 
     def _of_iterate(
-        self, order: int, iterate: Iterate, oracle: SignOracle
+        self, order: int, iterate: StudiedIterate, oracle: SignOracle
     ) -> Iterator[tuple[BranchKey, Location | None]]:
         for cylinder, inclusion, stable in zip(
             iterate.cylinders, iterate.inclusion, iterate.stable, strict=True
@@ -487,7 +487,7 @@ class Continuation:
 
     def junctions(self, segments: Sequence[Segment]) -> list[Junction]:
         """Ends of segments that lie at the same place, from left to right and bottom to top."""
-        groups: dict[tuple[Any, Hashable], list[End]] = defaultdict(list)
+        groups: dict[tuple[Any, Hashable], list[SegmentEnd]] = defaultdict(list)
         for segment in segments:
             for end in self.ends(segment):
                 groups[end.place, end.value].append(end)
@@ -499,7 +499,7 @@ class Continuation:
         ]
         return sorted(found, key=cmp_to_key(self._compared))
 
-    def _attracts(self, place: Any, ends: Sequence[End]) -> int:
+    def _attracts(self, place: Any, ends: Sequence[SegmentEnd]) -> int:
         """How the stability of a fixed point differs from that of its branches, as a sign."""
         i = self._edges.get(place)
         beside: dict[BranchKey, set[bool]] = defaultdict(set)
@@ -526,13 +526,13 @@ class Continuation:
         sides = [value.side if isinstance(value, Infinite) else 0 for value in values]
         return sides[0] - sides[1] if any(sides) else self.axis.compare_values(*values, place)
 
-    def ends(self, segment: Segment) -> tuple[End, End]:
+    def ends(self, segment: Segment) -> tuple[SegmentEnd, SegmentEnd]:
         """Both ends of a segment."""
         if segment not in self.known.ends:
             along = segment.places[0] == segment.places[1]
             is_steep = self._is_steep(segment)
             first, last = (
-                End(
+                SegmentEnd(
                     segment,
                     which,
                     ALONG if along else side,
@@ -615,7 +615,7 @@ class Continuation:
         (top, bottom), one = self.orbits.slope(segment.key.word), self.orbits.table.one
         return self.axis.compare((top * top, bottom * bottom), (one, one), place) > 0
 
-    def number(self, end: End) -> tuple[float, float]:
+    def number(self, end: SegmentEnd) -> tuple[float, float]:
         """Parameter and x of an end as floats; the x may be infinite."""
         parameter = self.axis.number(self.axis.identity, end.place)
         if isinstance(end.value, Infinite):

@@ -29,10 +29,11 @@ from pwmap.maps.cylinders import (
     Ask,
     Cylinder,
     Inclusion,
-    Iterate,
+    StudiedIterate,
     iterate_of,
     refined,
 )
+from pwmap.maps.decided import in_cell
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import SignOracle
 from pwmap.parameters.admitted import (
@@ -42,8 +43,8 @@ from pwmap.parameters.admitted import (
     samples,
     shown_sample,
 )
-from pwmap.parameters.axes import axis_of, identical
-from pwmap.parameters.axis import Axis, ResampleError
+from pwmap.parameters.axes import axis_of
+from pwmap.parameters.axis import Axis, ResampleError, identical
 from pwmap.parameters.persistence import Answers
 
 Result = TypeVar("Result")
@@ -52,7 +53,7 @@ Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Study:
+class PlaceStudy:
     """All iterates at one place, and the oracle that decided them.
 
     Attributes
@@ -62,10 +63,10 @@ class Study:
     """
 
     oracle: SignOracle
-    iterates: dict[int, Iterate]
+    iterates: dict[int, StudiedIterate]
     cylinders: tuple[Cylinder, ...] = WHOLE_LINE
 
-    def shown(self) -> dict[int, Iterate]:
+    def shown(self) -> dict[int, StudiedIterate]:
         """The iterates, without telling apart fixed points that are virtual or missing."""
         return {
             order: replace(
@@ -78,7 +79,7 @@ class Study:
             for order, it in self.iterates.items()
         }
 
-    def agreed(self, *others: Study) -> Study:
+    def agreed(self, *others: PlaceStudy) -> PlaceStudy:
         """What this study and others that show the same have in common."""
         shared = {
             decision: sign
@@ -86,7 +87,7 @@ class Study:
             if all(other.oracle.signs.get(decision) == sign for other in others)
         }
         oracle = SignOracle(self.oracle.orbits, self.oracle.sign_of, shared)
-        return Study(oracle, self.shown())
+        return PlaceStudy(oracle, self.shown())
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -95,7 +96,7 @@ class Cell:
 
     lower: Any
     upper: Any
-    study: Study
+    study: PlaceStudy
     sample: Any  # the place of the study
 
     @property
@@ -110,14 +111,14 @@ class Cell:
 
 
 def grown(
-    study: Study,
+    study: PlaceStudy,
     chain: tuple[int, ...],
     order: int,
     *,
     shown: bool,
     budget: Budget | Meter = BUDGET,
     ask: Ask | None = None,
-) -> Study:
+) -> PlaceStudy:
     """A study of one order more, with every sign that its fixed points depend on if it is shown."""
     oracle, current, iterates = study.oracle, study.cylinders, study.iterates
     meter, ask = metered(budget), ask or oracle.ask
@@ -125,10 +126,10 @@ def grown(
         current = refined(current, layout, oracle, meter, ask)
     if shown:
         iterates = {**iterates, order: iterate_of(current, ask)}
-    return Study(oracle, iterates, current)
+    return PlaceStudy(oracle, iterates, current)
 
 
-class Stage(NamedTuple):
+class CellStage(NamedTuple):
     """Cells and edges of an interval of the axis, from left to right, for orders up to one."""
 
     order: int
@@ -142,7 +143,7 @@ def stages(
     orders: Sequence[int],
     cells: list[Cell],
     budget: Budget | Meter = BUDGET,
-) -> Iterator[Stage]:
+) -> Iterator[CellStage]:
     """Cut cells of which nothing is known into cells and edges, order by order.
 
     What a cell knows of lower orders holds in all its parts and on the edges between them. What the
@@ -160,7 +161,7 @@ def stages(
     """
     pieces, meter = 0, metered(budget)
 
-    def grow(study: Study, ask: Ask) -> Study:
+    def grow(study: PlaceStudy, ask: Ask) -> PlaceStudy:
         nonlocal pieces
         more = grown(study, chain, order, shown=order in orders, budget=meter, ask=ask)
         pieces += len(more.cylinders)
@@ -173,22 +174,22 @@ def stages(
     for order in range(1, max(orders) + 1):
         answers = Answers(axis, cells[0].lower, cells[-1].upper)
         cells = [part for cell in cells for part in _parts(axis, cell, answers, grow)]
-        yield Stage(order, cells, pieces)
+        yield CellStage(order, cells, pieces)
 
 
-def last(found: Iterable[Stage]) -> list[Cell]:
+def last(found: Iterable[CellStage]) -> list[Cell]:
     """The cells for all orders."""
     return deque(found, maxlen=1).pop().cells
 
 
 def _parts(
-    axis: Axis, cell: Cell, answers: Answers, grow: Callable[[Study, Ask], Study]
+    axis: Axis, cell: Cell, answers: Answers, grow: Callable[[PlaceStudy, Ask], PlaceStudy]
 ) -> list[Cell]:
     """A cell, or what an order more cuts it into: cells and the edges between them."""
     if cell.is_excluded:
         return [cell]
 
-    def study_at(place: Any) -> Study:
+    def study_at(place: Any) -> PlaceStudy:
         known = cell.study.oracle
         oracle = known if place is cell.sample else axis.oracle(place)
         oracle = SignOracle(oracle.orbits, oracle.sign_of)
@@ -238,13 +239,13 @@ def aside(axis: Axis, cells: Sequence[Cell]) -> tuple[Axis, list[Cell]]:
 
 def studied_at(place: Any, axis: Axis, chain: tuple[int, ...], cell: Cell) -> Cell:
     """An edge at some place in or beside a cell, with the same iterates."""
-    study = Study(axis.oracle(place), {})
+    study = PlaceStudy(axis.oracle(place), {})
     for order in range(1, max(cell.study.iterates) + 1):
         study = grown(study, chain, order, shown=order in cell.study.iterates)
     return Cell(place, place, study, place)
 
 
-def _edge(axis: Axis, place: Any, study: Study, answers: Answers) -> Cell:
+def _edge(axis: Axis, place: Any, study: PlaceStudy, answers: Answers) -> Cell:
     found = _edge_at(axis, place, answers)
     if found is not None and not identical(found, place):
         raise ResampleError
@@ -442,14 +443,15 @@ def shown_cells(
         lower = -sympy.oo if cell.lower is None else axis.to_sympy(cell.lower)
         upper = sympy.oo if cell.upper is None else axis.to_sympy(cell.upper)
         scope = axis.scope(cell.lower, cell.upper, orders)
-        decided = PiecewiseLinearMap.decided(
-            map_,
+        decided = in_cell(
+            map_.definition,
+            map_.chain,
             scope,
             axis.orbits,
             SignOracle(axis.orbits, scope.sign, cell.study.oracle.signs),
             {map_.chain * order: shown for order, shown in cell.study.iterates.items()},
         )
-        shown.append(ParameterCell(lower=lower, upper=upper, map=decided))
+        shown.append(ParameterCell(lower=lower, upper=upper, map=PiecewiseLinearMap.of(decided)))
     symbol = next(s for s in map_.parameters if str(s) == axis.name)
     return ParameterCells(parameter=symbol, orders=orders, cells=tuple(shown), given=axis.given)
 
@@ -467,7 +469,7 @@ def with_cells(
 ) -> Result:
     """Build something from the cells of a parameter for all orders, as :func:`with_stages` does."""
 
-    def built(axis: Axis, found: Iterator[Stage]) -> Result:
+    def built(axis: Axis, found: Iterator[CellStage]) -> Result:
         cells = last(found)
         close(axis, cells)
         return build(axis, cells)
@@ -478,7 +480,7 @@ def with_cells(
 
 
 def with_stages(
-    build: Callable[[Axis, Iterator[Stage]], Result],
+    build: Callable[[Axis, Iterator[CellStage]], Result],
     map_: PiecewiseLinearMap,
     parameter: object,
     orders: Sequence[int],
@@ -539,12 +541,12 @@ def uncut(axis: Axis, admitted: Sequence[AdmittedInterval], with_ends: bool) -> 
 
 
 def _unstudied(axis: Axis, low: Any, high: Any, sample: Any) -> Cell:
-    return Cell(low, high, Study(axis.oracle(sample), {}), sample)
+    return Cell(low, high, PlaceStudy(axis.oracle(sample), {}), sample)
 
 
 def _gap(before: Cell, after: Cell) -> list[Cell]:
     """Cells without a study, edges and an open cell in turn, between two cells."""
-    nothing = Study(before.study.oracle, {}, ())
+    nothing = PlaceStudy(before.study.oracle, {}, ())
     left, right = before.upper, after.lower
     if left == right:
         return [Cell(left, left, nothing, left)]

@@ -13,13 +13,13 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from pwmap.parameters.branches import ALONG, End, Infinite, Junction, Segment
+from pwmap.parameters.branches import ALONG, Infinite, Junction, Segment, SegmentEnd
 
 Tip = tuple[Segment, int]  # one end of a segment: 0 or 1, the first or the last
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Curve:
+class SegmentCurve:
     """Segments one after the other, from one special point to another.
 
     Attributes
@@ -43,14 +43,14 @@ class Curve:
         """Of the words."""
         return len(self.segments[0].key.word)
 
-    def reversed(self) -> Curve:
+    def reversed(self) -> SegmentCurve:
         """The same from its other end."""
-        return Curve(self.segments[::-1], tuple(not turned for turned in self.turned[::-1]))
+        return SegmentCurve(self.segments[::-1], tuple(not turned for turned in self.turned[::-1]))
 
 
 def connected(
     segments: Sequence[Segment], junctions: Sequence[Junction], stops: Sequence[Any]
-) -> tuple[list[Curve], list[Junction]]:
+) -> tuple[list[SegmentCurve], list[Junction]]:
     """The curves that segments make, and the junctions that are left, in which curves end.
 
     Parameters
@@ -84,7 +84,7 @@ def connected(
     ], left
 
 
-def _tip(end: End) -> Tip:
+def _tip(end: SegmentEnd) -> Tip:
     return end.segment, end.which
 
 
@@ -95,7 +95,7 @@ def _passing(junction: Junction) -> Iterator[tuple[Tip, Tip]]:
     """
     if any(end.is_fixed for end in junction.ends):
         return
-    own: dict[int, list[End]] = defaultdict(list)
+    own: dict[int, list[SegmentEnd]] = defaultdict(list)
     for end in junction.ends:
         own[end.length].append(end)
     for ends in own.values():
@@ -106,7 +106,7 @@ def _passing(junction: Junction) -> Iterator[tuple[Tip, Tip]]:
             yield from zip(line[::2], line[1::2], strict=True)
 
 
-def _traced(segments: Iterable[Segment], following: dict[Tip, Tip]) -> Iterator[Curve]:
+def _traced(segments: Iterable[Segment], following: dict[Tip, Tip]) -> Iterator[SegmentCurve]:
     """Curves through all segments; one that closes is opened at the start of its first segment."""
     passed: set[Segment] = set()
     for segment in segments:
@@ -122,4 +122,4 @@ def _traced(segments: Iterable[Segment], following: dict[Tip, Tip]) -> Iterator[
         while (tip := (line[-1][0], 1 - line[-1][1])) in following:
             line.append(following[tip])
         passed.update(each for each, _ in line)
-        yield Curve(tuple(each for each, _ in line), tuple(which == 1 for _, which in line))
+        yield SegmentCurve(tuple(each for each, _ in line), tuple(which == 1 for _, which in line))

@@ -20,7 +20,7 @@ Asked = tuple[Hashable, ...]  # a function of an oracle, and its other arguments
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Answer:
+class KeptAnswer:
     """What a function returned, and the signs that it asked for."""
 
     asked: Asked
@@ -43,12 +43,12 @@ class Answers:
         self._axis = axis
         self._ends = low, high
         self._place: Any = None
-        self._known: dict[Asked, Answer] = {}  # those that were kept and hold here
-        self._used: dict[Answer, None] = {}  # here
-        self._new: list[Answer] = []  # of these, those that were found here
+        self._known: dict[Asked, KeptAnswer] = {}  # those that were kept and hold here
+        self._used: dict[KeptAnswer, None] = {}  # here
+        self._new: list[KeptAnswer] = []  # of these, those that were found here
         self._roots: list[Any] = []  # of all decisions behind what was kept, from left to right
         self._deciding: dict[Any, list[Decision]] = {}  # of which a place is a root
-        self._behind: dict[Decision, list[Answer]] = {}  # what depends on one
+        self._behind: dict[Decision, list[KeptAnswer]] = {}  # what depends on one
 
     def move(self, place: Any, oracle: SignOracle) -> None:
         """Go to another place, where an oracle decides what may be otherwise than here."""
@@ -70,7 +70,7 @@ class Answers:
         found = self._known.get(asked)
         if found is None:
             oracle = SignOracle(self._oracle.orbits, self._oracle.sign_of)
-            found = Answer(asked, question(*about, oracle), oracle.signs)
+            found = KeptAnswer(asked, question(*about, oracle), oracle.signs)
             self._new.append(found)
         self._used[found] = None
         return found.value

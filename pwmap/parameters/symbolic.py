@@ -5,18 +5,13 @@ A place is a quotient of polynomials in these, with its value at a sample of the
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
-from functools import cached_property, total_ordering
-from itertools import pairwise
+from functools import cached_property
 from typing import Any
 
 import sympy
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.assumptions import Region
 from pwmap.algebra.exact import (
     Fraction_,
     Number,
@@ -25,74 +20,21 @@ from pwmap.algebra.exact import (
     is_constant,
     polynomial_ring,
     sign,
-    to_float,
     to_ring,
     to_sympy,
 )
 from pwmap.algebra.inequalities import Constraint
-from pwmap.algebra.roots import Dense, simplest_between, trimmed
+from pwmap.algebra.roots import Dense, trimmed
 from pwmap.algebra.signs import possible_signs, without_implied
 from pwmap.maps.reading import Definition
-from pwmap.maps.scopes import Scope, SymbolicEdge, SymbolicInterval
-from pwmap.maps.words import Decision, IntegerOrbits, SignOracle
-from pwmap.parameters.axis import INFINITE, Axis, DegreeError, ResampleError
-
-
-@total_ordering
-@dataclass(frozen=True, eq=False)
-class Threshold:
-    """A value of the parameter that depends on other, symbolic parameters.
-
-    Attributes
-    ----------
-    value
-        Its value at the sample of the other parameters.
-    top, bottom
-        Polynomials in the others of which it is the quotient, not in lowest terms.
-    """
-
-    value: Number
-    top: PolyElement
-    bottom: PolyElement
-
-    @cached_property
-    def expr(self) -> Any:
-        """The quotient in lowest terms."""
-        return _quotient(self.top, self.bottom)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Threshold) and self.value == other.value
-
-    def __hash__(self) -> int:
-        return hash(self.value)
-
-    def __lt__(self, other: Threshold) -> bool:
-        return bool(self.value < other.value)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SymbolicValue:
-    """A quotient of polynomials in other, symbolic parameters, not in lowest terms.
-
-    Attributes
-    ----------
-    value
-        Its value at the sample of the other parameters.
-    """
-
-    value: Number
-    top: PolyElement
-    bottom: PolyElement
-
-    def __eq__(self, other: object) -> bool:
-        return (
-            isinstance(other, SymbolicValue)
-            and self.value == other.value
-            and self.top * other.bottom == other.top * self.bottom
-        )
-
-    def __hash__(self) -> int:
-        return hash(self.value)
+from pwmap.parameters.axis import (
+    INFINITE,
+    DegreeError,
+    RecordedAxis,
+    ResampleError,
+    Threshold,
+    ValueAt,
+)
 
 
 def _quotient(top: PolyElement, bottom: PolyElement) -> Any:
@@ -100,7 +42,7 @@ def _quotient(top: PolyElement, bottom: PolyElement) -> Any:
     return top.ring.to_field().new(top, bottom)
 
 
-class SymbolicAxis(Axis):
+class SymbolicAxis(RecordedAxis):
     """One parameter of a map that has several others, which stay symbolic.
 
     Parameters
@@ -114,25 +56,12 @@ class SymbolicAxis(Axis):
     """
 
     def __init__(self, definition: Definition, name: str, sample: dict[str, Number]) -> None:
-        super().__init__(definition)
-        self.name, self.sample = name, sample
-        names = [str(s) for s in definition.ring.symbols]
-        self._index = names.index(name)
+        super().__init__(definition, name, sample)
         self._others = polynomial_ring([s for s in definition.ring.symbols if str(s) != name])
         self._conditions: dict[PolyElement, None] = {}
-        self._assumed: list[Constraint] | None = None  # of the others, when all was decided
 
     def place(self, value: Number) -> Threshold:
         return Threshold(value, self._others.ground_new(value), self._others.one)
-
-    def between(self, low: Any, high: Any) -> Threshold:
-        ends = (end.value if end is not None else None for end in (low, high))
-        return self.place(simplest_between(*ends))
-
-    def oracle(self, place: Threshold) -> SignOracle:
-        values = {**self.sample, self.name: place.value}
-        table = self.definition.table.mapped(lambda n: evaluate(n, values, None))
-        return SignOracle(IntegerOrbits(table), sign)
 
     def zeros(self, polynomial: Number) -> tuple[Any, ...] | None:
         if not polynomial:
@@ -156,9 +85,6 @@ class SymbolicAxis(Axis):
         self._keep_sign(slope)
         return (Threshold(self._at_sample(-rest, slope), -rest, slope),)
 
-    def sign(self, polynomial: Number, place: Threshold) -> int:
-        return sign(evaluate(polynomial, {**self.sample, self.name: place.value}, None))
-
     def _coefficients(self, polynomial: PolyElement) -> tuple[PolyElement, PolyElement]:
         """Slope and rest of a polynomial of degree at most one in the axis' parameter."""
         rest, slope = (*self._powers(polynomial), self._others.zero)[:2]
@@ -168,8 +94,8 @@ class SymbolicAxis(Axis):
         """Coefficients of the powers of the axis' parameter, from the zeroth on."""
         powers = [self._others.zero] * (self.degree(polynomial) + 1)
         for exponents, coefficient in polynomial.terms():
-            others = exponents[: self._index] + exponents[self._index + 1 :]
-            powers[exponents[self._index]] += self._others.from_dict({others: coefficient})
+            others = exponents[: self.index] + exponents[self.index + 1 :]
+            powers[exponents[self.index]] += self._others.from_dict({others: coefficient})
         return powers
 
     def _keep_sign(self, polynomial: PolyElement) -> None:
@@ -203,7 +129,7 @@ class SymbolicAxis(Axis):
             return INFINITE
         scale = place.expr.denom
         top, bottom = top * scale ** max(0, m - n), bottom * scale ** max(0, n - m)
-        return SymbolicValue(self._at_sample(top, bottom), top, bottom)
+        return ValueAt(self._at_sample(top, bottom), top, bottom)
 
     def compare(self, first: Fraction_, second: Fraction_, place: Threshold) -> int:
         one, other = self.value(first, place), self.value(second, place)
@@ -213,16 +139,8 @@ class SymbolicAxis(Axis):
         self._keep_sign_of(_quotient(difference, one.bottom * other.bottom))
         return sign(one.value - other.value)
 
-    def compare_values(self, first: Any, second: Any, place: Threshold) -> int:
-        return sign(first.value - second.value)
-
     def to_sympy(self, place: Threshold) -> sympy.Expr:
         return factored_to_sympy((place.expr.numer, place.expr.denom))
-
-    def number(self, fraction: Fraction_, place: Threshold) -> float:
-        values = {**self.sample, self.name: place.value}
-        top, bottom = (evaluate(number, values, None) for number in fraction)
-        return to_float(top / bottom)
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
         quotient = _quotient(value.top, value.bottom)
@@ -231,41 +149,8 @@ class SymbolicAxis(Axis):
     def coefficients(self, polynomial: Number) -> Dense:
         return trimmed(evaluate(c, self.sample, None) for c in reversed(self._powers(polynomial)))
 
-    def spread(self, low: Any, high: Any, n: int) -> list[Threshold]:
-        step = (high.value - low.value) / (n + 1)
-        return [self.place(low.value + step * i) for i in range(1, n + 1)]
-
-    def closing(self, places: Sequence[Threshold], decided: Iterable[Decision]) -> None:
-        """Record that all thresholds keep their order inside the places, and stay outside them."""
-        if not places:
-            return
-        for decision in decided:
-            self.roots(decision)
-        low, high = places[0], places[-1]
-        thresholds = self._thresholds()
-        inside: dict[Threshold, Threshold] = {}
-        for threshold in (*places, *thresholds):
-            if low <= threshold <= high and not is_same(
-                inside.setdefault(threshold, threshold), threshold
-            ):
-                raise ResampleError
-        pairs = list(pairwise(sorted(inside)))
-        pairs += [(p, low) for p in thresholds if p < low]
-        pairs += [(high, p) for p in thresholds if high < p]
-        for left, right in pairs:
-            self._keep_sign_of(right.expr - left.expr)
-
-    def _thresholds(self) -> list[Threshold]:
-        """All that were found, each once."""
-        found: list[Threshold] = []
-        known: dict[Number, list[Threshold]] = defaultdict(list)
-        for roots in self._roots.values():
-            for threshold in roots or ():
-                alike = known[threshold.value]
-                if not any(is_same(threshold, other) for other in alike):
-                    alike.append(threshold)
-                    found.append(threshold)
-        return found
+    def _keep_order(self, left: Threshold, right: Threshold) -> None:
+        self._keep_sign_of(right.expr - left.expr)
 
     def _keep_sign_of(self, quotient: Any) -> None:
         """Record that a quotient of polynomials in the others must keep its sign."""
@@ -288,26 +173,12 @@ class SymbolicAxis(Axis):
                     kept.append(Constraint(side * factor, True))
         return without_implied(kept, len(self._own()))
 
-    def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
-        ring, symbol = self.definition.ring, self.definition.ring.symbols[self._index]
-        if self._assumed is None:
-            kept = self._kept()
-            self._assumed = [Constraint(to_ring(c.polynomial, ring), c.strict) for c in kept]
-        if low is not None and low is high:
-            return SymbolicEdge(
-                symbol, self._quotient(low), Region(ring, (*self._assumed,)), orders
-            )
-        limits = [*self._assumed]
-        for side, end in ((1, low), (-1, high)):
-            if end is not None:
-                top, bottom = self._quotient(end)
-                sense = side * sign(evaluate(bottom, self.sample, None))
-                limits.append(Constraint(sense * (self.identity[0] * bottom - top), True))
-        left, right = (None if end is None else self.to_sympy(end) for end in (low, high))
-        return SymbolicInterval(symbol, Region(ring, tuple(limits)), left, right, orders)
+    @cached_property
+    def _assumed(self) -> tuple[Constraint, ...]:
+        ring = self.definition.ring
+        return tuple(Constraint(to_ring(c.polynomial, ring), c.strict) for c in self._kept())
 
     def _quotient(self, place: Threshold) -> Fraction_:
-        """Numerator and denominator of a place in the ring of all parameters."""
         ring = self.definition.ring
         return to_ring(place.expr.numer, ring), to_ring(place.expr.denom, ring)
 
@@ -318,8 +189,3 @@ class SymbolicAxis(Axis):
             for c in self.definition.region.constraints
             if not self.degree(c.polynomial)
         ]
-
-
-def is_same(first: Threshold, second: Threshold) -> bool:
-    """Whether two thresholds are one and the same function."""
-    return bool(first.top * second.bottom == second.top * first.bottom)

@@ -19,15 +19,15 @@ from pwmap.algebra.bivariate import at_value, degree_in, irreducible_factors
 from pwmap.algebra.exact import Number, to_sympy
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, real_roots
-from pwmap.diagrams.diagram import PointKind
+from pwmap.diagrams.data import PointKind
 from pwmap.longrun.crises.diagram import Crisis, attractor_diagram
 from pwmap.longrun.crises.kinds import kind_at
 from pwmap.longrun.crises.meetings import meeting_polynomial
 from pwmap.longrun.numbers import algebraic
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.plane.marks import Event
-from pwmap.plane.network import Arc, PlaneCurve
+from pwmap.plane.marks import PlaneEvent
+from pwmap.plane.network import PlaneArc, PlaneCurve
 from pwmap.plane.plane import ParameterPlane
 
 SEARCH = Budget(work=20 * BUDGET.work)  # some minutes
@@ -41,7 +41,7 @@ BESIDE = 2**12  # part of the span along: so close to a curve what attracts is c
 class _Family:
     """What may be a curve: an event, the polynomial, and which of its roots."""
 
-    event: Event
+    event: PlaneEvent
     polynomial: PolyElement
     number: int
 
@@ -147,7 +147,7 @@ class _Search:
                     roots = self._roots(polynomial, value)
                     if place in roots:
                         note = f"image {crisis.images[0]}"
-                        event = Event(crisis.kind, note, crisis.cycles)
+                        event = PlaneEvent(crisis.kind, note, crisis.cycles)
                         yield _Family(event, polynomial, roots.index(place))
                         break
 
@@ -160,7 +160,7 @@ class _Search:
     def _roots(self, polynomial: PolyElement, value: Number) -> tuple[Real, ...]:
         return real_roots(at_value(polynomial, 1 - self.index, value))
 
-    def arcs(self, family: _Family, values: list[Number]) -> Iterator[Arc]:
+    def arcs(self, family: _Family, values: list[Number]) -> Iterator[PlaneArc]:
         """Where a crisis happens on a curve, from one value of the parameter across to another."""
         happens = [self._happens(family, value) for value in values]
         start: Number | None = values[0] if happens[0] else None
@@ -194,10 +194,10 @@ class _Search:
                 outside = middle
         return inside
 
-    def _arc(self, family: _Family, low: Number, high: Number) -> Arc:
+    def _arc(self, family: _Family, low: Number, high: Number) -> PlaneArc:
         symbols = tuple(self.plane.map.parameters)
         column = Column(symbols, self.index, low, high, (low + high) / 2)
         ends = [(x, self._roots(family.polynomial, x)[family.number]) for x in (low, high)]
         value = self._roots(family.polynomial, column.sample)[family.number]
         root = Root(value, family.polynomial, family.number)
-        return Arc(family.event, family.polynomial, (ends[0], ends[1]), column, root)
+        return PlaneArc(family.event, family.polynomial, (ends[0], ends[1]), column, root)

@@ -6,18 +6,18 @@ from collections import defaultdict
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from pwmap.diagrams.diagram import PointKind
+from pwmap.diagrams.data import PointKind
 from pwmap.maps.cylinders import minimal_period
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Word
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.bifurcations import classify, lowest
-from pwmap.parameters.branches import Continuation, End, Junction
+from pwmap.parameters.branches import Continuation, Junction, SegmentEnd
 from pwmap.parameters.cells import Cell
 from pwmap.parameters.curves import connected
 
 
-class Event(NamedTuple):
+class PlaneEvent(NamedTuple):
     """What happens to cycles, and to which.
 
     Attributes
@@ -35,14 +35,14 @@ class Event(NamedTuple):
     words: tuple[str, ...]
 
 
-class Mark(NamedTuple):
+class PlaneMark(NamedTuple):
     """A place on an axis at which something happens."""
 
     place: Any
-    event: Event
+    event: PlaneEvent
 
 
-def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[Mark]:
+def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[PlaneMark]:
     """All bifurcations of cycles along an axis, from left to right, each cycle once.
 
     Where jumps alone end nothing happens to a cycle; that is left out. So is what happens to
@@ -66,7 +66,7 @@ def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[Mark]
             spelled = tuple(sorted(map(map_.spelled, words)))
             found[junction.place, spelled].append((kind, note))
     return [
-        Mark(place, Event(*_joined(happening), words))
+        PlaneMark(place, PlaneEvent(*_joined(happening), words))
         for (place, words), happening in found.items()
     ]
 
@@ -79,13 +79,13 @@ def _joined(happening: Sequence[tuple[PointKind, str]]) -> tuple[PointKind, str]
     return kind, " and ".join(sorted(notes))
 
 
-def _own(junction: Junction) -> list[End]:
+def _own(junction: Junction) -> list[SegmentEnd]:
     """Ends of branches of the periodic points of lowest order that a junction joins."""
     order = lowest(junction.ends)
     return [end for end in junction.ends if end.is_fixed and end.length == order]
 
 
-def _doubles(end: End, step: int) -> bool:
+def _doubles(end: SegmentEnd, step: int) -> bool:
     """Whether points of a branch have twice the period of a point whose multiplier is -1."""
     word = end.segment.key.word
     return step * minimal_period(word, step) < len(word)

@@ -29,17 +29,17 @@ from pwmap.algebra.roots import (
     sign_at,
     simplest_between,
 )
-from pwmap.diagrams.diagram import PointKind
+from pwmap.diagrams.data import PointKind
 from pwmap.plane.kinds import PlaneKind
 from pwmap.plane.limits import limit_of
-from pwmap.plane.marks import Event
+from pwmap.plane.marks import PlaneEvent
 from pwmap.plane.strips import Rectangle, Strip
 
 Node = tuple[Real, Real]  # values of both parameters
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Arc:
+class PlaneArc:
     """A part of a curve that is a function of one of the parameters.
 
     Attributes
@@ -54,27 +54,29 @@ class Arc:
         Which root it is, and where; None for an upright arc.
     """
 
-    event: Event
+    event: PlaneEvent
     polynomial: PolyElement
     ends: tuple[Node, Node]
     column: Column | None = None
     root: Root | None = None
 
-    def __reduce__(self) -> tuple[Callable[..., Arc], tuple[object, ...]]:
+    def __reduce__(self) -> tuple[Callable[..., PlaneArc], tuple[object, ...]]:
         kept = packed(self.polynomial.ring, [self.polynomial])
         ends = tuple(tuple(map(portable, node)) for node in self.ends)
         return _arc, (self.event, kept, ends, self.column, self.root)
 
 
-def _arc(event: Event, kept: Packed, ends: Any, column: Column | None, root: Root | None) -> Arc:
+def _arc(
+    event: PlaneEvent, kept: Packed, ends: Any, column: Column | None, root: Root | None
+) -> PlaneArc:
     first, last = ((restored(across), restored(along)) for across, along in ends)
-    return Arc(event, unpacked(kept)[1][0], (first, last), column, root)
+    return PlaneArc(event, unpacked(kept)[1][0], (first, last), column, root)
 
 
 class Tip(NamedTuple):
     """One end of an arc: 0 or 1."""
 
-    arc: Arc
+    arc: PlaneArc
     which: int
 
     @property
@@ -118,7 +120,7 @@ class PlaneCurve:
     note: str
     words: tuple[str, ...]
     polynomial: sympy.Expr
-    arcs: tuple[Arc, ...]
+    arcs: tuple[PlaneArc, ...]
     ends: tuple[str, str]
 
     def along(self, across: object) -> tuple[sympy.Expr, ...]:
@@ -182,7 +184,9 @@ class CodimensionTwo:
         return real_to_sympy(self.node[0]), real_to_sympy(self.node[1])
 
 
-Meeting = dict[tuple[Event, PolyElement], list[Tip]]  # the ends of arcs at a node, by their curves
+Meeting = dict[
+    tuple[PlaneEvent, PolyElement], list[Tip]
+]  # the ends of arcs at a node, by their curves
 
 
 def network(
@@ -206,7 +210,7 @@ def network(
             if len(tips) == 2:
                 following.update(zip(tips, tips[::-1], strict=True))
     lines = list(_traced(arcs, following))
-    names = dict[Arc, str]()
+    names = dict[PlaneArc, str]()
     counts: dict[str, int] = defaultdict(int)
     for line in lines:
         kind = line[0].arc.event.kind
@@ -227,7 +231,7 @@ def network(
     return curves, points
 
 
-def _arcs(rectangle: Rectangle, strips: Sequence[Strip]) -> Iterator[Arc]:
+def _arcs(rectangle: Rectangle, strips: Sequence[Strip]) -> Iterator[PlaneArc]:
     """All arcs: those of strips from left to right, then upright ones."""
     heights: dict[Real, set[Real]] = defaultdict(lambda: {*rectangle.along_span})
     for strip in strips:
@@ -236,7 +240,7 @@ def _arcs(rectangle: Rectangle, strips: Sequence[Strip]) -> Iterator[Arc]:
             ends = [(end, limit_of(root, column, end)) for end in (column.low, column.high)]
             for across, along in ends:
                 heights[across].add(along)
-            yield Arc(event, root.factor, (ends[0], ends[1]), column, root)
+            yield PlaneArc(event, root.factor, (ends[0], ends[1]), column, root)
     for left, right in pairwise(strips):
         end = left.column.high
         if any(not sign_at(tuple(map(QQ, p)), end) for p in (*left.upright, *right.upright)):
@@ -246,19 +250,19 @@ def _arcs(rectangle: Rectangle, strips: Sequence[Strip]) -> Iterator[Arc]:
 
 def _upright(
     rectangle: Rectangle, across: Real, heights: Sequence[Real], beside: tuple[Real, Real]
-) -> Iterator[Arc]:
+) -> Iterator[PlaneArc]:
     """Arcs along one value of the parameter across, between the ends of others."""
     polynomial = minimal_polynomial(rectangle.map.definition.ring, rectangle.index, across)
     span = simplest_between(beside[0], across), simplest_between(across, beside[1])
     for low, high in pairwise(heights):
         for place, event in rectangle.upright_marks(simplest_between(low, high), span):
             if place == across:
-                yield Arc(event, polynomial, ((across, low), (across, high)))
+                yield PlaneArc(event, polynomial, ((across, low), (across, high)))
 
 
-def _traced(arcs: Iterable[Arc], following: dict[Tip, Tip]) -> Iterator[list[Tip]]:
+def _traced(arcs: Iterable[PlaneArc], following: dict[Tip, Tip]) -> Iterator[list[Tip]]:
     """Arcs one after the other, each with the end at which it is entered; each arc once."""
-    passed: set[Arc] = set()
+    passed: set[PlaneArc] = set()
     for arc in arcs:
         if arc in passed:
             continue
@@ -279,7 +283,7 @@ def _traced(arcs: Iterable[Arc], following: dict[Tip, Tip]) -> Iterator[list[Tip
 
 
 def _points(
-    rectangle: Rectangle, meetings: Mapping[Node, Meeting], names: Mapping[Arc, str]
+    rectangle: Rectangle, meetings: Mapping[Node, Meeting], names: Mapping[PlaneArc, str]
 ) -> Iterator[CodimensionTwo]:
     """Nodes inside the rectangle through which more than one curve passes, or in which one ends."""
     counts: dict[str, int] = defaultdict(int)

@@ -13,12 +13,12 @@ from sympy import QQ
 from pwmap.algebra.exact import Number, to_float
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, bounds, spread
-from pwmap.diagrams.diagram import FloatArray
+from pwmap.diagrams.data import FloatArray
 from pwmap.longrun.attractors import attractors_of
 from pwmap.longrun.entropies import entropy_of
-from pwmap.longrun.line import Line, line_of
+from pwmap.longrun.line import MapLine, line_of
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
-from pwmap.plane.network import Arc
+from pwmap.plane.network import PlaneArc
 from pwmap.plane.plane import ParameterPlane
 
 IntArray = npt.NDArray[np.int64]
@@ -140,7 +140,7 @@ def plane_raster(
     )
 
 
-class _Point(NamedTuple):
+class _RasterPoint(NamedTuple):
     """What is known at a point, as in a raster."""
 
     period: int
@@ -149,13 +149,13 @@ class _Point(NamedTuple):
     is_open: bool
 
 
-_Column = list[_Point]
-_OPEN = _Point(0, 0, 0.0, True)
+_Column = list[_RasterPoint]
+_OPEN = _RasterPoint(0, 0, 0.0, True)
 
 
-def _at(line: Line, meter: Meter) -> _Point:
+def _at(line: MapLine, meter: Meter) -> _RasterPoint:
     found = attractors_of(line, budget=meter)
-    return _Point(
+    return _RasterPoint(
         min((len(cycle.points) for cycle in found.cycles), default=0),
         sum(map(len, found.bands)),
         entropy_of(line, found, (ORDER,), meter).low,
@@ -168,7 +168,7 @@ def _middles(low: Number, high: Number, n: int) -> tuple[Number, ...]:
     return tuple(low + (high - low) * QQ(2 * i + 1, 2 * n) for i in range(n))
 
 
-def arc_arrays(arc: Arc, step: float) -> tuple[FloatArray, FloatArray]:
+def arc_arrays(arc: PlaneArc, step: float) -> tuple[FloatArray, FloatArray]:
     """An arc as arrays of both parameters, in steps of about some width.
 
     Parameters

@@ -16,7 +16,7 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.axis import Axis, ResampleError
 from pwmap.parameters.cells import Cell, ParameterCells, merged, shown_cells, with_cells
 from pwmap.parameters.column import ColumnAxis
-from pwmap.plane.marks import Mark, marks
+from pwmap.plane.marks import PlaneMark, marks
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -48,7 +48,7 @@ class Strip:
     column: Column
     cells: ParameterCells
     borders: tuple[Root, ...]
-    marks: tuple[Mark, ...]
+    marks: tuple[PlaneMark, ...]
     upright: tuple[tuple[int, ...], ...]
 
     @property
@@ -151,7 +151,7 @@ class Rectangle:
             upright=tuple(map(integers, axis.upright)),
         )
 
-    def upright_marks(self, along: Any, span: tuple[Any, Any]) -> list[Mark]:
+    def upright_marks(self, along: Any, span: tuple[Any, Any]) -> list[PlaneMark]:
         """What happens over the parameter across, at a rational value of the one along."""
         map_ = self.map.at({self.along: QQ.to_sympy(along)})
         return with_cells(

@@ -198,7 +198,7 @@ def _two_parameters(
 # --- Where ----------------------------------------------------------------------------------------
 
 
-class _Place(NamedTuple):
+class _PlanePlace(NamedTuple):
     """A point of the plane, and what polynomials and their quotients are there."""
 
     values: tuple[sympy.Expr, sympy.Expr]
@@ -208,7 +208,7 @@ class _Place(NamedTuple):
 
 def _places(
     map_: PiecewiseLinearMap, symbols: tuple[sympy.Symbol, sympy.Symbol], equations: list[Number]
-) -> Iterator[_Place]:
+) -> Iterator[_PlanePlace]:
     """Where both equations hold."""
     at = [map_.parameters.index(symbol) for symbol in symbols]
     if all(sum(e[i] for i in at) <= 1 for equation in equations for e in equation.monoms()):
@@ -223,7 +223,9 @@ def _places(
         )
 
 
-def _linear(map_: PiecewiseLinearMap, at: list[int], equations: list[Number]) -> Iterator[_Place]:
+def _linear(
+    map_: PiecewiseLinearMap, at: list[int], equations: list[Number]
+) -> Iterator[_PlanePlace]:
     """The one solution of two linear equations, by Cramer's rule; other parameters may occur."""
     rows = [[_coefficient(equation, at, i) for i in (0, 1, None)] for equation in equations]
     (a, b, e), (c, d, f) = rows
@@ -257,7 +259,7 @@ def _linear(map_: PiecewiseLinearMap, at: list[int], equations: list[Number]) ->
         return fraction_to_sympy((top, bottom))
 
     values = fraction_to_sympy((across, below)), fraction_to_sympy((along, below))
-    yield _Place(values, sign, value)
+    yield _PlanePlace(values, sign, value)
 
 
 def _power(base: Number, exponent: int) -> Number:
@@ -278,7 +280,7 @@ def _coefficient(polynomial: Number, at: list[int], which: int | None) -> Number
 
 def _algebraic(
     map_: PiecewiseLinearMap, at: list[int], equations: list[Number]
-) -> Iterator[_Place]:
+) -> Iterator[_PlanePlace]:
     """All real solutions of two polynomials in two parameters."""
     modulus, coordinates = _univariate(map_, at, equations)
     line = modulus.ring
@@ -302,7 +304,7 @@ def _algebraic(
             return _quotient(moved(fraction[0]), moved(fraction[1]), root)
 
         across, along = (_quotient(coordinate, line.one, root) for coordinate in coordinates)
-        yield _Place((across, along), sign, value)
+        yield _PlanePlace((across, along), sign, value)
 
 
 def _univariate(
@@ -368,7 +370,7 @@ def _centre(
     pieces: TwoPieces,
     symbols: tuple[sympy.Symbol, sympy.Symbol],
     equations: list[Number],
-    place: _Place,
+    place: _PlanePlace,
 ) -> OrganisingCentre:
     table, letters = pieces.map_.definition.table, pieces.map_.letters
     first, second = (pieces.map_.parameters.index(symbol) for symbol in symbols)
@@ -394,7 +396,7 @@ class _Side(NamedTuple):
     contracts: bool
 
 
-def _side(place: _Place, slope: Number, denominator: Number) -> _Side:
+def _side(place: _PlanePlace, slope: Number, denominator: Number) -> _Side:
     contracts = place.sign(denominator - slope) > 0 and place.sign(denominator + slope) > 0
     return _Side(place.sign(slope), contracts)
 

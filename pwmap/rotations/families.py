@@ -36,9 +36,10 @@ from pwmap.algebra.exact import (
     to_sympy,
 )
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap, letter_bounds
+from pwmap.maps.cycles import letter_bounds
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Layout, Word
-from pwmap.rotations.patterns import Run, read_pattern
+from pwmap.rotations.patterns import WordRun, read_pattern
 from pwmap.rotations.pieces import checked_map
 from pwmap.rotations.words import checked_count
 
@@ -134,7 +135,7 @@ class WordFamily:
     x: sympy.Expr
     multiplier: sympy.Expr
     conditions: tuple[FamilyCondition, ...]
-    _runs: tuple[Run, ...] = field(repr=False)
+    _runs: tuple[WordRun, ...] = field(repr=False)
     _powers: _Powers = field(repr=False)
     _form: tuple[Element, Element] = field(repr=False)  # x and multiplier
 
@@ -332,13 +333,13 @@ class _Powers:
         top, bottom = fraction
         return self.field(top) / self.field(bottom)
 
-    def power(self, base: Fraction_, run: Run) -> Element:
+    def power(self, base: Fraction_, run: WordRun) -> Element:
         """s^m for a run of m words."""
         i = self._bases.index(base)
         variable = self.field.gens[len(self.map_.parameters) + 1 + i]
         return variable * self.element(base) ** run.shift
 
-    def count(self, run: Run) -> Element:
+    def count(self, run: WordRun) -> Element:
         """How many words a run has."""
         return self.field.gens[len(self.map_.parameters)] + run.shift
 
@@ -415,7 +416,7 @@ class _Builder:
     """Follows the point of a pattern through its runs."""
 
     def __init__(
-        self, map_: PiecewiseLinearMap, layout: Layout, runs: tuple[Run, ...], name: str
+        self, map_: PiecewiseLinearMap, layout: Layout, runs: tuple[WordRun, ...], name: str
     ) -> None:
         self._map, self._layout, self._runs = map_, layout, runs
         self._slopes = {run.word: cancelled(map_.orbits.slope(run.word)) for run in runs}
@@ -451,10 +452,10 @@ class _Builder:
         element = self._powers.element
         return element(orbits.slope(word)), element(orbits.intercept(word))
 
-    def _whole(self, run: Run) -> Affine:
+    def _whole(self, run: WordRun) -> Affine:
         return self._repeated(run.word, run) if run.grows else self._word(run.word)
 
-    def _repeated(self, word: Word, run: Run) -> Affine:
+    def _repeated(self, word: Word, run: WordRun) -> Affine:
         """A word as often as a run says; it may be the run's word, turned."""
         base = self._slopes[run.word]
         slope, intercept = self._word(word)
@@ -489,7 +490,7 @@ class _Builder:
     def _break(self, k: int) -> Fraction_:
         return self._map.orbits.preimage(k, ())
 
-    def _decisive(self, run: Run, x: Element) -> Iterator[tuple[int, int, Element]]:
+    def _decisive(self, run: WordRun, x: Element) -> Iterator[tuple[int, int, Element]]:
         """Letters, places and points of a run that may decide; x is its first point."""
         for j, letter in enumerate(run.word):
             start = _value(self._word(run.word[:j]), x) if j else x
@@ -503,7 +504,7 @@ class _Builder:
                     shorter = run._replace(shift=run.shift + place)
                     yield letter, place, _value(self._repeated(turned, shorter), start)
 
-    def _places(self, run: Run) -> tuple[int, ...]:
+    def _places(self, run: WordRun) -> tuple[int, ...]:
         """Which repetitions decide: counted from 0 on, or from the end with -1 for the last."""
         if not run.grows:
             return (0,)

@@ -77,7 +77,7 @@ class RotationInterval:
     greatest: RotationNumber
 
 
-class Lines(NamedTuple):
+class TwoLines(NamedTuple):
     """Two increasing lines, each a slope and an intercept, and the break between them."""
 
     left: tuple[Number, Number]
@@ -92,10 +92,10 @@ class Lines(NamedTuple):
         """R(x)."""
         return self.right[0] * x + self.right[1]
 
-    def reflected(self) -> Lines:
+    def reflected(self) -> TwoLines:
         """The same map seen from behind, in -x: a rotation number r becomes 1 - r."""
         (s, c), (m, d) = self.left, self.right
-        return Lines((m, -d), (s, -c), -self.at)
+        return TwoLines((m, -d), (s, -c), -self.at)
 
 
 def rotation_number_at(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> RotationNumber:
@@ -184,7 +184,7 @@ def rotation_interval(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Rot
     return RotationInterval(least=least, greatest=greatest)
 
 
-def _lines(map_: PiecewiseLinearMap) -> Lines:
+def _lines(map_: PiecewiseLinearMap) -> TwoLines:
     pieces = increasing_pieces(map_)
     if map_.parameters:
         names = ", ".join(map(str, map_.parameters))
@@ -192,10 +192,10 @@ def _lines(map_: PiecewiseLinearMap) -> Lines:
     table = map_.definition.table
     lines = [(constant(table.slopes[i]), constant(table.intercepts[i])) for i in (LEFT, RIGHT)]
     top, bottom = map(constant, pieces.at)
-    return Lines(lines[0], lines[1], top / bottom)
+    return TwoLines(lines[0], lines[1], top / bottom)
 
 
-def _fixed(lines: Lines) -> Fraction | None:
+def _fixed(lines: TwoLines) -> Fraction | None:
     """The rotation number 0 or 1 where no orbit comes round; None where the break is crossed.
 
     Raises
@@ -216,13 +216,13 @@ def _fixed(lines: Lines) -> Fraction | None:
     raise ValueError("no bounded interval around the break is mapped into itself")
 
 
-def _overlap(lines: Lines) -> bool:
+def _overlap(lines: TwoLines) -> bool:
     """Whether images of the two pieces overlap, so that the map is not invertible."""
     top, low = lines.go_left(lines.at), lines.go_right(lines.at)
     return bool(low < lines.at < top and lines.go_right(top) > lines.go_left(low))
 
 
-def _greatest(lines: Lines, iterates: int) -> RotationNumber:
+def _greatest(lines: TwoLines, iterates: int) -> RotationNumber:
     """The rotation number of the monotone lift that bounds that of a map from above.
 
     That lift is level from the joint l on, as far as L(x) is below R(t). The orbit starts at t:
@@ -249,7 +249,7 @@ def _greatest(lines: Lines, iterates: int) -> RotationNumber:
     return RotationNumber(lower=lower, upper=upper, iterates=iterates)
 
 
-def _has_cycle(lines: Lines, rotation: Fraction, level: Number) -> bool:
+def _has_cycle(lines: TwoLines, rotation: Fraction, level: Number) -> bool:
     """Whether a cycle of a rotation number exists beyond the level piece, or just touches b."""
     word = rotational_word(rotation)
     slope, shift = QQ.one, QQ.zero

@@ -19,7 +19,7 @@ from pwmap.maps.words import Word
 MAX_LETTERS = 1000  # that a pattern may have where n does not occur
 
 
-class Run(NamedTuple):
+class WordRun(NamedTuple):
     """A word that is repeated: ``shift`` times, or n + ``shift`` times if it ``grows``."""
 
     word: Word
@@ -31,7 +31,7 @@ class Run(NamedTuple):
         return self.shift + (n if self.grows else 0)
 
 
-def read_pattern(text: str, letters: Sequence[str], n: str = "n") -> tuple[Run, ...]:
+def read_pattern(text: str, letters: Sequence[str], n: str = "n") -> tuple[WordRun, ...]:
     """The runs of a pattern; letters that are not raised to n are runs of one letter, once.
 
     Raises
@@ -41,34 +41,34 @@ def read_pattern(text: str, letters: Sequence[str], n: str = "n") -> tuple[Run, 
     """
     if not isinstance(text, str):
         raise ValueError(f"a pattern must be text such as 'R L^n', got {shortened(repr(text))}")
-    runs = _Reader(text, tuple(letters), n).all()
+    runs = _PatternReader(text, tuple(letters), n).all()
     if not any(run.grows for run in runs):
         raise ValueError(f"a pattern must have an exponent {n}, got {shortened(repr(text))}")
     return runs
 
 
-class _Reader:
+class _PatternReader:
     """Reads a pattern from left to right."""
 
     def __init__(self, text: str, letters: tuple[str, ...], n: str) -> None:
         self._text, self._letters, self._n = text, letters, n
         self._rest = re.sub(r"\s", "", text)
 
-    def all(self) -> tuple[Run, ...]:
+    def all(self) -> tuple[WordRun, ...]:
         runs = self._pattern()
         if self._rest:
             raise self._wrong("a parenthesis is closed that was not opened")
         return runs
 
-    def _pattern(self) -> tuple[Run, ...]:
-        runs: list[Run] = []
+    def _pattern(self) -> tuple[WordRun, ...]:
+        runs: list[WordRun] = []
         while self._rest and self._rest[0] != ")":
             runs += self._item()
             if len(runs) > MAX_LETTERS:
                 raise self._wrong(f"it has more than {MAX_LETTERS} letters")
         return tuple(runs)
 
-    def _item(self) -> Sequence[Run]:
+    def _item(self) -> Sequence[WordRun]:
         first, self._rest = self._rest[0], self._rest[1:]
         if first == "(":
             inner = self._pattern()
@@ -77,12 +77,12 @@ class _Reader:
             if not inner:
                 raise self._wrong("a parenthesis is empty")
         elif first in self._letters:
-            inner = (Run((self._letters.index(first),), False, 1),)
+            inner = (WordRun((self._letters.index(first),), False, 1),)
         else:
             raise self._wrong(f"{first!r} is no piece of this map, it has {self._letters}")
         return self._raised(inner) if self._taken("^") else inner
 
-    def _raised(self, inner: tuple[Run, ...]) -> Sequence[Run]:
+    def _raised(self, inner: tuple[WordRun, ...]) -> Sequence[WordRun]:
         grows, shift = self._exponent()
         if not grows:
             if not 1 <= shift * len(inner) <= MAX_LETTERS:
@@ -90,7 +90,7 @@ class _Reader:
             return inner * shift
         if any(run.grows for run in inner):
             raise self._wrong(f"a power of {self._n} stands in a power of {self._n}")
-        return (Run(tuple(letter for run in inner for letter in run.word), True, shift),)
+        return (WordRun(tuple(letter for run in inner for letter in run.word), True, shift),)
 
     def _exponent(self) -> tuple[bool, int]:
         n = re.escape(self._n)

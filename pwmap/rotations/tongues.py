@@ -30,7 +30,8 @@ from pwmap.algebra.roots import (
     sign_at,
 )
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
-from pwmap.maps.piecewise_linear import Cycle, PiecewiseLinearMap
+from pwmap.maps.cycles import Cycle
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Word
 from pwmap.rotations.pieces import LEFT, RIGHT, TwoPieces, increasing_pieces
 from pwmap.rotations.words import checked_count, farey, rotational_word

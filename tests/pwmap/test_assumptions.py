@@ -25,7 +25,7 @@ from pwmap import (
     parameter_plane,
 )
 from pwmap.algebra.arithmetic import fraction_of
-from pwmap.algebra.assumptions import Region, read_constraints
+from pwmap.algebra.assumptions import AssumedRegion, read_constraints
 from pwmap.algebra.exact import polynomial_ring
 from pwmap.algebra.inequalities import Constraint, value_at
 from pwmap.algebra.linear import Combination, Separation, combination
@@ -36,9 +36,11 @@ TWO = polynomial_ring(sympy.symbols("a b"))
 A, B, MU, X = sympy.symbols("a b mu x")
 
 
-def region(assumed: Sequence[str], names: str) -> Region:
+def region(assumed: Sequence[str], names: str) -> AssumedRegion:
     ring = polynomial_ring(sympy.symbols(names, seq=True))
-    return Region(ring, read_constraints([term_of(text, ring.symbols) for text in assumed], ring))
+    return AssumedRegion(
+        ring, read_constraints([term_of(text, ring.symbols) for text in assumed], ring)
+    )
 
 
 def sign_of(assumed: Sequence[str], names: str, polynomial: str) -> int:
@@ -128,7 +130,7 @@ def test_signs_of_linear_polynomials_against_the_corners_of_polygons() -> None:
         if not points:
             empty += 1
             with pytest.raises(ValueError, match="there are no values of the parameters with"):
-                _ = Region(TWO, constraints).sample
+                _ = AssumedRegion(TWO, constraints).sample
             continue
         values = [asked[0] * x + asked[1] * y + asked[2] for x, y in points]
         expected = {s for s, ok in ((1, max(values) > 0), (-1, min(values) < 0)) if ok}
@@ -151,7 +153,7 @@ def test_open_polygons_are_refused_just_if_they_are_empty() -> None:
         filled = bool(points) and all(
             p * middle[0] + q * middle[1] + s > 0 for p, q, s in lines
         )  # fmt: skip
-        within = Region(TWO, tuple(Constraint(line(numbers), True) for numbers in lines))
+        within = AssumedRegion(TWO, tuple(Constraint(line(numbers), True) for numbers in lines))
         verdicts.add(filled)
         if filled:
             for values in islice(within.samples(), 6):
@@ -224,7 +226,7 @@ def test_regions_and_signs_against_a_grid() -> None:
     for _ in range(50):
         limits = [p for p in polynomials(rng, rng.randint(1, 3)) if not p.is_ground]
         constraints = tuple(Constraint(p, rng.random() < 0.7) for p in limits)
-        within = Region(TWO, constraints)
+        within = AssumedRegion(TWO, constraints)
         admitted = [
             point
             for point in GRID
@@ -338,7 +340,7 @@ def test_samples_depend_neither_on_names_nor_on_the_order_of_inequalities() -> N
                 for row in rows
             )
             try:
-                drawn = list(islice(Region(ring, constraints).samples(), 3))
+                drawn = list(islice(AssumedRegion(ring, constraints).samples(), 3))
             except ValueError:
                 drawn = []
             found.add(tuple(values[name] for values in drawn for name in names))

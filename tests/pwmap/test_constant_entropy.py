@@ -25,17 +25,17 @@ from pwmap.longrun import constant
 from pwmap.longrun.entropies import lap_numbers
 from pwmap.longrun.itineraries import Ending, growth_at, itinerary_of
 from pwmap.longrun.kneading import RING, T, growth_by_kneading
-from pwmap.longrun.line import Line, line_of
+from pwmap.longrun.line import MapLine, line_of
 from pwmap.longrun.matching import (
     TOGETHER,
-    Step,
+    MatchingStep,
     _growth,
     family_of,
     growth_of_pairs,
     matched,
 )
 from pwmap.maps.budget import metered
-from pwmap.maps.words import CriticalOrbit, Decision, Multiplier, Orbits, Return
+from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, OrbitReturn, Orbits
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
 SKEW = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
@@ -155,7 +155,7 @@ def test_the_plateau_of_the_golden_mean_is_one_interval(span: tuple[str, str]) -
     assert only.entropy.value == log(Rational(1, 2) + sqrt(5) / 2)
 
 
-def never_matching(map_: PiecewiseLinearMap, places: list[sympy.Rational]) -> Iterator[Line]:
+def never_matching(map_: PiecewiseLinearMap, places: list[sympy.Rational]) -> Iterator[MapLine]:
     """The map where both orbits of its break come back, and do not match before."""
     for place in places:
         line = line_of(map_, {"g": place})
@@ -273,10 +273,10 @@ def test_growth_of_a_graph_of_pairs_needs_no_root_before() -> None:
     zero at 1/(1 + a): beyond the root of p, 0.618, for a = 1/2, and before it for a = 1.
     """
     p, pair = 1 - T - T**2, TOGETHER._replace(lag=1)
-    start, together = Step(p, RING.one, pair), Step(RING.zero, RING.one, TOGETHER)
+    start, together = MatchingStep(p, RING.one, pair), MatchingStep(RING.zero, RING.one, TOGETHER)
 
     def growth(term: PolyElement) -> Real | None:
-        steps = {pair: [together, Step(term, T, pair)], TOGETHER: []}
+        steps = {pair: [together, MatchingStep(term, T, pair)], TOGETHER: []}
         return _growth(start, steps, metered(Budget()))
 
     found = growth(-T * p / 2)
@@ -368,7 +368,7 @@ def forget(monkeypatch: pytest.MonkeyPatch, left_out: Callable[[Decision], bool]
     """Leave some decisions out of all proofs."""
     whole = constant._Study.proof
 
-    def proof(self: constant._Study, line: Line) -> constant.Proof | GapCause:
+    def proof(self: constant._Study, line: MapLine) -> constant.Proof | GapCause:
         found = whole(self, line)
         if isinstance(found, GapCause):
             return found
@@ -382,7 +382,7 @@ def forget(monkeypatch: pytest.MonkeyPatch, left_out: Callable[[Decision], bool]
 @pytest.mark.parametrize(
     ("left_out", "map_", "name", "span"),
     [
-        (lambda d: isinstance(d, Return), THREE, "c", (-3, 3)),
+        (lambda d: isinstance(d, OrbitReturn), THREE, "c", (-3, 3)),
         (lambda d: isinstance(d, CriticalOrbit), SKEW, "b", (-6, -1)),
         (lambda d: isinstance(d, CriticalOrbit) and d.k == d.l, THREE, "c", (-3, 3)),
     ],
@@ -405,7 +405,7 @@ def test_a_multiplier_that_is_forgotten_shows(monkeypatch: pytest.MonkeyPatch) -
     (only,) = constant_entropy(map_, "a", ("1/2", 4), samples=40).intervals
     assert (only.lower, only.upper, only.entropy.value) == (Rational(1, 2), 1, 0)
     assert dynamics(map_, {"a": "7/5"}, orders=(48,)).entropy.low > 0.1
-    forget(monkeypatch, lambda d: isinstance(d, Multiplier))
+    forget(monkeypatch, lambda d: isinstance(d, MultiplierSign))
     found = constant_entropy(map_, "a", ("1/2", 4), samples=40).intervals
     assert max(each.upper for each in found if each.entropy.value == 0) == Rational(3, 2)
 
@@ -473,9 +473,9 @@ def test_descartes_rule_bounds_the_number_of_roots() -> None:
 
 def test_returns_are_no_critical_orbits() -> None:
     """Both are tuples, and are kept side by side."""
-    assert Return(1, (0, 1), 0) != CriticalOrbit(1, (0, 1), 0)
+    assert OrbitReturn(1, (0, 1), 0) != CriticalOrbit(1, (0, 1), 0)
     orbits = Orbits(HALF.definition.table)
-    b, r = (orbits.polynomial(d) for d in (CriticalOrbit(0, (1, 0), 0), Return(0, (1, 0), 1)))
+    b, r = (orbits.polynomial(d) for d in (CriticalOrbit(0, (1, 0), 0), OrbitReturn(0, (1, 0), 1)))
     assert str(b) == "3/2*r - 2"
     assert str(r) == "1/2*r - 2"
 

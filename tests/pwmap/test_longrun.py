@@ -16,7 +16,7 @@ from sympy import QQ, Interval, Rational, log, sqrt
 
 from pwmap import Attractor, Budget, Extremum, PiecewiseLinearMap, RealRoot, dynamics
 from pwmap.algebra.exact import pair
-from pwmap.longrun.line import Branch, Line, line_of
+from pwmap.longrun.line import AffinePiece, MapLine, line_of
 from pwmap.longrun.numbers import (
     Element,
     Exact,
@@ -106,7 +106,7 @@ def test_orbits_settle_where_attractors_are() -> None:
 LATE = 20_000  # steps: at r = 53/16, a = 81/32, b = 1/4 one orbit in 40 is not drawn in after 4000
 
 
-def _settled(line: Line, rng: np.random.Generator) -> list[float]:
+def _settled(line: MapLine, rng: np.random.Generator) -> list[float]:
     """Where orbits of doubles are after many steps; those that run away are left out."""
     slopes, shifts = (np.array([to_double(b[k]) for b in line.branches]) for k in (0, 1))
     breaks = np.array([to_double(x) for x in line.breaks])
@@ -427,7 +427,7 @@ def test_bins_hold_all_of_a_density() -> None:
                 assert total == measure if density.exact else 0 in total - measure, (r, a, b)
 
 
-def _preimage(branch: Branch, x: Exact, y: Exact) -> tuple[Exact, Exact] | None:
+def _preimage(branch: AffinePiece, x: Exact, y: Exact) -> tuple[Exact, Exact] | None:
     """What a piece maps into an interval."""
     low, high = sorted(
         ((x - branch.intercept) / branch.slope, (y - branch.intercept) / branch.slope)
@@ -438,7 +438,7 @@ def _preimage(branch: Branch, x: Exact, y: Exact) -> tuple[Exact, Exact] | None:
 
 
 def _batches(
-    line: Line, bands: Sequence[Interval], edges: Sequence[Exact], rng: np.random.Generator
+    line: MapLine, bands: Sequence[Interval], edges: Sequence[Exact], rng: np.random.Generator
 ) -> npt.NDArray[np.float64]:
     """The parts of independent orbits in bins: one row for each, from a start of its own."""
     slopes, shifts = (np.array([to_double(b[k]) for b in line.branches]) for k in (0, 1))

@@ -321,7 +321,7 @@ def test_only_what_is_stable() -> None:
 
 def test_styles_change_what_they_name() -> None:
     style = {"stable": {"color": "black", "linewidth": 3.0}, "fold-flip": {"zorder": 9}}
-    drawn = paper_diagram(1).plot(styles=style)
+    drawn = plot_diagram(paper_diagram(1), styles=style)
     (line, *_) = drawn.artists["stable"]
     assert (line.get_color(), line.get_linewidth()) == ("black", 3.0)
     assert drawn.artists["fold-flip"][0].get_zorder() == 9
@@ -331,9 +331,9 @@ def test_styles_change_what_they_name() -> None:
         plot_diagram(paper_diagram(1), styles={"staple": {}})
 
 
-def test_a_diagram_draws_itself_on_given_axes() -> None:
+def test_a_diagram_is_drawn_on_given_axes() -> None:
     _, ax = plt.subplots()
-    drawn = small_diagram().plot(ax, legend=False)
+    drawn = plot_diagram(small_diagram(), ax, legend=False)
     assert drawn.ax is ax
     assert drawn.figure is ax.figure
     assert ax.get_legend() is None

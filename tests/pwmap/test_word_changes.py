@@ -11,7 +11,7 @@ from sympy import Interval, Rational, Symbol
 
 from pwmap import Branch, BranchKind, Diagram, PiecewiseLinearMap, PointKind, bifurcation_diagram
 from pwmap.diagrams.tables import table_of_branches, write_results
-from pwmap.parameters.branches import LEFT, RIGHT, BranchKey, End, Junction, Segment
+from pwmap.parameters.branches import LEFT, RIGHT, BranchKey, Junction, Segment, SegmentEnd
 from pwmap.parameters.curves import connected
 
 P = Symbol("p")
@@ -149,7 +149,7 @@ def loop() -> Loop:
     )
     meetings = [
         Junction(place, "x", 0.5, tuple(
-            End(segment, place, LEFT if place else RIGHT, 0, False, None, "x")
+            SegmentEnd(segment, place, LEFT if place else RIGHT, 0, False, None, "x")
             for segment in segments), 0)
         for place in (0, 1)
     ]  # fmt: skip

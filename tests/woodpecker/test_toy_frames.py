@@ -88,13 +88,14 @@ frame = observables(toy, found, "period", "drop").to_dataframe()
 stable = frame[frame.stable][["mu_2", "period", "drop"]]
 """
 OWN_MAP = """
+from pwmap.plot import plot_diagram
 from woodpecker import FormulaMap, FormulaPiece, Settings, Smooth, load_diagram, whole_diagram
 low = FormulaPiece("low", Smooth(lambda x, p: p - 2), {"x is 0": Smooth(lambda x, p: -x)})
 high = FormulaPiece("high", Smooth(lambda x, p: p - 1.25*x), {"x is 0": Smooth(lambda x, p: x)})
 settings = Settings(span=(-0.5, 1.5), window=(-3.0, 3.0))
 found = whole_diagram(FormulaMap([low, high]), settings, orders=(1, 2)).diagram
 found.named({"A": (0.0, 0.0)}).save("own.json")
-load_diagram("own.json").plot(words=True).figure.savefig("own.pdf")
+plot_diagram(load_diagram("own.json"), words=True).figure.savefig("own.pdf")
 """
 
 

@@ -14,7 +14,7 @@ from bokeh.events import RangesUpdate
 from pwmap.explore.diagram_views import DiagramView, GraphView
 from pwmap.explore.diagrams import Shown, nearest_line, nearest_sample
 from pwmap.explore.figures import Put, on_click, patch
-from pwmap.explore.jobs import Failure, Finished, Job, is_warm
+from pwmap.explore.jobs import Failure, Job, JobFinished, is_warm
 from pwmap.explore.page import Frame, numbers
 from woodpecker import Toy, parameters
 from woodpecker.explore.branches import Key, Progress, at_sample, diagram, key_of, orbits
@@ -248,7 +248,7 @@ class Tab:
             elif isinstance(result, Failure):
                 self.stage = result.sentence
                 self.say(self._progress())
-            elif isinstance(result, Finished):
+            elif isinstance(result, JobFinished):
                 self.say(self._progress())
 
     def _hear_of_orbits(self) -> None:

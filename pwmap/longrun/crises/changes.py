@@ -19,11 +19,11 @@ from pwmap.algebra.exact import Number, dense
 from pwmap.algebra.roots import Real, bounds, roots_between, sign_at
 from pwmap.longrun.crises.covering import doubles_of
 from pwmap.longrun.crises.meetings import earliest
-from pwmap.longrun.crises.samples import CLOSER, Image, Sample, Samples
+from pwmap.longrun.crises.samples import CLOSER, AttractorSample, BreakImage, Samples
 from pwmap.longrun.cycles import closed_words
 from pwmap.longrun.line import line_at
 from pwmap.longrun.numbers import Exact, to_double
-from pwmap.maps.words import CriticalOrbit, Multiplier, Word
+from pwmap.maps.words import CriticalOrbit, MultiplierSign, Word
 
 EFFORT = 24  # halvings of an interval in which samples differ, at most
 PLACE = 3  # halvings that a place counts for which does not explain what happens at it
@@ -34,7 +34,7 @@ NEAR = 1e-9  # of the numbers at hand: closer ones are compared exactly
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Change:
+class AttractorChange:
     """A place at which what attracts changes, or an interval in which it does.
 
     Attributes
@@ -51,9 +51,9 @@ class Change:
 
     low: Real
     high: Real
-    before: Sample
-    after: Sample
-    met: tuple[tuple[Image, Word], ...] = ()
+    before: AttractorSample
+    after: AttractorSample
+    met: tuple[tuple[BreakImage, Word], ...] = ()
     is_open: bool = False
 
     @property
@@ -84,7 +84,9 @@ class Changes:
         self.samples, self.order = samples, order
         self.axis, self.orbits = samples.axis, samples.axis.orbits
 
-    def between(self, left: Sample, right: Sample, effort: int = EFFORT) -> Iterator[Change]:
+    def between(
+        self, left: AttractorSample, right: AttractorSample, effort: int = EFFORT
+    ) -> Iterator[AttractorChange]:
         """What happens between two samples that are not open, from left to right."""
         if self.same(left, right):
             return
@@ -107,14 +109,18 @@ class Changes:
         elif met or self._are_long(left, right):
             yield self._open(left, right)
         else:
-            yield Change(left.place, right.place, left, right)
+            yield AttractorChange(left.place, right.place, left, right)
 
-    def _row(self, left: Sample, right: Sample, places: Sequence[Real]) -> list[Sample] | None:
+    def _row(
+        self, left: AttractorSample, right: AttractorSample, places: Sequence[Real]
+    ) -> list[AttractorSample] | None:
         """Samples between neighbouring places; None if one is open."""
         row = [left, *(self.samples.between(a, b) for a, b in pairwise(places)), right]
         return None if any(each.is_open for each in row) else row
 
-    def _at(self, place: Real, x: Sample, y: Sample, effort: int) -> Iterator[Change]:
+    def _at(
+        self, place: Real, x: AttractorSample, y: AttractorSample, effort: int
+    ) -> Iterator[AttractorChange]:
         """What happens between samples on both sides of a place at which something may."""
         if self.same(x, y):
             return
@@ -130,7 +136,9 @@ class Changes:
             yield from self._further(*near, less)
         yield from self._further(near[1], y, less)
 
-    def _exactly(self, place: Real, x: Sample, y: Sample, effort: int) -> Iterator[Change]:
+    def _exactly(
+        self, place: Real, x: AttractorSample, y: AttractorSample, effort: int
+    ) -> Iterator[AttractorChange]:
         """A change at a place, with what happens between it and samples beside it.
 
         Where a cycle begins or ends bands may merge without an end, closer and closer to it: what
@@ -138,7 +146,7 @@ class Changes:
         """
         if x.words == y.words:
             if not self.same(x, y):
-                yield Change(place, place, x, y, met=self.places(x, y).get(place, ()))
+                yield AttractorChange(place, place, x, y, met=self.places(x, y).get(place, ()))
             return
         close = [
             self.samples.beside(place, each.place, CLOSER) if each.counts else each
@@ -152,7 +160,7 @@ class Changes:
         )
         if not is_open:
             met = self.places(*close).get(place, ())
-            yield Change(place, place, close[0], close[1], met=met)
+            yield AttractorChange(place, place, close[0], close[1], met=met)
         else:
             yield self._open(
                 *(one if other.is_open else other for one, other in zip((x, y), close, strict=True))
@@ -160,26 +168,28 @@ class Changes:
         if not close[1].is_open:
             yield from self._further(close[1], y, effort)
 
-    def _further(self, left: Sample, right: Sample, effort: int) -> Iterator[Change]:
+    def _further(
+        self, left: AttractorSample, right: AttractorSample, effort: int
+    ) -> Iterator[AttractorChange]:
         """What happens between two samples, if there is still effort for that."""
         if effort > 0 or self.same(left, right):
             yield from self.between(left, right, effort)
         else:
             yield self._open(left, right)
 
-    def _beside(self, place: Real, sample: Sample) -> Sample:
+    def _beside(self, place: Real, sample: AttractorSample) -> AttractorSample:
         """What attracts right beside a place; cycles alone are known to attract up to it."""
         known = sample.words and not sample.counts
         return sample if known else self.samples.beside(place, sample.place)
 
-    def _explains(self, place: Real, left: Sample, right: Sample) -> bool:
+    def _explains(self, place: Real, left: AttractorSample, right: AttractorSample) -> bool:
         """Whether all that differs between two samples beside a place changes exactly there."""
         ends = [self.ends_of(word, left.place, right.place) for word in left.words ^ right.words]
         return all(place in each for each in ends) and (
             bool(ends) or place in self.places(left, right)
         )
 
-    def _is_gap(self, left: Sample, right: Sample) -> bool:
+    def _is_gap(self, left: AttractorSample, right: AttractorSample) -> bool:
         """Whether cycles at one place end before those at another one begin."""
         if left.counts or right.counts:
             return False
@@ -187,19 +197,19 @@ class Changes:
         start = self.reach(right, left.place, right.place, -1)
         return end is not None and start is not None and bool(end < start)
 
-    def _are_long(self, *samples: Sample) -> bool:
+    def _are_long(self, *samples: AttractorSample) -> bool:
         return any(len(word) > self.order for each in samples for word, _ in each.words)
 
-    def _open(self, left: Sample, right: Sample) -> Change:
+    def _open(self, left: AttractorSample, right: AttractorSample) -> AttractorChange:
         """An interval of which it is not known what attracts: as far as cycles are not known to."""
         low, high = left.place, right.place
         first: Real = low if left.counts else self.reach(left, low, high, 0) or low
         last: Real = high if right.counts else self.reach(right, low, high, -1) or high
         if not first < last:
             first, last = low, high
-        return Change(first, last, left, right, is_open=True)
+        return AttractorChange(first, last, left, right, is_open=True)
 
-    def reach(self, sample: Sample, low: Real, high: Real, which: int) -> Real | None:
+    def reach(self, sample: AttractorSample, low: Real, high: Real, which: int) -> Real | None:
         """The first place, or the last, at which a cycle of a sample ends; None if none does."""
         ends = [found[which] for word in sample.words if (found := self.ends_of(word, low, high))]
         if not ends:
@@ -208,7 +218,7 @@ class Changes:
 
     # --- Whether something differs ------------------------------------------------------------
 
-    def same(self, left: Sample, right: Sample) -> bool:
+    def same(self, left: AttractorSample, right: AttractorSample) -> bool:
         """Whether the same attracts at two places and, as far as words say, between them."""
         if left is right:
             return True
@@ -218,7 +228,7 @@ class Changes:
             return False
         return left.ends == right.ends or self._exchanged(left, right)
 
-    def _exchanged(self, left: Sample, right: Sample) -> bool:
+    def _exchanged(self, left: AttractorSample, right: AttractorSample) -> bool:
         """Whether other images are the ends of bands because they pass each other in between."""
         rows = [[ends for bands in each.ends for ends in bands] for each in (left, right)]
         if len(rows[0]) != len(rows[1]):
@@ -230,7 +240,7 @@ class Changes:
             if one != other
         )
 
-    def _passes(self, one: Image, other: Image, low: Number, high: Number) -> bool:
+    def _passes(self, one: BreakImage, other: BreakImage, low: Number, high: Number) -> bool:
         """Whether two images of breaks are in different orders at two places, or always equal."""
         a, b = (self.orbits.value(each.k, each.word) for each in (one, other))
         difference = dense(a[0] * b[1] - b[0] * a[1])
@@ -238,10 +248,12 @@ class Changes:
 
     # --- Where something may end --------------------------------------------------------------
 
-    def places(self, left: Sample, right: Sample) -> dict[Real, tuple[tuple[Image, Word], ...]]:
+    def places(
+        self, left: AttractorSample, right: AttractorSample
+    ) -> dict[Real, tuple[tuple[BreakImage, Word], ...]]:
         """Places between two samples at which what attracts at one of them may end."""
         low, high = left.place, right.place
-        found = dict[Real, tuple[tuple[Image, Word], ...]]()
+        found = dict[Real, tuple[tuple[BreakImage, Word], ...]]()
         for word in left.words | right.words:
             found |= dict.fromkeys(self.ends_of(word, low, high), ())
         for sample in (left, right):
@@ -258,8 +270,8 @@ class Changes:
         """
         letters, attracts = word
         numbers = tuple(map(self.samples.map.letters.index, letters))
-        decisions: list[CriticalOrbit | Multiplier] = [
-            Multiplier(tuple(sorted(numbers)), unit) for unit in (1, -1)
+        decisions: list[CriticalOrbit | MultiplierSign] = [
+            MultiplierSign(tuple(sorted(numbers)), unit) for unit in (1, -1)
         ]
         breaks = self.samples.layout.breaks
         for k in range(len(letters)):
@@ -280,8 +292,8 @@ class Changes:
         return tuple(sorted(found))
 
     def _ends_of_bands(
-        self, sample: Sample, low: Number, high: Number
-    ) -> Iterator[tuple[Real, tuple[tuple[Image, Word], ...]]]:
+        self, sample: AttractorSample, low: Number, high: Number
+    ) -> Iterator[tuple[Real, tuple[tuple[BreakImage, Word], ...]]]:
         """Where an end of a band passes a break or a point of a repelling cycle."""
         ends = list(dict.fromkeys(end for bands in sample.ends for pair in bands for end in pair))
         if not ends:
@@ -302,11 +314,11 @@ class Changes:
                     if one * other > 0.0 and abs(one) > size and abs(other) > size:
                         continue
                     image, cycle = earliest(end.word, word[i:] + word[:i])
-                    polynomial = self._difference(Image(end.k, image), cycle)
+                    polynomial = self._difference(BreakImage(end.k, image), cycle)
                     for root in self._crossings(polynomial, low, high):
-                        yield root, ((Image(end.k, image), cycle),)
+                        yield root, ((BreakImage(end.k, image), cycle),)
 
-    def _difference(self, image: Image, cycle: Word) -> tuple[Number, ...]:
+    def _difference(self, image: BreakImage, cycle: Word) -> tuple[Number, ...]:
         value, fixed = self.orbits.value(image.k, image.word), self.orbits.fixed_point(cycle)
         return dense(value[0] * fixed[1] - fixed[0] * value[1])
 
@@ -319,7 +331,7 @@ class Changes:
             return ()
         return roots_between(polynomial, low, high)
 
-    def _repelling(self, sample: Sample) -> list[tuple[int, ...]]:
+    def _repelling(self, sample: AttractorSample) -> list[tuple[int, ...]]:
         """Words of repelling cycles at a sample, as numbers of pieces."""
         return self._repelling_at(sample.place)
 
@@ -329,5 +341,5 @@ class Changes:
         found = closed_words(line, max(PERIOD, self.order), self.samples.meter)
         return [word for word, multiplier in found if not -1 <= multiplier <= 1]
 
-    def _value(self, image: Image, place: Number) -> Exact:
+    def _value(self, image: BreakImage, place: Number) -> Exact:
         return self.axis.value(self.orbits.value(image.k, image.word), place)

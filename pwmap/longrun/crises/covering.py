@@ -16,7 +16,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
-from pwmap.longrun.line import Line
+from pwmap.longrun.line import MapLine
 from pwmap.longrun.numbers import to_double
 
 STEPS = 24  # images of what grows that are looked at
@@ -59,7 +59,7 @@ class DoubleMap:
                 yield one, other
 
 
-def doubles_of(line: Line) -> DoubleMap:
+def doubles_of(line: MapLine) -> DoubleMap:
     """A map in doubles."""
     slopes, intercepts = ([to_double(branch[k]) for branch in line.branches] for k in (0, 1))
     return DoubleMap(slopes, intercepts, [to_double(x) for x in line.breaks])

@@ -23,15 +23,15 @@ from pwmap.algebra.roots import (
     roots_between,
 )
 from pwmap.longrun.crises.covering import DoubleMap, is_covered, single_root, value_at
-from pwmap.longrun.crises.samples import Image, Samples
+from pwmap.longrun.crises.samples import BreakImage, Samples
 from pwmap.longrun.cycles import closed_words
 from pwmap.longrun.line import line_at
 from pwmap.longrun.numbers import Exact, to_double
-from pwmap.maps.words import CriticalOrbit, Multiplier, Slope, Word
+from pwmap.maps.words import CriticalOrbit, MultiplierSign, Slope, Word
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Part:
+class AxisPart:
     """A part of the axis in which the words of images are constant."""
 
     low: Real
@@ -70,17 +70,17 @@ class Cuts:
 
     # --- Words --------------------------------------------------------------------------------
 
-    def _parts(self, low: Real, high: Real) -> list[Part]:
+    def _parts(self, low: Real, high: Real) -> list[AxisPart]:
         """Parts in which germs keep their words, and no multiplier passes 1 or -1."""
         cuts = {low, high}
         for letter in set(self.letters):
             cuts |= self._roots(self.orbits.polynomial(Slope(letter)), low, high)
-        parts = [Part(a, b, tuple(() for _ in self.germs)) for a, b in pairwise(sorted(cuts))]
+        parts = [AxisPart(a, b, tuple(() for _ in self.germs)) for a, b in pairwise(sorted(cuts))]
         for length in range(self.order + 1):
             parts = [new for part in parts for new in self._longer(part, length)]
         return [new for part in parts for new in self._by_multipliers(part)]
 
-    def _longer(self, part: Part, length: int) -> Iterator[Part]:
+    def _longer(self, part: AxisPart, length: int) -> Iterator[AxisPart]:
         """A part cut where an image meets a break, with words one letter longer."""
         cuts = {part.low, part.high}
         for (k, _), word in zip(self.germs, part.words, strict=True):
@@ -96,7 +96,7 @@ class Cuts:
                 self._with_letter(k, side, word, place) if len(word) == length else word
                 for (k, side), word in zip(self.germs, part.words, strict=True)
             )
-            yield Part(low, high, words)
+            yield AxisPart(low, high, words)
 
     def _with_letter(self, k: int, side: int, word: Word, place: Real) -> Word:
         """The word of a germ with the letter of its piece; as it is on a break after a flat one."""
@@ -119,7 +119,7 @@ class Cuts:
     def _sign(self, decision: CriticalOrbit | Slope, place: Real) -> int:
         return self.axis.sign(self.orbits.polynomial(decision), place)
 
-    def _by_multipliers(self, part: Part) -> Iterator[Part]:
+    def _by_multipliers(self, part: AxisPart) -> Iterator[AxisPart]:
         """A part cut where the multiplier of a cycle is 1 or -1."""
         cuts = {part.low, part.high}
         if self._changes_slopes:
@@ -127,9 +127,9 @@ class Cuts:
             letters = {tuple(sorted(self._lettered(word))) for word, _ in self._cycles(place)}
             for word in letters:
                 for unit in (1, -1):
-                    polynomial = self.orbits.polynomial(Multiplier(word, unit))
+                    polynomial = self.orbits.polynomial(MultiplierSign(word, unit))
                     cuts |= self._roots(polynomial, part.low, part.high)
-        yield from (Part(low, high, part.words) for low, high in pairwise(sorted(cuts)))
+        yield from (AxisPart(low, high, part.words) for low, high in pairwise(sorted(cuts)))
 
     @cached_property
     def _changes_slopes(self) -> bool:
@@ -151,19 +151,21 @@ class Cuts:
 
     # --- Meetings -----------------------------------------------------------------------------
 
-    def _meetings(self, part: Part) -> set[Real]:
+    def _meetings(self, part: AxisPart) -> set[Real]:
         """Places of a part at which an image meets a repelling cycle that may end bands there.
 
         What meets a cycle does so, too, one letter later: only the first image is looked at.
         """
         place = self.axis.between(part.low, part.high)
-        images = dict[Dense, tuple[Image, int]]()  # both sides of a continuous break have the same
+        images = dict[
+            Dense, tuple[BreakImage, int]
+        ]()  # both sides of a continuous break have the same
         for (k, side), word in zip(self.germs, part.words, strict=True):
             for n in range(1, min(len(word), self.order) + 1):
                 here = self._side(side, word[:n], place)
                 if here:
                     value = dense(self.orbits.value(k, word[:n])[0])
-                    images.setdefault((*value, here), (Image(k, word[:n]), here))
+                    images.setdefault((*value, here), (BreakImage(k, word[:n]), here))
         found = set[Real]()
         for word, multiplier in self._cycles(place):
             if -1 <= multiplier <= 1:
@@ -175,7 +177,9 @@ class Cuts:
                         found |= self._met(part, image, side, turned)
         return found
 
-    def _met(self, part: Part, image: Image, side: int, cycle: tuple[int, ...]) -> set[Real]:
+    def _met(
+        self, part: AxisPart, image: BreakImage, side: int, cycle: tuple[int, ...]
+    ) -> set[Real]:
         """Where an image meets a cycle in a part, unless the cycle is covered there."""
         polynomial, doubles = self._difference(image, self._lettered(cycle))
         self.meter.spend(len(polynomial))
@@ -198,7 +202,7 @@ class Cuts:
         }
 
     @cache  # noqa: B019  as long as the cuts live
-    def _difference(self, image: Image, cycle: Word) -> tuple[Dense, tuple[float, ...]]:
+    def _difference(self, image: BreakImage, cycle: Word) -> tuple[Dense, tuple[float, ...]]:
         """An image minus the point of a cycle, but for what does not vanish; exactly and not."""
         value, fixed = self.orbits.value(image.k, image.word), self.orbits.fixed_point(cycle)
         exact = dense(value[0] * fixed[1] - fixed[0] * value[1])

@@ -22,16 +22,16 @@ from pwmap.algebra.exact import Fraction_, Number, quotient_to_sympy
 from pwmap.algebra.exact import fraction_to_sympy as shown_fraction
 from pwmap.algebra.roots import Real, bounds, real_to_sympy
 from pwmap.algebra.terms import shortened
-from pwmap.diagrams.diagram import PointKind
+from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.shown import counted
-from pwmap.longrun.crises.changes import Change, Changes
+from pwmap.longrun.crises.changes import AttractorChange, Changes
 from pwmap.longrun.crises.cuts import Cuts
 from pwmap.longrun.crises.glimpses import Glimpses
 from pwmap.longrun.crises.kinds import kind_of
 from pwmap.longrun.crises.meetings import Meeting, first_turn
-from pwmap.longrun.crises.samples import Sample, Samples
+from pwmap.longrun.crises.samples import AttractorSample, Samples
 from pwmap.longrun.dynamics import Dynamics
-from pwmap.longrun.line import Line, line_at
+from pwmap.longrun.line import MapLine, line_at
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
@@ -77,7 +77,7 @@ class AttractorCell:
     sample: sympy.Rational
     cycles: tuple[str, ...]
     bands: tuple[tuple[tuple[sympy.Expr, sympy.Expr], ...], ...]
-    line: Line
+    line: MapLine
     neutral: tuple[str, ...] = ()
     is_open: bool = False
 
@@ -285,14 +285,14 @@ class _Sweep:
         self.finished = list[Real]()  # ends of the parts that are
         self._high = high
         self._low = low  # where the cell begins that is not ended yet,
-        self._inside = list[Sample]()  # and the samples of it; none if it is open
+        self._inside = list[AttractorSample]()  # and the samples of it; none if it is open
         self._opened = low  # where the last open one begins
 
     def advance(self, end: Real) -> None:
         """Go on to the end of another part."""
         start = self.finished[-1] if self.finished else self._low
         cuts = self.cuts.between(start, end)
-        found = list[tuple[Real, Real, Sample]]()
+        found = list[tuple[Real, Real, AttractorSample]]()
         for low, high in pairwise([start, *cuts, end]):
             middle = self.samples.between(low, high)
             beside = (
@@ -314,8 +314,8 @@ class _Sweep:
         self.finished.append(end)
 
     def _events(
-        self, found: list[tuple[Real, Real, Sample]], before: Sample | None
-    ) -> Iterator[Change | Sample | tuple[Real, Real]]:
+        self, found: list[tuple[Real, Real, AttractorSample]], before: AttractorSample | None
+    ) -> Iterator[AttractorChange | AttractorSample | tuple[Real, Real]]:
         """Samples, changes between them, and intervals that are open, from left to right."""
         hidden: tuple[Real, Real] | None = None
         for low, high, sample in found:
@@ -337,12 +337,12 @@ class _Sweep:
         if hidden:
             yield hidden
 
-    def _keep(self, event: Change | Sample | tuple[Real, Real]) -> None:
+    def _keep(self, event: AttractorChange | AttractorSample | tuple[Real, Real]) -> None:
         """Go on with the cell, or end it."""
         match event:
-            case Sample():
+            case AttractorSample():
                 self._inside.append(event)
-            case Change():
+            case AttractorChange():
                 self._inside.append(event.before)
                 self._cell(event.low)
                 self._open(event.low, event.high)
@@ -403,7 +403,7 @@ class _Sweep:
         )
         self._opened, self._low, self._inside = low, high, []
 
-    def _known(self, low: Real, high: Real, sample: Sample) -> AttractorCell:
+    def _known(self, low: Real, high: Real, sample: AttractorSample) -> AttractorCell:
         value = self.samples.axis.orbits.value
         return AttractorCell(
             lower=real_to_sympy(low),
@@ -421,7 +421,7 @@ class _Sweep:
             neutral=sample.neutral,
         )
 
-    def _crisis(self, change: Change, kind: PointKind) -> Crisis:
+    def _crisis(self, change: AttractorChange, kind: PointKind) -> Crisis:
         spelled, breaks = self.samples.map.spelled, self.samples.layout.breaks
         width = to_double(bounds(change.high)[1]) - to_double(bounds(change.low)[0])
         return Crisis(

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pwmap.algebra.exact import Number, dense
 from pwmap.algebra.roots import Real, RealRoot, bounds
-from pwmap.diagrams.diagram import PointKind
-from pwmap.longrun.crises.changes import Change, Changes
-from pwmap.longrun.crises.samples import Image, Sample, Samples
+from pwmap.diagrams.data import PointKind
+from pwmap.longrun.crises.changes import AttractorChange, Changes
+from pwmap.longrun.crises.samples import AttractorSample, BreakImage, Samples
 from pwmap.longrun.line import Interval, joined
 from pwmap.longrun.numbers import Element, Exact, to_double
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.maps.words import Multiplier, Word
+from pwmap.maps.words import MultiplierSign, Word
 from pwmap.parameters.axes import axis_of
 
 SAME = 1e-4  # of their length: so little may bands differ that are the same, in a short interval
@@ -31,10 +31,10 @@ def kind_at(
     right = samples.between(high + width / 2, high + width)
     if left.is_open or right.is_open or Changes(samples, order).same(left, right):
         return None
-    return kind_of(samples, Change(place, place, left, right))
+    return kind_of(samples, AttractorChange(place, place, left, right))
 
 
-def kind_of(samples: Samples, change: Change) -> PointKind | None:
+def kind_of(samples: Samples, change: AttractorChange) -> PointKind | None:
     """What happens to bands at a change; None if nothing does."""
     left, right = change.before, change.after
     if not left.counts and not right.counts:
@@ -51,7 +51,9 @@ def kind_of(samples: Samples, change: Change) -> PointKind | None:
     return None if left.counts == right.counts else PointKind.MC
 
 
-def _end(samples: Samples, chaotic: Sample, other: Sample, change: Change) -> PointKind:
+def _end(
+    samples: Samples, chaotic: AttractorSample, other: AttractorSample, change: AttractorChange
+) -> PointKind:
     """How bands end beyond which there are none."""
     new = [word for word in other.cycles if word not in chaotic.cycles]
     if not new:
@@ -65,10 +67,10 @@ def _end(samples: Samples, chaotic: Sample, other: Sample, change: Change) -> Po
 def _flip(samples: Samples, word: str) -> Number:
     """A polynomial that is zero where a cycle has the multiplier -1."""
     letters: Word = tuple(sorted(map(samples.map.letters.index, word)))
-    return samples.axis.orbits.polynomial(Multiplier(letters, -1))
+    return samples.axis.orbits.polynomial(MultiplierSign(letters, -1))
 
 
-def _set_at(samples: Samples, sample: Sample, place: Real) -> list[Interval]:
+def _set_at(samples: Samples, sample: AttractorSample, place: Real) -> list[Interval]:
     """All bands with their ends at another place, joined."""
     return joined(
         (_value(samples, a, place), _value(samples, b, place))
@@ -77,7 +79,7 @@ def _set_at(samples: Samples, sample: Sample, place: Real) -> list[Interval]:
     )
 
 
-def _value(samples: Samples, image: Image, place: Real) -> Exact:
+def _value(samples: Samples, image: BreakImage, place: Real) -> Exact:
     fraction = samples.axis.orbits.value(image.k, image.word)
     if isinstance(place, RealRoot):
         top, bottom = (Element(place, place.reduced(dense(part))) for part in fraction)
@@ -85,7 +87,7 @@ def _value(samples: Samples, image: Image, place: Real) -> Exact:
     return samples.axis.value(fraction, place)
 
 
-def _close(left: Sample, right: Sample) -> bool:
+def _close(left: AttractorSample, right: AttractorSample) -> bool:
     """Whether bands at two places may be the same by what they are there."""
     one, other = (
         [to_double(x) for bands in each.found.bands for pair in bands.intervals for x in pair]

@@ -9,12 +9,12 @@ from pwmap.algebra.exact import Number
 from pwmap.algebra.roots import Real, bounds, simplest_between
 from pwmap.longrun.attractors import Attractors, attractors_of
 from pwmap.longrun.crises.meetings import first_turn
-from pwmap.longrun.fates import Fate, Orbit
-from pwmap.longrun.line import Line, line_at
+from pwmap.longrun.fates import Fate, GermOrbit
+from pwmap.longrun.line import MapLine, line_at
 from pwmap.longrun.numbers import key
 from pwmap.maps.budget import BUDGET, Budget, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.maps.words import CriticalOrbit, Return, Word
+from pwmap.maps.words import CriticalOrbit, OrbitReturn, Word
 from pwmap.parameters.axis import Axis
 
 THIRDS = ((0, 3), (0, 1), (2, 3), (1, 2))  # of an interval in which a sample is looked for, in turn
@@ -26,18 +26,18 @@ CLOSER = (6,)  # and so close what must be the same where a cycle ends
 
 
 @dataclass(frozen=True, slots=True)
-class Image:
+class BreakImage:
     """An image of a break: its number, and the word along which it went."""
 
     k: int
     word: Word
 
 
-Ends = tuple[Image, Image]  # of a band
+Ends = tuple[BreakImage, BreakImage]  # of a band
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Sample:
+class AttractorSample:
     """What attracts at a place.
 
     Attributes
@@ -53,7 +53,7 @@ class Sample:
     """
 
     place: Number
-    line: Line
+    line: MapLine
     found: Attractors
     ends: tuple[tuple[Ends, ...], ...]
     cycles: tuple[str, ...]
@@ -94,30 +94,30 @@ class Samples:
         self.letters = self.layout.slots[::2]
         self.germs = [(k, side) for k in self.layout.breaks for side in (-1, 1)]
         self._numbers = {map_.letters[letter]: letter for letter in self.letters}
-        self._known = dict[Hashable, Sample]()
+        self._known = dict[Hashable, AttractorSample]()
 
-    def at(self, place: Number) -> Sample:
+    def at(self, place: Number) -> AttractorSample:
         """What attracts at a rational place."""
         found = self._known.get(key(place))
         if found is None:
             found = self._known[key(place)] = self._at(place)
         return found
 
-    def _at(self, place: Number) -> Sample:
+    def _at(self, place: Number) -> AttractorSample:
         line = line_at(self.map, place)
         left = self.meter.budget.work - self.meter.work
         meter = Meter(Budget(work=max(1, min(WORK, left))))  # what takes more is open
         found = attractors_of(line, budget=meter)
         self.meter.spend(meter.work)
         if len(found.orbits) < len(self.germs):
-            return Sample(place, line, found, (), (), (), is_special=False)
+            return AttractorSample(place, line, found, (), (), (), is_special=False)
         words = [self.word(orbit) for orbit in found.orbits]
-        names = dict[Hashable, Image]()
+        names = dict[Hashable, BreakImage]()
         needed = {key(x) for bands in found.bands for pair in bands.intervals for x in pair}
         for orbit, (k, _), word in zip(found.orbits, self.germs, words, strict=True):
             for n, germ in enumerate(orbit.germs if needed else ()):
                 if (name := key(germ.x)) in needed:
-                    names.setdefault(name, Image(k, word[:n]))
+                    names.setdefault(name, BreakImage(k, word[:n]))
         ends = tuple(
             tuple(
                 (names[key(a)], names[key(b)])
@@ -132,16 +132,16 @@ class Samples:
             self._is_special(line, orbit, k, word)
             for orbit, (k, _), word in zip(found.orbits, self.germs, words, strict=True)
         )
-        return Sample(place, line, found, ends, cycles, neutral, special)
+        return AttractorSample(place, line, found, ends, cycles, neutral, special)
 
-    def word(self, orbit: Orbit) -> Word:
+    def word(self, orbit: GermOrbit) -> Word:
         """The letters of an orbit."""
         return tuple(map(self._numbers.__getitem__, orbit.letters))
 
-    def _is_special(self, line: Line, orbit: Orbit, k: int, word: Word) -> bool:
+    def _is_special(self, line: MapLine, orbit: GermOrbit, k: int, word: Word) -> bool:
         """Whether an orbit meets a break, or comes back, but not so at all places."""
         polynomial = self.axis.orbits.polynomial
-        if orbit.fate is Fate.FINITE and polynomial(Return(k, word, orbit.start)):
+        if orbit.fate is Fate.FINITE and polynomial(OrbitReturn(k, word, orbit.start)):
             return True
         met = (
             CriticalOrbit(k, word[:n], self.layout.breaks[line.breaks.index(germ.x)])
@@ -150,7 +150,7 @@ class Samples:
         )
         return any(polynomial(decision) for decision in met)
 
-    def between(self, low: Real, high: Real) -> Sample:
+    def between(self, low: Real, high: Real) -> AttractorSample:
         """What attracts at a simple place of an interval; at another one if it is special or open.
 
         The simplest places are just those at which cycles flip or collide.
@@ -170,7 +170,9 @@ class Samples:
                 break
         return found
 
-    def beside(self, place: Real, other: Number, closeness: tuple[int, ...] = CLOSE) -> Sample:
+    def beside(
+        self, place: Real, other: Number, closeness: tuple[int, ...] = CLOSE
+    ) -> AttractorSample:
         """What attracts right beside a place, on the side of another one; farther if it is open."""
         end = bounds(place)[0 if other < place else 1]
         for halvings in closeness:

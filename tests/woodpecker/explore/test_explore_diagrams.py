@@ -13,7 +13,7 @@ pytest.importorskip("bokeh")
 from pwmap.explore.diagram_views import DiagramView
 from pwmap.explore.diagrams import nearest_line, nearest_sample, shown
 from pwmap.explore.figures import cobweb
-from pwmap.explore.jobs import Failure, Finished, Job
+from pwmap.explore.jobs import Failure, Job, JobFinished
 from pwmap.explore.labels import place
 from woodpecker.explore.branches import Progress, diagram, key_of
 from woodpecker.explore.state import State
@@ -122,4 +122,4 @@ def test_jobs_end_with_their_error_or_their_time() -> None:
     job.stop()
     job.stop()
     assert job.results() == []
-    assert Finished() == Finished()
+    assert JobFinished() == JobFinished()

@@ -1,0 +1,489 @@
+"""Branches and special points: what the diagrams of both packages are made of.
+
+A branch is a curve over the parameter: fixed points of an iterate P_j, or a jump of P_j
+whose one-sided limits lie strictly on opposite sides of the diagonal. A special point ends
+branches.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from enum import StrEnum
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from pwmap.diagrams.frames import Column, DataFrame, dataframe
+from pwmap.diagrams.shown import brief, counted, span, table
+
+FloatArray = npt.NDArray[np.float64]
+BoolArray = npt.NDArray[np.bool_]
+
+
+class BranchKind(StrEnum):
+    """What a branch is a curve of.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, BranchKind, bifurcation_diagram
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
+    >>> [branch.id for branch in diagram.branches if branch.kind is BranchKind.FIXED_POINT]
+    ['F1', 'F2']
+    >>> print(BranchKind.JUMP)
+    jump
+    """
+
+    FIXED_POINT = "fixed-point"
+    JUMP = "jump"
+    BAND = "band"
+
+
+class PointKind(StrEnum):
+    """What ends or marks branches; the value is the code used in tables and graphs.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, PointKind, bifurcation_diagram
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
+    >>> [point.parameter for point in diagram.points if point.kind is PointKind.BC]
+    [0.0, 1.0]
+    >>> print(PointKind.FF, PointKind.FF.label)
+    FF fold-flip
+    """
+
+    LP = "LP"
+    PD = "PD"
+    NS = "NS"
+    BP = "BP"
+    BC = "BC"
+    FF = "FF"
+    FALL = "FALL"
+    EP = "EP"
+    MC = "MC"
+    XC = "XC"
+    FC = "FC"
+
+    @property
+    def meaning(self) -> str:
+        """One phrase that says what it is."""
+        return _MEANINGS[self.value]
+
+    @property
+    def label(self) -> str:
+        """A name for a legend or a table."""
+        return _MEANINGS[self.value].partition(":")[0]
+
+
+_MEANINGS = {
+    "LP": "fold: multiplier +1",
+    "PD": "flip: multiplier -1",
+    "NS": "Neimark-Sacker: a pair of multipliers on the unit circle",
+    "BP": "branch point: multiplier +1, two branches cross",
+    "BC": "border collision: a fixed point meets a jump, a kink or a grazing",
+    "FF": "fold-flip: a border collision that also starts a jump branch of the second iterate",
+    "FALL": "free fall: the return is lost",
+    "EP": "end point: end of the parameter span or of the window",
+    "MC": "merging crisis: bands of a chaotic attractor meet in a repelling cycle",
+    "XC": "expansion crisis: a chaotic attractor becomes larger at once",
+    "FC": "final crisis: a chaotic attractor is lost",
+}
+
+
+class PointStatus(StrEnum):
+    """How well the place of a special point is known.
+
+    Examples
+    --------
+    >>> from pwmap import PointStatus
+    >>> [(status.name, status.value) for status in PointStatus]
+    [('LOCATED', 'located'), ('OPEN', 'open')]
+    """
+
+    LOCATED = "located"
+    OPEN = "open"
+
+    @property
+    def meaning(self) -> str:
+        """One phrase that says what it is."""
+        return _STATUSES[self.value]
+
+
+_STATUSES = {
+    "located": "it solves the equations of what it is, as closely as its precision says",
+    "open": "a branch was given up here: how it goes on is not known",
+}
+
+
+def _locked(values: Sequence[float] | FloatArray, dtype: type) -> npt.NDArray[np.generic]:
+    array: npt.NDArray[np.generic] = np.array(values, dtype=dtype)
+    if array.ndim != 1:
+        raise ValueError(f"a branch needs one-dimensional arrays, got shape {array.shape}")
+    array.setflags(write=False)
+    return array
+
+
+@dataclass(frozen=True, slots=True)
+class Stretch:
+    """A part of a branch along which the word does not change.
+
+    Attributes
+    ----------
+    first
+        Its first sample; it ends where the next stretch begins.
+    word
+        The word.
+    cause
+        A sentence on what happens where it begins; empty at the start of a branch.
+    exact
+        Exact sympy expressions by name, e.g. ``{"x": r/(a + 1)}``; empty for the toy.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
+    >>> p1 = PiecewiseLinearMap.from_sympy(
+    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
+    ... )
+    >>> diagram = bifurcation_diagram(p1.at({"a": "5/4"}), "r", (-1, 12), orders=(4,))
+    >>> [stretch.word for stretch in diagram.branch("J1").words]
+    ['RRRR|RRRL']
+    """
+
+    first: int
+    word: str
+    cause: str = ""
+    exact: Mapping[str, object] = field(default_factory=dict, hash=False, repr=False)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class Branch:
+    """A curve between two special points; its word may change where the map is continuous.
+
+    Parameters
+    ----------
+    id
+        Name of the branch, unique in its diagram, without ``:``.
+    kind
+        Fixed points of P_order, a jump of P_order that crosses the diagonal, or a band of a chaotic
+        attractor that P_order maps to itself; then x is its middle.
+    order
+        The iterate j >= 1 the branch belongs to.
+    word
+        Sequence of events (toy) or of visited pieces (piecewise-linear map) at its first sample.
+    parameter, x, multiplier
+        Samples along the curve, each of shape (n,), n >= 1. The multiplier of a jump is nan.
+    ends
+        Ids of the special points at the first and the last sample.
+    exact
+        Exact sympy expressions by name, of its first stretch as ``word`` is; empty for the toy.
+    attracts
+        Whether its fixed points attract, where the multiplier does not say: a point that stays at
+        the border of two pieces has another slope on the other side. None if the multiplier does.
+    words
+        Its stretches in order, by default one; the first has ``word`` and ``exact``.
+    columns
+        What else was observed at each sample, arrays (n,) by name.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> branch = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)).branch("J1")
+    >>> branch.word, branch.ends, branch.x.tolist()
+    ('L|R', ('BC1', 'BC2'), [0.0, 0.0])
+    >>> branch.exact["interval"]
+    Interval.open(0, 1)
+    """
+
+    id: str
+    kind: BranchKind
+    order: int
+    word: str
+    parameter: FloatArray
+    x: FloatArray
+    multiplier: FloatArray
+    ends: tuple[str, str]
+    exact: Mapping[str, object] = field(default_factory=dict)
+    attracts: bool | None = None
+    words: tuple[Stretch, ...] = ()
+    columns: Mapping[str, FloatArray] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if not self.id or ":" in self.id:
+            raise ValueError(f"a branch id must be text without ':', got {self.id!r}")
+        if self.order < 1:
+            raise ValueError(f"order must be at least 1, got {self.order}")
+        for name in ("parameter", "x", "multiplier"):
+            object.__setattr__(self, name, _locked(getattr(self, name), float))
+        if not self.parameter.shape == self.x.shape == self.multiplier.shape != (0,):
+            raise ValueError(
+                "parameter, x and multiplier must have one common length of at least 1, got "
+                f"{self.parameter.size}, {self.x.size} and {self.multiplier.size}"
+            )
+        object.__setattr__(self, "kind", BranchKind(self.kind))
+        words = tuple(self.words) or (Stretch(0, self.word),)
+        firsts = [stretch.first for stretch in words]
+        if firsts[0] != 0 or firsts[-1] >= len(self) or firsts != sorted(set(firsts)):
+            raise ValueError(
+                f"stretches must ascend from sample 0 to one below {len(self)}, got {firsts}"
+            )
+        if words[0].word != self.word:
+            raise ValueError(
+                f"the first stretch must have the word {self.word!r}, got {words[0].word!r}"
+            )
+        first = replace(words[0], exact=self.exact)
+        object.__setattr__(self, "words", (first, *words[1:]))
+        columns = {name: _locked(values, float) for name, values in self.columns.items()}
+        for name, values in columns.items():
+            if len(values) != len(self):
+                raise ValueError(
+                    f"column {name!r} must have a value for each of {len(self)} samples, "
+                    f"got {len(values)}"
+                )
+        object.__setattr__(self, "columns", columns)
+
+    @property
+    def changes(self) -> tuple[Stretch, ...]:
+        """The stretches that begin with a change of word: all but the first."""
+        return self.words[1:]
+
+    def stretch_at(self, sample: int) -> Stretch:
+        """The stretch that a sample belongs to.
+
+        Parameters
+        ----------
+        sample
+            Which sample, from 0 on.
+
+        Returns
+        -------
+        Stretch
+            The last one that begins there or before.
+
+        Raises
+        ------
+        IndexError
+            If there is no such sample.
+        """
+        if not 0 <= sample < len(self):
+            raise IndexError(f"sample must lie in [0, {len(self) - 1}], got {sample}")
+        return self.words[bisect_right(self.words, sample, key=lambda s: s.first) - 1]
+
+    def word_at(self, sample: int) -> str:
+        """The word of a sample.
+
+        Parameters
+        ----------
+        sample
+            Which sample, from 0 on.
+
+        Returns
+        -------
+        str
+            That of the stretch that holds the sample.
+
+        Raises
+        ------
+        IndexError
+            If there is no such sample.
+        """
+        return self.stretch_at(sample).word
+
+    @property
+    def stable(self) -> BoolArray:
+        """Shape (n,): whether abs(multiplier) < 1, or ``attracts``; False on a jump branch."""
+        if self.attracts is not None:
+            return np.full(len(self), self.attracts)
+        return np.asarray(np.abs(self.multiplier) < 1.0)
+
+    def to_dataframe(self) -> DataFrame:
+        """The samples of the branch, one in each row.
+
+        Returns
+        -------
+        pandas.DataFrame
+            With the columns ``branch``, ``kind``, ``order``, ``word``, ``parameter``, ``x``,
+            ``multiplier``, ``stable`` and those of :attr:`columns`.
+
+        Raises
+        ------
+        ImportError
+            If pandas is not installed.
+        """
+        return dataframe(columns_of(self, "parameter", "x"))
+
+    def __len__(self) -> int:
+        return int(self.parameter.size)
+
+    def __repr__(self) -> str:
+        """What it is, where, between which points; the word of its first sample."""
+        stable = "" if self.kind is BranchKind.JUMP else f"stable: {share_stable(self)}, "
+        return (
+            f"Branch({self.id}: {self.kind} of order {self.order}, {counted(len(self), 'sample')}, "
+            f"parameter {span(self.parameter)}, x {span(self.x)}, {stable}"
+            f"from {self.ends[0]} to {self.ends[1]}, word {brief(self.word)!r})"
+        )
+
+    def _repr_html_(self) -> str:
+        p, x, m = self.parameter, self.x, self.multiplier
+        rows = [
+            (f"{p[s.first]:.6g}", f"{x[s.first]:.6g}", f"{m[s.first]:.4g}", s.word, s.cause)
+            for s in self.words
+        ]
+        header = ("parameter from", "x", "multiplier", "word", "what happens there")
+        return table(repr(self), header, rows)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SpecialPoint:
+    """A point of the (parameter, x) plane where branches end or meet.
+
+    Parameters
+    ----------
+    id
+        Name of the point, unique in its diagram, without ``:``.
+    kind
+        One of the codes of :class:`PointKind`.
+    parameter, x
+        Where it lies.
+    branches
+        Ids of the branches that end here.
+    order
+        The iterate it belongs to.
+    note
+        What the code leaves open, e.g. ``"persistence"`` or ``"fold"`` for a BC.
+    exact
+        Exact sympy expressions by name; empty for the toy.
+    cause
+        A sentence on what happens there; empty if the code says it all.
+    interval
+        Interval of the parameter that holds it. None if it is open, or where ``exact`` says the
+        parameter.
+    precision
+        How well the parameter is located: 0 if it is exact, infinite if it is open.
+    status
+        Whether it was located.
+    name
+        What it is called, such as A; see :meth:`Diagram.named`.
+
+    Raises
+    ------
+    ValueError
+        If the id is no text without ``:``, kind or status is unknown, the precision is negative, or
+        the interval does not hold the parameter.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> point = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)).point("BC2")
+    >>> point.kind.label, point.note, point.parameter, point.x
+    ('border collision', 'persistence', 1.0, 0.0)
+    >>> point.branches
+    ('J1', 'F2')
+    """
+
+    id: str
+    kind: PointKind
+    parameter: float
+    x: float
+    branches: tuple[str, ...] = ()
+    order: int = 1
+    note: str = ""
+    exact: Mapping[str, object] = field(default_factory=dict)
+    cause: str = ""
+    interval: tuple[float, float] | None = None
+    precision: float = 0.0
+    status: PointStatus = PointStatus.LOCATED
+    name: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.id or ":" in self.id:
+            raise ValueError(f"a point id must be text without ':', got {self.id!r}")
+        object.__setattr__(self, "kind", PointKind(self.kind))
+        object.__setattr__(self, "status", PointStatus(self.status))
+        if not self.precision >= 0.0:
+            raise ValueError(f"a precision must be at least 0, got {self.precision}")
+        if self.interval is not None:
+            low, high = self.interval
+            if not low <= self.parameter <= high:
+                raise ValueError(
+                    f"the interval of a point must hold its parameter {self.parameter}, "
+                    f"got ({low}, {high})"
+                )
+
+
+class Hit(NamedTuple):
+    """Where a branch is at one value of the parameter.
+
+    Attributes
+    ----------
+    x, multiplier
+        As floats; the multiplier of a jump is nan.
+    exact
+        By name as in :attr:`Stretch.exact`, without ``interval``; empty for the toy.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> hit, = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)).at("-1/2")
+    >>> hit.branch.id, hit.x, hit.multiplier, hit.exact["x"]
+    ('F1', -1.0, 0.5, -1)
+    """
+
+    branch: Branch
+    x: float
+    multiplier: float
+    exact: Mapping[str, Any] = {}
+
+
+class StableInterval(NamedTuple):
+    """An interval of the parameter in which a branch attracts, up to its samples.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
+    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
+    >>> [(each.branch.id, each.low, each.high) for each in diagram.stable_intervals()]
+    [('F1', -1.0, 0.0), ('F2', 1.0, 2.0)]
+    """
+
+    branch: Branch
+    low: float
+    high: float
+
+
+def columns_of(branch: Branch, parameter: str, x: str) -> dict[str, Column]:
+    """Columns of a table with a row for each sample; the names of two are given."""
+    firsts = [stretch.first for stretch in branch.words]
+    lengths = np.diff([*firsts, len(branch)]).tolist()
+    words = [s.word for s, n in zip(branch.words, lengths, strict=True) for _ in range(n)]
+    columns: dict[str, Column] = {
+        "branch": [branch.id] * len(branch),
+        "kind": [str(branch.kind)] * len(branch),
+        "order": np.full(len(branch), branch.order),
+        "word": words,
+        parameter: branch.parameter,
+        x: branch.x,
+        "multiplier": branch.multiplier,
+        "stable": branch.stable,
+    }
+    return {**columns, **branch.columns}
+
+
+def runs_of(flags: BoolArray) -> list[tuple[int, int]]:
+    """First and last index of each run of True."""
+    steps = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
+    return [(int(a), int(b) - 1) for a, b in zip(steps[::2], steps[1::2], strict=True)]
+
+
+def share_stable(branch: Branch) -> str:
+    """``"yes"``, ``"no"`` or ``"partly"``: whether the branch is stable."""
+    inner = branch.stable[1:-1] if len(branch) > 2 else branch.stable
+    return "yes" if inner.all() else "partly" if inner.any() else "no"

@@ -1,0 +1,167 @@
+"""What a diagram shows: branches at a parameter, beside a point, on the way from one to another."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import cmp_to_key
+from itertools import pairwise
+from typing import Any
+
+import networkx as nx
+import numpy as np
+
+from pwmap.diagrams.data import (
+    Branch,
+    BranchKind,
+    Hit,
+    PointKind,
+    SpecialPoint,
+    StableInterval,
+    Stretch,
+    runs_of,
+)
+from pwmap.diagrams.slices import ExactSlice, ExactValue, exact_number
+
+
+def hits(
+    branches: Sequence[Branch], name: str, parameter: object, sample: Mapping[str, Any]
+) -> tuple[Hit, ...]:
+    """Where branches are at a value of the parameter of a name, in order of x."""
+    if any("interval" in branch.exact for branch in branches):
+        return _exact_hits(branches, ExactSlice(name, exact_number(parameter), sample))
+    at = float(parameter)  # type: ignore[arg-type]
+    found = [hit for branch in branches for hit in _between_samples(branch, at)]
+    return tuple(sorted(found, key=lambda hit: hit.x))
+
+
+def _exact_hits(branches: Sequence[Branch], here: ExactSlice) -> tuple[Hit, ...]:
+    found: list[tuple[ExactValue, Hit]] = []
+    for branch in branches:
+        for formulas in (stretch.exact for stretch in branch.words):
+            if "interval" in formulas and here.meets(formulas["interval"]):
+                found += _hits_of(branch, formulas, here)
+
+    def by_x(one: tuple[ExactValue, Hit], other: tuple[ExactValue, Hit]) -> int:
+        return here.compare(one[0], other[0])
+
+    return tuple(hit for _, hit in sorted(found, key=cmp_to_key(by_x)))
+
+
+def _hits_of(
+    branch: Branch, formulas: Mapping[str, object], here: ExactSlice
+) -> Iterator[tuple[ExactValue, Hit]]:
+    """Where a branch is that has some formulas at a parameter: a band at both of its ends."""
+    names = [n for n in formulas if n not in ("interval", "lower", "upper", "x")]
+    values = {name: here.value(formulas[name]) for name in names}
+    exact = {name: value.formula for name, value in values.items()}
+    multiplier = values["multiplier"].number if "multiplier" in values else math.nan
+    for name in ("lower", "upper") if "x" not in formulas else ("x",):
+        x = here.value(formulas[name])
+        yield x, Hit(branch, x.number, multiplier, {"x": x.formula, **exact})
+
+
+def _between_samples(branch: Branch, at: float) -> Iterator[Hit]:
+    """Where the straight lines between the samples of a branch are at a parameter.
+
+    Samples there are hits; of several in a row, along one value, the first and the last.
+    """
+    p = branch.parameter
+    for run in runs_of(p == at):
+        for i in sorted(set(run)):
+            yield Hit(branch, float(branch.x[i]), float(branch.multiplier[i]))
+    sides = np.sign(p - at)
+    for i in np.flatnonzero(sides[:-1] * sides[1:] < 0.0).tolist():
+        s = (at - p[i]) / (p[i + 1] - p[i])
+        x, m = (
+            float((1.0 - s) * values[i] + s * values[i + 1])
+            for values in (branch.x, branch.multiplier)
+        )
+        yield Hit(branch, x, m)
+
+
+def sides_of(
+    point: SpecialPoint, incident: Iterable[Branch]
+) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Ids of the branches that end at a point, at smaller and at larger parameters."""
+    found: dict[int, list[str]] = {-1: [], 0: [], 1: []}
+    for branch in incident:
+        for end, side in zip(branch.ends, _sides_of_ends(branch, point), strict=True):
+            if end == point.id:
+                found[side].append(branch.id)
+    return tuple(found[-1]), tuple(found[1])
+
+
+def _sides_of_ends(branch: Branch, point: SpecialPoint) -> tuple[int, int]:
+    """Whether a branch lies at smaller (-1) or larger (1) parameters than each end at a point.
+
+    In an exact diagram intervals say so, however short they are; otherwise samples do.
+    """
+    if "interval" in branch.exact:
+        return _side(branch.words[0], point), _side(branch.words[-1], point)
+    beside = branch.parameter[[min(1, len(branch) - 1), max(-2, -len(branch))]]
+    first, last = (int(p > point.parameter) - int(p < point.parameter) for p in beside.tolist())
+    return first, last
+
+
+def _side(stretch: Stretch, point: SpecialPoint) -> int:
+    """Whether an exact stretch lies at smaller (-1) or larger (1) parameters than an end of it."""
+    interval: Any = stretch.exact["interval"]
+    if not hasattr(interval, "left_open"):  # a set of one value
+        return 0
+    return 1 if interval.start == point.exact["parameter"] else -1
+
+
+def collision_near(
+    place: tuple[float, float],
+    within: float,
+    branches: Sequence[Branch],
+    points: Sequence[SpecialPoint],
+) -> SpecialPoint | None:
+    """The border collision of a place, in parts of what the diagram extends over.
+
+    Points of iterates lie beside those of the map, closer to a rounded place than these.
+    """
+    ends = ([branch.parameter for branch in branches], [branch.x for branch in branches])
+    sizes = [float(np.ptp(np.concatenate(values))) or 1.0 for values in ends if values]
+
+    def away(point: SpecialPoint) -> float:
+        gaps = (point.parameter - place[0], point.x - place[1])
+        return max(abs(gap) / size for gap, size in zip(gaps, sizes, strict=True))
+
+    near = [
+        point
+        for point in points
+        if point.kind in (PointKind.BC, PointKind.FF) and away(point) <= within
+    ]
+    return min(near, key=lambda point: (point.order, away(point)), default=None)
+
+
+def path_between(graph: nx.MultiGraph, first: Branch, last: Branch) -> tuple[str, ...]:
+    """A shortest way from one branch to another: ids of branches and points in turn."""
+    if first is last:
+        return (first.id,)
+    ways = [
+        nx.shortest_path(graph, a, b)
+        for a in first.ends
+        for b in last.ends
+        if nx.has_path(graph, a, b)
+    ]
+    if not ways:
+        return ()
+    nodes = min(ways, key=len)
+    steps = [next(iter(graph[a][b])) for a, b in pairwise(nodes)]
+    inner = [name for pair in zip(nodes, [*steps, last.id], strict=True) for name in pair]
+    return (first.id, *inner)
+
+
+def stable_intervals(branches: Iterable[Branch], order: int | None) -> Iterator[StableInterval]:
+    """Intervals of the parameter in which fixed points attract, of one iterate or of all."""
+    for branch in branches:
+        if branch.kind is BranchKind.FIXED_POINT and order in (None, branch.order):
+            stable = branch.stable.copy()
+            if len(branch) > 2:  # ends may be flips, where the multiplier is -1 up to rounding
+                stable[0], stable[-1] = stable[1], stable[-2]
+            for first, last in runs_of(stable):
+                p = branch.parameter[first : last + 1]
+                yield StableInterval(branch, float(p.min()), float(p.max()))

@@ -1,0 +1,271 @@
+"""What a map shows on the diagonal and at its jumps, and where it takes a point."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import sympy
+
+from pwmap.algebra.arithmetic import fraction_of
+from pwmap.algebra.assumptions import UndecidedError
+from pwmap.algebra.exact import Fraction_, Number, fraction_to_sympy, quotient_to_sympy
+from pwmap.maps import cylinders as cyl
+from pwmap.maps.cylinders import Cylinder, Inclusion
+from pwmap.maps.decided import Decided
+from pwmap.maps.words import Layout, Word
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FixedPoint:
+    """A fixed point of an iterate.
+
+    Attributes
+    ----------
+    x, multiplier
+        Exact values. At the end of a piece the multiplier is the slope of the piece that owns
+        the point; it is ``nan`` where that piece is the point alone.
+    word
+        The pieces visited, starting at x.
+    order, period
+        The iterate it was found in, and the minimal period of the point.
+    admissible
+        False for a virtual fixed point: that of a formula, outside the formula's piece.
+    stable
+        Whether all orbits from nearby, on both sides, stay near and converge to it. None if that
+        does not follow from the assumptions on the parameters.
+    at_border
+        Whether it lies at an end of a piece.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
+    >>> for point in p1.fixed_points():
+    ...     print(point.x, point.word, point.multiplier, point.stable)
+    -1 L 0 True
+    4/9 R -5/4 False
+    """
+
+    x: sympy.Expr
+    multiplier: sympy.Expr
+    word: str
+    order: int
+    period: int
+    admissible: bool
+    stable: bool | None
+    at_border: bool
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class FixedInterval:
+    """A piece of an iterate that is the identity: every point of it is fixed.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> mirror = PiecewiseLinearMap.from_sympy("Piecewise((-x, x <= 1), (x - 2, True))")
+    >>> band, *_ = mirror.iterate(2).fixed_intervals()
+    >>> band.interval, band.word, band.period
+    (Interval(-1, 1), 'LL', 2)
+    """
+
+    interval: sympy.Set
+    word: str
+    order: int
+    period: int  # minimal period of its points, but for one of half that if the slope was -1
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Jump:
+    """A discontinuity: the one-sided limits, and the value at the point itself.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
+    >>> jump, = p1.jumps()
+    >>> jump
+    Jump(x=0, left=-1, value=-1, right=1)
+    """
+
+    x: sympy.Expr
+    left: sympy.Expr
+    value: sympy.Expr
+    right: sympy.Expr
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JumpCrossing:
+    """A discontinuity whose one-sided limits lie strictly on opposite sides of the diagonal.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
+    >>> crossing, = p1.iterate(2).jump_crossings()
+    >>> crossing.x, crossing.left, crossing.right, crossing.left_word, crossing.right_word
+    (4/5, 1, -1, 'RR', 'RL')
+    """
+
+    x: sympy.Expr
+    left: sympy.Expr
+    right: sympy.Expr
+    left_word: str
+    right_word: str
+    order: int
+
+
+# --- Points ---------------------------------------------------------------------------------------
+
+
+def followed(map_: Decided, x: object, direction: int = 0) -> tuple[Word, Fraction_]:
+    """Word and value of a point (direction 0) or of points just beside it (-1, +1)."""
+    table, decide = map_.definition.table, map_.scope.sign
+    top, bottom = fraction_of(x, map_.definition.ring, "a point")
+    word: list[int] = []
+    slopes: list[Number] = []
+    for layout_index in map_.chain:
+        layout = table.layouts[layout_index]
+        slot = _slot(map_, layout, (top, bottom))
+        if slot % 2 and direction:  # only here it matters on which side the points are
+            slot += direction * math.prod(decide(slope) for slope in slopes)
+        letter = layout.slots[slot]
+        word.append(letter)
+        slope = table.slopes[letter]
+        top = slope * top + table.intercepts[letter] * bottom
+        bottom = table.denominator * bottom
+        slopes.append(slope)
+    return tuple(word), (top, bottom)
+
+
+def _slot(map_: Decided, layout: Layout, point: Fraction_) -> int:
+    (top, bottom), table, decide = point, map_.definition.table, map_.scope.sign
+    side = decide(bottom)
+    for i, k in enumerate(layout.breaks):
+        order = side * decide(table.denominator * top - table.breaks[k] * bottom)
+        if order <= 0:
+            return 2 * i + (order == 0)
+    return 2 * len(layout.breaks)
+
+
+# --- Jumps ----------------------------------------------------------------------------------------
+
+
+def jumps(map_: Decided) -> Iterator[Jump]:
+    """All discontinuities, from left to right."""
+    value = map_.orbits.value
+    for before, left, right, after in _neighbours(map_.cylinders):
+        cut = right.lower
+        assert cut is not None
+        owner = left if left.upper_closed else right
+        limits = [value(cut.k, c.word[cut.steps :]) for c in (before, owner, after)]
+        if not all(map_.is_zero(a * d - c * b) for (a, b), (c, d) in pairwise(limits)):
+            values = [quotient_to_sympy(limit) for limit in limits]
+            x = map_.cut_to_sympy(right.word, cut)
+            yield Jump(x=x, left=values[0], value=values[1], right=values[2])
+
+
+def _neighbours(
+    cylinders: Sequence[Cylinder],
+) -> Iterator[tuple[Cylinder, Cylinder, Cylinder, Cylinder]]:
+    """For each cut: the interval before it, the pieces that meet there, the interval after it.
+
+    A piece that is a single point lies between two cuts at the same place; that cut comes once.
+    """
+    for i, (left, right) in enumerate(pairwise(cylinders)):
+        if left.is_point:
+            continue
+        after = cylinders[i + 2] if right.is_point else right
+        yield left, left, right, after
+
+
+def jump_crossings(map_: Decided) -> Iterator[JumpCrossing]:
+    """All discontinuities that cross the diagonal strictly, from left to right."""
+    if map_.studied is not None:
+        found = iter(map_.studied.crossings)
+    else:
+        cylinders, oracle = map_.cylinders, map_.oracle
+        sides = (None if c.is_point else cyl.sides_of(c, oracle) for c in cylinders)
+        found = cyl.crossings(cylinders, sides)
+    for cut, left, right in found:
+        limits = (map_.orbits.value(cut.k, word[cut.steps :]) for word in (left, right))
+        below, above = map(quotient_to_sympy, limits)
+        yield JumpCrossing(
+            x=map_.cut_to_sympy(left, cut),
+            left=below,
+            right=above,
+            left_word=map_.spelled(left),
+            right_word=map_.spelled(right),
+            order=map_.order,
+        )
+
+
+# --- Fixed points ---------------------------------------------------------------------------------
+
+
+def fixed_points(map_: Decided, virtual: bool) -> Iterator[FixedPoint]:
+    """All isolated fixed points, from left to right, the virtual ones among them or not."""
+    for i, cylinder in enumerate(map_.cylinders):
+        inclusion = _inclusion(map_, i)
+        if inclusion in (Inclusion.NONE, Inclusion.BAND):
+            continue
+        is_virtual = inclusion is Inclusion.VIRTUAL
+        if is_virtual and (not virtual or map_.oracle.multiplier(cylinder.word, 1) == 0):
+            continue
+        yield _fixed_point(map_, i, inclusion)
+
+
+def _inclusion(map_: Decided, i: int) -> Inclusion:
+    """Whether the fixed point of a cylinder lies in it, and where."""
+    if map_.studied is not None:
+        return map_.studied.inclusion[i]
+    return cyl.inclusion_of(map_.cylinders[i], None, map_.oracle)
+
+
+def _fixed_point(map_: Decided, i: int, inclusion: Inclusion) -> FixedPoint:
+    cylinder = map_.cylinders[i]
+    word = cylinder.word
+    if inclusion is Inclusion.POINT:
+        assert cylinder.lower is not None
+        x = map_.cut_to_sympy(word, cylinder.lower)
+    else:
+        x = fraction_to_sympy(map_.orbits.fixed_point(word))
+    return FixedPoint(
+        x=x,
+        multiplier=sympy.nan if inclusion is Inclusion.POINT else map_.slope(word),
+        word=map_.spelled(word),
+        order=map_.order,
+        period=map_.period(word),
+        admissible=inclusion is not Inclusion.VIRTUAL,
+        stable=_is_stable(map_, i, inclusion),
+        at_border=inclusion in (Inclusion.LOWER, Inclusion.UPPER, Inclusion.POINT),
+    )
+
+
+def _is_stable(map_: Decided, i: int, inclusion: Inclusion) -> bool | None:
+    """Whether a fixed point attracts; None if that is open, as what would refuse it is."""
+    if map_.studied is not None:
+        return map_.studied.stable[i]
+    open_ = False
+    cut, words = cyl.words_beside(map_.cylinders, i, inclusion)
+    for test in cyl.stability_tests(cut, words, map_.oracle):
+        try:
+            if not test():
+                return False
+        except UndecidedError:
+            open_ = True
+    return None if open_ else True
+
+
+def bands(map_: Decided) -> Iterator[tuple[int, int]]:
+    """The pieces on which the map is the identity, by their numbers, with minimal periods.
+
+    Where a word's own slope is -1, points beside its fixed point have twice its period.
+    """
+    for i, cylinder in enumerate(map_.cylinders):
+        if _inclusion(map_, i) is Inclusion.BAND:
+            period = map_.period(cylinder.word)
+            yield i, period if map_.oracle.slope(cylinder.word[:period]) > 0 else 2 * period

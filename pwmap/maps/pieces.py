@@ -1,0 +1,144 @@
+"""The pieces of a map, with exact values and as text."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import sympy
+
+from pwmap.algebra.exact import quotient_to_sympy
+from pwmap.diagrams.frames import Column
+from pwmap.maps.cylinders import Cylinder
+from pwmap.maps.decided import Decided
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Piece:
+    """One affine piece of a map: ``slope x + intercept`` on an interval or at a point.
+
+    The exact values are computed when they are asked for.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
+    >>> left, right = p1.pieces
+    >>> right.word, right.expression, right.interval
+    ('R', 1 - 5*x/4, Interval.open(0, oo))
+    >>> right.slope, right.lower_closed
+    (-5/4, False)
+    """
+
+    cylinder: Cylinder
+    owner: Decided = field(repr=False)
+
+    @property
+    def word(self) -> str:
+        """The pieces of the original map that its points visit, in order."""
+        return self.owner.spelled(self.cylinder.word)
+
+    @property
+    def slope(self) -> sympy.Expr:
+        """Slope of the piece."""
+        return self.owner.slope(self.cylinder.word)
+
+    @property
+    def intercept(self) -> sympy.Expr:
+        """Value of the piece's formula at x = 0."""
+        return quotient_to_sympy(self.owner.orbits.intercept(self.cylinder.word))
+
+    @property
+    def expression(self) -> sympy.Expr:
+        """The formula ``slope x + intercept``."""
+        return self.slope * self.owner.x + self.intercept
+
+    @property
+    def lower(self) -> sympy.Expr:
+        """Left end, or ``-oo``."""
+        cut = self.cylinder.lower
+        return -sympy.oo if cut is None else self.owner.cut_to_sympy(self.cylinder.word, cut)
+
+    @property
+    def upper(self) -> sympy.Expr:
+        """Right end, or ``oo``."""
+        cut = self.cylinder.upper
+        return sympy.oo if cut is None else self.owner.cut_to_sympy(self.cylinder.word, cut)
+
+    @property
+    def lower_closed(self) -> bool:
+        """Whether the left end belongs to the piece."""
+        return self.cylinder.lower_closed
+
+    @property
+    def upper_closed(self) -> bool:
+        """Whether the right end belongs to the piece."""
+        return self.cylinder.upper_closed
+
+    @property
+    def interval(self) -> sympy.Set:
+        """The piece's domain as a sympy set."""
+        if self.cylinder.is_point:
+            return sympy.FiniteSet(self.lower)
+        return sympy.Interval(self.lower, self.upper, not self.lower_closed, not self.upper_closed)
+
+    @property
+    def relation(self) -> sympy.Basic:
+        """The domain as a condition on the variable."""
+        x = self.owner.x
+        if self.cylinder.is_point:
+            return sympy.Eq(x, self.lower)
+        bounds = []
+        if self.cylinder.lower is not None:
+            bounds.append(x >= self.lower if self.lower_closed else x > self.lower)
+        if self.cylinder.upper is not None:
+            bounds.append(x <= self.upper if self.upper_closed else x < self.upper)
+        return sympy.And(*bounds)
+
+    def condition(self) -> str:
+        """The domain as text, such as ``0 < x <= r/a``."""
+        x = str(self.owner.x)
+        if self.cylinder.is_point:
+            return f"{x} = {self.lower}"
+        left = "" if self.cylinder.lower is None else f"{self.lower} {_less(self.lower_closed)} "
+        right = "" if self.cylinder.upper is None else f" {_less(self.upper_closed)} {self.upper}"
+        return left + x + right if left or right else f"all {x}"
+
+    def __str__(self) -> str:
+        """Word, formula and domain."""
+        return f"{self.word}: {self.expression} for {self.condition()}"
+
+    def __repr__(self) -> str:
+        """The same in brackets."""
+        return f"<Piece {self}>"
+
+
+def _less(closed: bool) -> str:
+    return "<=" if closed else "<"
+
+
+def columns_of(pieces: Sequence[Piece]) -> dict[str, Column]:
+    """Columns of a table with a row for each piece."""
+    names = ("word", "slope", "intercept", "lower", "upper", "lower_closed", "upper_closed")
+    return {name: [getattr(piece, name) for piece in pieces] for name in names}
+
+
+def lines_of(pieces: Sequence[Piece]) -> str:
+    """One line for each piece: its word, formula and domain."""
+    rows = [(p.word, str(p.expression), p.condition()) for p in pieces]
+    widths = [max(len(row[i]) for row in rows) for i in range(2)]
+    return "\n".join(
+        f"{word:<{widths[0]}}  {formula:<{widths[1]}}  for {condition}"
+        for word, formula, condition in rows
+    )
+
+
+def latex_of(pieces: Sequence[Piece], order: int) -> str:
+    """The iterate of an order as a formula of LaTeX."""
+    rows = (
+        rf"{sympy.latex(p.expression)} & {sympy.latex(p.relation)} & \text{{{p.word}}}"
+        for p in pieces
+    )
+    body = r" \\ ".join(rows)
+    head = f"P_{{{order}}}({sympy.latex(pieces[0].owner.x)})"
+    return rf"$\displaystyle {head} = \left\{{\begin{{array}}{{lll}} {body} \end{{array}}\right.$"
