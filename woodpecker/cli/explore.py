@@ -7,7 +7,8 @@ from typing import Annotated
 
 import typer
 
-from woodpecker.cli.options import CommandError, option, say
+from pwmap.cli_screen import say
+from woodpecker.cli.options import CommandError, option
 from woodpecker.mechanics.toy import Toy
 
 Port = Annotated[

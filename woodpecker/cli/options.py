@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
-from contextvars import ContextVar
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
@@ -14,10 +12,10 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 from rich.markup import escape
 
-from pwmap.cli_screen import bar_on, in_words, screen, tell_written
-from pwmap.diagrams.files import PictureFormat
+from pwmap.cli_screen import bar_on, complain, in_words, picture_format, screen
 from woodpecker.base.lost import WorkerLostError
-from woodpecker.cli.interrupts import finished, heard
+from woodpecker.cli.interrupts import heard
+from woodpecker.cli.results import INTERRUPTED, begin
 from woodpecker.mechanics.toy import LAW, ExpansionFriction, Toy, description, parameters
 
 if TYPE_CHECKING:  # help and refusals come before what computes is loaded
@@ -25,16 +23,8 @@ if TYPE_CHECKING:  # help and refusals come before what computes is loaded
 
     from woodpecker import PeriodicOrbit
 
-console = screen()
-errors = screen(stderr=True)
-
 GUESS = -0.53  # rad, near the stable cycle of the paper's data set
 OUT = "out"  # the option that says where, not what
-INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C or SIGTERM has ended
-
-
-# the command that runs, and what it was asked for: its files say so
-_asked: ContextVar[tuple[str, Mapping[str, object]]] = ContextVar("_asked")
 
 
 class CommandError(Exception):
@@ -52,7 +42,6 @@ Out = Annotated[
         "Folder for the results, made if it is missing; about_<command>.json says what made them."
     ),
 ]
-Format = Annotated[PictureFormat, option("Format of the pictures.", "--format")]
 Start = Annotated[
     float | None,
     option("Start at rest on the section, phi_S [rad]; by default on the periodic motion."),
@@ -76,7 +65,8 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
         try:
             toy = Toy(**{each.name: values.pop(each.name) for each in of_toy})
             options = {name: value for name, value in values.items() if name != OUT}
-            _asked.set((named, {"toy": asdict(toy), "options": options}))
+            begin(named, {"toy": asdict(toy), "options": options})
+            picture_format(None)
             command(toy, **values)
         except (ValueError, TypeError, OSError) as error:
             complain(f"Error: {in_words(error)}")
@@ -134,57 +124,11 @@ def motion(toy: Toy, guess: float, order: int = 1) -> PeriodicOrbit:
     return orbit
 
 
-@contextmanager
-def results_in(out: Path) -> Iterator[Path]:
-    """The folder for the results, made before anything long is computed.
-
-    Where a command ends in an error before it has written anything, what was made of the folder is
-    gone again.
-    """
-    missing = [each for each in (out, *out.parents) if not each.exists()]
-    out.mkdir(parents=True, exist_ok=True)
-    try:
-        yield out
-    except BaseException:
-        with suppress(OSError):  # there is something in it
-            for each in missing:
-                each.rmdir()
-        raise
-
-
 def progress() -> Progress:
     """A progress bar that leaves nothing behind."""
-    return bar_on(errors)
+    return bar_on(screen(stderr=True))
 
 
 def in_metres(length: float) -> str:
     """A length [m] for a reader, as in tables."""
     return "without end" if math.isinf(length) else f"{length:.7f} m"
-
-
-def asked_for() -> Mapping[str, object]:
-    """What the command that runs was asked for: the toy and its own options."""
-    return _asked.get()[1]
-
-
-def report(where: Path, *names: str) -> None:
-    """Say which files were written, to the user and in a record that lies beside them.
-
-    What an earlier run of the command has left there, and this one did not write, is removed.
-    """
-    from pwmap.diagrams.record import keep_record, record_of
-
-    finished()
-    command, asked = _asked.get()
-    gone = keep_record(where, command, names, asked)
-    tell_written(console, where, (*names, record_of(command)), gone)
-
-
-def say(sentence: str) -> None:
-    """A sentence, brackets and all."""
-    console.print(sentence, highlight=False, soft_wrap=True)
-
-
-def complain(sentence: str) -> None:
-    """A sentence about what went wrong."""
-    errors.print(sentence, style="red", highlight=False, soft_wrap=True)

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from woodpecker import Count
 from woodpecker.cli.app import app
-from woodpecker.cli.regions import FILES
+from woodpecker.cli.regions import PICTURE, TABLES
 from woodpecker.plot.regions import colour, described
 
 BESIDE_THE_FLIP = (
@@ -26,7 +26,7 @@ def test_the_flip_cuts_the_plane_in_two(tmp_path: Path) -> None:
     found = CliRunner().invoke(app, [*BESIDE_THE_FLIP, "--out", str(tmp_path)])
     assert found.exit_code == 0
     assert sorted(each.name for each in tmp_path.iterdir()) == sorted(
-        [*FILES, "about_regions.json"]
+        [PICTURE, *TABLES, "about_regions.json"]
     )
     with (tmp_path / "regions.csv").open(encoding="utf-8") as lines:
         rows = list(csv.DictReader(lines))
