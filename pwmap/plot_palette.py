@@ -1,15 +1,16 @@
 """One colour for each period, in cells, rasters, diagrams and orbits alike.
 
-Any two of them can be told apart in grey print, by a lightness L* that is some 8 further or less,
-and by eyes that lack one kind of cone; ``tests/pwmap/test_palette.py`` measures both.
+Any two of them can be told apart in grey print, by a lightness L* that differs by six or more, and
+by eyes that lack one kind of cone; ``tests/pwmap/test_palette.py`` measures both.
 """
 
 from __future__ import annotations
 
 PERIODS = (
-    "#006096", "#fd962a", "#09976f", "#f4da59", "#722e6d", "#e774a3", "#ca3f26", "#76d1ee",
+    "#006096", "#e774a3", "#722e6d", "#09976f", "#fd962a", "#ca3f26", "#76d1ee", "#f4da59",
 )  # fmt: skip
-CHAOS, NOTHING = "#303030", "#f0f0f0"  # no period; nothing that attracts is known
+CHAOS, NOTHING = "#303030", "#ffffff"  # no period; nothing that attracts is known
+QUIET = "#ececec"  # what a picture is not about, such as cycles among bands
 
 
 def of_period(period: int) -> str:

@@ -14,7 +14,6 @@ from dataclasses import dataclass, field, replace
 from enum import StrEnum
 from functools import cmp_to_key
 from importlib import import_module
-from itertools import pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -628,14 +627,16 @@ class Diagram:
                 return point
         raise KeyError(f"no special point {point_id!r} in this diagram")
 
-    def named(self, places: Mapping[str, tuple[float, float]], within: float = 0.01) -> Diagram:
+    def named(
+        self, places: Mapping[str, tuple[float, float] | str], within: float = 0.01
+    ) -> Diagram:
         """The same diagram with names for special points, such as those of a publication.
 
         Parameters
         ----------
         places
-            For each name a parameter and an x. A border collision so near gets the name: of those
-            of the lowest order, the nearest.
+            For each name the id of a point, such as ``PD1``, or a parameter and an x. A border
+            collision so near gets the name: of those of the lowest order, the nearest.
         within
             Largest distance in either, as a part of what the diagram extends over. A name is left
             out if no border collision lies so close to its place.
@@ -649,12 +650,16 @@ class Diagram:
         ------
         ValueError
             If a name is that of another point's id, or two names fall on one point.
+        KeyError
+            If there is no point of an id.
         """
         given: dict[str, str] = {}
         for name, place in places.items():
             if name in self._point:
                 raise ValueError(f"a name must differ from all ids of points, got {name!r}")
-            point = self._collision_near(place, within)
+            point = (
+                self.point(place) if isinstance(place, str) else self._collision_near(place, within)
+            )
             if point is None:
                 continue
             if point.id in given:
@@ -831,12 +836,12 @@ class Diagram:
         return replace(self, branches=tuple(branches), points=tuple(points))
 
     def path(self, first: str, last: str) -> tuple[str, ...]:
-        """A shortest way from one branch to another: ids of branches and points in turn.
+        """A shortest way from one place to another: ids of branches and points in turn.
 
         Parameters
         ----------
         first, last
-            Ids of the branches.
+            Ids of branches, or ids or names of points.
 
         Returns
         -------
@@ -846,24 +851,25 @@ class Diagram:
         Raises
         ------
         KeyError
-            If there is no such branch.
+            If there is no such branch or point.
         """
-        start, stop = self.branch(first), self.branch(last)
-        if first == last:
-            return (first,)
-        graph = self.graph()
-        ways = [
-            nx.shortest_path(graph, a, b)
-            for a in start.ends
-            for b in stop.ends
-            if nx.has_path(graph, a, b)
-        ]
-        if not ways:
+        graph = nx.Graph()
+        graph.add_nodes_from((branch.id, 0) for branch in self.branches)
+        graph.add_nodes_from((point.id, 1) for point in self.points)
+        graph.add_edges_from(((b.id, 0), (end, 1)) for b in self.branches for end in b.ends)
+        start, stop = self._place(first), self._place(last)
+        if not nx.has_path(graph, start, stop):
             return ()
-        nodes = min(ways, key=len)
-        steps = [next(iter(graph[a][b])) for a, b in pairwise(nodes)]
-        inner = [name for pair in zip(nodes, [*steps, last], strict=True) for name in pair]
-        return (first, *inner)
+        return tuple(name for name, _ in nx.shortest_path(graph, start, stop))
+
+    def _place(self, name: str) -> tuple[str, int]:
+        """A branch or a point as a node between which there are ways: ids of both may be one."""
+        if name in self._branch:
+            return name, 0
+        try:
+            return self.point(name).id, 1
+        except KeyError:
+            raise KeyError(f"no branch and no special point {name!r} in this diagram") from None
 
     def with_word(self, word: str) -> tuple[Branch, ...]:
         """Branches that have a word, at least along one of their stretches.

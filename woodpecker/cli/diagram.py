@@ -52,7 +52,7 @@ Names = Annotated[
     str,
     option(
         "Names for the border collisions nearest to these places (eps_n1, phi_S); by default those "
-        "of the paper, read off its Figure 10."
+        "of the paper, read off its Figure 10. For any point, such as flip=PD1, by its id."
     ),
 ]
 Words = Annotated[
@@ -128,7 +128,7 @@ class _Shows(NamedTuple):
     of fold-flips are drawn.
     """
 
-    places: dict[str, tuple[float, float]]
+    places: dict[str, tuple[float, float] | str]
     columns: tuple[str, ...]
     words: bool
     models: bool
@@ -277,15 +277,20 @@ def _summary(everything: Found) -> str:
     )
 
 
-def places_of(text: str) -> dict[str, tuple[float, float]]:
-    """Names and their places, such as ``A=0.111,-0.884``, separated by blanks."""
-    found = {}
+def places_of(text: str) -> dict[str, tuple[float, float] | str]:
+    """Names and places, such as ``A=0.111,-0.884``, or ids, ``flip=PD1``, separated by blanks."""
+    found: dict[str, tuple[float, float] | str] = {}
     for part in text.split():
         name, _, place = part.partition("=")
+        if name and place.isidentifier():
+            found[name] = place
+            continue
         try:
             p, x = (float(number) for number in place.split(","))
         except ValueError:
-            raise ValueError(f"--names needs name=eps_n1,phi_S for each, got {part!r}") from None
+            raise ValueError(
+                f"--names needs name=eps_n1,phi_S or name=id for each, got {part!r}"
+            ) from None
         found[name] = p, x
     return found
 
