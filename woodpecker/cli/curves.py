@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pwmap.cli_screen import Formats, picture_format, say, show
 from pwmap.diagrams.files import in_format
 from woodpecker.cli.diagram import PAPER, places_of
-from woodpecker.cli.options import GUESS, CommandError, Out, motion, option, progress
+from woodpecker.cli.help import option
+from woodpecker.cli.options import GUESS, CommandError, Out, motion, progress
 from woodpecker.cli.results import Results, asked_for, results_in
 from woodpecker.mechanics.toy import Toy, known_parameter
 

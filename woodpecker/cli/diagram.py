@@ -11,7 +11,8 @@ from pwmap.cli_screen import Formats, picture_format, say, show
 from pwmap.diagrams.files import PictureFormat
 from pwmap.diagrams.shown import counted
 from woodpecker.base.lost import WorkerLostError
-from woodpecker.cli.options import GUESS, Out, Window, motion, option, progress
+from woodpecker.cli.help import option
+from woodpecker.cli.options import GUESS, Out, Window, motion, progress
 from woodpecker.cli.results import INTERRUPTED, Results, results_in
 from woodpecker.mechanics.toy import Toy, known_parameter
 from woodpecker.window import WINDOW

@@ -8,7 +8,8 @@ from typing import Annotated
 import typer
 
 from pwmap.cli_screen import say
-from woodpecker.cli.options import CommandError, option
+from woodpecker.cli.help import option
+from woodpecker.cli.options import CommandError
 from woodpecker.mechanics.toy import Toy
 
 Port = Annotated[

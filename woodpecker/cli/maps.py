@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated
 
 from pwmap.cli_screen import Formats, picture_format, say, show
 from pwmap.diagrams.files import in_format, rows_as_text, write_whole
-from woodpecker.cli.options import Out, Window, option, progress
+from woodpecker.cli.help import option
+from woodpecker.cli.options import Out, Window, progress
 from woodpecker.cli.results import Results, results_in
 from woodpecker.mechanics.toy import Toy
 

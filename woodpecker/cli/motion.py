@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from pwmap.cli_screen import Formats, picture_format, say, show
 from pwmap.diagrams.files import in_format
+from woodpecker.cli.help import option
 from woodpecker.cli.options import (
     GUESS,
     CommandError,
@@ -14,7 +15,6 @@ from woodpecker.cli.options import (
     Start,
     in_metres,
     motion,
-    option,
     progress,
 )
 from woodpecker.cli.results import results_in

@@ -14,9 +14,11 @@ from rich.markup import escape
 
 from pwmap.cli_screen import bar_on, complain, in_words, picture_format, screen
 from woodpecker.base.lost import WorkerLostError
+from woodpecker.cli.help import option
 from woodpecker.cli.interrupts import heard
 from woodpecker.cli.results import INTERRUPTED, begin
-from woodpecker.mechanics.toy import LAW, ExpansionFriction, Toy, description, parameters
+from woodpecker.cli.toys import toy_of, toy_options
+from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:  # help and refusals come before what computes is loaded
     from rich.progress import Progress
@@ -29,11 +31,6 @@ OUT = "out"  # the option that says where, not what
 
 class CommandError(Exception):
     """A computation that ended without a result; the message is for the user."""
-
-
-def option(text: str, *names: str, **keywords: Any) -> Any:
-    """An option with its help, in which ``[rad]`` is a unit and no markup."""
-    return typer.Option(*names, help=escape(text), **keywords)
 
 
 Out = Annotated[
@@ -59,11 +56,11 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
         parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY, annotation=hints[parameter.name])
         for parameter in list(inspect.signature(command).parameters.values())[1:]
     ]
-    of_toy = _toy_options()
+    of_toy = toy_options()
 
     def wrapped(**values: Any) -> None:
         try:
-            toy = Toy(**{each.name: values.pop(each.name) for each in of_toy})
+            toy = toy_of(values)
             options = {name: value for name, value in values.items() if name != OUT}
             begin(named, {"toy": asdict(toy), "options": options})
             picture_format(None)
@@ -88,30 +85,6 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
 def _flowing(text: str) -> str:
     """A docstring for a terminal of any width: each paragraph is one line."""
     return escape("\n\n".join(" ".join(part.split()) for part in text.split("\n\n")))
-
-
-def _toy_options() -> list[inspect.Parameter]:
-    """One option for each field of the toy, described as in :class:`woodpecker.Toy`."""
-    default, panel = Toy(), "Parameters of the toy"
-    kinds: dict[str, Any] = {}
-    for name in parameters():
-        meaning, unit, domain = description(name)
-        text = f"{meaning[0].upper()}{meaning[1:]} [{unit}]; must {domain.value}"
-        kinds[name] = Annotated[float, option(text, rich_help_panel=panel)]
-    kinds[LAW] = Annotated[
-        ExpansionFriction,
-        option(
-            "What bounds friction in the expansion of an impact at two contacts: the sum of both "
-            "normal impulses, from which the paper's figures follow, or Coulomb's law at each",
-            rich_help_panel=panel,
-        ),
-    ]
-    return [
-        inspect.Parameter(
-            name, inspect.Parameter.KEYWORD_ONLY, default=getattr(default, name), annotation=kind
-        )
-        for name, kind in kinds.items()
-    ]
 
 
 def motion(toy: Toy, guess: float, order: int = 1) -> PeriodicOrbit:

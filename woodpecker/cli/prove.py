@@ -10,8 +10,9 @@ import typer
 
 from pwmap.cli_screen import complain, in_words, say
 from woodpecker.cli.diagram import PAPER, places_of
+from woodpecker.cli.help import option
 from woodpecker.cli.interrupts import heard
-from woodpecker.cli.options import GUESS, CommandError, Out, motion, option, progress
+from woodpecker.cli.options import GUESS, CommandError, Out, motion, progress
 from woodpecker.cli.results import INTERRUPTED, results_in
 from woodpecker.mechanics.toy import Toy
 

@@ -11,7 +11,8 @@ from pwmap.diagrams.shown import counted
 from woodpecker.cli.curves import TABLES as CURVES
 from woodpecker.cli.curves import Parameters, Second, second_of, two_of, write_curves
 from woodpecker.cli.diagram import orders_of
-from woodpecker.cli.options import Out, Window, option, progress
+from woodpecker.cli.help import option
+from woodpecker.cli.options import Out, Window, progress
 from woodpecker.cli.results import Results, results_in
 from woodpecker.mechanics.toy import Toy
 from woodpecker.plane.survey import Survey

@@ -10,7 +10,6 @@ from typing import Any
 
 import pytest
 import typer
-from click.testing import Result
 from typer.testing import CliRunner
 
 from pwmap import cli as pwmap_cli
@@ -30,9 +29,9 @@ COMMANDS: dict[str, tuple[typer.Typer, tuple[str, ...], str, str]] = {
 }
 
 
-def run(name: str, *more: str) -> Result:
+def run(name: str, *more: str) -> Any:
     program, arguments, _, _ = COMMANDS[name]
-    found: Result = CliRunner().invoke(program, [*arguments, *more])
+    found = CliRunner().invoke(program, [*arguments, *more])
     if found.exception is not None and not isinstance(found.exception, SystemExit):
         raise found.exception
     return found
