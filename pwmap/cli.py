@@ -173,7 +173,7 @@ def analyse(
         tables, pictures = _written(kept, more, out), list[str]()
         with kept.going_on():
             if not kept.interrupts:
-                _tell(kept.diagram, more)
+                _tell(map_, kept.diagram, more)
                 for name in chain(_draw(found, more, out, form), more.draw(out, form)):
                     pictures.append(name)  # each is there, if the next one is interrupted
         names = [*tables, *pictures]
@@ -283,10 +283,13 @@ def _written(kept: _Kept, more: LongRun, out: Path) -> list[str]:
     return names
 
 
-def _tell(found: Diagram, more: LongRun) -> None:
-    """All tables for a person."""
+def _tell(map_: PiecewiseLinearMap, found: Diagram, more: LongRun) -> None:
+    """All tables for a person; before them, if they hold in a part of what was assumed only."""
+    from pwmap.cli_given import in_a_part_only
     from pwmap.diagrams.tables import table_of_branches, table_of_points
 
+    if part := in_a_part_only(map_, found):
+        say(part)
     show(table_of_branches(found), table_of_points(found), *more.tables())
 
 
