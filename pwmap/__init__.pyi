@@ -72,6 +72,7 @@ from .plane.plane import ParameterPlane as ParameterPlane
 from .plane.plane import parameter_plane as parameter_plane
 from .plane.rasters import PlaneRaster as PlaneRaster
 from .plane.rasters import plane_raster as plane_raster
+from .plane.regions import PlaneRegion as PlaneRegion
 from .plane.strips import Strip as Strip
 from .rotations.centres import CentreKind as CentreKind
 from .rotations.centres import OrganisingCentre as OrganisingCentre

@@ -7,6 +7,7 @@ import signal
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -15,9 +16,19 @@ import typer
 from pwmap.cli_certificates import check_files, prove_map
 from pwmap.cli_explore import explore
 from pwmap.cli_plane import draw_plane
-from pwmap.cli_reading import assignments, map_of, orders_of
-from pwmap.cli_screen import bar_on, in_words, screen, tell_written
-from pwmap.diagrams.files import PictureFormat
+from pwmap.cli_reading import assignments, exact, exact_span, map_of, orders_of
+from pwmap.cli_screen import (
+    Formats,
+    bar_on,
+    complain,
+    in_words,
+    picture_format,
+    say,
+    screen,
+    show,
+    tell_replaced,
+    tell_written,
+)
 from pwmap.maps.budget import BUDGET, Budget, Progress
 
 if TYPE_CHECKING:  # help and refusals come before what computes is loaded
@@ -25,6 +36,7 @@ if TYPE_CHECKING:  # help and refusals come before what computes is loaded
 
     from pwmap.cli_longrun import LongRun
     from pwmap.diagrams.diagram import Diagram
+    from pwmap.diagrams.files import PictureFormat
     from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 app = typer.Typer(
@@ -34,8 +46,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-console = screen()
-errors = screen(stderr=True)
 INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C has ended
 
 
@@ -43,7 +53,7 @@ def _tell_version(asked: bool) -> None:
     if asked:
         from pwmap import __version__
 
-        console.print(f"pwmap {__version__}", highlight=False)
+        say(f"pwmap {__version__}")
         raise typer.Exit
 
 
@@ -64,12 +74,15 @@ Formula = Annotated[str, typer.Argument(help="The map, as the text of a sympy Pi
 Varied = Annotated[str, typer.Option(help="The parameter to vary.")]
 Values = Annotated[
     list[str] | None,
-    typer.Option("--set", help="Value of another parameter, such as a=5/4; repeatable."),
+    typer.Option("--set", help="Value of another parameter, such as a=5/4 or a=1.25; repeatable."),
 ]
 Orders = Annotated[str, typer.Option(help="Iterates to look at, such as 1,2,3.")]
 Ends = Annotated[
     tuple[str, str] | None,
-    typer.Option(help="Two rationals; by default all that happens.", show_default=False),
+    typer.Option(
+        help="Two rationals, such as 0 5/2 or 0 2.5; by default all that happens.",
+        show_default=False,
+    ),
 ]
 Given = Annotated[
     list[str] | None,
@@ -94,7 +107,6 @@ Density = Annotated[
     list[str] | None,
     typer.Option(help="A value of the parameter whose invariant density is drawn; repeatable."),
 ]
-Picture = Annotated[PictureFormat, typer.Option("--format", help="Format of the pictures.")]
 Out = Annotated[
     Path,
     typer.Option(
@@ -117,16 +129,17 @@ def analyse(
     attractors: Attractors = False,
     entropy: Entropy = False,
     density: Density = None,
-    picture: Picture = PictureFormat.PNG,
+    picture: Formats = None,
     out: Out = Path("out"),
 ) -> None:
     """Find all branches and special points over a parameter, exactly; draw and export them.
 
     The iterates are taken order by order. If that takes more pieces than allowed, or is ended by
     Ctrl-C, the orders that were completed are kept; Ctrl-C later keeps the diagram, and what is
-    known of the long run in files of its own. Files of tables are written then, pictures are not;
-    Ctrl-C again ends it at once. What attracts in the long run, and how complex it is, is asked for
-    by --attractors and --entropy, which need a span, and by --density.
+    known of the long run in files of its own. Tables are written and shown first, pictures after
+    them; Ctrl-C keeps those that are there, and Ctrl-C again ends it at once. What attracts in the
+    long run, and how complex it is, is asked for by --attractors and --entropy, which need a span,
+    and by --density.
 
     Example: pwmap analyse "Piecewise((r - 2, x <= 0), (r - a*x, True))" --parameter r --set a=5/4
     """
@@ -134,35 +147,36 @@ def analyse(
         "map": formula, "variable": variable, "parameter": parameter, "set": set_ or [],
         "given": given or [], "orders": orders, "span": span, "sample": sample or [],
         "pieces": pieces, "attractors": attractors, "entropy": entropy,
-        "density": density or [], "format": picture,
+        "density": density or [], "format": picture or [],
     }  # fmt: skip
     kept = _Kept({"map": formula, "set": set_ or []})
     with _told_in_a_sentence(kept):
         from pwmap.cli_longrun import LongRun
         from pwmap.diagrams.record import keep_record
 
+        form = picture_format(picture)
         map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
         listed = orders_of(orders)
         values = assignments(sample, "--sample") if sample else None
-        with bar_on(errors) as bar:
+        span = exact_span(span)
+        tell_replaced(out, "analyse")
+        with bar_on(screen(stderr=True)) as bar:
             more = LongRun(map_, parameter, span, kept.interrupts, bar)
             with kept.going_on():
                 found = _computed(map_, parameter, span, listed, pieces, values, kept, bar)
                 more.ask(
-                    attractors=attractors, entropy=entropy, density=tuple(density or ()),
-                    order=max(listed),
+                    attractors=attractors, entropy=entropy, order=max(listed),
+                    density=tuple(map(exact, density or ())),
                 )  # fmt: skip
                 if not kept.interrupts:
                     kept.keep(more.added(found))
-        tables, pictures, others = _written(kept, more, out), list[str](), list[str]()
+        tables, pictures = _written(kept, more, out), list[str]()
         with kept.going_on():
             if not kept.interrupts:
-                for name in _draw(found, more, out, picture):
+                _tell(map_, kept.diagram, more)
+                for name in chain(_draw(found, more, out, form), more.draw(out, form)):
                     pictures.append(name)  # each is there, if the next one is interrupted
-                for name in more.draw(out, picture):
-                    others.append(name)
-                _tell(kept.diagram, more)
-        names = [*pictures, *tables, *others]
+        names = [*tables, *pictures]
         gone = keep_record(out, "analyse", names, asked)
     _tell_end(kept, more, out, names, gone, without="" if pictures else ", without pictures")
 
@@ -224,10 +238,10 @@ def _told_in_a_sentence(kept: _Kept) -> Iterator[None]:
     try:
         yield
     except KeyboardInterrupt:
-        errors.print(f"Interrupted: {kept.lost}", style="red")
+        complain(f"Interrupted: {kept.lost}")
         raise typer.Exit(INTERRUPTED) from None
     except (ValueError, TypeError, OSError) as error:
-        errors.print(f"Error: {in_words(error)}", style="red", highlight=False, soft_wrap=True)
+        complain(f"Error: {in_words(error)}")
         raise typer.Exit(2) from None
 
 
@@ -269,12 +283,14 @@ def _written(kept: _Kept, more: LongRun, out: Path) -> list[str]:
     return names
 
 
-def _tell(found: Diagram, more: LongRun) -> None:
-    """All tables for a person."""
+def _tell(map_: PiecewiseLinearMap, found: Diagram, more: LongRun) -> None:
+    """All tables for a person; before them, if they hold in a part of what was assumed only."""
+    from pwmap.cli_given import in_a_part_only
     from pwmap.diagrams.tables import table_of_branches, table_of_points
 
-    for table in (table_of_branches(found), table_of_points(found), *more.tables()):
-        console.print(table)
+    if part := in_a_part_only(map_, found):
+        say(part)
+    show(table_of_branches(found), table_of_points(found), *more.tables())
 
 
 def _tell_end(
@@ -283,11 +299,11 @@ def _tell_end(
     """What was written, and after Ctrl-C what was not."""
     from pwmap.diagrams.record import record_of
 
-    tell_written(console, out, (*names, record_of("analyse")), gone)
+    tell_written(out, (*names, record_of("analyse")), gone)
     if kept.interrupts:
         for sentence in (*kept.diagram.given, *more.left_out):
-            console.print(sentence, highlight=False)
-        errors.print(f"Interrupted: what was finished is kept{without}", style="red")
+            say(sentence)
+        complain(f"Interrupted: what was finished is kept{without}")
         raise typer.Exit(INTERRUPTED)
 
 

@@ -7,8 +7,10 @@ from typing import Annotated, NoReturn
 
 import typer
 
-from pwmap.cli_reading import assignments, map_of, orders_of
-from pwmap.cli_screen import in_words, screen
+from pwmap.cli_reading import assignments, exact_span, map_of, orders_of
+from pwmap.cli_screen import complain, in_words, say
+
+INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C has ended
 
 
 def prove_map(
@@ -40,20 +42,23 @@ def prove_map(
     from pwmap import Certificate, bifurcation_diagram, prove
 
     try:
+        if out.exists():
+            say(f"replaces {out}")
         map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
         found: Certificate
         if parameter is None:
             found = prove(map_, order=order)
         else:
             wanted = orders_of(orders)
-            diagram = bifurcation_diagram(map_, parameter, span, wanted)
+            diagram = bifurcation_diagram(map_, parameter, exact_span(span), wanted)
             found = prove(diagram, map_, orders=wanted)
         found.save(out)
+    except KeyboardInterrupt:
+        _leave("Interrupted: there is nothing to keep yet", INTERRUPTED)
     except (ValueError, TypeError, OSError) as error:
         _leave(f"Error: {in_words(error)}", 2)
-    console = screen()
-    console.print(found.statement, highlight=False, soft_wrap=True)
-    console.print(f"wrote {out}", soft_wrap=True)
+    say(found.statement)
+    say(f"wrote {out}")
 
 
 def check_files(
@@ -72,17 +77,15 @@ def check_files(
             statement = check_certificate(file)
         except Refused as refusal:
             refused += 1
-            _complain(f"{name} is refused: {refusal}")
+            complain(f"{name} is refused: {refusal}")
+        except KeyboardInterrupt:
+            _leave(f"Interrupted while {name} was checked", INTERRUPTED)
         else:
-            screen().print(f"{name}: {statement}", highlight=False, soft_wrap=True)
+            say(f"{name}: {statement}")
     if refused:
         raise typer.Exit(1)
 
 
-def _complain(text: str) -> None:
-    screen(stderr=True).print(text, style="red", highlight=False, soft_wrap=True)
-
-
 def _leave(text: str, status: int) -> NoReturn:
-    _complain(text)
+    complain(text)
     raise typer.Exit(status) from None

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from pwmap.cli_reading import assignments
-from pwmap.cli_screen import in_words, screen
+from pwmap.cli_screen import complain, in_words, say
 
 MISSING = 'the explorer needs Bokeh: pip install "woodpecker-toy[explore]"'
 
@@ -39,12 +39,11 @@ def explore(
 
     Example: pwmap explore "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))" --set a=1/2 --set b=-3/2
     """
-    errors = screen(stderr=True)
     try:
         from pwmap.explore.map_page import run
         from pwmap.explore.map_state import MapState
     except ImportError:
-        errors.print(f"Failed: {MISSING}", style="red", markup=False)
+        complain(f"Failed: {MISSING}")
         raise typer.Exit(1) from None
     try:
         values = tuple(sorted(assignments(set_ or ()).items()))
@@ -54,11 +53,11 @@ def explore(
         elif values:
             state = state.at(**dict(values))
     except ValueError as error:
-        errors.print(f"Error: {in_words(error)}", style="red", markup=False)
+        complain(f"Error: {in_words(error)}")
         raise typer.Exit(2) from None
 
     def ready(address: str) -> None:
-        screen().print(f"The explorer is at {address} (Ctrl-C ends it)", highlight=False)
+        say(f"The explorer is at {address} (Ctrl-C ends it)")
         if not no_browser:
             webbrowser.open(address)
 

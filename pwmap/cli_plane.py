@@ -2,18 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pwmap.cli_reading import assignments, map_of, orders_of
-from pwmap.cli_screen import bar_on, in_words, screen, tell_written
-from pwmap.diagrams.files import PictureFormat, in_format
+from pwmap.cli_reading import assignments, exact, map_of, orders_of
+from pwmap.cli_screen import (
+    Formats,
+    bar_on,
+    complain,
+    in_words,
+    picture_format,
+    say,
+    screen,
+    show,
+    tell_replaced,
+    tell_written,
+)
+from pwmap.diagrams.files import in_format
 from pwmap.maps.budget import BUDGET, Budget
 from pwmap.plane.colours import Colours
+
+INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C has ended
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -21,7 +34,7 @@ if TYPE_CHECKING:
     from pwmap.plane.plane import ParameterPlane
     from pwmap.plane.rasters import PlaneRaster
 
-FILES = ("plane.png", "plane_curves.csv", "plane_points.csv")
+PICTURE, TABLES = "plane.png", ("plane_curves.csv", "plane_points.csv")
 
 
 def draw_plane(
@@ -32,7 +45,9 @@ def draw_plane(
     along_span: Annotated[tuple[str, str], typer.Option(help="Two rationals.")],
     set_: Annotated[
         list[str] | None,
-        typer.Option("--set", help="Value of another parameter, such as a=5/4; repeatable."),
+        typer.Option(
+            "--set", help="Value of another parameter, such as a=5/4 or a=1.25; repeatable."
+        ),
     ] = None,
     orders: Annotated[str, typer.Option(help="Iterates to look at, such as 1,2,3.")] = "1,2",
     given: Annotated[
@@ -54,9 +69,7 @@ def draw_plane(
         int | None,
         typer.Option(help="Curves of crises, too: by words up to this order first.", min=1),
     ] = None,
-    picture: Annotated[
-        PictureFormat, typer.Option("--format", help="Format of the pictures.")
-    ] = PictureFormat.PNG,
+    picture: Formats = None,
     out: Annotated[
         Path,
         typer.Option(
@@ -68,7 +81,7 @@ def draw_plane(
     """Cut a rectangle of two parameters into cells, exactly, and name the curves between them.
 
     Strips of cells are found from left to right; Ctrl-C keeps those that are finished, and of
-    curves of crises and of the raster what is.
+    curves of crises and of the raster what is, as tables and as a picture.
 
     Example: pwmap plane "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))" --across a --along b
     --across-span 1/10 11/10 --along-span -5 -1/2 --orders 1,2,3 --colours bands
@@ -78,12 +91,20 @@ def draw_plane(
     from pwmap.plane.crisiscurves import SEARCH
     from pwmap.plane.rasters import RASTER
 
-    errors = screen(stderr=True)
+    asked: dict[str, object] = {
+        "map": formula, "variable": variable, "across": across, "along": along,
+        "across_span": across_span, "along_span": along_span, "set": set_ or [],
+        "given": given or [], "orders": orders, "colours": colours, "crises": crises,
+        "raster": raster, "pieces": pieces, "format": picture or [],
+    }  # fmt: skip
+    names, interrupts = list[str](), list[bool]()
     try:
+        (file,) = in_format((PICTURE,), picture_format(picture))
         map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
         seen: PlaneRaster | None = None
-        with bar_on(errors) as bar:
-            task, interrupts = bar.add_task("strips", total=None), list[bool]()
+        tell_replaced(out, "plane")
+        with bar_on(screen(stderr=True)) as bar:
+            task = bar.add_task("strips", total=None)
             budget = Budget(
                 pieces=pieces,
                 progress=lambda at: bar.update(
@@ -92,53 +113,62 @@ def draw_plane(
                 on_interrupt=lambda: interrupts.append(True),
             )
             found = parameter_plane(
-                map_, across, along, across_span, along_span, orders_of(orders), budget=budget
+                map_,
+                across,
+                along,
+                (exact(across_span[0]), exact(across_span[1])),
+                (exact(along_span[0]), exact(along_span[1])),
+                orders_of(orders),
+                budget=budget,
             )
             if crises is not None and not interrupts:
                 found = with_crises(found, crises, budget=replace(budget, work=SEARCH.work))
             if colours is not None and not interrupts:
                 seen = plane_raster(found, *raster, budget=replace(budget, work=RASTER.work))
         out.mkdir(parents=True, exist_ok=True)
-        files = in_format(FILES, picture)
-        _write(found, seen, colours, out, files)
-        asked: dict[str, object] = {
-            "map": formula, "variable": variable, "across": across, "along": along,
-            "across_span": across_span, "along_span": along_span, "set": set_ or [],
-            "given": given or [], "orders": orders, "colours": colours, "crises": crises,
-            "raster": raster, "pieces": pieces, "format": picture,
-        }  # fmt: skip
-        gone = keep_record(out, "plane", files, asked)
+        _write(found, out)
+        names += TABLES
+        try:
+            show(*tables(found))
+            _draw(found, seen, colours, out / file)
+            names.append(file)
+        except KeyboardInterrupt:  # the tables are there
+            interrupts.append(True)
+        gone = keep_record(out, "plane", names, asked)
     except KeyboardInterrupt:
-        errors.print("Interrupted: there is nothing to keep yet", style="red")
-        raise typer.Exit(130) from None
+        complain("Interrupted: there is nothing to keep yet")
+        raise typer.Exit(INTERRUPTED) from None
     except (ValueError, TypeError, OSError) as error:
-        errors.print(f"Error: {in_words(error)}", style="red", highlight=False, soft_wrap=True)
+        complain(f"Error: {in_words(error)}")
         raise typer.Exit(2) from None
-    console = screen()
-    for table in tables(found):
-        console.print(table)
     for sentence in filter(None, (found.left_out, seen.left_out if seen is not None else "")):
-        console.print(sentence, highlight=False)
-    tell_written(console, out, (*files, record_of("plane")), gone)
+        say(sentence)
+    tell_written(out, (*names, record_of("plane")), gone)
     if interrupts:
-        errors.print("Interrupted: what was finished is kept", style="red")
-        raise typer.Exit(130)
+        without = "" if file in names else ", without the picture"
+        complain(f"Interrupted: what was finished is kept{without}")
+        raise typer.Exit(INTERRUPTED)
 
 
-def _write(
-    found: ParameterPlane, seen: PlaneRaster | None, colours: Colours | None, folder: Path,
-    files: Sequence[str],
-) -> None:  # fmt: skip
-    """The picture and both tables."""
-    from pwmap.diagrams.files import write_figure, write_table
+def _write(found: ParameterPlane, folder: Path) -> None:
+    """Both tables."""
+    from pwmap.diagrams.files import write_table
     from pwmap.plane.tables import curve_columns, point_columns
+
+    points = point_columns(found.points, (found.across, found.along))
+    for name, columns in zip(TABLES, (curve_columns(found.curves), points), strict=True):
+        write_table(folder / name, tuple(columns), zip(*columns.values(), strict=True))
+
+
+def _draw(
+    found: ParameterPlane, seen: PlaneRaster | None, colours: Colours | None, path: Path
+) -> None:
+    """The picture."""
+    from pwmap.diagrams.files import write_figure
     from pwmap.plot_plane import plot_plane
 
     drawn = plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
-    write_figure(folder / files[0], drawn.figure)
-    points = point_columns(found.points, (found.across, found.along))
-    for name, columns in zip(files[1:], (curve_columns(found.curves), points), strict=True):
-        write_table(folder / name, tuple(columns), zip(*columns.values(), strict=True))
+    write_figure(path, drawn.figure)
 
 
 def tables(found: ParameterPlane) -> Iterator[Table]:

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Mapping, Sequence
+from fractions import Fraction
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -19,8 +21,22 @@ def map_of(
     return map_.at(values) if values else map_
 
 
+DECIMAL = re.compile(r"[+-]?(\d+\.\d*|\.?\d+)(e[+-]?\d{1,3})?", re.IGNORECASE)
+
+
+def exact(text: str) -> str:
+    """A number as it is written, where it is a decimal: 1.25 is 5/4, not a double near it."""
+    stripped = text.strip()
+    return str(Fraction(stripped)) if DECIMAL.fullmatch(stripped) else text
+
+
+def exact_span(span: tuple[str, str] | None) -> tuple[str, str] | None:
+    """Both ends of an interval so."""
+    return None if span is None else (exact(span[0]), exact(span[1]))
+
+
 def assignments(texts: Iterable[str], option: str = "--set") -> dict[str, str]:
-    """Values of parameters from texts such as a=5/4.
+    """Values of parameters from texts such as a=5/4 or a=1.25, which are the same.
 
     Raises
     ------
@@ -32,7 +48,7 @@ def assignments(texts: Iterable[str], option: str = "--set") -> dict[str, str]:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not (name and equals and value):
             raise ValueError(f"{option} needs name=value, such as a=5/4, got {text!r}")
-        found[name] = value
+        found[name] = exact(value)
     return found
 
 

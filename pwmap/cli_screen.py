@@ -1,15 +1,84 @@
-"""What the commands of both packages print on: text is shown as it is, brackets and all."""
+"""What the commands of both packages print: tables and sentences for people, or for a program.
+
+On a terminal a table has its width; in a pipe no line is broken. Where ``--format`` asks for tables
+as CSV or JSON, these alone go to stdout and all sentences to stderr. Text is shown as it is,
+brackets and all.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import csv
+import json
+import os
+from collections.abc import Iterable, Sequence
+from contextvars import ContextVar
+from enum import StrEnum
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated
 
+import typer
 from rich.console import Console
+
+from pwmap.diagrams.files import PictureFormat
 
 if TYPE_CHECKING:
     from rich.progress import Progress
+    from rich.table import Table
+
+WIDE = 100_000  # characters of a line that nothing breaks
+COLUMNS = "COLUMNS"  # the variable of an environment that says how wide lines are
+
+
+class Format(StrEnum):
+    """What ``--format`` can ask for: that of pictures, that of tables on stdout, or both."""
+
+    PNG = "png"
+    PDF = "pdf"
+    SVG = "svg"
+    CSV = "csv"
+    JSON = "json"
+
+
+TABLES = Format.CSV, Format.JSON
+Formats = Annotated[
+    list[Format] | None,
+    typer.Option(
+        "--format",
+        help="Format of the pictures, png by default, or csv or json for the tables on stdout "
+        "(sentences go to stderr then); repeatable, once for each.",
+    ),
+]
+TableFormat = Annotated[
+    list[Format] | None,
+    typer.Option("--format", help="csv or json for the tables on stdout; sentences go to stderr."),
+]
+_tables: ContextVar[Format | None] = ContextVar("_tables", default=None)
+
+
+def picture_format(asked: Iterable[Format] | None) -> PictureFormat:
+    """The format of pictures; that of tables is kept for :func:`show`.
+
+    Parameters
+    ----------
+    asked
+        What ``--format`` was given.
+
+    Raises
+    ------
+    ValueError
+        If there are two formats of pictures, or two of tables.
+    """
+    listed = [*dict.fromkeys(asked or ())]
+    tables = [each for each in listed if each in TABLES]
+    pictures = [each for each in listed if each not in TABLES]
+    for several in (tables, pictures):
+        if len(several) > 1:
+            raise ValueError(
+                "--format takes one of png, pdf, svg and one of csv, json, got "
+                + " and ".join(several)
+            )
+    _tables.set(tables[0] if tables else None)
+    return PictureFormat(pictures[0]) if pictures else PictureFormat.PNG
 
 
 def screen(*, stderr: bool = False, width: int | None = None) -> Console:
@@ -23,6 +92,47 @@ def screen(*, stderr: bool = False, width: int | None = None) -> Console:
         In characters; by default that of the terminal.
     """
     return Console(stderr=stderr, width=width, markup=False, emoji=False)
+
+
+def show(*tables: Table) -> None:
+    """Tables on stdout, each in the format that was asked for.
+
+    Parameters
+    ----------
+    *tables
+        For people; a program gets their cells as text. In CSV there is an empty line between two
+        tables, and no title.
+    """
+    console = screen()
+    form = _tables.get()
+    for number, table in enumerate(tables):
+        header = [str(column.header) for column in table.columns]
+        cells = ([_in_a_line(cell) for cell in column.cells] for column in table.columns)
+        rows = [*zip(*cells, strict=True)]
+        if form is Format.CSV:
+            console.file.write("\n" if number else "")
+            csv.writer(console.file, lineterminator="\n").writerows([header, *rows])
+        elif form is Format.JSON:
+            content = {"table": str(table.title or ""), "columns": header, "rows": rows}
+            console.file.write(json.dumps(content, ensure_ascii=False) + "\n")
+        elif console.is_terminal or os.environ.get(COLUMNS):
+            console.print(table)
+        else:
+            screen(width=WIDE).print(table)
+
+
+def _in_a_line(cell: object) -> str:
+    return str(cell).replace("\n", "; ")
+
+
+def say(sentence: str) -> None:
+    """A sentence that is never broken: on stdout, or beside tables for a program on stderr."""
+    screen(stderr=_tables.get() is not None).print(sentence, highlight=False, soft_wrap=True)
+
+
+def complain(sentence: str) -> None:
+    """A sentence about what went wrong, on stderr."""
+    screen(stderr=True).print(sentence, style="red", highlight=False, soft_wrap=True)
 
 
 def bar_on(console: Console) -> Progress:
@@ -54,22 +164,36 @@ def in_words(error: Exception) -> str:
     return str(error)
 
 
-def tell_written(
-    console: Console, folder: Path, names: Sequence[str], gone: Sequence[str] = ()
-) -> None:
+def tell_replaced(folder: Path, command: str, *files: str) -> None:
+    """Say which files of an earlier run a command is about to replace, before it begins.
+
+    Parameters
+    ----------
+    folder
+        Where the results go.
+    command
+        Its name: its record says what it wrote.
+    *files
+        Names of further files that it writes in any case.
+    """
+    from pwmap.diagrams.record import earlier_files
+
+    there = [name for name in (*earlier_files(folder, command), *files) if (folder / name).exists()]
+    if there:
+        sentence = f"replaces what an earlier run wrote into {folder}: {', '.join(there)}"
+        screen(stderr=True).print(sentence, highlight=False, soft_wrap=True)
+
+
+def tell_written(folder: Path, names: Sequence[str], gone: Sequence[str] = ()) -> None:
     """Say which files were written, and which of an earlier run were removed.
 
     Parameters
     ----------
-    console
-        What it is said on.
     folder
         Where the files are.
     names, gone
         Names of both.
     """
-    written = ", ".join(str(folder / name) for name in names)
-    console.print(f"wrote {written}", highlight=False, soft_wrap=True)
+    say("wrote " + ", ".join(str(folder / name) for name in names))
     if gone:
-        removed = "removed what an earlier run wrote: " + ", ".join(gone)
-        console.print(removed, highlight=False, soft_wrap=True)
+        say("removed what an earlier run wrote: " + ", ".join(gone))

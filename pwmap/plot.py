@@ -1,8 +1,12 @@
-"""Pictures of maps and diagrams: stable solid, unstable dashed, jumps dotted."""
+"""Pictures of maps and diagrams: stable solid, unstable dashed, jumps dotted.
+
+Where there are several iterates each has the colour of its period; of one, unstable branches and
+jumps have colours of their own.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -19,12 +23,15 @@ from pwmap.diagrams.diagram import Diagram
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
 from pwmap.plot_labels import LabelledCurve, Labels, Name
+from pwmap.plot_palette import named as period_named
+from pwmap.plot_palette import of_period
 
-STABLE, UNSTABLE, JUMP, WORD = "#08306b", "#d95f0e", "#238b45", "#737373"
+STABLE, UNSTABLE, JUMP, WORD = of_period(1), "#d95f0e", "#238b45", "#737373"
 INK, GREY, VIOLET = "#252525", "#969696", "#6a51a3"
 BAND = "#c6dbef"
 NAMES = "names"  # of points and curves, among the artists of a picture
-WIDTHS = (1.3, 0.85, 0.6, 0.45)  # of the lines of the lowest order, the next, ...; over the usual
+WIDTHS = (1.25, 1.0, 0.85, 0.75)  # of the lines of the lowest order, the next, ...; over the usual
+SAMPLE = 3.0  # width of a sample of a colour in a legend [pt]
 STARS = 4.9  # stars are larger than other markers, which lie over them
 STAR = 100  # the area of one [pt^2]: its tips show behind another marker
 MOST_LABELS = 30  # of points that have labels unless the caller asks for all
@@ -51,15 +58,16 @@ def plot_diagram(
     legend: bool = True,
     words: bool = False,
     labels: bool | None = None,
+    branches: bool | Mapping[str, str] = False,
     stable_only: bool = False,
     styles: Styles | None = None,
 ) -> Drawn:
     """Draw all branches of a diagram and its special points, with their names.
 
-    Stable, unstable and jump branches differ in colour and in their lines; where there are
-    iterates, that to which a branch belongs, such as P_2, is written on it if there is room, and
-    the higher it is the thinner are its lines. Points whose markers lie on one another share one
-    label, with their names from left to right.
+    Stable branches are solid, unstable ones dashed, jumps dotted. Where there are iterates, that to
+    which a branch belongs, such as P_2, is written on it if there is room; each has the colour of
+    its period, and the higher it is the thinner are its lines. Points whose markers lie on one
+    another share one label, with their names from left to right.
 
     Parameters
     ----------
@@ -77,6 +85,8 @@ def plot_diagram(
         Whether to write names or ids beside all points that are marked, and not only beside those
         that have a name. By default points but end points have them where there are no more than
         30, and no more than two to each square inch.
+    branches
+        Whether to write ids on branches, or what to write on those of some ids.
     stable_only
         Whether to leave out what does not attract, and points at which nothing else ends.
     styles
@@ -103,12 +113,14 @@ def plot_diagram(
     ['stable', 'jump crossing', 'border collision', 'end point', 'names']
     """
     ax = ax if ax is not None else new_axes(7.0, 4.6)
-    shown = draw_branches(diagram, ax, kinds, labels=labels, stable_only=stable_only)
+    shown = draw_branches(
+        diagram, ax, kinds, labels=labels, branches=branches, stable_only=stable_only
+    )
     if words:
         marks = ax.scatter(*_word_changes(diagram), s=9, marker=".", zorder=4, color=WORD)
         shown["word change"] = [marks]
     styled(shown, styles, (*_STYLES, *(kind.label for kind in PointKind), "bands", "word change"))
-    place_legend(ax, shown, legend, order_samples(diagram, stable_only))
+    place_legend(ax, shown, legend, order_samples(diagram, shown, styles, stable_only))
     return Drawn((ax,), shown)
 
 
@@ -124,18 +136,23 @@ def place_legend(
         ax.legend(entries.values(), entries.keys(), fontsize=7, loc="best", framealpha=0.9)
 
 
-def order_samples(diagram: Diagram, stable_only: bool = False) -> list[Line2D]:
-    """For a legend: how broad the lines of each iterate are; none if there is one iterate."""
-    ranks = _ranks(diagram)
-    seen = {b.order for b in diagram.branches if b.stable.any() or not stable_only}
-    if len(ranks) < 2:
+def order_samples(
+    diagram: Diagram, shown: Artists, styles: Styles | None = None, stable_only: bool = False
+) -> list[Line2D]:
+    """For a legend: lines in ink and colours of periods; none if there is one iterate."""
+    if len(_ranks(diagram)) < 2:
         return []
-    return [
-        Line2D([], [], color=INK, linewidth=_STYLES["stable"]["linewidth"] * _width(rank),
-               label=f"width of $P_{{{order}}}$")
-        for order, rank in ranks.items()
-        if order in seen
-    ]  # fmt: skip
+    lines = [
+        Line2D([], [], **{**style, "color": INK, **(styles or {}).get(label, {})}, label=label)
+        for label, style in _STYLES.items()
+        if label in shown
+    ]
+    drawn = sorted({b.order for b in diagram.branches if b.stable.any() or not stable_only})
+    seen = {period_named(order): of_period(order) for order in drawn}
+    colours = [
+        Line2D([], [], color=colour, linewidth=SAMPLE, label=name) for name, colour in seen.items()
+    ]
+    return [*lines, *colours]
 
 
 def _ranks(diagram: Diagram) -> dict[int, int]:
@@ -150,13 +167,13 @@ def _width(rank: int) -> float:
 
 def draw_branches(
     diagram: Diagram, ax: Axes, kinds: Iterable[PointKind], *, labels: bool | None = None,
-    stable_only: bool = False,
+    branches: bool | Mapping[str, str] = False, stable_only: bool = False,
 ) -> Artists:  # fmt: skip
     """Draw branches, special points of some kinds, names and axes; artists by their legend.
 
     Parameters
     ----------
-    diagram, ax, kinds, labels, stable_only
+    diagram, ax, kinds, labels, branches, stable_only
         As for :func:`plot_diagram`.
     """
     shown: Artists = {}
@@ -169,7 +186,7 @@ def draw_branches(
     lines: Artists = {}
     ranks = _ranks(diagram)
     for curve in curves:
-        style = dict(_STYLES[curve.label])
+        style = dict(_STYLES[curve.label], color=_colour(curve, len(ranks) > 1))
         if len(ranks) > 1:
             style["linewidth"] *= _width(ranks[curve.order])
         add(lines, {curve.label: ax.plot(curve.p, curve.x, solid_capstyle="round", **style)})
@@ -193,7 +210,9 @@ def draw_branches(
                 edgecolors="white" if marker not in "|" else None, linewidths=0.6,
             )]  # fmt: skip
     named = [point for point in diagram.points if point.name and point.id in near]
-    shown[NAMES] = [_labels(ax, curves, marked, named, labels)]
+    written = {b.id: b.id for b in diagram.branches} if branches is True else branches or {}
+    on = [(text, diagram.branch(name)) for name, text in written.items()]
+    shown[NAMES] = [_labels(ax, curves, marked, named, labels, on)]
     ax.set_xlabel(axis_label(diagram.parameter_name))
     ax.set_ylabel(axis_label(diagram.x_name))
     ax.grid(alpha=0.25, linewidth=0.5)
@@ -206,24 +225,25 @@ def _ends_of(curves: Iterable[_Curve]) -> set[str]:
 
 def _labels(
     ax: Axes, curves: Sequence[_Curve], marked: Sequence[SpecialPoint],
-    named: Sequence[SpecialPoint], labels: bool | None,
+    named: Sequence[SpecialPoint], labels: bool | None, on: Sequence[tuple[str, Branch]],
 ) -> Labels:  # fmt: skip
-    """Names of points and, unless all is of order 1, of the iterates of curves."""
+    """Names of points and, unless all is of order 1, of the iterates of curves, or of branches."""
     told = [p for p in marked if p.kind is not PointKind.EP or labels]
     if labels is False or (labels is None and len(told) > MOST_LABELS):
         told = []
     written = {p.id: p for p in (*named, *told)} if labels is not False else {}
-    iterated = any(curve.order > 1 for curve in curves)
+    iterated = any(curve.order > 1 for curve in curves) and not on
     found = Labels(
         [
             Name(p.name or p.id, float(p.parameter), float(p.x), bool(p.name or labels))
             for p in written.values()
         ],
         [
-            LabelledCurve(
-                f"$P_{{{c.order}}}$" if iterated else "", c.p, c.x, _STYLES[c.label]["color"]
-            )
-            for c in curves
+            *(LabelledCurve(text, b.parameter, b.x, INK, 0.0) for text, b in on),
+            *(
+                LabelledCurve(f"$P_{{{c.order}}}$" if iterated else "", c.p, c.x, INK)
+                for c in curves
+            ),
         ],
         [(float(p.parameter), float(p.x)) for p in marked],
     )
@@ -236,6 +256,12 @@ _STYLES: dict[str, dict[str, Any]] = {
     "unstable": {"color": UNSTABLE, "linestyle": (0, (4, 1.5)), "linewidth": 1.2},
     "jump crossing": {"color": JUMP, "linestyle": (0, (1, 1.3)), "linewidth": 1.4},
 }
+
+
+def _colour(curve: _Curve, several: bool) -> str:
+    """That of its period; if all is of one period, only of what is stable."""
+    own: str = _STYLES[curve.label]["color"]
+    return of_period(curve.order) if several or curve.label == "stable" else own
 
 
 def _word_changes(diagram: Diagram) -> tuple[list[float], list[float]]:

@@ -24,8 +24,9 @@ from pwmap.longrun.numbers import to_double
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.plot import BAND, MARKERS, NAMES, STABLE, axis_label, draw_branches, order_samples
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, below, new_axes, styled
+from pwmap.plot_palette import PERIODS, named, of_period
 
-STEP, POINTS, CRISIS = "#08306b", "#c6dbef", "#cb181d"
+STEP, POINTS, CRISIS = STABLE, "#c6dbef", "#cb181d"
 LETTERS = ("#9ecae1", "#fdae6b", "#a1d99b", "#bcbddc", "#fde08b", "#d9d9d9")  # in turn
 DASHES: dict[PointKind, Any] = {
     PointKind.MC: "--",
@@ -37,15 +38,15 @@ DASHES: dict[PointKind, Any] = {
 CRISES = {PointKind.MC: "^", PointKind.XC: "P", PointKind.FC: "X"}  # markers
 EXACT = 12  # characters of a number that is written as it is; longer ones in decimals
 STEPS = 12  # places in each cell at which bands are drawn, at least
-CYCLE, NEUTRAL = "attracting cycle", "neutral intervals"
+NEUTRAL = "neutral intervals"
 FAR = 1e3  # what is infinite is drawn up to there
 KNOWN = (
     "stable",
     "unstable",
     "jump crossing",
     "bands",
-    CYCLE,
     NEUTRAL,
+    *(named(k + 1) for k in range(len(PERIODS))),
     *(k.label for k in PointKind),
 )
 MARGIN = 0.12  # beyond bands, attracting cycles and crises, of their extent
@@ -130,7 +131,7 @@ def plot_long_run(
     _window(ax, found, inner)
     styled(every, styles, KNOWN)
     if legend:
-        _legend_below(ax, every, order_samples(diagram))
+        _legend_below(ax, every, order_samples(diagram, every, styles))
     return Drawn((ax,), every)
 
 
@@ -192,6 +193,8 @@ def _window(ax: Axes, found: AttractorDiagram, inner: Any) -> None:
 def _legend_below(ax: Axes, shown: Artists, more: Sequence[Line2D] = ()) -> None:
     entries: dict[str, Artist] = {n: each[0] for n, each in shown.items() if n != NAMES and each}
     entries |= {str(line.get_label()): line for line in more}
+    periods = [named(k + 1) for k in range(len(PERIODS))]
+    entries = {n: entries[n] for n in sorted(entries, key=lambda n: (n in periods and n) or "")}
     ax.legend(
         entries.values(), entries.keys(), ncols=3, frameon=False, fontsize=7, **below(ax)
     )  # fmt: skip
@@ -247,14 +250,16 @@ def _areas(
                 area = ax.fill_between(over, below, above, linewidth=0.0, zorder=0.6,
                                        facecolor="none", edgecolor=STABLE, hatch="//")  # fmt: skip
                 add(shown, {NEUTRAL: [area]})
+            period = len(attractors[0].points)
             for points in zip(*(sorted(map(float, p.points)) for p in attractors), strict=True):
+                name, color = named(period), of_period(period)
                 if len(points) == 1:
-                    dot = ax.plot(inner, points, ".", color=STABLE, markersize=1.5, zorder=1.5)
-                    add(shown, {CYCLE: dot})
+                    dot = ax.plot(inner, points, ".", color=color, markersize=1.5, zorder=1.5)
+                    add(shown, {name: dot})
                     continue
                 values = _to_ends(over, points)
-                line = ax.plot(over, values, color=STABLE, linewidth=0.8, zorder=1.5)
-                shown[CYCLE] = [*line, *shown.get(CYCLE, [])]  # a line first: the legend shows it
+                line = ax.plot(over, values, color=color, linewidth=0.8, zorder=1.5)
+                shown[name] = [*line, *shown.get(name, [])]  # a line first: the legend shows it
         first = last + 1
 
 

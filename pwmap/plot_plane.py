@@ -2,33 +2,35 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.patches import Patch
+from matplotlib.patheffects import withStroke
 from sympy import QQ
 
 from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import bounds, spread
 from pwmap.diagrams.data import FloatArray, PointKind
-from pwmap.parameters.cells import ParameterCell
 from pwmap.plane.colours import Colours
 from pwmap.plane.network import CodimensionTwo
 from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.rasters import PlaneRaster, arc_arrays, root_array
+from pwmap.plane.regions import attracting
 from pwmap.plane.strips import Strip
 from pwmap.plot import NAMES, axis_label
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, below, new_axes, styled
 from pwmap.plot_labels import LabelledCurve, Labels, Name
+from pwmap.plot_palette import CHAOS, NOTHING, PERIODS, QUIET, of_period
 
-PERIODS = ("#4575b4", "#b3cde3", "#7fbc41", "#d9ef8b", "#f46d43", "#fee08b", "#9e7fb8", "#d8b5d8")
 NEAR = QQ(1, 10**6)  # of a strip: so close to its ends borders are drawn
 POINTS = "of codimension two"
-RARE = 0.001  # of a raster: what is known of fewer places is not in the legend
-NOTHING, CHAOS = "#f0f0f0", "#969696"
+HALO = (withStroke(linewidth=3.0, foreground="white"),)  # around curves, on areas of any colour
+FRAME = "#969696"  # of a colour in the legend, which may be white
+HATCHES = ("", "///", "xxx")  # of cells in which one, two or more periods attract
 LINES: dict[PointKind, dict[str, Any]] = {
     PointKind.BC: {"color": "#cb181d", "linewidth": 1.0},
     PointKind.FF: {"color": "#67000d", "linewidth": 2.0},
@@ -98,7 +100,8 @@ def plot_plane(
     shown: Artists = {}
     for curve in plane.curves:
         for arc in curve.arcs:
-            line = ax.plot(*arc_arrays(arc, step), **LINES[curve.kind], zorder=3)
+            line = ax.plot(*arc_arrays(arc, step), **LINES[curve.kind], zorder=3,
+                           path_effects=HALO)  # fmt: skip
             add(shown, {curve.kind.label: line})
     for point in plane.points:
         mark = ax.plot(*_place(point), "o", markersize=4.0, color="black", linestyle="none",
@@ -146,20 +149,29 @@ def _named(ax: Axes, plane: ParameterPlane, step: float) -> Labels:
 
 
 def _cells(ax: Axes, plane: ParameterPlane, samples: int) -> list[Patch]:
-    """Cells in the colour of the periods that attract there."""
-    colors: dict[tuple[int, ...], str] = {}
+    """Cells in the colours of the periods that attract there, hatched if there are several."""
+    found = set[tuple[int, ...]]()
     low, high = map(to_float, plane.across_span)
     for strip in plane.strips:
         count = max(2, int(samples * (float(strip.upper) - float(strip.lower)) / (high - low)))
         across, borders = _borders(strip, count)
         opened = [cell for cell in strip.cells if not cell.is_edge]
         for cell, lower, upper in zip(opened, borders[:-1], borders[1:], strict=True):
-            periods = _attracting(cell, strip.cells.orders)
-            color = colors.setdefault(
-                periods, PERIODS[len(colors) % len(PERIODS)] if periods else NOTHING
-            )
-            ax.fill_between(across, lower, upper, color=color, linewidth=0.3)
-    return [Patch(color=colors[key], label=_periods_label(key)) for key in sorted(colors)]
+            periods = tuple(sorted({*attracting(cell, strip.cells.orders).values()}))
+            found.add(periods)
+            ax.fill_between(across, lower, upper, **_face(periods))
+    return [
+        Patch(**_face(key) | ({} if key else {"edgecolor": FRAME}), label=_periods_label(key))
+        for key in sorted(found)
+    ]
+
+
+def _face(periods: tuple[int, ...]) -> dict[str, Any]:
+    """How an area is filled: the colour of the shortest period, hatched in that of the next."""
+    first, second = (*map(of_period, periods), NOTHING, NOTHING)[:2]
+    hatch = HATCHES[min(max(len(periods), 1), len(HATCHES)) - 1]
+    edge = second if hatch else first  # of its own colour: between two strips is no white line
+    return {"facecolor": first, "edgecolor": edge, "hatch": hatch, "linewidth": 0.3 * (not hatch)}
 
 
 def _borders(strip: Strip, count: int) -> tuple[FloatArray, list[FloatArray]]:
@@ -172,14 +184,9 @@ def _borders(strip: Strip, count: int) -> tuple[FloatArray, list[FloatArray]]:
     ]
 
 
-def _attracting(cell: ParameterCell, orders: Sequence[int]) -> tuple[int, ...]:
-    """Periods of all stable cycles of a cell."""
-    points = (p for order in orders for p in cell.map.iterate(order).fixed_points() if p.stable)
-    return tuple(sorted({point.period for point in points}))
-
-
 def _periods_label(periods: tuple[int, ...]) -> str:
-    return " and ".join(map(str, periods)) or "none found"
+    listed = " and ".join(map(str, periods))
+    return f"period {listed}" if listed else "none found"
 
 
 def _corners(raster: PlaneRaster) -> tuple[FloatArray, FloatArray]:
@@ -209,7 +216,7 @@ def _listed(
     ax: Axes, raster: PlaneRaster, numbers: Any, first: tuple[str, str], label: str, start: int
 ) -> list[Patch]:
     """Rectangles in the colours of a list, the last of which stands for all larger numbers."""
-    palette = (NOTHING, CHAOS if "bands" in first else "#deebf7", *PERIODS)
+    palette = (NOTHING, CHAOS if "bands" in first else QUIET, *PERIODS)
     last = len(palette) - 1
     shown = np.minimum(numbers, last)
     ax.pcolormesh(*_corners(raster), shown, cmap=ListedColormap(palette), rasterized=True,
@@ -217,13 +224,12 @@ def _listed(
     patches = []
     for number in np.unique(shown).tolist():
         if number < start:
-            if int((shown == number).sum()) < RARE * shown.size:  # too few to be seen
-                continue
             text = first[number]
         else:
             text = label.format(number - 1)
             text = f"{text} or more" if number == last and numbers.max() > last else text
-        patches.append(Patch(color=palette[number], label=text.replace("1 bands", "1 band")))
+        text = text.replace("1 bands", "1 band")
+        patches.append(Patch(facecolor=palette[number], edgecolor=FRAME, linewidth=0.4, label=text))
     return patches
 
 

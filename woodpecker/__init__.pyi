@@ -14,6 +14,7 @@ from .maps.iterates import Iterate as Iterate
 from .maps.pieces import Image as Image
 from .maps.pieces import Piece as Piece
 from .maps.pieces import PiecewiseMap as PiecewiseMap
+from .maps.sweeps import Sweep as Sweep
 from .maps.symbolic import from_pwmap as from_pwmap
 from .maps.symbolic import from_sympy as from_sympy
 from .mechanics.equations import Equilibrium as Equilibrium
@@ -72,7 +73,6 @@ from .simulation.trajectory import simulate as simulate
 from .simulation.words import EventKind as EventKind
 from .slices.attracting import OrbitDiagram as OrbitDiagram
 from .slices.attracting import SettledOrbit as SettledOrbit
-from .slices.attracting import Sweep as Sweep
 from .slices.attracting import Swept as Swept
 from .slices.attracting import SweptMap as SweptMap
 from .slices.attracting import orbit_diagram as orbit_diagram

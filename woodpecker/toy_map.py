@@ -19,6 +19,7 @@ from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, number, real_array
 from woodpecker.base.compiled import announce
 from woodpecker.maps.pieces import Image
+from woodpecker.maps.sweeps import Sweep
 from woodpecker.mechanics.equations import unsound
 from woodpecker.mechanics.modes import (
     CHANGE,
@@ -41,7 +42,6 @@ from woodpecker.simulation.calls import compute, sweep
 from woodpecker.simulation.codes import NO_PATH, RETURNED
 from woodpecker.simulation.paths import EVENT_LIMIT, Follower, Path, cause_of
 from woodpecker.simulation.returns import RELATIVE_STEP
-from woodpecker.slices.attracting import Sweep
 
 KEPT = 8  # maps of a process whose copies, sent from others, share tables: those of its searches
 CLEAR = 1e-9  # relative distance from the limits of a parameter beyond which rounding cannot matter
@@ -281,13 +281,13 @@ class ToyPieces:
         status, path, value = follower.trace(x)
         return (path.steps if status.success else NO_PATH).tobytes(), value
 
-    def sweep(self, x: Floats, p: float) -> Sweep:
+    def sweep(self, x: Floats, p: float | Floats) -> Sweep:
         """Returns from many points (n,) [rad] at once, without pieces: images and slopes.
 
         Parameters
         ----------
         x, p
-            Starts [rad] of shape (n,), and the value of the parameter, in its unit.
+            Starts [rad] of shape (n,), and the parameter of each, or one for all, in its unit.
 
         Returns
         -------
@@ -299,7 +299,15 @@ class ToyPieces:
         ValueError
             If the toy cannot have this value of the parameter.
         """
-        return self.room().sweep(real_array("x", x).ravel(), number("p", p), self._held)
+        points = real_array("x", x).ravel()
+        if np.ndim(p) == 0:
+            return self.room().sweep(points, number("p", p), self._held)
+        each = np.broadcast_to(real_array("p", p), points.shape)
+        values, which = np.unique(each, return_inverse=True)
+        found = np.empty((2, len(points)))
+        for k, value in enumerate(values.tolist()):  # a table for each value
+            found[:, which == k] = self.room().sweep(points[which == k], value, self._held)
+        return Sweep(*found)
 
     @property
     def evaluations(self) -> int:

@@ -148,14 +148,16 @@ class Diagram:
                 return point
         raise KeyError(f"no special point {point_id!r} in this diagram")
 
-    def named(self, places: Mapping[str, tuple[float, float]], within: float = 0.01) -> Diagram:
+    def named(
+        self, places: Mapping[str, tuple[float, float] | str], within: float = 0.01
+    ) -> Diagram:
         """The same diagram with names for special points, such as those of a publication.
 
         Parameters
         ----------
         places
-            For each name a parameter and an x. A border collision so near gets the name: of those
-            of the lowest order, the nearest.
+            For each name the id of a point, such as ``PD1``, or a parameter and an x. A border
+            collision so near gets the name: of those of the lowest order, the nearest.
         within
             Largest distance in either, as a part of what the diagram extends over. A name is left
             out if no border collision lies so close to its place.
@@ -169,12 +171,18 @@ class Diagram:
         ------
         ValueError
             If a name is that of another point's id, or two names fall on one point.
+        KeyError
+            If there is no point of an id.
         """
         given: dict[str, str] = {}
         for name, place in places.items():
             if name in self._point:
                 raise ValueError(f"a name must differ from all ids of points, got {name!r}")
-            point = queries.collision_near(place, within, self.branches, self.points)
+            point = (
+                self.point(place)
+                if isinstance(place, str)
+                else queries.collision_near(place, within, self.branches, self.points)
+            )
             if point is None:
                 continue
             if point.id in given:
@@ -306,12 +314,12 @@ class Diagram:
         return replace(self, branches=tuple(branches), points=tuple(points))
 
     def path(self, first: str, last: str) -> tuple[str, ...]:
-        """A shortest way from one branch to another: ids of branches and points in turn.
+        """A shortest way from one place to another: ids of branches and points in turn.
 
         Parameters
         ----------
         first, last
-            Ids of the branches.
+            Ids of branches, or ids or names of points.
 
         Returns
         -------
@@ -321,9 +329,20 @@ class Diagram:
         Raises
         ------
         KeyError
-            If there is no such branch.
+            If there is no such branch or point.
         """
-        return queries.path_between(self.graph(), self.branch(first), self.branch(last))
+        return queries.path_between(
+            self.branches, self.points, self._place(first), self._place(last)
+        )
+
+    def _place(self, name: str) -> queries.Place:
+        """A branch or a point, between which there are ways: ids of both may be the same text."""
+        if name in self._branch:
+            return name, 0
+        try:
+            return self.point(name).id, 1
+        except KeyError:
+            raise KeyError(f"no branch and no special point {name!r} in this diagram") from None
 
     def with_word(self, word: str) -> tuple[Branch, ...]:
         """Branches that have a word, at least along one of their stretches.

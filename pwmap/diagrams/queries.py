@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cmp_to_key
-from itertools import pairwise
 from typing import Any
 
 import networkx as nx
@@ -22,6 +21,8 @@ from pwmap.diagrams.data import (
     runs_of,
 )
 from pwmap.diagrams.slices import ExactSlice, ExactValue, exact_number
+
+Place = tuple[str, int]  # an id of a branch with 0, of a point with 1: ids of both may be the same
 
 
 def hits(
@@ -137,22 +138,17 @@ def collision_near(
     return min(near, key=lambda point: (point.order, away(point)), default=None)
 
 
-def path_between(graph: nx.MultiGraph, first: Branch, last: Branch) -> tuple[str, ...]:
-    """A shortest way from one branch to another: ids of branches and points in turn."""
-    if first is last:
-        return (first.id,)
-    ways = [
-        nx.shortest_path(graph, a, b)
-        for a in first.ends
-        for b in last.ends
-        if nx.has_path(graph, a, b)
-    ]
-    if not ways:
+def path_between(
+    branches: Iterable[Branch], points: Iterable[SpecialPoint], first: Place, last: Place
+) -> tuple[str, ...]:
+    """A shortest way from one place to another: ids of branches and points in turn."""
+    graph = nx.Graph()
+    graph.add_nodes_from((branch.id, 0) for branch in branches)
+    graph.add_nodes_from((point.id, 1) for point in points)
+    graph.add_edges_from(((b.id, 0), (end, 1)) for b in branches for end in b.ends)
+    if not nx.has_path(graph, first, last):
         return ()
-    nodes = min(ways, key=len)
-    steps = [next(iter(graph[a][b])) for a, b in pairwise(nodes)]
-    inner = [name for pair in zip(nodes, [*steps, last.id], strict=True) for name in pair]
-    return (first.id, *inner)
+    return tuple(name for name, _ in nx.shortest_path(graph, first, last))
 
 
 def stable_intervals(branches: Iterable[Branch], order: int | None) -> Iterator[StableInterval]:

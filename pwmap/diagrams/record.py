@@ -64,6 +64,12 @@ def keep_record(
     return tuple(stale)
 
 
+def earlier_files(folder: Path, command: str) -> tuple[str, ...]:
+    """The files that an earlier run of a command wrote into a folder and that are still there."""
+    names = _files_of(folder / record_of(command))
+    return tuple(name for name in names if name == Path(name).name and (folder / name).is_file())
+
+
 def plain(value: object) -> Any:
     """What was asked for as JSON says it: enums by their values, infinite numbers as text."""
     if isinstance(value, Mapping):

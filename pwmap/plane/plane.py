@@ -17,6 +17,7 @@ from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, BudgetError, Meter, m
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.cells import checked_orders, checked_span
 from pwmap.plane.network import CodimensionTwo, PlaneCurve, network
+from pwmap.plane.regions import PlaneRegion, regions_of
 from pwmap.plane.strips import Rectangle, Strip
 from pwmap.plane.tables import curve_columns, point_columns
 
@@ -95,6 +96,36 @@ class ParameterPlane:
             Of the map with these values.
         """
         return dynamics(self.map, {self.across: across, self.along: along})
+
+    def regions(self, period: int | None = None) -> tuple[PlaneRegion, ...]:
+        """The parts of the plane in which the same periods attract, with their exact borders.
+
+        Parameters
+        ----------
+        period
+            Only those in which a cycle of this period attracts, one of the orders that were looked
+            at; by default all.
+
+        Returns
+        -------
+        tuple of PlaneRegion
+            In the order in which they end, from left to right, and upwards; what goes on in the
+            next strip between the same curves is one region.
+
+        Raises
+        ------
+        ValueError
+            If no cycles of this period were looked for.
+        """
+        orders = sorted({order for strip in self.strips for order in strip.cells.orders})
+        if period is not None and period not in orders:
+            listed = ", ".join(map(str, orders)) or "none"
+            raise ValueError(f"period must be one of the orders {listed}, got {period}")
+        return tuple(
+            region
+            for region in regions_of(self.strips)
+            if period is None or period in region.periods
+        )
 
     def curve(self, curve_id: str) -> PlaneCurve:
         """The curve with a name.

@@ -14,10 +14,8 @@ from pwmap import (
     PiecewiseLinearMap,
     Progress,
     bifurcation_diagram,
-    cli,
     parameter_cells,
 )
-from pwmap.cli_screen import screen
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.tables import LONGEST, short
 from pwmap.maps.cylinders import WHOLE_LINE, refined
@@ -122,7 +120,6 @@ def test_an_interrupt_keeps_what_was_completed_if_that_is_wanted() -> None:
 
 @pytest.mark.slow
 def test_the_command_says_what_is_left_out(tmp_path, monkeypatch) -> None:  # type: ignore[no-untyped-def]
-    monkeypatch.setattr(cli, "console", screen(width=200))
     arguments = (TENT, "--parameter", "m", "--span", "0", "2", "--orders", "1,2,3,4")
     code, text = run(*arguments, "--pieces", "100", out=tmp_path)
     assert code == 0

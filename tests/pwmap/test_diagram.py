@@ -237,6 +237,9 @@ def test_names_go_to_the_nearest_border_collisions() -> None:
         assert named.point(found) is named.point("BC1")
         assert [p.name for p in named.points].count("") == 2
     assert whole.named({"C": (0.5, -0.5)}, within=0.2).point("C").id == "BC1"
+    assert whole.named({"E": "EP1"}).point("E").id == "EP1"
+    with pytest.raises(KeyError, match="no special point 'PD9'"):
+        whole.named({"E": "PD9"})
     with pytest.raises(ValueError, match="'B' and 'C' are names for one point"):
         whole.named({"B": (0.4, -0.4), "C": (0.401, -0.4)})
     with pytest.raises(ValueError, match="a name must differ from all ids of points, got 'EP1'"):
@@ -433,7 +436,10 @@ def test_components_and_paths() -> None:
     assert diagram.path("J1", "F2") == ("J1", "BC1", "F2")
     assert diagram.path("F2", "F2") == ("F2",)
     assert diagram.path("F1", "F3") == ()
-    with pytest.raises(KeyError, match="no branch 'F9'"):
+    assert diagram.path("LP1", "J1") == ("LP1", "F2", "BC1", "J1")
+    named = diagram.named({"fold": "LP1", "C": "BC1"})
+    assert named.path("fold", "C") == ("LP1", "F2", "BC1")
+    with pytest.raises(KeyError, match="no branch and no special point 'F9'"):
         diagram.path("F1", "F9")
     with pytest.raises(KeyError, match="no special point 'XX'"):
         diagram.component_of("XX")

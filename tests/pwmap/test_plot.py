@@ -20,10 +20,11 @@ from pwmap import (
     bifurcation_diagram,
     parameter_plane,
 )
-from pwmap.plot import plot_cobweb, plot_diagram, plot_map
+from pwmap.plot import INK, plot_cobweb, plot_diagram, plot_map
 from pwmap.plot_drawn import Drawn
 from pwmap.plot_labels import Labels
-from pwmap.plot_plane import plot_plane
+from pwmap.plot_palette import NOTHING, of_period
+from pwmap.plot_plane import _face, plot_plane
 
 P1L = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
 AT_ONE = P1L.at({"a": Rational(5, 4), "r": 1})
@@ -82,7 +83,7 @@ def test_the_plane_has_one_colour_for_each_set_of_periods() -> None:
     legend = ax.get_legend()
     assert legend is not None
     assert [t.get_text() for t in legend.get_texts()] == [
-        *("none found", "1", "2", "3", "border collision", "fold-flip"),
+        *("none found", "period 1", "period 2", "period 3", "border collision", "fold-flip"),
     ]
     edges = lines(ax)
     assert any(np.allclose(y, [2 * v / (v - 1) for v in x]) for x, y in edges if x[0] > 1.19)
@@ -262,11 +263,42 @@ def test_a_name_has_its_marker_whatever_kinds_are_asked_for() -> None:
     assert written(drawn) == ["C"]
 
 
-def test_orders_have_lines_of_their_own_width() -> None:
+def test_each_period_has_its_colour_and_higher_ones_thinner_lines() -> None:
     drawn = plot_diagram(paper_diagram(1, 2, 3))
-    assert legend_of(drawn)[-3:] == [f"width of $P_{{{k}}}$" for k in (1, 2, 3)]
-    widths = {round(line.get_linewidth(), 3) for line in drawn.artists["stable"]}  # type: ignore[attr-defined]
-    assert widths == {round(1.6 * 1.3, 3), round(1.6 * 0.6, 3)}  # of P_1 and P_3
+    assert legend_of(drawn)[-3:] == ["period 1", "period 2", "period 3"]
+    looks = {
+        (line.get_color(), round(line.get_linewidth(), 3))  # type: ignore[attr-defined]
+        for line in drawn.artists["stable"]
+    }
+    assert looks == {(of_period(1), round(1.6 * 1.25, 3)), (of_period(3), round(1.6 * 0.85, 3))}
+    jumps = {line.get_color() for line in drawn.artists["jump crossing"]}  # type: ignore[attr-defined]
+    assert jumps == {of_period(k) for k in (1, 2, 3)}
+
+
+def test_the_legend_has_the_style_that_a_caller_gives() -> None:
+    drawn = plot_diagram(paper_diagram(1, 2), styles={"stable": {"color": "red"}})
+    legend = drawn.ax.get_legend()
+    assert legend is not None
+    assert [line.get_color() for line in legend.get_lines()[:2]] == ["red", INK]
+
+
+def test_branches_have_labels_on_request() -> None:
+    texts = written(plot_diagram(paper_diagram(1), branches=True, labels=False))
+    assert texts == ["F2", "F1", "J1"]  # the longest first
+    own = {"F1": "slips", "J1": "jumps"}
+    assert set(written(plot_diagram(paper_diagram(1), branches=own, labels=False))) == {
+        "slips",
+        "jumps",
+    }
+    with pytest.raises(KeyError, match="no branch 'F9'"):
+        plot_diagram(paper_diagram(1), branches={"F9": "?"})
+
+
+def test_cells_in_which_several_periods_attract_are_hatched() -> None:
+    faces = [_face(periods) for periods in ((), (1,), (1, 2), (2, 3, 5))]
+    assert [each["facecolor"] for each in faces] == [NOTHING, *map(of_period, (1, 1, 2))]
+    assert [each["edgecolor"] for each in faces] == [NOTHING, *map(of_period, (1, 2, 3))]
+    assert len({each["hatch"] for each in faces}) == 3
 
 
 def test_letters_of_axes_are_italic() -> None:
@@ -313,7 +345,7 @@ def test_many_points_have_labels_on_request_only() -> None:
 def test_only_what_is_stable() -> None:
     drawn = plot_diagram(paper_diagram(1, 2, 3), stable_only=True)
     assert legend_of(drawn) == [
-        "stable", "border collision", "end point", "width of $P_{1}$", "width of $P_{3}$",
+        "stable", "border collision", "end point", "period 1", "period 3",
     ]  # fmt: skip
     assert len(drawn.artists["stable"]) == 4  # one fixed point, and a cycle of period 3
     assert written(drawn).count("FF1") == 0

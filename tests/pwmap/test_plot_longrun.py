@@ -60,7 +60,7 @@ def test_bands_lie_below_branches_and_crises_are_named_where_they_are() -> None:
     assert [text.get_text() for text in ax.texts] == [r"MC $\sqrt{2}$", "FC $2$"]
     assert explained(ax) == [
         "unstable", "bands", "merging crisis", "final crisis",
-        "width of $P_{1}$", "width of $P_{2}$",
+        "period 1", "period 2",
     ]  # fmt: skip
     assert ax.get_xlim() == (1.25, 2.25)
 
@@ -74,7 +74,7 @@ def test_long_cycles_are_drawn_where_they_are() -> None:
     for x, exact in zip(np.transpose([(p[0], p[-1]) for p in points]), (7, 9), strict=True):
         (cycle,) = dynamics(map_, {"r": exact}).attractors
         assert np.allclose(x, sorted(map(float, cycle.points)))
-    assert explained(ax) == ["attracting cycle"]
+    assert explained(ax) == ["period 4"]
 
 
 def test_neutral_intervals_are_hatched_where_they_are() -> None:

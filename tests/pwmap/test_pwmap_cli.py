@@ -9,14 +9,7 @@ from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 from pwmap import cli, read_graph
-from pwmap.cli_screen import screen
 from pwmap.diagrams import files
-
-
-@pytest.fixture(autouse=True)
-def _wide(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(cli, "console", screen(width=200))
-
 
 P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
 
@@ -203,7 +196,7 @@ def test_intervals_of_symbols_are_no_markup(tmp_path: Path) -> None:
                      out=tmp_path / "[b]")  # fmt: skip
     assert code == 0
     assert "r in [b, 7]" in text
-    assert f"wrote {tmp_path / '[b]' / 'diagram.png'}, " in text
+    assert f"wrote {tmp_path / '[b]' / 'points.csv'}, " in text
 
 
 @pytest.mark.slow

@@ -8,13 +8,14 @@ from typing import Annotated
 
 import typer
 
+from pwmap.cli_screen import say
 from woodpecker.cli.curves import curves
 from woodpecker.cli.diagram import diagram
 from woodpecker.cli.explore import explore
 from woodpecker.cli.interrupts import listen
 from woodpecker.cli.maps import draw_map
 from woodpecker.cli.motion import animate, simulate
-from woodpecker.cli.options import say, with_toy
+from woodpecker.cli.options import with_toy
 from woodpecker.cli.prove import check, prove
 from woodpecker.cli.regions import regions
 from woodpecker.cli.robustness import robustness

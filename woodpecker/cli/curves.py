@@ -3,29 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
-import typer
-
-from pwmap.diagrams.files import PictureFormat, in_format
+from pwmap.cli_screen import Formats, picture_format, say, show
+from pwmap.diagrams.files import in_format
 from woodpecker.cli.diagram import PAPER, places_of
-from woodpecker.cli.interrupts import heard
-from woodpecker.cli.options import (
-    GUESS,
-    INTERRUPTED,
-    CommandError,
-    Format,
-    Out,
-    asked_for,
-    complain,
-    console,
-    motion,
-    option,
-    progress,
-    report,
-    results_in,
-    say,
-)
+from woodpecker.cli.help import option
+from woodpecker.cli.options import GUESS, CommandError, Out, motion, progress
+from woodpecker.cli.results import Results, asked_for, results_in
 from woodpecker.mechanics.toy import Toy, known_parameter
 
 if TYPE_CHECKING:
@@ -34,7 +19,8 @@ if TYPE_CHECKING:
     from pwmap import Diagram
     from woodpecker import Curve
 
-FILES = ("curves.png", "curves.csv", "curve_points.csv", "curves.graphml", "curves.json")
+PICTURE = "curves.png"
+TABLES = ("curves.csv", "curve_points.csv", "curves.graphml", "curves.json")
 ALL = "all"
 
 From = Annotated[
@@ -56,7 +42,7 @@ def curves(
     span: First = (0.0, 1.0),
     second_span: Second = None,
     phi_s: Annotated[float, option("Where the periodic motion is looked for [rad].")] = GUESS,
-    picture: Format = PictureFormat.PNG,
+    picture: Formats = None,
     out: Out = Path("out"),
 ) -> None:
     """Follow special points of a diagram over two parameters; draw the curves, export their graph.
@@ -67,21 +53,19 @@ def curves(
     """
     from woodpecker import continuation
 
+    (file,) = in_format((PICTURE,), picture_format(picture))
     first, second = two_of(parameters)
     spans = span, second_of(toy, second, second_span)
-    with results_in(out) as target:
+    with results_in(out) as results:
         diagram = continuation(toy, motion(toy, phi_s), first, span)
         named = diagram.named(places_of(PAPER)) if first == "eps_n1" else diagram
-        wanted, files = _chosen(named, from_), in_format(FILES, picture)
-        found, stopped = _followed(toy, named, wanted, (first, second), spans)
-        write_curves(found, target)
-        if not stopped:
-            _draw(toy, found, target / files[0])
-    console.print(_table(found))
-    report(target, *(FILES[1:] if stopped else files))
-    if stopped:
-        complain(f"Interrupted: {len(found)} of {len(wanted)} curves are kept, as tables")
-        raise typer.Exit(INTERRUPTED)
+        wanted = _chosen(named, from_)
+        found = _followed(toy, named, wanted, (first, second), spans, results)
+        with results.tables(*TABLES) as folder:
+            write_curves(found, folder)
+        show(_table(found))
+        if not results.stopped:
+            results.draw(file, _drawn(toy, found))
 
 
 def second_of(toy: Toy, name: str, span: tuple[float, float] | None) -> tuple[float, float]:
@@ -117,14 +101,13 @@ def _chosen(diagram: Diagram, text: str) -> list[str]:
 
 def _followed(
     toy: Toy, diagram: Diagram, names: list[str], over: tuple[str, str],
-    spans: tuple[tuple[float, float], tuple[float, float]],
-) -> tuple[dict[str, Curve], bool]:  # fmt: skip
-    """Curves by the names of their points, and whether Ctrl-C ended the search."""
+    spans: tuple[tuple[float, float], tuple[float, float]], results: Results,
+) -> dict[str, Curve]:  # fmt: skip
+    """Curves by the names of their points; those that are finished, if Ctrl-C ends the search."""
     from woodpecker import continuation
 
     found: dict[str, Curve] = {}
     refused: list[str] = []
-    stopped = False
     with progress() as bar:
         task = bar.add_task(", ".join(over), total=len(names))
         for name in names:
@@ -133,26 +116,25 @@ def _followed(
             except ValueError as error:
                 refused.append(f"{name}: {error}")
             except KeyboardInterrupt:
-                heard()
                 if not found:
                     raise
-                stopped = True
+                kept = f"{len(found)} of {len(names)} curves are kept, as tables"
+                results.stop(f"Interrupted: {kept}")
                 break
             bar.advance(task)
     if not found:
         raise CommandError("no curve could be followed: " + "; ".join(refused))
     for sentence in refused:
         say(f"left out: {sentence}")
-    return found, stopped
+    return found
 
 
-def _draw(toy: Toy, found: dict[str, Curve], file: Path) -> None:
-    from pwmap.diagrams.files import write_figure
+def _drawn(toy: Toy, found: dict[str, Curve]) -> Any:
     from woodpecker.plot.plane import plot_curves
 
     first, second = next(iter(found.values())).names
     here = getattr(toy, first), getattr(toy, second)
-    write_figure(file, plot_curves(found, here=here).figure)
+    return plot_curves(found, here=here).figure
 
 
 def write_curves(found: dict[str, Curve], target: Path) -> None:
@@ -164,7 +146,7 @@ def write_curves(found: dict[str, Curve], target: Path) -> None:
 
     first, second = next(iter(found.values())).names
     write_table(
-        target / FILES[1],
+        target / TABLES[0],
         ("curve", "kind", "note", first, second, "phi_s", "multiplier", "beyond", "word"),
         (
             (
@@ -176,7 +158,7 @@ def write_curves(found: dict[str, Curve], target: Path) -> None:
         ),
     )  # fmt: skip
     write_table(
-        target / FILES[2],
+        target / TABLES[1],
         ("curve", "id", "kind", first, second, "phi_s", "cause", "status", "precision"),
         (
             (name, p.id, p.kind, *p.values, p.x[0], p.cause, p.status, max(p.precision))
@@ -186,7 +168,7 @@ def write_curves(found: dict[str, Curve], target: Path) -> None:
     )
     graph = graph_of_curves(list(found.values()))
     graph.graph.update(attributes({"program": PROGRAM, **asked_for()}))
-    for name in FILES[3:]:
+    for name in TABLES[2:]:
         write_graph(graph, target / name)
 
 

@@ -7,27 +7,13 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
-import typer
-
+from pwmap.cli_screen import Formats, picture_format, say, show
 from pwmap.diagrams.files import PictureFormat
 from pwmap.diagrams.shown import counted
 from woodpecker.base.lost import WorkerLostError
-from woodpecker.cli.interrupts import heard
-from woodpecker.cli.options import (
-    GUESS,
-    INTERRUPTED,
-    Format,
-    Out,
-    Window,
-    complain,
-    console,
-    motion,
-    option,
-    progress,
-    report,
-    results_in,
-    say,
-)
+from woodpecker.cli.help import option
+from woodpecker.cli.options import GUESS, Out, Window, motion, progress
+from woodpecker.cli.results import INTERRUPTED, Results, results_in
 from woodpecker.mechanics.toy import Toy, known_parameter
 from woodpecker.window import WINDOW
 
@@ -67,11 +53,15 @@ Names = Annotated[
     str,
     option(
         "Names for the border collisions nearest to these places (eps_n1, phi_S); by default those "
-        "of the paper, read off its Figure 10."
+        "of the paper, read off its Figure 10. For any point, such as flip=PD1, by its id."
     ),
 ]
 Words = Annotated[
     bool, option("Mark in the picture where the sequence of events changes.", "--words")
+]
+Models = Annotated[
+    bool,
+    option("Draw each fold-flip of P_1 with the exact model of its neighbourhood.", "--models"),
 ]
 Observables = Annotated[
     str | None,
@@ -94,7 +84,8 @@ def diagram(
     names: Names = PAPER,
     words: Words = False,
     observables: Observables = None,
-    picture: Format = PictureFormat.PNG,
+    models: Models = False,
+    picture: Formats = None,
     out: Out = Path("out"),
 ) -> None:
     """Follow a periodic motion in a parameter; draw its bifurcation diagram, export its graph.
@@ -112,7 +103,8 @@ def diagram(
         places=places_of(names) if parameter == NAMED else {},
         columns=_columns(observables) if observables is not None else (),
         words=words,
-        picture=picture,
+        models=models,
+        picture=picture_format(picture),
     )
     wanted = orders_of(orders) if orders is not None else None
     beside = orders_of(also, "--also") if also is not None else []
@@ -120,42 +112,35 @@ def diagram(
         raise ValueError("--also follows one motion, --orders every branch: take one of them")
     if workers is not None and workers > CORES:
         raise ValueError(f"workers must be at most {CORES}, one for each core, got {workers}")
-    with results_in(out) as target:
-        keep: dict[str, Any] = {"run": target / RUN, "resume": resume, "settings": settings}
+    with results_in(out) as results:
+        keep: dict[str, Any] = {"run": out / RUN, "resume": resume, "settings": settings}
         if wanted is None:
             search = _of_motion(toy, phi_s, order, parameter, keep | {"orders": beside})
         else:
             search = _of_orders(toy, wanted, parameter, workers, keep)
-        found = _searched(search, parameter, target / RUN)
-        _write(toy, found, shows, target)
-    if found.stopped:
-        kept = counted(len(found.diagram.branches), "branch")
-        complain(f"{found.stopped}: {kept} kept, as tables; go on with --resume")
-        raise typer.Exit(found.status)
+        found = _searched(search, parameter, out / RUN, results)
+        _write(toy, found, shows, results)
 
 
 class _Shows(NamedTuple):
     """What is shown of a diagram, and in which format.
 
-    Names by their places, columns of branches, whether changes of word are marked.
+    Names by their places, columns of branches, whether changes of word are marked and models
+    of fold-flips are drawn.
     """
 
-    places: dict[str, tuple[float, float]]
+    places: dict[str, tuple[float, float] | str]
     columns: tuple[str, ...]
     words: bool
+    models: bool
     picture: PictureFormat
 
 
 class _Searched(NamedTuple):
-    """A diagram, what there is to say of the search, and why it was broken off, if it was.
-
-    ``status`` is that with which the command ends.
-    """
+    """A diagram, and what there is to say of the search."""
 
     diagram: Diagram
     summary: str = ""
-    stopped: str = ""
-    status: int = 0
 
 
 _Show = Callable[["Stage"], None]
@@ -194,7 +179,7 @@ def _of_orders(
     return search
 
 
-def _searched(search: _Search, parameter: str, run: Path) -> _Searched:
+def _searched(search: _Search, parameter: str, run: Path, results: Results) -> _Searched:
     """Search with a progress bar; after Ctrl-C what the run has kept."""
     from woodpecker import saved_diagram
 
@@ -204,13 +189,16 @@ def _searched(search: _Search, parameter: str, run: Path) -> _Searched:
             left = str(found.diagram.about.get("left", ""))
             return found._replace(summary="\n".join(filter(None, (found.summary, left))))
         except (KeyboardInterrupt, WorkerLostError, MemoryError) as stopped:
-            heard()
             if not run.exists():
                 raise
             why, status = "Interrupted", INTERRUPTED
             if not isinstance(stopped, KeyboardInterrupt):
                 why, status = "Broken off: " + (str(stopped) or "no memory is left"), 1
-            return _Searched(saved_diagram(run), stopped=why, status=status)
+            results.stop("", status)  # heard: to put together what is kept takes a while
+            kept = saved_diagram(run)
+            branches = counted(len(kept.branches), "branch")
+            results.stop(f"{why}: {branches} kept, as tables; go on with --resume", status)
+            return _Searched(kept)
 
 
 def _shown(bar: Bar, parameter: str) -> _Show:
@@ -228,8 +216,8 @@ def _shown(bar: Bar, parameter: str) -> _Show:
     return show
 
 
-def _write(toy: Toy, found: _Searched, shows: _Shows, target: Path) -> None:
-    """Pictures, tables and graphs; the special points on the screen too.
+def _write(toy: Toy, found: _Searched, shows: _Shows, results: Results) -> None:
+    """Tables and graphs, the special points on the screen too, then pictures.
 
     Of a search that was broken off tables and graphs only, so that it ends at once.
     """
@@ -237,43 +225,37 @@ def _write(toy: Toy, found: _Searched, shows: _Shows, target: Path) -> None:
     from woodpecker import observables as observed
 
     shown = found.diagram.named(shows.places)
-    if found.stopped:
-        write_results(shown, target)
-        report(target, *FILES, RUN)
+    if not results.stopped:
+        shown = observed(toy, shown, *shows.columns)
+    with results.tables(*FILES, RUN) as folder:
+        write_results(shown, folder)
+    if results.stopped:
         return
-    shown = observed(toy, shown, *shows.columns)
-    write_results(shown, target)
-    pictures = _draw(shown, target, shows)
-    console.print(table_of_points(shown))
+    show(table_of_points(shown))
     if found.summary:
         say(found.summary)
-    pictures += _draw_models(toy, shown, target, shows.picture)
-    report(target, *pictures, *FILES, RUN)
+    _draw(shown, results, shows)
+    if shows.models:
+        _draw_models(toy, shown, results, shows.picture)
 
 
-def _draw(found: Diagram, target: Path, shows: _Shows) -> list[str]:
+def _draw(found: Diagram, results: Results, shows: _Shows) -> None:
     """The diagram, and each order on its own if there are several."""
-    from pwmap.diagrams.files import write_figure
     from pwmap.plot import plot_diagram
 
-    words, form = shows.words, shows.picture
-    names = [f"diagram.{form}"]
-    write_figure(target / names[0], plot_diagram(found, words=words).figure)
     orders = sorted({branch.order for branch in found.branches})
-    for order in orders if len(orders) > 1 else ():
-        names.append(f"order_{order}.{form}")
-        write_figure(target / names[-1], plot_diagram(found.of_order(order), words=words).figure)
-    return names
+    parts = {f"order_{order}": found.of_order(order) for order in orders}
+    for name, part in {"diagram": found, **(parts if len(parts) > 1 else {})}.items():
+        results.draw(f"{name}.{shows.picture}", plot_diagram(part, words=shows.words).figure)
 
 
-def _draw_models(toy: Toy, found: Diagram, target: Path, form: PictureFormat) -> list[str]:
+def _draw_models(toy: Toy, found: Diagram, results: Results, form: PictureFormat) -> None:
     """Fold-flips of P_1 with their models, where there is one."""
     from pwmap import PointKind
-    from pwmap.diagrams.files import write_figure
     from woodpecker import ToyPieces, local_model
     from woodpecker.plot.figures import plot_local
 
-    map_, names = ToyPieces(toy, found.parameter_name), list[str]()
+    map_ = ToyPieces(toy, found.parameter_name)
     for point in found.points:
         if point.kind is PointKind.FF and point.order == 1:
             try:
@@ -281,9 +263,7 @@ def _draw_models(toy: Toy, found: Diagram, target: Path, form: PictureFormat) ->
             except ValueError as reason:
                 say(f"{point.id} has no local model: {reason}")
                 continue
-            names.append(f"local_{point.id}.{form}")
-            write_figure(target / names[-1], plot_local(model, found).figure)
-    return names
+            results.draw(f"local_{point.id}.{form}", plot_local(model, found).figure)
 
 
 def _summary(everything: Found) -> str:
@@ -298,15 +278,20 @@ def _summary(everything: Found) -> str:
     )
 
 
-def places_of(text: str) -> dict[str, tuple[float, float]]:
-    """Names and their places, such as ``A=0.111,-0.884``, separated by blanks."""
-    found = {}
+def places_of(text: str) -> dict[str, tuple[float, float] | str]:
+    """Names and places, such as ``A=0.111,-0.884``, or ids, ``flip=PD1``, separated by blanks."""
+    found: dict[str, tuple[float, float] | str] = {}
     for part in text.split():
         name, _, place = part.partition("=")
+        if name and place.isidentifier():
+            found[name] = place
+            continue
         try:
             p, x = (float(number) for number in place.split(","))
         except ValueError:
-            raise ValueError(f"--names needs name=eps_n1,phi_S for each, got {part!r}") from None
+            raise ValueError(
+                f"--names needs name=eps_n1,phi_S or name=id for each, got {part!r}"
+            ) from None
         found[name] = p, x
     return found
 

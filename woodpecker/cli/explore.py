@@ -7,7 +7,9 @@ from typing import Annotated
 
 import typer
 
-from woodpecker.cli.options import CommandError, option, say
+from pwmap.cli_screen import say
+from woodpecker.cli.help import option
+from woodpecker.cli.options import CommandError
 from woodpecker.mechanics.toy import Toy
 
 Port = Annotated[

@@ -4,25 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from pwmap.diagrams.files import PictureFormat, in_format, rows_as_text, write_whole
-from woodpecker.cli.interrupts import finished, heard, held
-from woodpecker.cli.options import (
-    INTERRUPTED,
-    Format,
-    Out,
-    Window,
-    complain,
-    console,
-    option,
-    progress,
-    report,
-    results_in,
-    say,
-)
+from pwmap.cli_screen import Formats, picture_format, say, show
+from pwmap.diagrams.files import in_format, rows_as_text, write_whole
+from woodpecker.cli.help import option
+from woodpecker.cli.options import Out, Window, progress
+from woodpecker.cli.results import Results, results_in
 from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:
@@ -33,7 +21,7 @@ if TYPE_CHECKING:
     from woodpecker.base.arrays import Floats
     from woodpecker.plot.curve import Curve
 
-FILES = ("return_map.png", "return_map.csv")
+PICTURE, TABLE = "return_map.png", "return_map.csv"
 COLUMNS = ("phi_s_start", "phi_s", "period", "drop", "slope", "status", "word")
 
 
@@ -42,7 +30,7 @@ def draw_map(
     order: Annotated[int, option("Number of returns j of P_j.", min=1)] = 1,
     window: Window = (-2.5, 0.11),
     points: Annotated[int, option("Number of starts.", min=2)] = 4000,
-    picture: Format = PictureFormat.PNG,
+    picture: Formats = None,
     out: Out = Path("out"),
 ) -> None:
     """Compute and draw the return map P_j with the diagonal and its jumps.
@@ -56,41 +44,30 @@ def draw_map(
 
     from woodpecker.base.checks import interval
     from woodpecker.plot.curve import Link
+    from woodpecker.plot.figures import plot_curve
     from woodpecker.simulation.returns import checked_starts
 
     low, high = interval("window", window, finite=True)
     starts = checked_starts(toy, np.linspace(low, high, points))
-    files = in_format(FILES, picture)
-    with results_in(out) as target, progress() as bar:
-        found = _computed(toy, order, starts, bar)
-        curve = None
-        try:
-            with held():
-                write_whole(target / files[1], found.table.encode())
-            if not found.stopped:
-                curve = _drawn(toy, found.returns, order, target / files[0], bar)
-        except KeyboardInterrupt:  # the table is there
-            heard()
-        finished()
-    console.print(_outcomes(found.returns))
-    if curve is not None and curve.between(Link.OPEN).size:
-        say(_left_out(curve, order))
-    report(target, *(files[1:] if curve is None else files))
-    if curve is None:
-        complain(f"Interrupted: {len(found.returns)} of {points} starts are kept, as a table")
-        raise typer.Exit(INTERRUPTED)
+    (file,) = in_format((PICTURE,), picture_format(picture))
+    with results_in(out) as results:
+        with progress() as bar:
+            returns, text = _computed(toy, order, starts, bar, results)
+        with results.tables(TABLE) as folder:
+            write_whole(folder / TABLE, text.encode())
+        show(_outcomes(returns))
+        if not results.stopped:
+            with progress() as bar:
+                curve = _looked_closer(toy, returns, order, bar)
+            results.draw(file, plot_curve(curve, order=order, returns=returns).figure)
+            if curve.between(Link.OPEN).size:
+                say(_left_out(curve, order))
 
 
-class _Computed(NamedTuple):
-    """A return map, the same as CSV, and whether Ctrl-C ended it."""
-
-    returns: ReturnMap
-    table: str
-    stopped: bool
-
-
-def _computed(toy: Toy, order: int, starts: Floats, bar: Bar) -> _Computed:
-    """The map at the starts, as many as are finished at Ctrl-C.
+def _computed(
+    toy: Toy, order: int, starts: Floats, bar: Bar, results: Results
+) -> tuple[ReturnMap, str]:
+    """The map at the starts, as many as are finished at Ctrl-C, and the same as CSV.
 
     The table grows with it: a million rows take many seconds to become text, which nobody who
     wants the command to end would wait for.
@@ -99,7 +76,7 @@ def _computed(toy: Toy, order: int, starts: Floats, bar: Bar) -> _Computed:
     from woodpecker.simulation.returns import chunk_of, joined
 
     parts: list[tuple[ReturnMap, str]] = []
-    stopped, step = False, 4 * chunk_of(order)
+    step = 4 * chunk_of(order)
     return_map(toy, starts[:1], order)  # compiled in this thread, which hears of signals
     task = bar.add_task(f"P_{order}", total=len(starts))
     try:
@@ -108,23 +85,21 @@ def _computed(toy: Toy, order: int, starts: Floats, bar: Bar) -> _Computed:
             parts.append((part, rows_as_text(_rows(part))))
             bar.advance(task, len(part))
     except KeyboardInterrupt:
-        heard()
-        stopped = True
-    if not parts:
-        raise KeyboardInterrupt
+        if not parts:
+            raise
+        kept = sum(len(part) for part, _ in parts)
+        results.stop(f"Interrupted: {kept} of {len(starts)} starts are kept, as a table")
     returns, texts = zip(*parts, strict=True)
-    return _Computed(joined(returns), "".join((rows_as_text([COLUMNS]), *texts)), stopped)
+    return joined(returns), "".join((rows_as_text([COLUMNS]), *texts))
 
 
-def _drawn(toy: Toy, returns: ReturnMap, order: int, path: Path, bar: Bar) -> Curve:
-    """Draw the picture, and give what it shows."""
-    from pwmap.diagrams.files import write_figure
-    from woodpecker.plot.figures import curves, plot_curve
+def _looked_closer(toy: Toy, returns: ReturnMap, order: int, bar: Bar) -> Curve:
+    """What the picture shows: the map with more starts at steep places."""
+    from woodpecker.plot.figures import curves
 
     task = bar.add_task("steep places", total=None)
     for curve in curves(toy, returns, order):
         bar.update(task, description=f"steep places, {curve.evaluations} more starts")
-    write_figure(path, plot_curve(curve, order=order, returns=returns).figure)
     return curve
 
 

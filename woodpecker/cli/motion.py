@@ -5,21 +5,19 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.diagrams.files import PictureFormat, in_format
+from pwmap.cli_screen import Formats, picture_format, say, show
+from pwmap.diagrams.files import in_format
+from woodpecker.cli.help import option
 from woodpecker.cli.options import (
     GUESS,
     CommandError,
-    Format,
     Out,
     Start,
-    console,
     in_metres,
     motion,
-    option,
     progress,
-    report,
-    results_in,
 )
+from woodpecker.cli.results import results_in
 from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:
@@ -28,7 +26,8 @@ if TYPE_CHECKING:
     from woodpecker import Trajectory
 
 LISTED = 40  # events in the table on the screen
-FILES = ("time_history.png", "phase_portraits.png", "trajectory.csv", "events.csv")
+TABLES = ("trajectory.csv", "events.csv")
+PICTURES = ("time_history.png", "phase_portraits.png")
 SPEEDS = ("dy", "dphi_m", "dphi_s")
 
 
@@ -37,28 +36,25 @@ def simulate(
     phi_s: Start = None,
     t_end: Annotated[float | None, option("Time to stop at [s]; by default two periods.")] = None,
     samples: Annotated[int, option("Evenly spaced samples.", min=2)] = 2001,
-    picture: Format = PictureFormat.PNG,
+    picture: Formats = None,
     out: Out = Path("out"),
 ) -> None:
     """Follow the toy in time; draw its time history and phase portraits, list its events.
 
     Example: woodpecker simulate --eps-n1 0.3 --phi-s -0.6 --t-end 0.5
     """
-    from pwmap.diagrams.files import write_figure
     from woodpecker import simulate as run_simulation
     from woodpecker.plot.motions import plot_phase_portraits, plot_time_history
 
-    files = in_format(FILES, picture)
-    with results_in(out) as target:
+    pictures = in_format(PICTURES, picture_format(picture))
+    with results_in(out) as results:
         start, finish = _start_and_end(toy, phi_s, t_end, periods=2.0)
         trajectory = run_simulation(toy, start, finish, samples=samples)
-        for name, drawn in zip(
-            files, (plot_time_history(trajectory), plot_phase_portraits(trajectory)), strict=False
-        ):
-            write_figure(target / name, drawn.figure)
-        _write_tables(trajectory, target)
-    console.print(_events(trajectory))
-    report(target, *files)
+        with results.tables(*TABLES) as folder:
+            _write_tables(trajectory, folder)
+        show(_events(trajectory))
+        for name, plot in zip(pictures, (plot_time_history, plot_phase_portraits), strict=True):
+            results.draw(name, plot(trajectory).figure)
     _complete(trajectory)
 
 
@@ -80,17 +76,17 @@ def animate(
 
     if Path(file).name != file:
         raise ValueError(f"file must be a name without folders, got {file!r}")
-    with results_in(out) as target:
+    with results_in(out, file) as results:
         start, finish = _start_and_end(toy, phi_s, t_end, periods=1.0)
         trajectory = run_simulation(toy, start, finish)
         with progress() as bar:
             task = bar.add_task("frames", total=1.0)
             drawing.animate(
-                trajectory, target / file, slow=slow, fps=fps,
+                trajectory, results.folder / file, slow=slow, fps=fps,
                 progress=lambda share: bar.update(task, completed=share),
             )  # fmt: skip
-    console.print(f"{trajectory.status.value}; fell {in_metres(trajectory.drop)}")
-    report(target, file)
+        results.names.append(file)
+        say(f"{trajectory.status.value}; fell {in_metres(trajectory.drop)}")
     _complete(trajectory)
 
 

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, suppress
-from contextvars import ContextVar
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
@@ -14,36 +12,25 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 from rich.markup import escape
 
-from pwmap.cli_screen import bar_on, in_words, screen, tell_written
-from pwmap.diagrams.files import PictureFormat
+from pwmap.cli_screen import bar_on, complain, in_words, picture_format, screen
 from woodpecker.base.lost import WorkerLostError
-from woodpecker.cli.interrupts import finished, heard
-from woodpecker.mechanics.toy import LAW, ExpansionFriction, Toy, description, parameters
+from woodpecker.cli.help import option
+from woodpecker.cli.interrupts import heard
+from woodpecker.cli.results import INTERRUPTED, begin
+from woodpecker.cli.toys import toy_of, toy_options
+from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:  # help and refusals come before what computes is loaded
     from rich.progress import Progress
 
     from woodpecker import PeriodicOrbit
 
-console = screen()
-errors = screen(stderr=True)
-
 GUESS = -0.53  # rad, near the stable cycle of the paper's data set
 OUT = "out"  # the option that says where, not what
-INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C or SIGTERM has ended
-
-
-# the command that runs, and what it was asked for: its files say so
-_asked: ContextVar[tuple[str, Mapping[str, object]]] = ContextVar("_asked")
 
 
 class CommandError(Exception):
     """A computation that ended without a result; the message is for the user."""
-
-
-def option(text: str, *names: str, **keywords: Any) -> Any:
-    """An option with its help, in which ``[rad]`` is a unit and no markup."""
-    return typer.Option(*names, help=escape(text), **keywords)
 
 
 Out = Annotated[
@@ -52,7 +39,6 @@ Out = Annotated[
         "Folder for the results, made if it is missing; about_<command>.json says what made them."
     ),
 ]
-Format = Annotated[PictureFormat, option("Format of the pictures.", "--format")]
 Start = Annotated[
     float | None,
     option("Start at rest on the section, phi_S [rad]; by default on the periodic motion."),
@@ -70,13 +56,14 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
         parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY, annotation=hints[parameter.name])
         for parameter in list(inspect.signature(command).parameters.values())[1:]
     ]
-    of_toy = _toy_options()
+    of_toy = toy_options()
 
     def wrapped(**values: Any) -> None:
         try:
-            toy = Toy(**{each.name: values.pop(each.name) for each in of_toy})
+            toy = toy_of(values)
             options = {name: value for name, value in values.items() if name != OUT}
-            _asked.set((named, {"toy": asdict(toy), "options": options}))
+            begin(named, {"toy": asdict(toy), "options": options})
+            picture_format(None)
             command(toy, **values)
         except (ValueError, TypeError, OSError) as error:
             complain(f"Error: {in_words(error)}")
@@ -100,30 +87,6 @@ def _flowing(text: str) -> str:
     return escape("\n\n".join(" ".join(part.split()) for part in text.split("\n\n")))
 
 
-def _toy_options() -> list[inspect.Parameter]:
-    """One option for each field of the toy, described as in :class:`woodpecker.Toy`."""
-    default, panel = Toy(), "Parameters of the toy"
-    kinds: dict[str, Any] = {}
-    for name in parameters():
-        meaning, unit, domain = description(name)
-        text = f"{meaning[0].upper()}{meaning[1:]} [{unit}]; must {domain.value}"
-        kinds[name] = Annotated[float, option(text, rich_help_panel=panel)]
-    kinds[LAW] = Annotated[
-        ExpansionFriction,
-        option(
-            "What bounds friction in the expansion of an impact at two contacts: the sum of both "
-            "normal impulses, from which the paper's figures follow, or Coulomb's law at each",
-            rich_help_panel=panel,
-        ),
-    ]
-    return [
-        inspect.Parameter(
-            name, inspect.Parameter.KEYWORD_ONLY, default=getattr(default, name), annotation=kind
-        )
-        for name, kind in kinds.items()
-    ]
-
-
 def motion(toy: Toy, guess: float, order: int = 1) -> PeriodicOrbit:
     """The periodic motion near a guess [rad]; CommandError if there is none."""
     from woodpecker import shoot
@@ -134,57 +97,11 @@ def motion(toy: Toy, guess: float, order: int = 1) -> PeriodicOrbit:
     return orbit
 
 
-@contextmanager
-def results_in(out: Path) -> Iterator[Path]:
-    """The folder for the results, made before anything long is computed.
-
-    Where a command ends in an error before it has written anything, what was made of the folder is
-    gone again.
-    """
-    missing = [each for each in (out, *out.parents) if not each.exists()]
-    out.mkdir(parents=True, exist_ok=True)
-    try:
-        yield out
-    except BaseException:
-        with suppress(OSError):  # there is something in it
-            for each in missing:
-                each.rmdir()
-        raise
-
-
 def progress() -> Progress:
     """A progress bar that leaves nothing behind."""
-    return bar_on(errors)
+    return bar_on(screen(stderr=True))
 
 
 def in_metres(length: float) -> str:
     """A length [m] for a reader, as in tables."""
     return "without end" if math.isinf(length) else f"{length:.7f} m"
-
-
-def asked_for() -> Mapping[str, object]:
-    """What the command that runs was asked for: the toy and its own options."""
-    return _asked.get()[1]
-
-
-def report(where: Path, *names: str) -> None:
-    """Say which files were written, to the user and in a record that lies beside them.
-
-    What an earlier run of the command has left there, and this one did not write, is removed.
-    """
-    from pwmap.diagrams.record import keep_record, record_of
-
-    finished()
-    command, asked = _asked.get()
-    gone = keep_record(where, command, names, asked)
-    tell_written(console, where, (*names, record_of(command)), gone)
-
-
-def say(sentence: str) -> None:
-    """A sentence, brackets and all."""
-    console.print(sentence, highlight=False, soft_wrap=True)
-
-
-def complain(sentence: str) -> None:
-    """A sentence about what went wrong."""
-    errors.print(sentence, style="red", highlight=False, soft_wrap=True)

@@ -8,20 +8,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pwmap.cli_screen import in_words
+from pwmap.cli_screen import complain, in_words, say
 from woodpecker.cli.diagram import PAPER, places_of
-from woodpecker.cli.options import (
-    GUESS,
-    CommandError,
-    Out,
-    complain,
-    motion,
-    option,
-    progress,
-    report,
-    results_in,
-    say,
-)
+from woodpecker.cli.help import option
+from woodpecker.cli.interrupts import heard
+from woodpecker.cli.options import GUESS, CommandError, Out, motion, progress
+from woodpecker.cli.results import INTERRUPTED, results_in
 from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:
@@ -56,7 +48,7 @@ def prove(
 
     if span is not None and point:
         raise ValueError("either a span or a point can be proved, not both")
-    with results_in(out) as target:
+    with results_in(out) as results:
         orbit = motion(toy, phi_s, order)
         try:
             if point:
@@ -67,9 +59,9 @@ def prove(
                 certificate = proved(orbit)
         except Undecided as answer:
             raise CommandError(f"undecided: {answer}") from None
-        certificate.save(target / FILE)
-    say(certificate.statement)
-    report(target, FILE)
+        with results.tables(FILE) as folder:
+            certificate.save(folder / FILE)
+        say(certificate.statement)
 
 
 def _diagram(toy: Toy, orbit: PeriodicOrbit) -> Diagram:
@@ -127,5 +119,9 @@ def check(
             failed = True
             name = "" if isinstance(error, OSError) else f"{file}: "
             complain(f"Refused: {name}{in_words(error)}")
+        except KeyboardInterrupt:
+            heard()
+            complain(f"Interrupted while {file} was checked")
+            raise typer.Exit(INTERRUPTED) from None
     if failed:
         raise typer.Exit(1)

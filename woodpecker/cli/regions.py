@@ -2,31 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
-from pwmap.diagrams.files import PictureFormat, in_format
+from pwmap.cli_screen import Formats, picture_format, say, show
+from pwmap.diagrams.files import in_format
 from pwmap.diagrams.shown import counted
-from woodpecker.cli.curves import FILES as CURVES
+from woodpecker.cli.curves import TABLES as CURVES
 from woodpecker.cli.curves import Parameters, Second, second_of, two_of, write_curves
 from woodpecker.cli.diagram import orders_of
-from woodpecker.cli.interrupts import heard
-from woodpecker.cli.options import (
-    INTERRUPTED,
-    Format,
-    Out,
-    Window,
-    complain,
-    console,
-    option,
-    progress,
-    report,
-    results_in,
-    say,
-)
+from woodpecker.cli.help import option
+from woodpecker.cli.options import Out, Window, progress
+from woodpecker.cli.results import Results, results_in
 from woodpecker.mechanics.toy import Toy
 from woodpecker.plane.survey import Survey
 from woodpecker.window import WINDOW
@@ -36,7 +23,7 @@ if TYPE_CHECKING:
 
     from woodpecker import Curve, Regions
 
-FILES = ("regions.png", "regions.csv", "region_borders.csv")
+PICTURE, TABLES = "regions.png", ("regions.csv", "region_borders.csv")
 
 
 def regions(
@@ -49,7 +36,7 @@ def regions(
     checks: Annotated[
         int, option("Random places at which cycles are counted.", min=1)
     ] = Survey().checks,
-    picture: Format = PictureFormat.PNG,
+    picture: Formats = None,
     out: Out = Path("out"),
 ) -> None:
     """Cut the plane of two parameters into regions in which the same cycles live.
@@ -60,56 +47,56 @@ def regions(
     Example: woodpecker regions --second-span 0.29 0.34 --window -0.9 -0.45
     """
     from woodpecker import parameter_regions
+    from woodpecker.plot.regions import plot_regions
 
+    (file,) = in_format((PICTURE,), picture_format(picture))
     first, second = two_of(parameters)
     spans, wanted = (span, second_of(toy, second, second_span)), orders_of(orders)
-    with results_in(out) as target:
+    with results_in(out) as results:
+        curves: list[Curve] = []
+        found: Regions | None = None
         with progress() as bar:
             task = bar.add_task(f"{first}, {second}", total=None)
-            curves: list[Curve] = []
 
-            def show(curve: Curve) -> None:
+            def tell(curve: Curve) -> None:
                 curves.append(curve)
                 bar.update(task, description=f"{curve.kind} over {first}, {second}")
 
             try:
                 found = parameter_regions(
                     toy, (first, second), spans, orders=wanted, window=window,
-                    survey=Survey(checks=checks), progress=show,
+                    survey=Survey(checks=checks), progress=tell,
                 )  # fmt: skip
             except KeyboardInterrupt:
-                heard()
-                _keep(curves, target)
-                raise typer.Exit(INTERRUPTED) from None
-        files = in_format(FILES, picture)
-        _write(found, target, files)
-    console.print(_table(found))
-    say(
-        f"{len(found.open)} places disagree with their region: a curve is missing there"
-        if found.open
-        else f"all of {found.checks} random places agree"
-    )
-    report(target, *files)
+                _keep(curves, results)
+        if found is not None:
+            with results.tables(*TABLES) as folder:
+                _write(found, folder)
+            show(_table(found))
+            say(
+                f"{len(found.open)} places disagree with their region: a curve is missing there"
+                if found.open
+                else f"all of {found.checks} random places agree"
+            )
+            results.draw(file, plot_regions(found).figure)
 
 
-def _keep(curves: list[Curve], target: Path) -> None:
+def _keep(curves: list[Curve], results: Results) -> None:
     """What a search that was interrupted has found: curves, of which some may be double."""
     if not curves:
         raise KeyboardInterrupt
-    write_curves({str(number): curve for number, curve in enumerate(curves, start=1)}, target)
-    report(target, *CURVES[1:])
     kept = counted(len(curves), "curve")
-    complain(f"Interrupted: {kept} kept, as tables; no regions between them")
+    results.stop(f"Interrupted: {kept} kept, as tables; no regions between them")
+    with results.tables(*CURVES) as folder:
+        write_curves({str(number): curve for number, curve in enumerate(curves, start=1)}, folder)
 
 
-def _write(found: Regions, target: Path, files: Sequence[str]) -> None:
-    from pwmap.diagrams.files import write_figure, write_table
-    from woodpecker.plot.regions import plot_regions
+def _write(found: Regions, target: Path) -> None:
+    from pwmap.diagrams.files import write_table
 
-    write_figure(target / files[0], plot_regions(found).figure)
     counts = [f"{word}_{n}" for n in found.orders for word in ("stable", "unstable")]
     write_table(
-        target / files[1],
+        target / TABLES[0],
         ("region", "share", *found.names, *counts, "attractors", "agree"),
         (
             (
@@ -121,7 +108,7 @@ def _write(found: Regions, target: Path, files: Sequence[str]) -> None:
         ),
     )  # fmt: skip
     write_table(
-        target / files[2],
+        target / TABLES[1],
         ("region", "ring", *found.names),
         (
             (number, ring, *place)

@@ -6,7 +6,10 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from woodpecker.cli.options import GUESS, Out, console, motion, option, report, results_in
+from pwmap.cli_screen import TableFormat, picture_format, show
+from woodpecker.cli.help import option
+from woodpecker.cli.options import GUESS, Out, motion
+from woodpecker.cli.results import results_in
 from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:
@@ -25,6 +28,7 @@ def robustness(
     parameters: Annotated[
         str, option("Parameters that change, such as eps_n1,mu_2; by default all but the pole.")
     ] = "",
+    format_: TableFormat = None,
     out: Out = Path("out"),
 ) -> None:
     """Find the smallest change of the toy that ends its periodic motion, and each parameter's own.
@@ -33,13 +37,13 @@ def robustness(
     """
     from woodpecker import robustness as measured
 
+    picture_format(format_)
     names = [name.strip() for name in parameters.split(",")] if parameters else None
-    with results_in(out) as target:
+    with results_in(out) as results:
         found = measured(toy, motion(toy, phi_s), names)
-        _write(found, target)
-    console.print(_troubles(found))
-    console.print(_limits(found))
-    report(target, *FILES)
+        with results.tables(*FILES) as folder:
+            _write(found, folder)
+        show(_troubles(found), _limits(found))
 
 
 def _write(found: Robustness, target: Path) -> None:

@@ -7,7 +7,7 @@ import math
 import numbers
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +17,7 @@ from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import number, real_array
 from woodpecker.engine.orbits import STEP
 from woodpecker.maps.pieces import Image, Piece
+from woodpecker.maps.sweeps import Sweep, one_by_one
 
 Formula = Callable[[float, float], float]
 Bools = npt.NDArray[np.bool_]
@@ -297,6 +298,17 @@ def no_value(word: str, x: float, p: float) -> str:
     return f"{word} has no value at x = {x}, p = {p}"
 
 
+@runtime_checkable
+class SweptPiece(Protocol):
+    """A piece that takes many points at once, each with a parameter of its own."""
+
+    def holding(self, x: Floats, p: Floats) -> Bools:
+        """Which of the points (n,) it holds."""
+
+    def sweep(self, x: Floats, p: Floats) -> Sweep:
+        """Images and slopes at points (n,), also outside; nan where there are none."""
+
+
 class BoundedPiece(Piece, Protocol):
     """A piece that knows which points it holds.
 
@@ -492,3 +504,37 @@ class FormulaMap:
             images[held] = piece.values(points[held], p)
             left &= ~held
         return images
+
+    def sweep(self, x: npt.ArrayLike, p: npt.ArrayLike) -> Sweep:
+        """Images and slopes of many points, each with a parameter of its own.
+
+        A map whose pieces all come from sympy or pwmap is evaluated by numpy in one go; one with a
+        piece that is written by hand, point by point.
+
+        Parameters
+        ----------
+        x, p
+            Points of shape (n,), and the parameter of each, or one for all.
+
+        Returns
+        -------
+        Sweep
+            Images and slopes, shapes (n,); nan where there is no image.
+
+        Raises
+        ------
+        ValueError
+            If the points or the parameters are no real numbers.
+        """
+        points = real_array("x", x).ravel()
+        values = np.broadcast_to(real_array("p", p), points.shape)
+        if not all(isinstance(piece, SweptPiece) for piece in self.pieces):
+            return one_by_one(self.at, points, values)
+        found, left = np.full((2, len(points)), math.nan), np.arange(len(points))
+        for piece in self.pieces:
+            assert isinstance(piece, SweptPiece)
+            held = piece.holding(points[left], values[left])
+            there = left[held]
+            found[:, there] = piece.sweep(points[there], values[there])
+            left = left[~held]
+        return Sweep(*found)

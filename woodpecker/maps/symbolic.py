@@ -17,6 +17,7 @@ from woodpecker.base.arrays import Floats, Ints
 from woodpecker.maps.formulas import NOT_REAL, Bools, FormulaMap, codes, no_value, real
 from woodpecker.maps.pieces import Image
 from woodpecker.maps.relations import Bound, bounds_of, bounds_of_pieces
+from woodpecker.maps.sweeps import Sweep
 
 Compiled = Callable[..., Any]
 
@@ -109,20 +110,30 @@ class SymbolicPiece:
         """The images of many points, also outside."""
         return self._on_array(self.value, x, p)
 
-    def holding(self, x: Floats, p: float) -> Bools:
-        """Which of many points it holds."""
+    def holding(self, x: Floats, p: float | Floats) -> Bools:
+        """Which of many points it holds; all have one parameter, or each its own."""
         held = np.ones(x.shape, dtype=bool)
         for bound in self.bounds:
             margin = self._on_array(bound.margin, x, p)
             held &= margin >= 0.0 if bound.closed else margin > 0.0
         return held
 
-    def _on_array(self, expression: sympy.Expr, x: Floats, p: float) -> Floats:
-        function = compiled(self._functions.arguments, (expression,), "numpy")
+    def sweep(self, x: Floats, p: Floats) -> Sweep:
+        """Images and slopes at many points (n,), each with its parameter, also outside."""
+        value, slope, _ = self._functions.expressions[:3]
+        return Sweep(*self._on_arrays((value, slope), x, p))
+
+    def _on_array(self, expression: sympy.Expr, x: Floats, p: float | Floats) -> Floats:
+        (found,) = self._on_arrays((expression,), x, p)
+        return found
+
+    def _on_arrays(
+        self, expressions: tuple[sympy.Expr, ...], x: Floats, p: float | Floats
+    ) -> list[Floats]:
+        function = compiled(self._functions.arguments, expressions, "numpy")
         with np.errstate(all="ignore"):
-            (found,) = function(x, np.float64(p), *self._values)
-        values: Floats = np.broadcast_to(np.asarray(found, dtype=float), x.shape).copy()
-        return values
+            found = function(x, np.asarray(p, dtype=float), *self._values)
+        return [np.broadcast_to(np.asarray(each, dtype=float), x.shape).copy() for each in found]
 
     def cause(self, code: int) -> str:
         """What happens where a margin vanishes."""

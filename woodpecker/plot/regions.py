@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot_palette import of_period
 from woodpecker.plane.census import Census
 from woodpecker.plane.regions import Region, Regions
 from woodpecker.plot.plane import draw_curve, label, line_handles
 
-MAPS = ("Greys", "Blues", "Oranges", "Purples")  # no stable cycle, one of period 1, 2, of both
-LIGHTEST, STEP, DARKEST = 0.04, 0.14, 0.75  # of a colour map: the more cycles, the darker;
-BESIDE = 0.4  # of a step for an unstable cycle beside stable ones: each census has its own shade
+NO_STABLE = "#7f7f7f"  # no cycle is stable: the same shades of grey
+LIGHTEST, STEP = 0.28, 0.18  # part of the colour beside white: the more unstable cycles, the darker
+HATCHES = ("", "///", "xxx", "...")  # by how many stable cycles there are beside the first
 OPEN = "a place that disagrees"
 
 
@@ -66,9 +68,7 @@ def plot_regions(
     ax = ax if ax is not None else new_axes(8.4, 4.8)
     shown: Artists = {"curves": [], "open": []}
     for region in regions.regions:
-        patch = PathPatch(
-            _path(region), facecolor=colour(region.census), edgecolor="none", zorder=0
-        )
+        patch = PathPatch(_path(region), **face(region.census), linewidth=0.0, zorder=0)
         add(shown, {described(region.census): [ax.add_patch(patch)]})
     for curve in regions.curves:
         shown["curves"] += draw_curve(ax, curve)
@@ -85,15 +85,20 @@ def plot_regions(
     return Drawn((ax,), shown)
 
 
-def colour(census: Census) -> tuple[float, float, float, float]:
-    """The colour of what lives in a region: its hue says what is stable, its shade how many."""
-    one = any(each.stable and each.period == 1 for each in census)
-    more = any(each.stable and each.period > 1 for each in census)
-    stable = sum(each.stable for each in census)
-    steps = stable + (BESIDE if stable else 1.0) * sum(each.unstable for each in census)
-    depth = min(LIGHTEST + STEP * steps, DARKEST)
-    red, green, blue, alpha = mpl.colormaps[MAPS[one + 2 * more]](depth)
-    return float(red), float(green), float(blue), float(alpha)
+def face(census: Census) -> dict[str, Any]:
+    """How what lives in a region fills it, as properties of a patch.
+
+    The colour is that of the shortest period that is stable, darker the more unstable cycles there
+    are; further stable cycles hatch it, in the colour of the next one's period.
+    """
+    stable = [each.period for each in census for _ in range(each.stable)]
+    unstable = sum(each.unstable for each in census)
+    base = of_period(stable[0]) if stable else NO_STABLE
+    part = min(LIGHTEST + STEP * unstable, 1.0)
+    red, green, blue = (part * each + 1.0 - part for each in to_rgb(base))
+    hatch = HATCHES[min(max(len(stable) - 1, 0), len(HATCHES) - 1)]
+    over = of_period(stable[1]) if len(stable) > 1 else base
+    return {"facecolor": to_hex((red, green, blue)), "edgecolor": over, "hatch": hatch}
 
 
 def described(census: Census) -> str:
@@ -117,10 +122,7 @@ def handles(planes: Iterable[Regions]) -> list[Artist]:
     for region in (region for regions in drawn for region in regions.regions):
         shares[region.census] = shares.get(region.census, 0.0) + region.share
     ordered = sorted(shares, key=lambda census: -shares[census])
-    areas = [
-        Patch(facecolor=colour(census), edgecolor="0.6", lw=0.4, label=described(census))
-        for census in ordered
-    ]
+    areas = [Patch(**face(census), linewidth=0.0, label=described(census)) for census in ordered]
     lines = line_handles(curve for regions in drawn for curve in regions.curves)
     if any(regions.open for regions in drawn):
         lines.append(Line2D([], [], ls="", marker="x", color="black", ms=3.5, mew=0.7, label=OPEN))

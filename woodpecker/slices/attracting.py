@@ -9,20 +9,24 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import NamedTuple, Protocol, runtime_checkable
+from importlib import import_module
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
 
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram
-from woodpecker.base.arrays import Floats
+from pwmap.diagrams.shown import counted
+from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import interval, real_array, whole
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import PiecewiseMap, map_of_pieces
+from woodpecker.maps.sweeps import one_by_one
 from woodpecker.slices.orbits import Orbit, at_parameter, leads
 
 REPEATS = 1e-6  # in x, a part of the window: an orbit that has settled repeats itself so closely
 LONGEST = 64  # period that is looked for in an orbit that has settled
+SHOWN = 8  # periods that are listed where a diagram is printed: one line
 
 
 class Swept(Protocol):
@@ -64,13 +68,13 @@ class SweptMap(Protocol):
     0.405465108108
     """
 
-    def sweep(self, x: Floats, p: float) -> Swept:
-        """The map at points (n,) and a parameter.
+    def sweep(self, x: Floats, p: Floats) -> Swept:
+        """The map at points (n,), each with a parameter of its own.
 
         Parameters
         ----------
         x, p
-            Points of shape (n,), and the parameter.
+            Points, and the parameter of each, both of shape (n,).
 
         Returns
         -------
@@ -79,30 +83,11 @@ class SweptMap(Protocol):
         """
 
 
-class Sweep(NamedTuple):
-    """Images and slopes of a map at many points.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from woodpecker import Sweep
-    >>> x = np.array([-1.0, 2.0])
-    >>> found = Sweep(value=abs(x), slope=np.sign(x))
-    >>> found.slope.tolist()
-    [-1.0, 1.0]
-    """
-
-    value: Floats
-    slope: Floats
-
-
-def swept(map_: PiecewiseMap | SweptMap, x: Floats, p: float) -> Swept:
-    """A map at points (n,), at once if it can, otherwise one by one."""
+def swept(map_: PiecewiseMap | SweptMap, x: Floats, p: Floats) -> Swept:
+    """A map at points (n,) with parameters (n,), at once if it can, otherwise one by one."""
     if isinstance(map_, SweptMap):
         return map_.sweep(x, p)
-    images = [map_of_pieces(map_).at(each, p) for each in x.tolist()]
-    value, slope = np.array([(i.value, i.slope) for i in images], dtype=float).reshape(-1, 2).T
-    return Sweep(value, slope)
+    return one_by_one(map_of_pieces(map_).at, x, p)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -138,6 +123,14 @@ class SettledOrbit:
     exponent: float
     period: int
 
+    def __repr__(self) -> str:
+        """Parameter, start, period and exponent."""
+        period = f"period={self.period}" if self.period else "no period"
+        return (
+            f"SettledOrbit(p={self.p:.6g}, start={self.start:.6g}, {period}, "
+            f"exponent={self.exponent:.4g}, {len(self.x)} points)"
+        )
+
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class OrbitDiagram:
@@ -165,11 +158,46 @@ class OrbitDiagram:
     orbits: tuple[SettledOrbit, ...]
     lost: int
 
+    def __repr__(self) -> str:
+        """How many orbits there are, of which periods, and how many were lost."""
+        values = {orbit.p for orbit in self.orbits}
+        over = f"p from {min(values):.6g} to {max(values):.6g}, " if values else ""
+        held = sorted({orbit.period for orbit in self.orbits} - {0})
+        listed = ", ".join(map(str, held[:SHOWN])) + (", ..." if len(held) > SHOWN else "")
+        return (
+            f"OrbitDiagram({counted(len(self.orbits), 'orbit')}, {over}"
+            f"periods {listed or 'none'}, {self.lost} lost)"
+        )
+
     def points(self) -> tuple[Floats, Floats]:
-        """Parameters and positions of all kept points, for a scatter plot."""
+        """All points that were kept, to be drawn or written.
+
+        Returns
+        -------
+        p, x
+            Two arrays of one shape (n,): parameters and positions, orbit after orbit.
+        """
         p = [np.full(len(orbit.x), orbit.p) for orbit in self.orbits]
         x = [orbit.x for orbit in self.orbits]
         return np.concatenate([*p, []]), np.concatenate([*x, []])
+
+    def plot(self, ax: Any = None, **options: Any) -> Any:
+        """Draw all points; the same as :func:`woodpecker.plot.orbits.plot_orbits`.
+
+        Parameters
+        ----------
+        ax
+            Matplotlib axes, such as those of a bifurcation diagram; new ones by default.
+        **options
+            As of :func:`woodpecker.plot.orbits.plot_orbits`.
+
+        Returns
+        -------
+        matplotlib.axes.Axes
+            The axes.
+        """
+        drawing = import_module("woodpecker.plot.orbits")  # above this file: it draws its results
+        return drawing.plot_orbits(self, ax, **options)
 
 
 def orbit_diagram(
@@ -187,8 +215,9 @@ def orbit_diagram(
     Parameters
     ----------
     map_
-        For instance :class:`woodpecker.ToyPieces`. Of its pieces nothing is asked but values and
-        slopes; a map that takes many points at once (``sweep``) is asked so.
+        For instance :class:`woodpecker.ToyPieces`, or what ``from_sympy`` returns. Of its pieces
+        nothing is asked but values and slopes; a map that takes many points at once (``sweep``)
+        gets all starts at all parameters in one array.
     parameters, starts
         Shapes (n,) and (m,).
     window
@@ -224,51 +253,47 @@ def orbit_diagram(
     keep, transient = whole("keep", keep), whole("transient", transient, least=0)
     window = interval("window", window)
     first = np.atleast_1d(real_array("starts", starts))
-    found: list[SettledOrbit] = []
-    values = np.atleast_1d(real_array("parameters", parameters)).tolist()
-    for p in values:
-        found += _settled(map_, p, first, window, transient, keep, settings or Settings())
-    return OrbitDiagram(orbits=tuple(found), lost=len(values) * len(first) - len(found))
+    values = np.atleast_1d(real_array("parameters", parameters))
+    p, x = (each.ravel() for each in np.broadcast_arrays(values[:, None], first))
+    stayed, kept, stretch = _settled(map_, p, x, window, transient, keep)
+    periods = periods_of(kept, settings or Settings())
+    rows = zip(p[stayed].tolist(), x[stayed].tolist(), kept, stretch / keep, periods, strict=True)
+    return OrbitDiagram(
+        orbits=tuple(
+            SettledOrbit(p=p, start=start, x=points, exponent=float(exponent), period=int(period))
+            for p, start, points, exponent, period in rows
+        ),
+        lost=len(p) - len(stayed),
+    )
 
 
 def _settled(
-    map_: PiecewiseMap | SweptMap,
-    p: float,
-    starts: Floats,
-    window: tuple[float, float],
-    transient: int,
-    keep: int,
-    settings: Settings,
-) -> list[SettledOrbit]:
-    """The orbits at one parameter that stay in the window."""
-    alive, x = np.arange(len(starts)), starts.copy()
-    kept, stretch = np.empty((len(starts), keep)), np.zeros(len(starts))
+    map_: PiecewiseMap | SweptMap, p: Floats, x: Floats, window: tuple[float, float],
+    transient: int, keep: int,
+) -> tuple[Ints, Floats, Floats]:  # fmt: skip
+    """Which of n orbits stay in the window; their last points (m, keep), and log of the slopes."""
+    alive, kept, stretch = np.arange(len(p)), np.empty((len(p), keep)), np.zeros(len(p))
     for n in range(transient + keep):
+        if not len(alive):
+            break
         here = swept(map_, x, p)
         if n >= transient:
             kept[alive, n - transient] = x
             with np.errstate(divide="ignore", invalid="ignore"):
                 stretch[alive] += np.log(np.abs(here.slope))
         stays = (window[0] <= here.value) & (here.value <= window[1])  # not where it is nan
-        alive, x = alive[stays], here.value[stays]
-        if not len(alive):
-            break
-    return [
-        SettledOrbit(
-            p=p, start=float(starts[i]), x=kept[i], exponent=float(stretch[i]) / keep,
-            period=period_of(kept[i], settings),
-        )
-        for i in alive.tolist()
-    ]  # fmt: skip
+        alive, x, p = alive[stays], here.value[stays], p[stays]
+    return alive, kept[alive], stretch[alive]
 
 
-def period_of(x: Floats, settings: Settings) -> int:
-    """Smallest shift that repeats a sequence, or 0 if none does of those looked for."""
-    same = REPEATS * settings.x_scale
-    for shift in range(1, min(LONGEST, len(x) // 2) + 1):
-        if np.abs(x[shift:] - x[:-shift]).max() <= same:
-            return shift
-    return 0
+def periods_of(x: Floats, settings: Settings) -> Ints:
+    """Smallest shift that repeats each row of x (n, m), or 0 if none does of those looked for."""
+    same, periods, left = REPEATS * settings.x_scale, np.zeros(len(x), int), np.arange(len(x))
+    for shift in range(1, min(LONGEST, x.shape[1] // 2) + 1):
+        repeats = np.abs(x[left, shift:] - x[left, :-shift]).max(axis=1, initial=0.0) <= same
+        periods[left[repeats]] = shift
+        left = left[~repeats]
+    return periods
 
 
 def unexplained(

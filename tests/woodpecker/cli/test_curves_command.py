@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from pwmap import read_graph
 from woodpecker.cli.app import app
-from woodpecker.cli.curves import FILES
+from woodpecker.cli.curves import PICTURE, TABLES
 
 NEAR_A = ("--second-span", "0.298", "0.31")
 
@@ -29,7 +29,9 @@ def test_it_follows_a_and_c(tmp_path: Path) -> None:
     code, output = run("--from", "A,C", *NEAR_A, "--out", str(tmp_path))
     assert code == 0
     assert "jump closes" in output  # on the curve of C both limits lie on the diagonal once
-    assert sorted(each.name for each in tmp_path.iterdir()) == sorted([*FILES, "about_curves.json"])
+    assert sorted(each.name for each in tmp_path.iterdir()) == sorted(
+        [PICTURE, *TABLES, "about_curves.json"]
+    )
     with (tmp_path / "curves.csv").open(encoding="utf-8") as lines:
         rows = list(csv.DictReader(lines))
     assert {row["curve"] for row in rows} == {"A", "C"}

@@ -9,10 +9,11 @@ import pytest
 from needs import NEEDS_NUMBA
 from typer.testing import CliRunner
 
+from pwmap.plot_palette import of_period
 from woodpecker import Count
 from woodpecker.cli.app import app
-from woodpecker.cli.regions import FILES
-from woodpecker.plot.regions import colour, described
+from woodpecker.cli.regions import PICTURE, TABLES
+from woodpecker.plot.regions import described, face
 
 BESIDE_THE_FLIP = (
     "regions", "--span", "0.6", "0.7", "--second-span", "0.298", "0.302", "--window", "-0.6",
@@ -26,7 +27,7 @@ def test_the_flip_cuts_the_plane_in_two(tmp_path: Path) -> None:
     found = CliRunner().invoke(app, [*BESIDE_THE_FLIP, "--out", str(tmp_path)])
     assert found.exit_code == 0
     assert sorted(each.name for each in tmp_path.iterdir()) == sorted(
-        [*FILES, "about_regions.json"]
+        [PICTURE, *TABLES, "about_regions.json"]
     )
     with (tmp_path / "regions.csv").open(encoding="utf-8") as lines:
         rows = list(csv.DictReader(lines))
@@ -45,11 +46,15 @@ def test_wrong_parameters_are_refused(tmp_path: Path) -> None:
 
 
 def test_colours_say_what_is_stable() -> None:
-    """The hue by the periods that are stable, darker where more cycles live."""
+    """The colour of the shortest stable period, darker where more unstable cycles live."""
     none, one, two = (Count(1, 0, 1),), (Count(1, 1, 0),), (Count(1, 0, 1), Count(2, 1, 0))
-    assert len({colour(each) for each in (none, one, two)}) == 3
-    assert sum(colour((Count(1, 1, 2),))) < sum(colour(one))
-    assert colour((Count(1, 1, 1),)) != colour((Count(1, 2, 0),))
+    assert len({face(each)["facecolor"] for each in (none, one, two)}) == 3
+    shades = [face((Count(1, 1, n),))["facecolor"] for n in range(5)]
+    assert shades == sorted({*shades}, reverse=True)  # of red, the first two digits
+    assert shades[-1] == of_period(1)
+    assert face((Count(1, 1, 0), Count(2, 1, 0))) == face(one) | {
+        "hatch": "///", "edgecolor": of_period(2),
+    }  # fmt: skip
     assert described(one) == "period 1: 1 stable"
     assert described((Count(1, 0, 0), Count(2, 1, 3))) == "period 2: 1 stable, 3 unstable"
     assert described((Count(1, 0, 0),)) == "none"

@@ -5,22 +5,28 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import numpy.typing as npt
 import pytest
 from maps import logistic, paper
 from needs import NEEDS_NUMBA
+from sympy import Piecewise, sqrt, symbols, sympify
 
 from pwmap import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from pwmap.plot_palette import of_period
 from woodpecker import (
     Search,
+    Sweep,
     Toy,
     ToyPieces,
     bifurcation_diagram,
     first_return,
+    from_sympy,
     orbit_diagram,
     unexplained,
 )
+from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
-from woodpecker.slices.attracting import period_of
+from woodpecker.slices.attracting import periods_of
 
 WIDE = (-100.0, 100.0)
 
@@ -54,9 +60,14 @@ def test_orbits_that_leave_are_counted() -> None:
     assert p.shape == x.shape == (2 * 128,)
 
 
+def period_of(x: npt.ArrayLike, settings: Settings) -> int:
+    (found,) = periods_of(np.array([x], dtype=float), settings).tolist()
+    return int(found)
+
+
 def test_periods() -> None:
-    assert period_of(np.array([1.0, 2.0, 3.0] * 10), Settings()) == 3
-    assert period_of(np.linspace(0.0, 1.0, 50), Settings()) == 0
+    rows = np.array([[1.0, 2.0, 3.0] * 10, np.linspace(0.0, 1.0, 30), [1.0] * 30])
+    assert periods_of(rows, Settings()).tolist() == [3, 0, 1]
 
 
 def test_what_counts_as_a_period_is_set() -> None:
@@ -65,6 +76,87 @@ def test_what_counts_as_a_period_is_set() -> None:
     three = np.array([1.0, 2.0, 3.0] * 10)
     three[-1] += 1.5e-6  # a part of the window: 1e-6 of it is 1e-6 or 2e-6
     assert [period_of(three, Settings(window=(0.0, end))) for end in (1.0, 2.0)] == [0, 3]
+
+
+# --- Many points at once --------------------------------------------------------------------------
+
+X, P = symbols("x p")
+TENT = Piecewise((P * X, sympify("1/2") >= X), (P * (1 - X), True))
+
+
+class Counting:
+    """The tent map, which counts how often it is asked, and with which shapes."""
+
+    def __init__(self) -> None:
+        self.asked: list[tuple[int, ...]] = []
+
+    def sweep(self, x: Floats, p: Floats) -> Sweep:
+        self.asked.append((*x.shape, *p.shape))
+        return Sweep(p * np.minimum(x, 1.0 - x), np.where(x < 0.5, p, -p))
+
+
+def test_all_parameters_are_asked_for_in_one_call() -> None:
+    """Each iterate is one call; by numpy's arithmetic the orbits are those of the formula."""
+    values, starts = np.linspace(1.1, 1.9, 9), [0.2, 0.3]
+    tent = Counting()
+    found = orbit_diagram(tent, values, starts, (0.0, 1.0), transient=20, keep=10)
+    assert tent.asked == [(18, 18)] * 30
+    assert [(o.p, o.start) for o in found.orbits] == [(p, s) for p in values for s in starts]
+    assert [o.exponent for o in found.orbits] == pytest.approx(
+        [math.log(o.p) for o in found.orbits]
+    )
+
+
+def test_maps_of_sympy_take_many_points_at_once() -> None:
+    """As one by one: the two sides of the break, and points outside of a root's domain."""
+    root = from_sympy(Piecewise((P + sqrt(X), X > 0), (P - X / 2, X > -1)), X, P, words=["R", "L"])
+    x = np.array([0.25, 0.0, -0.5, -1.0, -2.0, 4.0])
+    p = np.linspace(0.0, 1.0, 6)
+    found = root.sweep(x, p)
+    once = [root.at(*pair) for pair in zip(x.tolist(), p.tolist(), strict=True)]
+    assert found.value == pytest.approx([each.value for each in once], nan_ok=True)
+    assert found.slope == pytest.approx([each.slope for each in once], nan_ok=True)
+    assert np.isnan(found.value).tolist() == [False, False, False, True, True, False]
+
+
+def test_a_piece_written_by_hand_goes_one_by_one() -> None:
+    found = logistic().sweep([0.1, 0.2], [3.0, 4.0])
+    assert found.value == pytest.approx([0.27, 0.64])
+    assert found.slope == pytest.approx([2.4, 2.4])
+
+
+def test_the_toy_takes_parameters_point_by_point() -> None:
+    map_ = ToyPieces(Toy())
+    x, p = np.array([-0.53, -0.52, -0.53]), np.array([0.4, 0.5, 0.5])
+    found = map_.sweep(x, p)
+    for k in range(3):
+        assert found.value[k] == map_.sweep(x[k : k + 1], float(p[k])).value[0]
+
+
+def test_an_orbit_diagram_is_printed_in_one_line() -> None:
+    tent = from_sympy(TENT, X, P)
+    found = orbit_diagram(tent, np.linspace(0.5, 2.5, 300), [0.3], (0.0, 1.0))
+    assert repr(found).startswith("OrbitDiagram(2")
+    assert len(repr(found)) < 120
+    first, *_ = found.orbits
+    assert repr(first) == "SettledOrbit(p=0.5, start=0.3, period=1, exponent=-0.6931, 128 points)"
+
+
+def test_orbits_lie_under_a_diagram_in_the_colours_of_their_periods() -> None:
+    tent = from_sympy(TENT, X, P)
+    found = orbit_diagram(tent, [0.5, 1.5], [0.3], (0.0, 1.0), keep=32)
+    below = drawn(0.0).plot()
+    over = found.plot(below.ax, styles={"no period": {"alpha": 0.5}})
+    assert over.ax is below.ax
+    assert [*over.artists] == ["no period", "period 1"]
+    dots = {name: each[0] for name, each in over.artists.items()}
+    assert dots["period 1"].get_color() == of_period(1)  # type: ignore[attr-defined]
+    assert max(each.get_zorder() for each in dots.values()) < 1.0  # of lines: 2
+    legend = over.ax.get_legend()
+    assert legend is not None
+    texts = [text.get_text() for text in legend.get_texts()]
+    assert {"period 1", "no period", "stable"} <= {*texts}
+    assert len(texts) == len({*texts})
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,67 @@
+"""What a command says first where its answer holds in a part of what was assumed only."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import sympy
+
+from pwmap.diagrams.diagram import Diagram
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+
+
+def in_a_part_only(map_: PiecewiseLinearMap, diagram: Diagram) -> str:
+    """That a diagram holds in a part of what was assumed, and how to get the rest; else nothing.
+
+    Parameters
+    ----------
+    map_
+        The map, with what was assumed.
+    diagram
+        What was found: ``given`` says where it holds, ``sample`` where it was decided.
+    """
+    assumed = [each for each in map_.given if not _varies(each, diagram)]
+    named = {str(symbol): symbol for symbol in map_.parameters if str(symbol) in diagram.sample}
+    held = [each for each in diagram.given if _is_condition(each)]
+    if not named or {*held} == {str(each) for each in assumed}:
+        return ""
+    values = ", ".join(f"{name} = {value}" for name, value in diagram.sample.items())
+    within = f"({', '.join(map(str, assumed))})" if assumed else "(all values)"
+    beyond = _beyond(assumed, held, named)
+    example = f", such as --sample {beyond}," if beyond else ""
+    return (
+        f"This holds for {', '.join(held)} only, a part of what is assumed {within}: it was "
+        f"decided at {values}. The rest takes a run for each further part: give a value in it"
+        f"{example or ' by --sample,'} and another folder by --out."
+    )
+
+
+def _varies(condition: sympy.Basic, diagram: Diagram) -> bool:
+    return any(str(symbol) == diagram.parameter_name for symbol in condition.free_symbols)
+
+
+def _is_condition(text: str) -> bool:
+    """Whether it is no sentence on what was left out."""
+    return any(sign in text for sign in "<>=")
+
+
+def _beyond(
+    assumed: Sequence[sympy.Basic], held: Sequence[str], named: dict[str, sympy.Symbol]
+) -> str:
+    """An assignment outside of where the answer holds, if there is one parameter."""
+    if len(named) != 1:
+        return ""
+    (name,) = named
+    conditions = [sympy.sympify(text, locals=named) for text in held]
+    rest = sympy.And(*assumed, sympy.Not(sympy.And(*conditions))).as_set()
+    for part in rest.args if isinstance(rest, sympy.Union) else (rest,):
+        if isinstance(part, sympy.Interval):
+            low, high = part.start, part.end
+            middle = high - 1 if low.is_infinite else low + 1 if high.is_infinite else None
+            value = sympy.nsimplify((low + high) / 2 if middle is None else middle)
+            if value.is_Rational:
+                return f"{name}={value}"
+            near = sympy.Rational(str(sympy.N(value, 3)))
+            if part.contains(near) is sympy.true:
+                return f"{name}={near}"
+    return ""

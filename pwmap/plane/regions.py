@@ -1,0 +1,91 @@
+"""Regions of a plane in which the same periods attract, with their borders as expressions."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import groupby
+
+import sympy
+
+from pwmap.parameters.cells import ParameterCell
+from pwmap.plane.strips import Strip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlaneRegion:
+    """A part of the plane in which cycles of the same periods attract.
+
+    It lies between two values of the parameter across, and there between two curves; the curves do
+    not belong to it.
+
+    Attributes
+    ----------
+    across
+        Exact lower and upper end of the first parameter.
+    along
+        Lower and upper border of the second one, as expressions in the first.
+    periods
+        Of the cycles that attract, among the orders of the plane; empty if none does.
+    words
+        Of these cycles, each begun where it comes first in the alphabet.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
+    >>> region, = plane.regions(period=2)
+    >>> region.across, region.along, region.words
+    ((1/4, 3/4), (-1/a, -1), ('LR',))
+    """
+
+    across: tuple[sympy.Expr, sympy.Expr]
+    along: tuple[sympy.Expr, sympy.Expr]
+    periods: tuple[int, ...]
+    words: tuple[str, ...]
+
+
+def regions_of(strips: Sequence[Strip]) -> Iterator[PlaneRegion]:
+    """All regions, from left to right and upwards; equal ones of neighbouring strips are one."""
+    growing: list[PlaneRegion] = []
+    for strip in strips:
+        beside, growing = growing, []
+        for region in _of_strip(strip):
+            same = [each for each in beside if _continues(each, region)]
+            growing += [replace(each, across=(each.across[0], region.across[1])) for each in same]
+            growing += [] if same else [region]
+            beside = [each for each in beside if each not in same]
+        yield from beside
+    yield from growing
+
+
+def attracting(cell: ParameterCell, orders: Sequence[int]) -> dict[str, int]:
+    """Words of the cycles of some orders that attract in a cell, with their periods."""
+    points = (p for order in orders for p in cell.map.iterate(order).fixed_points() if p.stable)
+    found = {min(_rotated(point.word[: point.period])): point.period for point in points}
+    return dict(sorted(found.items()))
+
+
+def _rotated(word: str) -> Iterator[str]:
+    return (word[k:] + word[:k] for k in range(len(word)))
+
+
+def _of_strip(strip: Strip) -> Iterator[PlaneRegion]:
+    """The regions of a strip upwards; an edge at which nothing changes parts nothing."""
+    rows = [(cell, attracting(cell, strip.cells.orders)) for cell in strip.cells]
+    for periods, group in groupby(rows, key=lambda row: tuple(sorted({*row[1].values()}))):
+        cells = [*group]
+        opened = [(cell, words) for cell, words in cells if not cell.is_edge]
+        if opened:
+            yield PlaneRegion(
+                across=(strip.lower, strip.upper),
+                along=(opened[0][0].lower, opened[-1][0].upper),
+                periods=periods,
+                words=tuple(sorted({word for _, words in opened for word in words})),
+            )
+
+
+def _continues(left: PlaneRegion, right: PlaneRegion) -> bool:
+    """Whether a region goes on in the next strip."""
+    return left.across[1] == right.across[0] and replace(left, across=right.across) == right

@@ -1,0 +1,23 @@
+"""One colour for each period, in cells, rasters, diagrams and orbits alike.
+
+Any two of them can be told apart in grey print, by a lightness L* that differs by six or more, and
+by eyes that lack one kind of cone; ``tests/pwmap/test_palette.py`` measures both.
+"""
+
+from __future__ import annotations
+
+PERIODS = (
+    "#006096", "#e774a3", "#722e6d", "#09976f", "#fd962a", "#ca3f26", "#76d1ee", "#f4da59",
+)  # fmt: skip
+CHAOS, NOTHING = "#303030", "#ffffff"  # no period; nothing that attracts is known
+QUIET = "#ececec"  # what a picture is not about, such as cycles among bands
+
+
+def of_period(period: int) -> str:
+    """The colour of a period from 1 on; periods beyond the last colour share it."""
+    return PERIODS[min(period, len(PERIODS)) - 1]
+
+
+def named(period: int) -> str:
+    """What a legend says of this colour."""
+    return f"period {period}" if period < len(PERIODS) else f"period {len(PERIODS)} or more"

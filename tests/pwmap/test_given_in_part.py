@@ -1,0 +1,49 @@
+"""Answers that hold in a part of what was assumed: the command says so before anything else."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from pwmap import PiecewiseLinearMap, bifurcation_diagram, cli
+from pwmap.cli_given import in_a_part_only
+
+P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
+
+
+def told(given: tuple[str, ...], orders: tuple[int, ...], **sample: str) -> str:
+    map_ = PiecewiseLinearMap.from_sympy(P1L, "x", given)
+    return in_a_part_only(map_, bifurcation_diagram(map_, "r", None, orders, sample or None))
+
+
+def test_the_part_and_a_value_beyond_it() -> None:
+    """At order 2 the end 2 a/(a - 1) of a branch leaves the default span of r, [-1, 5], at 5/3."""
+    sentence = told(("a > 1",), (1, 2))
+    assert sentence.startswith(
+        "This holds for a > 5/3 only, a part of what is assumed (a > 1): it was decided at a = 2."
+    )
+    assert "--sample a=4/3," in sentence
+    assert told(("a > 1",), (1, 2), a="4/3") != sentence
+
+
+def test_the_value_that_is_named_gives_another_part() -> None:
+    assert "holds for a > 5/3 only" not in told(("a > 1",), (1, 2), a="4/3")
+
+
+@pytest.mark.parametrize("given", [("a > 1",), ("a > 1", "r > -3")])
+def test_nothing_is_said_where_it_holds_in_all(given: tuple[str, ...]) -> None:
+    assert told(given, (1,)) == ""
+
+
+def test_without_symbols_nothing_is_said() -> None:
+    map_ = PiecewiseLinearMap.from_sympy(P1L).at({"a": "5/4"})
+    assert in_a_part_only(map_, bifurcation_diagram(map_, "r", orders=(1, 2))) == ""
+
+
+def test_the_command_says_it_first(tmp_path: Path) -> None:
+    arguments = ["analyse", P1L, "--parameter", "r", "--given", "a > 1", "--out", str(tmp_path)]
+    found = CliRunner().invoke(cli.app, arguments)
+    assert found.exit_code == 0
+    assert found.stdout.startswith("This holds for a > 5/3 only")

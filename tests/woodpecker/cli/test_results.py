@@ -1,0 +1,130 @@
+"""What all commands share: tables before pictures, one end for all, tables for programs."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from pwmap import cli as pwmap_cli
+from pwmap.diagrams import files
+from woodpecker import Toy, return_map
+from woodpecker.cli.app import app
+
+P1L = ("Piecewise((r - 2, x <= 0), (r - a*x, True))", "--set", "a=1.25", "--parameter", "r")
+SKEW = ("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))", "--across", "a", "--along", "b",
+        "--across-span", "1/4", "3/4", "--along-span", "-2", "-1/2", "--orders", "1")  # fmt: skip
+COMMANDS: dict[str, tuple[typer.Typer, tuple[str, ...], str, str]] = {
+    # program and arguments, a table that is written, what stands in the table on the screen
+    "simulate": (app, ("simulate", "--phi-s", "-0.6", "--t-end", "0.05"), "events.csv", "event"),
+    "map": (app, ("map", "--points", "20"), "return_map.csv", "outcome"),
+    "analyse": (pwmap_cli.app, ("analyse", *P1L, "--span", "0", "3"), "points.csv", "exists for"),
+    "plane": (pwmap_cli.app, ("plane", *SKEW), "plane_curves.csv", "zero on it"),
+}
+
+
+def run(name: str, *more: str) -> Any:
+    program, arguments, _, _ = COMMANDS[name]
+    found = CliRunner().invoke(program, [*arguments, *more])
+    if found.exception is not None and not isinstance(found.exception, SystemExit):
+        raise found.exception
+    return found
+
+
+def interrupted(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Ctrl-C while the first picture is written."""
+
+    def write(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(files, "write_figure", write)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_an_interrupted_picture_leaves_tables_that_are_named(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    return_map(Toy(), [-0.9])  # compiles, if that was not done before
+    interrupted(monkeypatch)
+    *_, table, column = COMMANDS[name]
+    found = run(name, "--out", str(tmp_path))
+    assert found.exit_code == 130
+    there = {path.name for path in tmp_path.iterdir()}
+    assert table in there
+    assert not [each for each in there if each.endswith(".png")]
+    assert column in found.stdout
+    assert f"{tmp_path / table}" in found.stdout.splitlines()[-1]
+    assert "Interrupted: what was finished is kept" in found.stderr
+    record = json.loads((tmp_path / f"about_{name}.json").read_text())
+    assert {*record["files"], f"about_{name}.json"} == there
+
+
+def test_a_rerun_says_first_what_it_replaces(tmp_path: Path) -> None:
+    for name in ("simulate", "analyse"):
+        assert "replaces" not in run(name, "--out", str(tmp_path)).output
+        (tmp_path / "own.csv").write_text("mine")
+        first, *_ = run(name, "--out", str(tmp_path)).stderr.splitlines()
+        begin = f"replaces what an earlier run wrote into {tmp_path}: "
+        assert first.startswith(begin)
+        assert COMMANDS[name][2] in first.removeprefix(begin).split(", ")
+        assert "own.csv" not in first
+
+
+# --- Tables for programs --------------------------------------------------------------------------
+
+
+def test_a_pipe_breaks_no_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("COLUMNS", raising=False)
+    lines = run("analyse", "--orders", "1,2,3", "--out", str(tmp_path)).stdout.splitlines()
+    (row,) = [line for line in lines if line.startswith("│ J5 ")]
+    assert row.strip("│").split("│")[-1].strip() == "r in (2, 50/21)"
+    assert max(map(len, lines)) > 80
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_tables_as_csv_stand_alone_on_stdout(name: str, tmp_path: Path) -> None:
+    found = run(name, "--format", "csv", "--format", "svg", "--out", str(tmp_path))
+    assert found.exit_code == 0
+    rows = [*csv.reader(io.StringIO(found.stdout))]
+    assert COMMANDS[name][3] in rows[0]
+    assert len(rows[0]) == len(rows[1]) > 1
+    assert "wrote" in found.stderr
+    assert [*tmp_path.glob("*.svg")]
+
+
+def test_tables_as_json_are_one_object_a_line(tmp_path: Path) -> None:
+    found = run("analyse", "--orders", "1", "--format", "json", "--out", str(tmp_path))
+    branches, points = (json.loads(line) for line in found.stdout.splitlines())
+    assert branches["columns"][:2] == ["branch", "kind"]
+    assert [row[0] for row in branches["rows"]] == ["F1", "F2", "J1"]
+    assert points["table"] == "3 branches, 4 special points, 0 changes of word"
+
+
+def test_one_format_of_each_kind(tmp_path: Path) -> None:
+    found = run("simulate", "--format", "pdf", "--format", "svg", "--out", str(tmp_path))
+    assert found.exit_code == 2
+    assert "one of png, pdf, svg and one of csv, json, got pdf and svg" in found.stderr
+
+
+# --- The end of commands that write one file ------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("program", "package"), [(app, "woodpecker"), (pwmap_cli.app, "pwmap")], ids=["toy", "maps"]
+)
+def test_a_check_that_is_interrupted_says_so(
+    program: typer.Typer, package: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def check(*_: Any) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(f"{package}.check_certificate", check)
+    found = CliRunner().invoke(program, ["check", str(tmp_path / "certificate.json")])
+    assert found.exit_code == 130
+    assert found.stderr.startswith("Interrupted while ")

@@ -1,0 +1,127 @@
+"""The files of a command: tables first, then pictures, and the same end for all commands.
+
+Whatever ends a command, the files that are there are named on the screen and in a record beside
+them. Ctrl-C and SIGTERM end it with status 130 and keep what is finished.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager, suppress
+from contextvars import ContextVar
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from pwmap.cli_screen import complain, tell_replaced, tell_written
+from woodpecker.cli.interrupts import finished, heard, held
+
+INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C or SIGTERM has ended
+
+# the command that runs, and what it was asked for: its files say so
+_asked: ContextVar[tuple[str, Mapping[str, object]]] = ContextVar("_asked")
+
+
+def asked_for() -> Mapping[str, object]:
+    """What the command that runs was asked for: the toy and its own options."""
+    return _asked.get()[1]
+
+
+def begin(command: str, asked: Mapping[str, object]) -> None:
+    """Say which command runs, and what it was asked for."""
+    _asked.set((command, asked))
+
+
+@dataclass
+class Results:
+    """What a command has written so far.
+
+    Attributes
+    ----------
+    folder
+        Where its files are.
+    names
+        Those that are there, whole.
+    stopped
+        Why there will be no more, as a sentence; empty if nothing has ended the command.
+    status
+        The exit status then.
+    """
+
+    folder: Path
+    names: list[str] = field(default_factory=list)
+    stopped: str = ""
+    status: int = INTERRUPTED
+
+    @contextmanager
+    def tables(self, *names: str) -> Iterator[Path]:
+        """Around the writing of tables, which is short: a request to end is taken behind it."""
+        with held():
+            yield self.folder
+            self.names += names
+
+    def draw(self, name: str, figure: Any) -> None:
+        """Write a picture, whole or not at all."""
+        from pwmap.diagrams.files import write_figure
+
+        write_figure(self.folder / name, figure)
+        self.names.append(name)
+
+    def stop(self, sentence: str, status: int = INTERRUPTED) -> None:
+        """What was broken off, heard and told: the rest of a command is left out."""
+        heard()
+        self.stopped, self.status = sentence, status
+
+
+@contextmanager
+def results_in(out: Path, *files: str) -> Iterator[Results]:
+    """The folder for the results, made before anything long is computed.
+
+    Where a command ends before it has written anything, what was made of the folder is gone again.
+
+    Parameters
+    ----------
+    out
+        The folder.
+    *files
+        Files that the command writes in any case, besides those its record names.
+    """
+    missing = [each for each in (out, *out.parents) if not each.exists()]
+    out.mkdir(parents=True, exist_ok=True)
+    tell_replaced(out, _asked.get()[0], *files)
+    results = Results(out)
+    try:
+        yield results
+    except KeyboardInterrupt:
+        if not results.names:
+            _remove(missing)
+            raise
+        results.stop("Interrupted: what was finished is kept")
+    except BaseException:
+        _remove(missing)
+        raise
+    _report(results)
+    if results.stopped:
+        complain(results.stopped)
+        raise typer.Exit(results.status)
+
+
+def _remove(folders: list[Path]) -> None:
+    with suppress(OSError):  # there is something in it
+        for each in folders:
+            each.rmdir()
+
+
+def _report(results: Results) -> None:
+    """Say which files were written, to the user and in a record that lies beside them.
+
+    What an earlier run of the command has left there, and this one did not write, is removed.
+    """
+    from pwmap.diagrams.record import keep_record, record_of
+
+    finished()
+    command, asked = _asked.get()
+    gone = keep_record(results.folder, command, results.names, asked)
+    tell_written(results.folder, (*results.names, record_of(command)), gone)

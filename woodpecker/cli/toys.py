@@ -1,0 +1,118 @@
+"""The toy that a command is about: from a file, from options, or the paper's."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import math
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from pwmap.diagrams.files import write_whole
+from woodpecker.cli.help import option
+from woodpecker.mechanics.toy import LAW, ExpansionFriction, Toy, description, parameters
+
+TOY = "toy"  # in a file: the object with the values
+PANEL = "Parameters of the toy"
+FILE, SAVE = "toy_file", "save_toy"  # the options that read and write a toy
+CONTEXT = "context"  # of the command: it knows which options were typed
+UNTYPED = "DEFAULT"  # what it calls the source of those that were not
+
+
+def toy_options() -> list[inspect.Parameter]:
+    """One option for each field of the toy, described as in :class:`woodpecker.Toy`, and a file."""
+    default = Toy()
+    kinds: dict[str, Any] = {
+        CONTEXT: typer.Context,
+        FILE: Annotated[
+            Path | None,
+            option(
+                "File with the values of a toy, of --save-toy or the about_<command>.json of "
+                "results; options beside it change single values.",
+                "--toy",
+                rich_help_panel=PANEL,
+            ),
+        ],
+        SAVE: Annotated[
+            Path | None,
+            option(
+                "File into which the values are written, for --toy.", "--save-toy",
+                rich_help_panel=PANEL,
+            ),
+        ],
+    }  # fmt: skip
+    for name in parameters():
+        meaning, unit, domain = description(name)
+        text = f"{meaning[0].upper()}{meaning[1:]} [{unit}]; must {domain.value}"
+        kinds[name] = Annotated[float, option(text, rich_help_panel=PANEL)]
+    kinds[LAW] = Annotated[
+        ExpansionFriction,
+        option(
+            "What bounds friction in the expansion of an impact at two contacts: the sum of both "
+            "normal impulses, from which the paper's figures follow, or Coulomb's law at each",
+            rich_help_panel=PANEL,
+        ),
+    ]
+    return [
+        inspect.Parameter(
+            name,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=getattr(default, name, None),
+            annotation=kind,
+        )
+        for name, kind in kinds.items()
+    ]
+
+
+def toy_of(values: dict[str, Any]) -> Toy:
+    """Take what these options were given out of the values of a command: the toy they describe.
+
+    Raises
+    ------
+    ValueError
+        If the file holds no toy, or a value is none that the toy can have.
+    OSError
+        If a file cannot be read or written.
+    """
+    file, saved = values.pop(FILE), values.pop(SAVE)
+    fields = {name: values.pop(name) for name in (*parameters(), LAW)}
+    source = values.pop(CONTEXT).get_parameter_source
+    typed = {name: value for name, value in fields.items() if source(name).name != UNTYPED}
+    toy = (Toy() if file is None else read_toy(file)).replace(**typed)
+    if saved is not None:
+        write_toy(saved, toy)
+    return toy
+
+
+def write_toy(path: Path, toy: Toy) -> None:
+    """Write the values of a toy as JSON, infinite ones as text."""
+    values = {
+        name: value if isinstance(value, float) and math.isfinite(value) else str(value)
+        for name, value in asdict(toy).items()
+    }
+    write_whole(path, (json.dumps({TOY: values}, indent=1) + "\n").encode())
+
+
+def read_toy(path: Path) -> Toy:
+    """A toy from the file of :func:`write_toy`, or from the record of a command.
+
+    Raises
+    ------
+    ValueError
+        In one sentence, if it holds no toy.
+    """
+    try:
+        values = json.loads(path.read_bytes())[TOY]
+        unknown = sorted({*values} - {*parameters(), LAW})
+        if unknown:
+            raise ValueError(f"unknown parameter {unknown[0]!r}")
+        law = ExpansionFriction(values.pop(LAW, Toy().expansion_friction))
+        numbers = {name: float(value) for name, value in values.items()}
+        return Toy(**numbers, expansion_friction=law)
+    except (AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
+        raise ValueError(
+            f"{path} holds no toy, as --save-toy writes it: {' '.join(str(error).split())}"
+        ) from None

@@ -1,0 +1,36 @@
+"""Many points of a map at once: images and slopes, without pieces."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats
+from woodpecker.maps.pieces import Image
+
+
+class Sweep(NamedTuple):
+    """Images and slopes of a map at many points.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from woodpecker import Sweep
+    >>> x = np.array([-1.0, 2.0])
+    >>> found = Sweep(value=abs(x), slope=np.sign(x))
+    >>> found.slope.tolist()
+    [-1.0, 1.0]
+    """
+
+    value: Floats
+    slope: Floats
+
+
+def one_by_one(at: Callable[[float, float], Image], x: Floats, p: Floats) -> Sweep:
+    """Images and slopes at points (n,) and parameters (n,) of a map that takes one at a time."""
+    pairs = zip(x.tolist(), p.tolist(), strict=True)
+    images = [at(each, value) for each, value in pairs]
+    value, slope = np.array([(i.value, i.slope) for i in images], dtype=float).reshape(-1, 2).T
+    return Sweep(value, slope)

@@ -1,0 +1,81 @@
+"""Orbits that have settled, as a picture: brute force, alone or over a bifurcation diagram."""
+
+from __future__ import annotations
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from pwmap.plot_drawn import Artists, Drawn, Styles, new_axes, styled
+from pwmap.plot_palette import CHAOS, PERIODS, named, of_period
+from woodpecker.slices.attracting import OrbitDiagram
+
+NO_PERIOD = "no period"
+SAMPLE = 7.0  # of a dot in the legend [pt]
+BEHIND = 0.8  # zorder: above bands, below branches
+
+
+def plot_orbits(
+    found: OrbitDiagram, ax: Axes | None = None, *, size: float = 1.2, legend: bool = True,
+    styles: Styles | None = None,
+) -> Drawn:  # fmt: skip
+    """Draw where orbits settle over a parameter, a dot for each point that was kept.
+
+    Dots lie behind the lines of a bifurcation diagram that is drawn on the same axes.
+
+    Parameters
+    ----------
+    found
+        From :func:`woodpecker.orbit_diagram`.
+    ax
+        Axes to draw on, with whatever is there; new ones by default.
+    size
+        Of a dot [pt].
+    legend
+        Whether to explain all that is on the axes.
+    styles
+        Properties of matplotlib by the names in the legend.
+
+    Returns
+    -------
+    Drawn
+        The axes, and the artists by the names in the legend.
+
+    Raises
+    ------
+    ValueError
+        If there is no part of the name of a style.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import orbit_diagram, from_sympy
+    >>> from woodpecker.plot.orbits import plot_orbits
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> found = orbit_diagram(lines, [-0.5, 0.5], [0.3], (-3, 3), transient=100, keep=8)
+    >>> list(plot_orbits(found).artists)
+    ['period 1', 'period 2']
+    """
+    alone = ax is None
+    ax = ax if ax is not None else new_axes(7.0, 4.6)
+    shown: Artists = {}
+    for period in sorted({min(orbit.period, len(PERIODS)) for orbit in found.orbits}):
+        orbits = [o for o in found.orbits if min(o.period, len(PERIODS)) == period]
+        name, colour = (named(period), of_period(period)) if period else (NO_PERIOD, CHAOS)
+        p = np.concatenate([np.full(len(orbit.x), orbit.p) for orbit in orbits])
+        x = np.concatenate([orbit.x for orbit in orbits])
+        shown[name] = [*ax.plot(
+            p, x, ".", color=colour, markersize=size, markeredgewidth=0.0, zorder=BEHIND,
+            rasterized=True,
+        )]  # fmt: skip
+        ax.plot([], [], ".", color=colour, markersize=SAMPLE, label=name)
+    styled(shown, styles, (NO_PERIOD, *(named(k + 1) for k in range(len(PERIODS)))))
+    if alone:
+        ax.set(xlabel="parameter", ylabel="x")
+        ax.grid(alpha=0.25, linewidth=0.5)
+    handles, labels = ax.get_legend_handles_labels()
+    if legend and handles:
+        entries = dict(zip(labels, handles, strict=True))
+        ax.legend(entries.values(), entries.keys(), fontsize=7, loc="best", framealpha=0.9)
+    return Drawn((ax,), shown)
