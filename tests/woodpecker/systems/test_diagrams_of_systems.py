@@ -23,6 +23,7 @@ from woodpecker.systems import (
     curve_in_two,
     orbit_diagram,
     shoot,
+    simulate,
 )
 
 pytestmark = NEEDS_HEYOKA
@@ -114,3 +115,13 @@ def test_wrong_input_is_refused_in_one_sentence() -> None:
     ):
         with pytest.raises((TypeError, ValueError), match=sentence):
             call()
+
+
+def test_bounces_that_accumulate_after_the_end_are_not_summed() -> None:
+    """A ball that would rest after 3 s is followed for 2.1 s."""
+    y, g = sympy.symbols("y g")
+    floor = Contact(name="floor", gap=y, eps_n=0.5)
+    ball = ContactSystem([y], [[1]], [-g], [floor], {g: 10.0})
+    motion = simulate(ball, {"y": 5.0}, 2.1, backend="scipy")
+    assert motion.word == "I1 I1"
+    assert motion.t[-1] == pytest.approx(2.1, abs=1e-12)
