@@ -68,6 +68,8 @@ STUDIES = {  # the name of each study and of its results, and its module
     "system_den_hartog": "studies.systems.den_hartog",
     "system_table": "studies.systems.table",
     "system_crossing": "studies.systems.crossing",
+    "system_rocking_block": "studies.systems.rocking_block",
+    "system_rimless_wheel": "studies.systems.rimless_wheel",
 }
 RESULTS = ROOT / "studies" / "results"
 console = Console(stderr=True)

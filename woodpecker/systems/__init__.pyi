@@ -1,5 +1,11 @@
 """Any mechanical system with contacts and friction: motions, exact return maps, continuation."""
 
+from .diagrams import LineOfSystem as LineOfSystem
+from .diagrams import SettledReturns as SettledReturns
+from .diagrams import basins as basins
+from .diagrams import bifurcation_diagram as bifurcation_diagram
+from .diagrams import curve_in_two as curve_in_two
+from .diagrams import orbit_diagram as orbit_diagram
 from .model import Contact as Contact
 from .model import ContactSystem as ContactSystem
 from .model import FrictionBound as FrictionBound

@@ -501,6 +501,8 @@ class Search:
             return False
         lap = float(found.z[-1] - mark[-1])
         tail = lap * ratio / (1.0 - ratio)
+        if found.z[-1] + tail > self.t_end:
+            return False
         guard, _, _ = self.first_event(
             mode, found.z, self._touch, 2.0 * tail, ignored=GAP * self.eq.m + i, keeps=False
         )

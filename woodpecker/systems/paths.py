@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.systems.flows import STEPS_MOST, LostError, Step
+from woodpecker.systems.flows import LostError, Step
 from woodpecker.systems.guards import Least, Polynomials, Series, Start, series
 from woodpecker.systems.impacts import (
     ALONG,
@@ -49,6 +49,8 @@ SETTLED = 2.0**-50  # relative: an event time that moves by less has converged
 BOUNCES_MOST = 1000  # that accumulate; a ratio of 0.98 needs so many
 SLOW = 4.0  # a gap f hardly falls where f''^2 < 4 f' f'''; where three roots meet it is 2 f' f'''
 FURTHER = 4.0  # times the neighbour's duration until which a first root is looked for
+STEPS_MOST = 2000  # of a phase: far off, where Newton's method may ask, a motion has millions
+
 SOON = 1e-3  # of a step: a guard that its first derivatives bring back within it does fall
 DIFFERENCE = 1e-5  # relative step of central differences of rates of forces
 NOTHING = 1e-14  # a margin that is smaller than this with all its derivatives is identically zero
@@ -530,10 +532,9 @@ class _Steps:
         self._begins = [0.0]
 
     def _more(self) -> Step:
-        try:
-            step = next(self._source)
-        except StopIteration:
-            raise LostError from None
+        step = next(self._source, None)
+        if step is None or len(self._made) == STEPS_MOST:
+            raise LostError
         self._made.append(step)
         self._begins.append(self._begins[-1] + step.length)
         return step

@@ -97,6 +97,13 @@ class SystemMap:
         search = Search(self.machine, values, self.embedding, events_most=self.events_most)
         return search.run(z, self.embedding.touch)
 
+    def image(self, x: Floats, p: Floats) -> Floats | None:
+        """Where a point (d,) of the section returns, without derivatives; None if it does not."""
+        run, values = self.search(x, p), self.values(p)
+        if not run.status.success:
+            return None
+        return self.embedding.point(run.z, values, self.embedding.turns(run.z, values))
+
     def at(self, x: Floats, p: Floats) -> Image:
         """The return from a point (d,) of the section along the path that the system takes."""
         run = self.search(x, p)

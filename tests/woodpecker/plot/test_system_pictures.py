@@ -1,0 +1,93 @@
+"""Pictures of systems with contacts: what is drawn, read back from the axes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import matplotlib as mpl
+import numpy as np
+import pytest
+import sympy
+from matplotlib.collections import QuadMesh
+
+mpl.use("Agg")
+import matplotlib.pyplot as plt
+
+from woodpecker.plot.systems import (
+    plot_basins,
+    plot_system_map,
+    plot_system_motion,
+    plot_system_portrait,
+)
+from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, shoot, simulate
+
+x, y, v, w, g, t = sympy.symbols("x y u_x u_y g t")
+FLOOR = Contact(name="floor", gap=y, eps_n=0.5)
+BALL = ContactSystem([y], [[1]], [-g], [FLOOR], {g: 10.0})
+
+
+@pytest.fixture(autouse=True)
+def _close() -> Iterator[None]:
+    yield
+    plt.close("all")
+
+
+def test_time_history_marks_impacts() -> None:
+    """The first after 1 s; the second, with half the speed, 1 s later."""
+    motion = simulate(BALL, {"y": 5.0}, 2.1, backend="scipy")
+    drawn = plot_system_motion(BALL, motion, ["y", w])
+    assert [ax.get_ylabel() for ax in drawn.axes] == ["$y$", "$u_{y}$"]
+    for ax_marks in drawn.artists["impact"]:
+        assert ax_marks.get_xdata() == pytest.approx([1.0, 2.0], abs=1e-9)  # type: ignore[attr-defined]
+    height = drawn.artists["motion"][0].get_ydata()  # type: ignore[attr-defined]
+    assert (height.min(), height.max()) == pytest.approx((0.0, 5.0), abs=1e-9)
+
+
+def test_portrait_dots_the_jump_of_the_speed() -> None:
+    motion = simulate(BALL, {"y": 5.0}, 1.5, backend="scipy")
+    drawn = plot_system_portrait(BALL, motion, "y", "u_y")
+    (stroke,) = drawn.artists["impact"]
+    assert stroke.get_ydata()[:2] == pytest.approx([-10.0, 5.0], abs=1e-9)  # type: ignore[attr-defined]
+    assert np.isnan(drawn.artists["motion"][0].get_ydata()).sum() >= 1  # type: ignore[attr-defined]
+
+
+def test_stick_and_slip_are_told_apart() -> None:
+    belt = Contact(name="belt", gap=y, slip=v - 0.5, mu=0.3)
+    brick = ContactSystem([x, y], [[1, 0], [0, 1]], [-x, -10], [belt], {})
+    drawn = plot_system_motion(brick, simulate(brick, {"x": 5.0}, 8.0, backend="scipy"), ["x"])
+    legend = drawn.ax.get_legend()
+    assert legend is not None
+    assert [text.get_text() for text in legend.get_texts()] == ["sticks", "slips"]
+
+
+def test_return_map_of_a_ball_halves_the_speed() -> None:
+    map_ = SystemMap(BALL, Section(when="floor", free=[w]), backend="scipy")
+    drawn = plot_system_map(map_, np.linspace(1.0, 3.0, 5))
+    (line,) = drawn.artists["$P_{1}$"]
+    assert line.get_ydata() == pytest.approx(0.5 * line.get_xdata(), abs=1e-9)  # type: ignore[attr-defined]
+
+
+@pytest.mark.slow
+def test_basins_have_the_colours_of_their_cycles() -> None:
+    wall = Contact(name="wall", gap=3 - x, eps_n=0.5)
+    system = ContactSystem([x], [[1]], [x - x**3 - 2 * v], [wall], {})
+    map_ = SystemMap(system, Section(when=sympy.sin(t), free=[x, v]), backend="scipy")
+    wells = [shoot(map_, [each, 0.0]) for each in (1.1, -1.1)]
+    drawn = plot_basins(map_, wells, {"x": (-1.0, 1.0), "u_x": (-0.1, 0.1)}, points=2)
+    (mesh,) = drawn.artists["basins"]
+    assert isinstance(mesh, QuadMesh)
+    assert np.asarray(mesh.get_array()).tolist() == [[1, 0], [1, 0]]
+
+
+def test_wrong_names_are_refused() -> None:
+    motion = simulate(BALL, {"y": 5.0}, 0.5, backend="scipy")
+    with pytest.raises(
+        ValueError, match=r"unknown coordinate 'z', the state has \['y', 'u_y', 't'\]"
+    ):
+        plot_system_motion(BALL, motion, ["z"])
+    map_ = SystemMap(BALL, Section(when="floor", free=[w]), backend="scipy")
+    with pytest.raises(ValueError, match="a plane has two coordinates, got 1"):
+        plot_basins(map_, [], {"u_y": (0.0, 1.0)})
+    section = Section(when=sympy.sin(t), free=[y, w])
+    with pytest.raises(ValueError, match="one dimension can be drawn, got 2"):
+        plot_system_map(SystemMap(BALL, section, backend="scipy"), [1.0, 2.0])

@@ -1,0 +1,127 @@
+"""Verbs that show all of a return map: diagrams, curves in two parameters, attractors, basins."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import sympy
+from needs import NEEDS_HEYOKA
+
+from pwmap import PointKind
+from studies.systems import rimless_wheel, table
+from studies.systems.oscillator import ClosedForm, impacts
+from woodpecker import Search
+from woodpecker.systems import (
+    Contact,
+    ContactSystem,
+    LineOfSystem,
+    Section,
+    SystemMap,
+    basins,
+    bifurcation_diagram,
+    continuation,
+    curve_in_two,
+    orbit_diagram,
+    shoot,
+    simulate,
+)
+
+pytestmark = NEEDS_HEYOKA
+
+
+@pytest.mark.slow
+def test_all_branches_of_the_wheel_are_its_walk() -> None:
+    """Slices find it without a guess, where no foot slips."""
+    found = bifurcation_diagram(
+        rimless_wheel.map_of("gamma"), (0.1, 0.2), (1,), (0.35, 0.7), search=Search(slices=2)
+    )
+    (walk,) = found.branches
+    values = rimless_wheel.VALUES[rimless_wheel.ALPHA], rimless_wheel.VALUES[rimless_wheel.J]
+    exact = [rimless_wheel.walking(gamma, *values)[0] for gamma in walk.parameter]
+    assert walk.x == pytest.approx(exact, abs=1e-10)
+    assert (found.parameter_name, found.x_name) == ("gamma", "omega")
+
+
+@pytest.mark.slow
+def test_curve_of_folds_is_that_of_the_closed_form() -> None:
+    """Over amplitude and frequency of the force, for a preloaded stop."""
+    exact = ClosedForm(2.8, 0.8, -0.5, 0.05)
+    force, v = exact.fold()
+    map_ = impacts("F", "w").holding(sigma=-0.5)
+    orbit = exact.orbit(1.2 * v)
+    cycle = shoot(map_, [orbit.v, orbit.t], p=[exact.force(orbit.v), exact.w])
+    window = [(-5.0, 0.0), (0.0, 3.0)]
+    found = continuation(map_, cycle, (0.9 * force, 2.2 * force), window, orders=(1,), max_step=0.5)
+    (fold,) = (q for q in found.diagram.points if q.kind is PointKind.LP)
+    spans = (0.5 * force, 2.0 * force), (2.5, 3.1)
+    curve = curve_in_two(map_, found, fold.id, spans, window, max_step=0.2)
+    assert np.ptp(curve.p[:, 1]) > 0.3
+    assert len(curve.p) > 5
+    for force_there, w in curve.p:
+        there = ClosedForm(w, exact.eps, exact.sigma, exact.zeta).fold()[0]
+        assert force_there == pytest.approx(there, abs=1e-9)
+
+
+def test_orbits_settle_on_the_bounce_in_closed_form() -> None:
+    """Between fold and flip the ball bounces once in each period of the table."""
+    map_ = table.map_of("Gamma")
+    low, high = table.limits(0.5)
+    exact = table.orbit(0.5 * (low + high), 0.5)
+    window = [(0.0, 10.0), (np.pi, 3.0 * np.pi)]
+    found = orbit_diagram(
+        map_, [0.5 * (low + high)], [exact + 0.01], window, transient=60, keep=4
+    )  # fmt: skip
+    assert found.lost == 0
+    assert found.period.tolist() == [1]
+    assert found.x[0] == pytest.approx(np.tile(exact, (4, 1)), abs=1e-9)
+    lost = orbit_diagram(map_, [low], [[20.0, 4.0]], window, transient=1, keep=1)
+    assert (lost.lost, lost.x.shape) == (1, (0, 1, 2))
+
+
+def particle_of_two_wells() -> SystemMap:
+    """A damped particle in the wells at 1 and -1, once in each second; at rest in either."""
+    x, v, t = sympy.symbols("x u_x t")
+    wall = Contact(name="wall", gap=3 - x, eps_n=0.5)
+    system = ContactSystem([x], [[1]], [x - x**3 - v], [wall], {})
+    return SystemMap(system, Section(when=sympy.sin(2 * sympy.pi * t), free=[x, v]))
+
+
+@pytest.mark.slow
+def test_basins_of_two_wells_are_mirror_images() -> None:
+    """But for the wall, which is not reached; the ridge between them belongs to none."""
+    map_ = particle_of_two_wells()
+    wells = [shoot(map_, [each, 0.0]) for each in (1.1, -1.1)]
+    assert [
+        w.x[0] == pytest.approx([s, 0.0], abs=1e-9) for w, s in zip(wells, (1, -1), strict=True)
+    ]
+    rng = np.random.default_rng(5)
+    points = rng.uniform(-1.0, 1.0, (8, 2))
+    there, mirrored = (basins(map_, wells, sign * points) for sign in (1.0, -1.0))
+    assert (there + mirrored == 1).all()
+    assert set(there.tolist()) == {0, 1}
+    assert basins(map_, wells, [[0.0, 0.0]]).tolist() == [-1]
+
+
+def test_wrong_input_is_refused_in_one_sentence() -> None:
+    map_ = table.map_of("Gamma")
+    for call, sentence in (
+        (lambda: LineOfSystem(map_), "one coordinate and one free parameter, got 2 and 1"),
+        (lambda: bifurcation_diagram(map_, (0, 1), (1,), (0, 1)), "one coordinate"),
+        (lambda: orbit_diagram(map_, [1.0], [[1.0, 2.0]], [(0, 1)]), r"window must have shape"),
+        (lambda: orbit_diagram(map_, [1.0], [1.0], [(0, 1)] * 2), r"starts must have shape \(m, 2"),
+        (lambda: orbit_diagram(table.map_of(), [1.0], [[1, 2]], [(0, 1)] * 2), "no free parameter"),
+        (lambda: basins(map_, [], [[1.0, 2.0]]), "at least one cycle is needed"),
+        (lambda: basins(map_, [3], [[1.0, 2.0]]), "cycle must be"),  # type: ignore[list-item]
+    ):
+        with pytest.raises((TypeError, ValueError), match=sentence):
+            call()
+
+
+def test_bounces_that_accumulate_after_the_end_are_not_summed() -> None:
+    """A ball that would rest after 3 s is followed for 2.1 s."""
+    y, g = sympy.symbols("y g")
+    floor = Contact(name="floor", gap=y, eps_n=0.5)
+    ball = ContactSystem([y], [[1]], [-g], [floor], {g: 10.0})
+    motion = simulate(ball, {"y": 5.0}, 2.1, backend="scipy")
+    assert motion.word == "I1 I1"
+    assert motion.t[-1] == pytest.approx(2.1, abs=1e-12)

@@ -1,0 +1,368 @@
+"""Pictures of any system with contacts: motions with their events, return maps, basins."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import matplotlib.pyplot as plt
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap
+from matplotlib.patches import Patch
+
+from pwmap.plot import JUMP, STABLE, UNSTABLE, place_legend
+from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
+from woodpecker.base.arrays import Floats
+from woodpecker.base.checks import instance, interval, whole
+from woodpecker.plot.curve import Detail, refined
+from woodpecker.plot.figures import plot_curve
+from woodpecker.plot.motions import LINE, strokes
+from woodpecker.simulation.words import EventKind
+from woodpecker.systems.diagrams import basins
+from woodpecker.systems.model import ContactSystem
+from woodpecker.systems.returns import SystemMap
+from woodpecker.systems.verbs import Cycle, Motion, return_map
+
+MOTION, START, NO_CYCLE = "motion", "start", "none of them"
+EVENTS: dict[str, tuple[tuple[EventKind, ...], dict[str, Any]]] = {
+    "impact": (
+        (EventKind.IMPACT, EventKind.CHATTER, EventKind.INDETERMINATE_IMPACT),
+        {"color": UNSTABLE, "marker": "o"},
+    ),
+    "sticks": ((EventKind.STICK,), {"color": JUMP, "marker": "s"}),
+    "slips": ((EventKind.SLIP, EventKind.REVERSAL), {"color": "#6a51a3", "marker": "^"}),
+    "detaches": ((EventKind.DETACH,), {"color": "#969696", "marker": "v"}),
+}
+LOWEST, ROW = 0.03, 0.05  # of the height of axes: the first row of marks, and the next
+DETAIL = Detail(budget=300)  # returns at some ten milliseconds each
+BASINS = ("#9ecae1", "#fdae6b", "#a1d99b", "#bcbddc", "#fc9272", "#d9d9d9")
+
+
+def plot_system_motion(
+    system: ContactSystem, motion: Motion, names: Sequence[Any] | None = None,
+    axes: Sequence[Axes] | None = None, *, legend: bool = True, styles: Styles | None = None,
+) -> Drawn:  # fmt: skip
+    """Coordinates and velocities over time, with events as marks.
+
+    Parameters
+    ----------
+    system
+        The system.
+    motion
+        From :func:`woodpecker.systems.simulate`.
+    names
+        Symbols of the state, or their names; by default all coordinates.
+    axes
+        As many axes; a new figure by default.
+    legend
+        Whether to explain the marks.
+    styles
+        Properties of matplotlib by ``"motion"`` and the names in the legend.
+
+    Returns
+    -------
+    Drawn
+        The axes, and the artists by these names.
+
+    Raises
+    ------
+    TypeError
+        If it is no system or no motion.
+    ValueError
+        If a name is no symbol of the state, or that of no part of the picture.
+
+    Examples
+    --------
+    >>> from sympy import symbols
+    >>> from woodpecker.plot.systems import plot_system_motion
+    >>> from woodpecker.systems import Contact, ContactSystem, simulate
+    >>> y, g = symbols("y g")
+    >>> floor = Contact(name="floor", gap=y, eps_n=0.5)
+    >>> ball = ContactSystem([y], [[1]], [-g], [floor], {g: 10.0})
+    >>> drawn = plot_system_motion(ball, simulate(ball, {"y": 5.0}, 1.5), ["y", "u_y"])
+    >>> sorted(drawn.artists)
+    ['impact', 'motion']
+    """
+    wanted = system.q if names is None else names
+    values = [_values(system, motion, name) for name in wanted]
+    if axes is None:
+        height = 1.2 + 1.5 * len(values)
+        figure = plt.figure(figsize=(7.0, height), layout="constrained")
+        axes = np.ravel(figure.subplots(len(values), 1, sharex=True, squeeze=False)).tolist()
+    shown: Artists = {}
+    for ax, name, each in zip(axes, wanted, values, strict=True):
+        add(shown, {MOTION: ax.plot(motion.t, each, **LINE)})
+        for row, (kind, times) in enumerate(_times(motion).items()):
+            marks = ax.plot(
+                times, np.full(len(times), LOWEST + ROW * row), linestyle="none", markersize=4.0,
+                mec="white", mew=0.4, transform=ax.get_xaxis_transform(), zorder=5,
+                **EVENTS[kind][1],
+            )  # fmt: skip
+            add(shown, {kind: marks})
+        ax.margins(x=0.0, y=0.2)
+        ax.set_ylabel(_label(name))
+        ax.grid(alpha=0.25, linewidth=0.5)
+    axes[-1].set_xlabel("$t$")
+    styled(shown, styles, (MOTION, *EVENTS))
+    _events_legend(axes[0], shown, legend=legend)
+    return Drawn(tuple(axes), shown)
+
+
+def plot_system_portrait(
+    system: ContactSystem, motion: Motion, x: Any, y: Any, ax: Axes | None = None, *,
+    legend: bool = True, styles: Styles | None = None,
+) -> Drawn:  # fmt: skip
+    """One coordinate or velocity over another; impacts are dotted, other events are marks.
+
+    Parameters
+    ----------
+    system, motion, styles
+        As for :func:`plot_system_motion`.
+    x, y
+        Symbols of the state, or their names.
+    ax
+        Axes to draw on; new ones by default.
+    legend
+        Whether to explain the marks.
+
+    Returns
+    -------
+    Drawn
+        The axes, and the artists by the names in the legend.
+
+    Raises
+    ------
+    TypeError
+        If it is no system or no motion.
+    ValueError
+        If a name is no symbol of the state, or that of no part of the picture.
+
+    Examples
+    --------
+    >>> from sympy import symbols
+    >>> from woodpecker.plot.systems import plot_system_portrait
+    >>> from woodpecker.systems import Contact, ContactSystem, simulate
+    >>> y, g = symbols("y g")
+    >>> floor = Contact(name="floor", gap=y, eps_n=0.5)
+    >>> ball = ContactSystem([y], [[1]], [-g], [floor], {g: 10.0})
+    >>> drawn = plot_system_portrait(ball, simulate(ball, {"y": 5.0}, 1.5), "y", "u_y")
+    >>> sorted(drawn.artists)
+    ['impact', 'motion', 'start']
+    """
+    across, up = _values(system, motion, x), _values(system, motion, y)
+    ax = ax if ax is not None else new_axes(5.4, 4.4)
+    jumps = np.flatnonzero(np.diff(motion.t) == 0.0)
+    way = np.insert(across, jumps + 1, np.nan), np.insert(up, jumps + 1, np.nan)
+    shown: Artists = {MOTION: [*ax.plot(*way, **LINE)]}
+    shown[START] = [*ax.plot(across[0], up[0], ".", color="black", markersize=6, zorder=4)]
+    for kind, times in _times(motion).items():
+        after = np.searchsorted(motion.t, times, side="right") - 1
+        style = EVENTS[kind][1]
+        if kind == "impact":
+            pairs = np.column_stack([np.maximum(after - 1, 0), after])
+            drawn = ax.plot(
+                *strokes(across[pairs], up[pairs]), linestyle=(0, (1, 1.2)), linewidth=1.1,
+                markersize=3.4, markevery=slice(1, None, 3), zorder=3, **style,
+            )  # fmt: skip
+        else:
+            drawn = ax.plot(
+                across[after], up[after], linestyle="none", markersize=4.4, mec="white", mew=0.4,
+                zorder=5, **style,
+            )  # fmt: skip
+        shown[kind] = [*drawn]
+    ax.set(xlabel=_label(x), ylabel=_label(y))
+    ax.grid(alpha=0.25, linewidth=0.5)
+    styled(shown, styles, (MOTION, START, *EVENTS))
+    place_legend(ax, {name: shown[name] for name in shown if name != MOTION}, legend)
+    return Drawn((ax,), shown)
+
+
+def plot_system_map(
+    map_: SystemMap, x: npt.ArrayLike, ax: Axes | None = None, *, order: int = 1,
+    p: npt.ArrayLike | None = None, legend: bool = True, styles: Styles | None = None,
+) -> Drawn:  # fmt: skip
+    """The return map of a section of one dimension, with the diagonal; its jumps are dotted.
+
+    Parameters
+    ----------
+    map_
+        The return map of a system, of one dimension.
+    x
+        (n,) ascending points to start with; it looks closer where the map is steep.
+    ax
+        Axes to draw on; new ones by default.
+    order
+        So many returns in turn.
+    p
+        (k,) values of the free parameters; by default those of the system.
+    legend, styles
+        As for :func:`woodpecker.plot.figures.plot_curve`.
+
+    Returns
+    -------
+    Drawn
+        The axes, and the artists by the names in the legend.
+
+    Raises
+    ------
+    TypeError
+        If ``map_`` is no return map.
+    ValueError
+        If it has more than one dimension.
+
+    Examples
+    --------
+    >>> from sympy import symbols
+    >>> from woodpecker.plot.systems import plot_system_map
+    >>> from woodpecker.systems import Contact, ContactSystem, Section, SystemMap
+    >>> y, v, g = symbols("y u_y g")
+    >>> floor = Contact(name="floor", gap=y, eps_n=0.5)
+    >>> ball = ContactSystem([y], [[1]], [-g], [floor], {g: 10.0})
+    >>> drawn = plot_system_map(SystemMap(ball, Section(when="floor", free=[v])), [1, 2, 3])
+    >>> sorted(drawn.artists)
+    ['$P_{1}$', 'diagonal']
+    """
+    instance("map_", map_, SystemMap)
+    if map_.d != 1:
+        raise ValueError(f"a return map of one dimension can be drawn, got {map_.d}")
+
+    def image(at: Floats) -> Floats:
+        values: Floats = return_map(map_, at, order=order, p=p).images[:, 0]
+        return values
+
+    first = np.asarray(x, dtype=float)
+    values = image(first)
+    bottom = float(np.nanmin(np.append(values, first[0])))
+    *_, curve = refined(image, first, values, bottom=bottom, cost=order, detail=DETAIL)
+    drawn = plot_curve(curve, ax, order=order, legend=legend, styles=styles)
+    name = _label(map_.section.free[0])
+    drawn.ax.set(xlabel=name, ylabel=f"{name} after {'the' if order == 1 else order} return"
+                 + ("s" if order > 1 else ""))  # fmt: skip
+    return drawn
+
+
+def plot_basins(
+    map_: SystemMap, cycles: Sequence[Cycle], plane: Mapping[Any, tuple[float, float]],
+    ax: Axes | None = None, *, at: Mapping[Any, float] | None = None, points: int = 40,
+    returns: int = 200, near: float = 1e-3, p: npt.ArrayLike | None = None, legend: bool = True,
+    styles: Styles | None = None,
+) -> Drawn:  # fmt: skip
+    """Where the orbits go that start in a plane of two coordinates of a section.
+
+    Parameters
+    ----------
+    map_
+        The return map of a system, of two dimensions or more.
+    cycles
+        Stable cycles of it.
+    plane
+        The two coordinates, across and up, with their ends.
+    ax
+        Axes to draw on; new ones by default.
+    at
+        Values of all other coordinates; those that are not named are zero.
+    points
+        Starts in each direction.
+    returns, near, p
+        As for :func:`woodpecker.systems.basins`.
+    legend, styles
+        Whether to explain the colours; properties of matplotlib by the words of the cycles.
+
+    Returns
+    -------
+    Drawn
+        The axes, and the artists by the names in the legend.
+
+    Raises
+    ------
+    TypeError
+        If ``map_`` is no return map, or a cycle none.
+    ValueError
+        If a coordinate is unknown, or not two are given.
+    """
+    instance("map_", map_, SystemMap)
+    free = [str(each) for each in map_.section.free]
+    names = [str(each) for each in plane]
+    for name in (*names, *map(str, at or {})):
+        if name not in free:
+            raise ValueError(f"unknown coordinate {name!r}, the section has {free}")
+    if len(names) != 2:
+        raise ValueError(f"a plane has two coordinates, got {len(names)}")
+    points = whole("points", points, 2)
+    ends = [interval("plane", each, finite=True) for each in plane.values()]
+    across, up = (np.linspace(*each, points) for each in ends)
+    starts = np.zeros((points, points, map_.d))
+    for name, value in (at or {}).items():
+        starts[..., free.index(str(name))] = value
+    starts[..., free.index(names[0])] = across[None, :]
+    starts[..., free.index(names[1])] = up[:, None]
+    owner = basins(
+        map_, cycles, starts.reshape(-1, map_.d), returns=returns, near=near, p=p
+    ).reshape(points, points)  # fmt: skip
+    ax = ax if ax is not None else new_axes(5.6, 4.4)
+    colours = ["white", *(BASINS[k % len(BASINS)] for k in range(len(cycles)))]
+    mesh = ax.pcolormesh(
+        across, up, owner, cmap=ListedColormap(colours), vmin=-1.5, vmax=len(cycles) - 0.5,
+        shading="nearest", rasterized=True,
+    )  # fmt: skip
+    shown: Artists = {"basins": [mesh]}
+    marks, patches = list[Any](), list[Any]()
+    for cycle, colour in zip(cycles, colours[1:], strict=True):
+        x, y = (cycle.x[:, free.index(name)] for name in names)
+        marks += ax.plot(x, y, "o", color=STABLE, markersize=4.5, mec="white", mew=0.6)
+        where = ", ".join(f"({a:.3g}, {b:.3g})" for a, b in zip(*_round(x, y), strict=True))
+        patches.append(Patch(facecolor=colour, label=where + (", ..." if len(x) > 2 else "")))
+    shown["cycles"] = marks
+    if (owner < 0).any():
+        patches.append(Patch(facecolor="white", edgecolor="#969696", label=NO_CYCLE))
+    ax.set(xlabel=_label(names[0]), ylabel=_label(names[1]), xlim=ends[0], ylim=ends[1])
+    styled(shown, styles)
+    if legend:
+        ax.legend(handles=patches, title="comes to", fontsize=7, title_fontsize=7, loc="best")
+    return Drawn((ax,), shown)
+
+
+def _round(*values: Floats) -> list[Floats]:
+    """The first two of some numbers without what is next to nothing."""
+    return [np.round(each[:2], 6) + 0.0 for each in values]
+
+
+def _values(system: ContactSystem, motion: Motion, name: Any) -> Floats:
+    """Samples of a symbol of the state."""
+    instance("system", system, ContactSystem)
+    instance("motion", motion, Motion)
+    known = [str(each) for each in system.state]
+    if str(name) not in known:
+        raise ValueError(f"unknown coordinate {str(name)!r}, the state has {known}")
+    found: Floats = np.column_stack([motion.q, motion.u, motion.t])[:, known.index(str(name))]
+    return found
+
+
+def _times(motion: Motion) -> dict[str, list[float]]:
+    """Times of events by what they are."""
+    found: dict[str, list[float]] = {}
+    for name, (kinds, _) in EVENTS.items():
+        times = [e.time for e in motion.events if EventKind(e.symbol[0]) in kinds]
+        if times:
+            found[name] = times
+    return found
+
+
+def _label(name: Any) -> str:
+    """A symbol as sympy writes it in formulas."""
+    import sympy
+
+    symbol = name if isinstance(name, sympy.Symbol) else sympy.Symbol(str(name))
+    return f"${sympy.latex(symbol)}$"
+
+
+def _events_legend(ax: Axes, shown: Artists, *, legend: bool) -> None:
+    """What the marks mean, above the axes."""
+    entries = {name: shown[name][0] for name in EVENTS if name in shown}
+    if legend and entries:
+        ax.legend(
+            entries.values(), entries.keys(), fontsize=7, frameon=False, ncols=len(entries),
+            loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, handletextpad=0.2,
+        )  # fmt: skip

@@ -1,0 +1,379 @@
+"""All branches of a return map of one dimension, attractors, basins, curves in two parameters."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from pwmap.diagrams.diagram import Diagram
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.checks import instance, interval, positive, real_array, whole
+from woodpecker.base.settings import Settings
+from woodpecker.engine.curves import CurveSettings
+from woodpecker.engine.maps import Image, PiecewiseMap
+from woodpecker.engine.maps import Piece as EnginePiece
+from woodpecker.engine.network import Connected
+from woodpecker.engine.two_parameters import SpecialCurve, special_curve
+from woodpecker.maps.pieces import Image as LineImage
+from woodpecker.search.diagrams import whole_diagram
+from woodpecker.search.search import Search
+from woodpecker.systems.returns import SystemMap
+from woodpecker.systems.verbs import Cycle
+
+REPEATS = 1e-6  # scaled: an orbit that has settled repeats itself so closely
+LONGEST = 64  # period that is looked for
+NOWHERE = -1  # the basin of a start whose orbit comes to none of the cycles
+
+
+class LineOfSystem:
+    """A return map of one dimension and one free parameter, as a map of the line.
+
+    Whatever takes one takes it: :func:`woodpecker.orbit_diagram`, :func:`woodpecker.slices_at`,
+    :func:`woodpecker.local_model`.
+
+    Parameters
+    ----------
+    map_
+        The return map.
+
+    Raises
+    ------
+    TypeError
+        If ``map_`` is no return map.
+    ValueError
+        If its section has other than one free coordinate, or not one parameter is free.
+
+    Examples
+    --------
+    >>> from sympy import symbols
+    >>> from woodpecker.systems import Contact, ContactSystem, LineOfSystem, Section, SystemMap
+    >>> y, v, g, eps = symbols("y u_y g eps")
+    >>> floor = Contact(name="floor", gap=y, eps_n=eps)
+    >>> ball = ContactSystem([y], [[1]], [-g], [floor], {g: 10.0, eps: 0.5})
+    >>> line = LineOfSystem(SystemMap(ball, Section(when="floor", free=[v]), ["eps"]))
+    >>> image = line.at(1.0, 0.5)
+    >>> round(image.value, 12), round(image.slope, 12), round(image.d_parameter, 12)
+    (0.5, 0.5, 1.0)
+    """
+
+    def __init__(self, map_: SystemMap) -> None:
+        instance("map_", map_, SystemMap)
+        if (map_.d, map_.k) != (1, 1):
+            raise ValueError(
+                "a map of the line has one coordinate and one free parameter, got "
+                f"{map_.d} and {map_.k}"
+            )
+        self.map = map_
+
+    def at(self, x: float, p: float) -> LineImage:
+        """The image of a point under the piece that the map takes there.
+
+        Parameters
+        ----------
+        x, p
+            The point and the parameter.
+
+        Returns
+        -------
+        Image
+            Value, derivatives and margins; without a value it carries the reason.
+        """
+        return _of_line(self.map.at(np.array([x]), np.array([p])))
+
+
+@dataclass(frozen=True, slots=True)
+class _PieceOnLine:
+    own: EnginePiece
+
+    @property
+    def key(self) -> Hashable:
+        return self.own.key
+
+    @property
+    def word(self) -> str:
+        return self.own.word
+
+    def at(self, x: float, p: float) -> LineImage:
+        return _of_line(self.own.at(np.array([x]), np.array([p])))
+
+    def cause(self, code: int) -> str:
+        return self.own.cause(code)
+
+
+def _of_line(image: Image) -> LineImage:
+    slope, d_parameter = image.jacobian[0].tolist()
+    return LineImage(
+        float(image.value[0]), slope, d_parameter, image.margins, image.gradients, image.codes,
+        _PieceOnLine(image.piece), image.reason,
+    )  # fmt: skip
+
+
+def bifurcation_diagram(
+    map_: SystemMap, span: tuple[float, float], orders: Sequence[int],
+    window: tuple[float, float], *, settings: Settings | None = None, search: Search | None = None,
+) -> Diagram:  # fmt: skip
+    """Every branch of some iterates in a window, for a section of one dimension.
+
+    Parameters
+    ----------
+    map_
+        The return map of a system, with one free coordinate and one free parameter.
+    span
+        Ends of the parameter.
+    orders
+        The iterates.
+    window
+        Ends of the coordinate.
+    settings, search
+        As :func:`woodpecker.bifurcation_diagram` has them.
+
+    Returns
+    -------
+    Diagram
+        Branches and special points.
+
+    Raises
+    ------
+    TypeError
+        If ``map_`` is no return map.
+    ValueError
+        If it has other dimensions, or an interval is empty.
+    """
+    line = LineOfSystem(map_)
+    chosen = replace(
+        settings or Settings(), span=interval("span", span, finite=True),
+        window=interval("window", window, finite=True),
+    )  # fmt: skip
+    return whole_diagram(
+        line, chosen, orders, search, parameter_name=map_.parameters[0],
+        x_name=str(map_.section.free[0]),
+    ).diagram  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, kw_only=True, eq=False)
+class SettledReturns:
+    """What orbits of a return map settle on.
+
+    Attributes
+    ----------
+    p
+        (s,) values of the parameter.
+    start
+        (s, d) first points.
+    x
+        (s, keep, d) the last points.
+    period
+        (s,) the smallest shift that repeats them; 0 if there is none of up to 64.
+    lost
+        How many orbits left the window, or did not return.
+    """
+
+    p: Floats
+    start: Floats
+    x: Floats
+    period: Ints
+    lost: int
+
+
+def orbit_diagram(
+    map_: SystemMap, parameters: npt.ArrayLike, starts: npt.ArrayLike,
+    window: Sequence[tuple[float, float]], *, transient: int = 300, keep: int = 128,
+) -> SettledReturns:  # fmt: skip
+    """Follow orbits from many starts at many values of the first free parameter.
+
+    Parameters
+    ----------
+    map_
+        The return map of a system, of any dimension d.
+    parameters
+        (n,) values of the first free parameter.
+    starts
+        (m, d) points, or (m,) if d = 1.
+    window
+        (d, 2) ends of the coordinates; an orbit that leaves them is lost.
+    transient, keep
+        How many returns are cut, and how many are kept after that.
+
+    Returns
+    -------
+    SettledReturns
+        At most n m orbits.
+
+    Raises
+    ------
+    TypeError
+        If ``map_`` is no return map.
+    ValueError
+        If shapes do not fit, or the map has no free parameter.
+    """
+    instance("map_", map_, SystemMap)
+    if not map_.k:
+        raise ValueError("the map has no free parameter")
+    transient, keep = whole("transient", transient, least=0), whole("keep", keep)
+    ends = np.array([interval("window", each) for each in window])
+    if ends.shape != (map_.d, 2):
+        raise ValueError(f"window must have shape ({map_.d}, 2), got {ends.shape}")
+    first = _points(map_, "starts", starts)
+    values = np.atleast_1d(real_array("parameters", parameters))
+    found, lost = list[tuple[float, Floats, Floats]](), 0
+    for value in values.tolist():
+        p = np.array([value, *map_.p[1:]])
+        for start in first:
+            orbit = _orbit(map_, start, p, ends, transient, keep)
+            lost += orbit is None
+            if orbit is not None:
+                found.append((value, start, orbit))
+    x = np.array([each[2] for each in found]).reshape(-1, keep, map_.d)
+    return SettledReturns(
+        p=np.array([each[0] for each in found]), lost=lost, x=x,
+        start=np.array([each[1] for each in found]).reshape(-1, map_.d),
+        period=np.array([_period(each / map_.x_scale) for each in x], dtype=np.int64),
+    )  # fmt: skip
+
+
+def _points(map_: SystemMap, name: str, given: npt.ArrayLike) -> Floats:
+    """Points (m, d)."""
+    points = real_array(name, given)
+    points = points.reshape(-1, 1) if points.ndim < 2 and map_.d == 1 else np.atleast_2d(points)
+    if points.ndim != 2 or points.shape[1] != map_.d:
+        raise ValueError(f"{name} must have shape (m, {map_.d}), got {points.shape}")
+    return points
+
+
+def _orbit(
+    map_: SystemMap, x: Floats, p: Floats, ends: Floats, transient: int, keep: int
+) -> Floats | None:
+    """The last points (keep, d) of an orbit; None if it is lost."""
+    kept = list[Floats]()
+    for n in range(transient + keep):
+        if n >= transient:
+            kept.append(x)
+        image = map_.image(x, p)
+        if image is None or (image < ends[:, 0]).any() or (image > ends[:, 1]).any():
+            return None
+        x = image
+    return np.array(kept)
+
+
+def _period(x: Floats) -> int:
+    """The smallest shift that repeats points (n, d); 0 if there is none."""
+    for shift in range(1, min(LONGEST, len(x) // 2) + 1):
+        if np.abs(x[shift:] - x[:-shift]).max() <= REPEATS:
+            return shift
+    return 0
+
+
+def basins(
+    map_: SystemMap, cycles: Sequence[Cycle], points: npt.ArrayLike, *, returns: int = 200,
+    near: float = 1e-3, p: npt.ArrayLike | None = None,
+) -> Ints:  # fmt: skip
+    """Which of some cycles the orbits of many points come to.
+
+    Parameters
+    ----------
+    map_
+        The return map of a system.
+    cycles
+        Stable cycles of it.
+    points
+        (m, d) points.
+    returns
+        So many at most.
+    near
+        An orbit has come to a cycle where it is so close to one of its points, in units of the
+        scales.
+    p
+        (k,) values of the free parameters; by default those of the system.
+
+    Returns
+    -------
+    array of shape (m,)
+        Which cycle, from 0 on; -1 where an orbit comes to none, or is lost.
+
+    Raises
+    ------
+    TypeError
+        If ``map_`` is no return map, or a cycle none.
+    ValueError
+        If shapes do not fit, a number is not positive, or there is no cycle.
+    """
+    instance("map_", map_, SystemMap)
+    if not len(cycles):
+        raise ValueError("at least one cycle is needed, got none")
+    for cycle in cycles:
+        instance("cycle", cycle, Cycle)
+    returns, near = whole("returns", returns), positive("near", near)
+    values = map_.p if p is None else np.atleast_1d(real_array("p", p))
+    places = np.concatenate([cycle.x for cycle in cycles])
+    owners = np.repeat(np.arange(len(cycles)), [len(cycle.x) for cycle in cycles])
+    starts = _points(map_, "points", points)
+    found = np.full(len(starts), NOWHERE, dtype=np.int64)
+    for k, start in enumerate(starts):
+        x: Floats | None = start
+        for _ in range(returns):
+            if x is None:
+                break
+            away = (np.abs(places - x) / map_.x_scale).max(axis=1)
+            if away.min() <= near:
+                found[k] = owners[away.argmin()]
+                break
+            x = map_.image(x, values)
+    return found
+
+
+def curve_in_two(
+    map_: SystemMap, found: Connected, point: str, spans: Sequence[tuple[float, float]],
+    window: Sequence[tuple[float, float]], *, step: float = 0.01, min_step: float = 1e-9,
+    max_step: float = 0.05, max_samples: int = 500,
+) -> SpecialCurve:  # fmt: skip
+    """Follow a special point over the first two free parameters.
+
+    Parameters
+    ----------
+    map_
+        The return map of a system, with at least two free parameters.
+    found
+        What :func:`continuation` over the first of them has found.
+    point
+        The id of a fold, flip, Neimark-Sacker point or border collision in its diagram.
+    spans
+        Ends of both parameters.
+    window
+        (d, 2) ends of the coordinates.
+    step, min_step, max_step
+        First, shortest and longest step, in units of the map's scales.
+    max_samples
+        Of the curve, each way.
+
+    Returns
+    -------
+    SpecialCurve
+        Both ways from the point.
+
+    Raises
+    ------
+    TypeError
+        If ``map_`` is no return map or ``found`` no result of a continuation.
+    ValueError
+        If there is no such point, it has no such curve, or fewer than two parameters are free.
+    """
+    instance("map_", map_, SystemMap)
+    instance("found", found, Connected)
+    if map_.k < 2:
+        raise ValueError(f"two free parameters are needed, the map has {map_.k}")
+    known = {each.id: each for each in found.diagram.points}
+    if point not in known:
+        raise ValueError(f"unknown point {point!r}, the diagram has {sorted(known)}")
+    settings = CurveSettings(
+        spans=tuple(interval("spans", each) for each in spans), step=positive("step", step),
+        window=tuple(interval("window", each) for each in window), min_step=min_step,
+        max_step=max_step, max_samples=whole("max_samples", max_samples),
+    )  # fmt: skip
+    own: PiecewiseMap = map_
+    return special_curve(
+        own, found.orbits[point], known[point].kind, (0, 1), settings, x_scale=map_.x_scale,
+        p_scale=map_.p_scale,
+    )  # fmt: skip
