@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from importlib import import_module
 from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
@@ -180,24 +179,6 @@ class OrbitDiagram:
         p = [np.full(len(orbit.x), orbit.p) for orbit in self.orbits]
         x = [orbit.x for orbit in self.orbits]
         return np.concatenate([*p, []]), np.concatenate([*x, []])
-
-    def plot(self, ax: Any = None, **options: Any) -> Any:
-        """Draw all points; the same as :func:`woodpecker.plot.orbits.plot_orbits`.
-
-        Parameters
-        ----------
-        ax
-            Matplotlib axes, such as those of a bifurcation diagram; new ones by default.
-        **options
-            As of :func:`woodpecker.plot.orbits.plot_orbits`.
-
-        Returns
-        -------
-        matplotlib.axes.Axes
-            The axes.
-        """
-        drawing = import_module("woodpecker.plot.orbits")  # above this file: it draws its results
-        return drawing.plot_orbits(self, ax, **options)
 
 
 def orbit_diagram(

@@ -12,6 +12,7 @@ from needs import NEEDS_NUMBA
 from sympy import Piecewise, sqrt, symbols, sympify
 
 from pwmap import Branch, BranchKind, Diagram, PointKind, SpecialPoint
+from pwmap.plot import plot_diagram
 from pwmap.plot_palette import of_period
 from woodpecker import (
     Search,
@@ -26,6 +27,7 @@ from woodpecker import (
 )
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
+from woodpecker.plot.orbits import plot_orbits
 from woodpecker.slices.attracting import periods_of
 
 WIDE = (-100.0, 100.0)
@@ -145,8 +147,8 @@ def test_an_orbit_diagram_is_printed_in_one_line() -> None:
 def test_orbits_lie_under_a_diagram_in_the_colours_of_their_periods() -> None:
     tent = from_sympy(TENT, X, P)
     found = orbit_diagram(tent, [0.5, 1.5], [0.3], (0.0, 1.0), keep=32)
-    below = drawn(0.0).plot()
-    over = found.plot(below.ax, styles={"no period": {"alpha": 0.5}})
+    below = plot_diagram(drawn(0.0))
+    over = plot_orbits(found, below.ax, styles={"no period": {"alpha": 0.5}})
     assert over.ax is below.ax
     assert [*over.artists] == ["no period", "period 1"]
     dots = {name: each[0] for name, each in over.artists.items()}
