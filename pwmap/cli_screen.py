@@ -164,7 +164,7 @@ def in_words(error: Exception) -> str:
     return str(error)
 
 
-def tell_replaced(folder: Path, command: str, *files: str) -> None:
+def tell_replaced(folder: Path, command: str, *files: str, kept: Sequence[str] = ()) -> None:
     """Say which files of an earlier run a command is about to replace, before it begins.
 
     Parameters
@@ -175,10 +175,13 @@ def tell_replaced(folder: Path, command: str, *files: str) -> None:
         Its name: its record says what it wrote.
     *files
         Names of further files that it writes in any case.
+    kept
+        Names of those that it goes on with.
     """
     from pwmap.diagrams.record import earlier_files
 
-    there = [name for name in (*earlier_files(folder, command), *files) if (folder / name).exists()]
+    named = dict.fromkeys((*earlier_files(folder, command), *files))
+    there = [name for name in named if name not in kept and (folder / name).exists()]
     if there:
         sentence = f"replaces what an earlier run wrote into {folder}: {', '.join(there)}"
         screen(stderr=True).print(sentence, highlight=False, soft_wrap=True)

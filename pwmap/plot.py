@@ -20,6 +20,7 @@ from sympy import QQ
 from pwmap.algebra.arithmetic import rational
 from pwmap.diagrams.data import Branch, BranchKind, FloatArray, PointKind, SpecialPoint
 from pwmap.diagrams.diagram import Diagram
+from pwmap.maps.kinds import check_kind, check_map
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
 from pwmap.plot_labels import LabelledCurve, Labels, Name
@@ -112,6 +113,7 @@ def plot_diagram(
     >>> list(drawn.artists)
     ['stable', 'jump crossing', 'border collision', 'end point', 'names']
     """
+    check_kind("diagram", diagram, Diagram)
     ax = ax if ax is not None else new_axes(7.0, 4.6)
     shown = draw_branches(
         diagram, ax, kinds, labels=labels, branches=branches, stable_only=stable_only
@@ -403,6 +405,7 @@ def plot_map(
     >>> list(plot_map(lines.at({"p": "1/2"})).artists)
     ['diagonal', 'pieces', 'ends', 'jump crossing']
     """
+    check_map(map_)
     if map_.parameters:
         raise ValueError(f"give {', '.join(map(str, map_.parameters))} a value first (.at)")
     ax = ax if ax is not None else new_axes(4.6, 4.4)

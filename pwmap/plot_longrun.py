@@ -39,12 +39,16 @@ CRISES = {PointKind.MC: "^", PointKind.XC: "P", PointKind.FC: "X"}  # markers
 EXACT = 12  # characters of a number that is written as it is; longer ones in decimals
 STEPS = 12  # places in each cell at which bands are drawn, at least
 NEUTRAL = "neutral intervals"
+SHADES = (  # of bands, by how many attractors lie below theirs
+    ("bands", BAND), ("bands of a second attractor", "#8fb3d9"),
+    ("bands of further attractors", "#5f86b3"),
+)  # fmt: skip
 FAR = 1e3  # what is infinite is drawn up to there
 KNOWN = (
     "stable",
     "unstable",
     "jump crossing",
-    "bands",
+    *(name for name, _ in SHADES),
     NEUTRAL,
     *(named(k + 1) for k in range(len(PERIODS))),
     *(k.label for k in PointKind),
@@ -237,12 +241,13 @@ def _areas(
         low = 0.5 * (places[first - 1] + places[first]) if first else cell[0]
         high = 0.5 * (places[last] + places[last + 1]) if last + 1 < len(places) else cell[1]
         over = [low, *inner, high]
-        for attractors in zip(*rows, strict=True):
+        for number, attractors in enumerate(zip(*rows, strict=True)):
+            name, color = SHADES[min(number, len(SHADES) - 1)]
             for bands in zip(*(each.bands for each in attractors), strict=True):
                 ends = ([float(band.start) for band in bands], [float(band.end) for band in bands])
                 below, above = (_to_ends(over, values) for values in ends)
-                area = ax.fill_between(over, below, above, color=BAND, linewidth=0.0, zorder=0.5)
-                add(shown, {"bands": [area]})
+                area = ax.fill_between(over, below, above, color=color, linewidth=0.0, zorder=0.5)
+                add(shown, {name: [area]})
             for intervals in zip(*(each.neutral for each in attractors), strict=True):
                 ends = ([max(float(each.start), -FAR) for each in intervals],
                         [min(float(each.end), FAR) for each in intervals])  # fmt: skip

@@ -143,6 +143,10 @@ def continuation(
             toy, orbit, parameter, cast("tuple[float, float]", span), orders=orders,
             settings=settings, stop=stop, progress=progress, run=run, resume=resume,
         )  # fmt: skip
+    if isinstance(orbit, str):
+        raise TypeError(
+            f"continuation needs the point itself, found by diagram.point({orbit!r}), got its name"
+        )
     if isinstance(parameter, str) or isinstance(orbit, PeriodicOrbit):
         raise TypeError(
             "a periodic solution is followed over one parameter, a special point over two, got "

@@ -49,6 +49,7 @@ from pwmap.longrun.line import MapLine, line_at
 from pwmap.longrun.matching import family_of, growth_of_pairs, matched
 from pwmap.longrun.numbers import sign, to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
+from pwmap.maps.kinds import check_map
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, OrbitReturn, Slope
 from pwmap.parameters.axis import Axis
@@ -268,6 +269,7 @@ def constant_entropy(
     -4 -3 log(1/2 + sqrt(5)/2) LLR
     -2 -1 0 LR
     """
+    check_map(map_)
     axis, (low, high) = only_axis(map_, parameter, span)
     least = (high - low) / FINE if tolerance is None else rational(tolerance)
     if not least > 0:

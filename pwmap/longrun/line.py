@@ -21,6 +21,7 @@ from pwmap.algebra.exact import dense
 from pwmap.algebra.roots import Real, RealRoot, real_to_sympy, value_at
 from pwmap.algebra.terms import own_name
 from pwmap.longrun.numbers import Element, Exact, algebraic, sign
+from pwmap.maps.kinds import check_map
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 Interval = tuple[Exact, Exact]  # closed; both ends may be the same
@@ -204,8 +205,9 @@ def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None
     ValueError
         If a parameter has no value, or several have algebraic values, or of an iterate.
     TypeError
-        If a value is a float.
+        If it is no map, or a value is a float.
     """
+    check_map(map_)
     rationals, roots = dict[str, object](), dict[str, RealRoot]()
     for name, value in (values or {}).items():
         own = str(own_name(name, map_.parameters))

@@ -34,6 +34,7 @@ from pwmap.maps.cylinders import (
     refined,
 )
 from pwmap.maps.decided import in_cell
+from pwmap.maps.kinds import check_map
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import SignOracle
 from pwmap.parameters.admitted import (
@@ -495,8 +496,7 @@ def with_stages(
     With ``with_ends`` the ends of the span, and of what the assumptions admit of it, are edges too
     if they are admitted. Who builds has the axis record what its cells ask of it: :func:`close`.
     """
-    if not isinstance(map_, PiecewiseLinearMap):
-        raise TypeError(f"expected a PiecewiseLinearMap (see its from_sympy), got {map_!r}")
+    check_map(map_)
     name = own_name(parameter, map_.parameters)
     names = [str(s) for s in map_.parameters]
     if name not in names:

@@ -14,6 +14,7 @@ from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.dynamics import Dynamics, dynamics
 from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, BudgetError, Meter, metered
+from pwmap.maps.kinds import check_map
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.cells import checked_orders, checked_span
 from pwmap.plane.network import CodimensionTwo, PlaneCurve, network
@@ -230,6 +231,7 @@ def parameter_plane(
     PD1 LR a*b + 1
     PD2 R b + 1
     """
+    check_map(map_)
     across, along = (own_name(name, map_.parameters) for name in (across, along))
     names = {str(symbol): symbol for symbol in map_.parameters}
     if set(names) != {str(across), str(along)} or len(names) != 2:

@@ -18,6 +18,7 @@ from pwmap.longrun.attractors import attractors_of
 from pwmap.longrun.entropies import entropy_of
 from pwmap.longrun.line import MapLine, line_of
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
+from pwmap.maps.kinds import check_kind
 from pwmap.plane.network import PlaneArc
 from pwmap.plane.plane import ParameterPlane
 
@@ -112,6 +113,7 @@ def plane_raster(
     array([[1, 0, 1],
            [0, 0, 4]])
     """
+    check_kind("plane", plane, ParameterPlane)
     if min(columns, rows) < 1:
         raise ValueError(f"a raster needs a column and a row, got {columns} and {rows}")
     across, along = (

@@ -77,6 +77,19 @@ def test_long_cycles_are_drawn_where_they_are() -> None:
     assert explained(ax) == ["period 4"]
 
 
+def test_attractors_side_by_side_have_shades_of_their_own() -> None:
+    """Two tent maps, on [-1, 0] and on [0, 1]: each has its bands."""
+    two = PiecewiseLinearMap.from_sympy(
+        "Piecewise((-1 + a*(x + 1), x <= -1/2), (-1 - a*x, x < 0), (a*x, x <= 1/2), "
+        "(a*(1 - x), True))"
+    )
+    drawn = plot_attractors(attractor_diagram(two, "a", ("3/2", "7/4"), 1), two, steps=6)
+    areas = {name: artists[0] for name, artists in drawn.artists.items()}
+    assert list(areas) == ["bands", "bands of a second attractor"]
+    shades = {tuple(area.get_facecolor()[0]) for area in areas.values()}  # type: ignore[attr-defined]
+    assert len(shades) == 2
+
+
 def test_neutral_intervals_are_hatched_where_they_are() -> None:
     """c - x turns (c - 2, 2) for 1 < c < 4, where 3 x - 9 + c beyond 2 comes back to it."""
     map_ = PiecewiseLinearMap.from_sympy("Piecewise((c - x, x < 2), (6 + c - 3*x, True))")

@@ -112,7 +112,7 @@ def diagram(
         raise ValueError("--also follows one motion, --orders every branch: take one of them")
     if workers is not None and workers > CORES:
         raise ValueError(f"workers must be at most {CORES}, one for each core, got {workers}")
-    with results_in(out) as results:
+    with results_in(out, RUN, kept=(RUN,) if resume else ()) as results:
         keep: dict[str, Any] = {"run": out / RUN, "resume": resume, "settings": settings}
         if wanted is None:
             search = _of_motion(toy, phi_s, order, parameter, keep | {"orders": beside})

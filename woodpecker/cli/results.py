@@ -6,7 +6,7 @@ them. Ctrl-C and SIGTERM end it with status 130 and keep what is finished.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from dataclasses import dataclass, field
@@ -76,7 +76,7 @@ class Results:
 
 
 @contextmanager
-def results_in(out: Path, *files: str) -> Iterator[Results]:
+def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Results]:
     """The folder for the results, made before anything long is computed.
 
     Where a command ends before it has written anything, what was made of the folder is gone again.
@@ -87,10 +87,12 @@ def results_in(out: Path, *files: str) -> Iterator[Results]:
         The folder.
     *files
         Files that the command writes in any case, besides those its record names.
+    kept
+        Files of an earlier run that the command goes on with.
     """
     missing = [each for each in (out, *out.parents) if not each.exists()]
     out.mkdir(parents=True, exist_ok=True)
-    tell_replaced(out, _asked.get()[0], *files)
+    tell_replaced(out, _asked.get()[0], *files, kept=kept)
     results = Results(out)
     try:
         yield results

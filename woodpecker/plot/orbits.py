@@ -7,6 +7,7 @@ from matplotlib.axes import Axes
 
 from pwmap.plot_drawn import Artists, Drawn, Styles, new_axes, styled
 from pwmap.plot_palette import CHAOS, PERIODS, named, of_period
+from woodpecker.base.checks import instance
 from woodpecker.slices.attracting import OrbitDiagram
 
 NO_PERIOD = "no period"
@@ -57,6 +58,7 @@ def plot_orbits(
     >>> list(plot_orbits(found).artists)
     ['period 1', 'period 2']
     """
+    instance("found", found, OrbitDiagram)
     alone = ax is None
     ax = ax if ax is not None else new_axes(7.0, 4.6)
     shown: Artists = {}

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.shown import brief
 from woodpecker.base.arrays import Floats
-from woodpecker.base.checks import whole
+from woodpecker.base.checks import instance, whole
 from woodpecker.base.executors import Serial, scheduler
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
@@ -108,6 +108,7 @@ def cycle_near(map_: PiecewiseMap, x: npt.ArrayLike, p: float, settings: Setting
     >>> orbit.x.tolist(), orbit.p
     ([-1.0], -0.5)
     """
+    instance("settings", settings, Settings)
     points = np.atleast_1d(np.asarray(x, dtype=float))
     pieces = [map_of_pieces(map_).at(float(each), p).piece for each in points]
     found = at_parameter(orbit_of(pieces, points, p), settings)
@@ -283,6 +284,7 @@ def whole_diagram(
     [('F1', 1), ('J1', 1), ('J2', 2), ('F2', 1), ('J3', 2), ('F3', 2), ('F4', 2), ('J4', 2)]
     """
     map_of_pieces(map_)
+    instance("settings", settings, Settings)
     wanted = iterates(orders)
     finite_window(settings)
     with scheduler(Worker(map_, settings), workers, executor, map_) as tasks:
@@ -315,6 +317,7 @@ def restored(explorer: Explorer, record: Record | None, map_: PiecewiseMap) -> P
 
 def finite_window(settings: Settings) -> None:
     """Complain of a window that slices cannot cover."""
+    instance("settings", settings, Settings)
     if not all(map(math.isfinite, settings.window)):
         raise ValueError(f"a search for every branch needs a finite window, got {settings.window}")
 

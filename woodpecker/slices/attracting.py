@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Any, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +17,7 @@ import numpy.typing as npt
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram
 from pwmap.diagrams.shown import counted
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.base.checks import interval, real_array, whole
+from woodpecker.base.checks import instance, interval, real_array, whole
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import PiecewiseMap, map_of_pieces
 from woodpecker.maps.sweeps import one_by_one
@@ -231,13 +231,15 @@ def orbit_diagram(
     >>> [(orbit.p, orbit.start, orbit.period) for orbit in found.orbits]
     [(-0.5, 0.3, 1), (-0.5, -0.4, 1), (0.5, 0.3, 2), (0.5, -0.4, 2)]
     """
+    chosen = Settings() if settings is None else settings
+    instance("settings", chosen, Settings)
     keep, transient = whole("keep", keep), whole("transient", transient, least=0)
     window = interval("window", window)
     first = np.atleast_1d(real_array("starts", starts))
     values = np.atleast_1d(real_array("parameters", parameters))
     p, x = (each.ravel() for each in np.broadcast_arrays(values[:, None], first))
     stayed, kept, stretch = _settled(map_, p, x, window, transient, keep)
-    periods = periods_of(kept, settings or Settings())
+    periods = periods_of(kept, chosen)
     rows = zip(p[stayed].tolist(), x[stayed].tolist(), kept, stretch / keep, periods, strict=True)
     return OrbitDiagram(
         orbits=tuple(
@@ -316,7 +318,9 @@ def unexplained(
     >>> [(orbit.p, orbit.period) for orbit in unexplained(orbits, left, lines)]
     [(1.5, 1)]
     """
-    chosen = settings or Settings()
+    chosen = Settings() if settings is None else settings
+    for name, value, kind in (("orbits", orbits, OrbitDiagram), ("settings", chosen, Settings)):
+        instance(name, value, kind)
     held = {branch.order for branch in diagram.branches}
     slices: dict[float, list[tuple[int, float, float]]] = {}
     left = []

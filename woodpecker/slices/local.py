@@ -20,7 +20,7 @@ import sympy
 from pwmap.diagrams.diagram import BranchKind, Diagram, SpecialPoint
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.bifurcations import bifurcation_diagram as exact_diagram
-from woodpecker.base.checks import number
+from woodpecker.base.checks import instance, number
 from woodpecker.base.settings import Settings
 from woodpecker.engine.orbits import Closed, OnBorder
 from woodpecker.maps.pieces import Image, PiecewiseMap, map_of_pieces
@@ -187,6 +187,7 @@ def local_model(
     [('fixed-point', 1, 2.444), ('jump', 1, 0.0), ('jump', 2, 4.316)]
     """
     chosen = settings if settings is not None else Settings()
+    instance("settings", chosen, Settings)
     border = _collision(map_of_pieces(map_), number("x", x), number("p", p), chosen)
     h_x, h_p = border.inner.gradient(border.code).tolist()
     speed = -h_p / h_x

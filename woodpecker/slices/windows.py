@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from woodpecker.base.checks import interval, number, positive
+from woodpecker.base.checks import instance, interval, number, positive
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import Image, PiecewiseMap, map_of_pieces
 from woodpecker.slices.borders import Border, beyond
@@ -56,6 +56,7 @@ def borders_in(
     """
     ends = interval("window", window, finite=True)
     chosen = settings if settings is not None else Settings(window=ends)
+    instance("settings", chosen, Settings)
     found = partition(map_of_pieces(map_), number("p", p), ends, chosen).borders()
     return [_sharpened(map_, border, chosen) for border in found]
 
@@ -100,6 +101,7 @@ def nearest_border(
     """
     x, p, within = number("x", x), number("p", p), positive("within", within)
     chosen = settings if settings is not None else Settings()
+    instance("settings", chosen, Settings)
     here = map_of_pieces(map_).at(x, p)
     if here.reason:
         raise ValueError(f"the map has no value at x = {x}, p = {p}: {here.reason}")

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
+from woodpecker.base.checks import instance
 from woodpecker.base.settings import Settings
 from woodpecker.mechanics.toy import Toy, known_parameter, parameters
 from woodpecker.shooting import PeriodicOrbit, shoot
@@ -102,6 +103,7 @@ def robustness(
 
 def _checked(toy: Toy, orbit: PeriodicOrbit, names: Sequence[str] | None) -> tuple[str, ...]:
     """The parameters that change."""
+    instance("orbit", orbit, PeriodicOrbit)
     if not orbit.success:
         raise ValueError(f"robustness needs a periodic motion, got one with: {orbit.message}")
     if orbit.toy != toy:

@@ -34,6 +34,7 @@ from pwmap.longrun.dynamics import Dynamics
 from pwmap.longrun.line import MapLine, line_at
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
+from pwmap.maps.kinds import check_map
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.parameters.cells import only_axis
 
@@ -245,6 +246,7 @@ def attractor_diagram(
     ...     print(crisis.kind, crisis.parameter, crisis.bands)
     MC sqrt(2) (2, 1)
     """
+    check_map(map_)
     order = checked_order(order)
     axis, (low, high) = only_axis(map_, parameter, span)
     meter = metered(budget)

@@ -519,13 +519,19 @@ def test_a_run_of_one_motion_goes_on(tmp_path: Path) -> None:
     arguments = ("diagram", "--span", "0.1", "0.5", "--out", str(tmp_path))
     status, text = run(*arguments)
     assert status == 0
+    kept = {path.name: path.read_bytes() for path in tmp_path.iterdir() if path.suffix != ".png"}
     lines = (tmp_path / "run.jsonl").read_text(encoding="utf-8").splitlines(keepends=True)
     (tmp_path / "run.jsonl").write_text("".join(lines[:4]), encoding="utf-8")
     status, again = run(*arguments, "--resume")
     assert status == 0
     replaced, _, again = again.partition("\n")
     assert replaced.startswith(f"replaces what an earlier run wrote into {tmp_path}: points.csv, ")
+    assert "run.jsonl" not in replaced  # which it goes on with
     assert again == text
+    record = {"about_diagram.json"}  # which names --resume
+    assert {name: (tmp_path / name).read_bytes() == data for name, data in kept.items()} == {
+        name: name not in record for name in kept
+    }
     status, text = run(*arguments[:3], "0.6", *arguments[4:], "--resume")
     assert status == 2
     assert "there span is [0.1, 0.5], now it is [0.1, 0.6]" in " ".join(text.split())
