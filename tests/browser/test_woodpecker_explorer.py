@@ -142,6 +142,13 @@ def test_a_slider_moves_everything(tab: Seen) -> None:
     tab.page.mouse.down()
     for k in range(12):
         tab.page.mouse.move(box["x"] + box["width"] * (0.5 - 0.01 * k), middle)
+    tab.rest()
+    value, start = tab.answer["values"]["eps_n1"], tab.answer["start"]
+    motion = simulate(Toy(eps_n1=value), start, tab.answer["numbers"]["period"], samples=320)
+    drawn = tab("Array.from(sketch.data(explorer.doc.get_model_by_name('motion')).phi_s)")
+    assert np.abs(np.array(drawn) - motion.q[:, 2]).max() < 1e-12  # of one letter, all numbers
+    for view in ("map", "diagram", "angles", "fall", "portrait", "word"):
+        assert tab.colours(f"#plot-{view} .sketch") > 10, view
     tab.page.mouse.up()
     tab.rest()
     value = tab.answer["values"]["eps_n1"]
@@ -149,6 +156,8 @@ def test_a_slider_moves_everything(tab: Seen) -> None:
     orbit = shoot(Toy(eps_n1=value), -0.56)
     assert abs(tab.answer["start"] - orbit.phi_s) < 1e-9  # both have converged
     assert tab.table("word", 0)["time"] != before
+    assert tab("sketch.hidden.length") == 0  # everything is Bokeh's again
+    tab.wait("[...document.querySelectorAll('.sketch')].every((each) => each.hidden)")
     assert float(tab.page.locator("#field-eps_n1").input_value()) == pytest.approx(value)
     tab.page.click("#undo")
     tab.page.wait_for_timeout(500)
