@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
-from explored import Seen, Served, browser, served
+from explored import Seen, Served, served
 from explorer_speed import DRAG, memory
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -15,12 +15,6 @@ LETTER = 0.034  # MB: the 4200 doubles of one letter, which is what each wish wo
 @pytest.fixture(scope="module")
 def server() -> Iterator[Served]:
     with served("woodpecker", "explore", "--stay") as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
-def chromium() -> Iterator[Any]:
-    with browser() as made:
         yield made
 
 

@@ -8,7 +8,7 @@ from urllib.request import urlopen
 
 import numpy as np
 import pytest
-from explored import Seen, Served, browser, served
+from explored import Seen, Served, served
 
 pytest.importorskip("heyoka")
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
@@ -23,12 +23,6 @@ def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     path = tmp_path_factory.mktemp("system") / "stop.py"
     path.write_text(next(block for block in blocks if "map_ =" in block), encoding="utf-8")
     with served("woodpecker", "explore", str(path), "--stay") as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
-def chromium() -> Iterator[Any]:
-    with browser() as made:
         yield made
 
 

@@ -6,9 +6,9 @@ import os
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 import numpy as np
 from bokeh.document import Document
@@ -17,7 +17,7 @@ from pwmap.explore.diagram_views import DiagramView, GraphView
 from pwmap.explore.diagrams import Shown, nearest_line, nearest_sample
 from pwmap.explore.figures import on_click, patch
 from pwmap.explore.jobs import Failure, Job, is_warm, warm_up
-from pwmap.explore.page import Control, fill, numbers
+from pwmap.explore.page import Control, asked, fill, numbers
 from pwmap.explore.serving import Site, serve
 from woodpecker.explore.branches import Progress
 from woodpecker.explore.model import MapCurve, Motion
@@ -318,7 +318,7 @@ def controls(given: Explored) -> list[Control]:
 
 def make_page(document: Document, given: Explored) -> SystemTab:
     """Fill the document of one tab."""
-    state, refused = _asked(document, given)
+    state, refused = asked(document, partial(from_query, given), first_state(given))
     tab = SystemTab(given, state)
     tab.show(state)
     tab.message = refused
@@ -334,20 +334,6 @@ def make_page(document: Document, given: Explored) -> SystemTab:
     document.add_periodic_callback(tab.tick, TICK)
     document.on_session_destroyed(lambda _: tab.end())
     return tab
-
-
-def _asked(document: Document, given: Explored) -> tuple[SystemState, str]:
-    """The state that the link of a page asks for, and why not, if it is not understood."""
-    context: Any = document.session_context
-    arguments = context.request.arguments if context is not None else {}
-    text = "&".join(
-        f"{quote(key)}={quote(value.decode(errors='replace'), safe=',.-+')}"
-        for key, values in arguments.items() for value in values if not key.startswith("bokeh-")
-    )  # fmt: skip
-    try:
-        return from_query(given, text), ""
-    except (ValueError, TypeError) as error:
-        return first_state(given), f"The link was not understood: {error}"
 
 
 def run(path: str, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:
