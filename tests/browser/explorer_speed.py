@@ -4,8 +4,8 @@ Needs the extras ``explore`` and ``browser``, and Chromium at ``CHROMIUM``:
 
     python tests/browser/explorer_speed.py [--fast | --memory]
 
-The whole takes eleven minutes, of which ten are random use; ``--memory`` measures these alone, and
-``docs/explore/memory.json`` keeps what came out. No test asserts times.
+The whole takes eleven minutes, of which ten are random use; ``--memory`` measures these alone.
+No test asserts times.
 """
 
 from __future__ import annotations
