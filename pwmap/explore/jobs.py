@@ -120,7 +120,7 @@ def _carry_out(sender: Connection, work: Work, arguments: tuple[Any, ...]) -> No
                 sender.send(result)
         except MemoryError:
             sender.send(Failure("no memory is left"))
-        except Exception as error:
+        except Exception as error:  # whatever it is: the page tells it, and no process hangs
             sender.send(Failure(str(error) or type(error).__name__))
         else:
             sender.send(JobFinished())

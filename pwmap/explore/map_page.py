@@ -7,7 +7,6 @@ from dataclasses import asdict, replace
 from fractions import Fraction
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 import numpy as np
 from bokeh.document import Document
@@ -29,7 +28,7 @@ from pwmap.explore.figures import (
 from pwmap.explore.jobs import Failure, Job, JobFinished, is_warm, warm_up
 from pwmap.explore.map_data import SECONDS, MapAnswer, answers
 from pwmap.explore.map_state import MapState, from_query, python_of, rational, to_query
-from pwmap.explore.page import Control, fill
+from pwmap.explore.page import Control, asked, fill
 from pwmap.explore.serving import Site, serve
 from pwmap.plot import GREY, INK, JUMP, STABLE, UNSTABLE, VIOLET
 
@@ -357,7 +356,7 @@ def controls(state: MapState) -> list[Control]:
 
 def make_page(document: Document, initial: MapState) -> MapTab:
     """Fill the document of one tab."""
-    state, refused = _asked(document, initial)
+    state, refused = asked(document, from_query, initial)
     tab = MapTab(state)
     tab.show(state)
     tab.message = refused
@@ -371,19 +370,6 @@ def make_page(document: Document, initial: MapState) -> MapTab:
     document.add_periodic_callback(tab.tick, TICK)
     document.on_session_destroyed(lambda _: tab.job.stop() if tab.job else None)
     return tab
-
-
-def _asked(document: Document, initial: MapState) -> tuple[MapState, str]:
-    context: Any = document.session_context
-    given = context.request.arguments if context is not None else {}
-    text = "&".join(
-        f"{quote(key)}={quote(value.decode(errors='replace'), safe=',/.')}"
-        for key, values in given.items() for value in values if not key.startswith("bokeh-")
-    )  # fmt: skip
-    try:
-        return (from_query(text) if text else initial), ""
-    except (ValueError, TypeError) as error:
-        return initial, f"The link was not understood: {error}"
 
 
 def export(name: str, query: str) -> Iterator[tuple[str, bytes]]:

@@ -12,7 +12,8 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
+from urllib.parse import quote
 
 import numpy as np
 import numpy.typing as npt
@@ -24,6 +25,7 @@ from jinja2 import Environment, FileSystemLoader, select_autoescape
 
 FOLDER = Path(__file__).parent / "files"
 LONGEST = 20_000  # characters of a wish
+S = TypeVar("S")
 Verb = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 
 
@@ -163,6 +165,20 @@ def fill(
     document.template = _environment(template.parent).get_template(template.name)
     document.template_variables.update(variables)
     return say
+
+
+def asked(document: Document, read: Callable[[str], S], initial: S) -> tuple[S, str]:
+    """The state that the link of a page asks for, and a sentence, if it is not understood."""
+    context: Any = document.session_context
+    given = context.request.arguments if context is not None else {}
+    text = "&".join(
+        f"{quote(key)}={quote(value.decode(errors='replace'), safe=',/.-')}"
+        for key, values in given.items() for value in values if not key.startswith("bokeh-")
+    )  # fmt: skip
+    try:
+        return (read(text) if text else initial), ""
+    except (ValueError, TypeError) as error:
+        return initial, f"The link was not understood: {error}"
 
 
 @lru_cache

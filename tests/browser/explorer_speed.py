@@ -2,9 +2,10 @@
 
 Needs the extras ``explore`` and ``browser``, and Chromium at ``CHROMIUM``:
 
-    python tests/browser/explorer_speed.py [--fast]
+    python tests/browser/explorer_speed.py [--fast | --memory]
 
-The whole takes eleven minutes, of which ten are random use. No test asserts times.
+The whole takes eleven minutes, of which ten are random use; ``--memory`` measures these alone.
+No test asserts times.
 """
 
 from __future__ import annotations
@@ -35,6 +36,7 @@ DRAG = """async () => {
   dragging = false;
   return explorer.times;
 }"""
+ROUND = 20  # wishes between two looks at the memory
 WISHES = (
     {"do": "order", "value": "2"}, {"do": "order", "value": "1"}, {"do": "reset"},
     {"do": "law", "value": "separate"}, {"do": "law", "value": "summed"}, {"do": "undo"},
@@ -57,16 +59,23 @@ def started(port: int) -> tuple[subprocess.Popen[str], str]:
 
 
 def memory(pid: int) -> float:
-    """Resident memory of a process and its children [MB]."""
-    total = 0
+    """Memory of a process and all that it has begun [MB]; what several share counts once."""
+    total, parents = 0, {}
     for each in Path("/proc").glob("[0-9]*"):
         try:
-            fields = (each / "stat").read_text().rsplit(")", 1)[1].split()
-            if int(each.name) == pid or int(fields[1]) == pid:
-                total += int((each / "statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+            parents[int(each.name)] = int((each / "stat").read_text().rsplit(")", 1)[1].split()[1])
         except OSError:
             continue
-    return total / 1e6
+    family = {pid}
+    for _ in range(3):  # server, the process that jobs are forked from, jobs
+        family |= {child for child, parent in parents.items() if parent in family}
+    for member in family:
+        try:
+            told = Path(f"/proc/{member}/smaps_rollup").read_text()
+        except OSError:  # it has ended
+            continue
+        total += int(re.search(r"^Pss:\s+(\d+)", told, re.MULTILINE)[1])  # kB
+    return total / 1e3
 
 
 def busy(name: str) -> float:
@@ -83,10 +92,10 @@ def busy(name: str) -> float:
 
 
 def wander(page: Any, pid: int, seconds: float) -> list[float]:
-    """Random wishes for some time; the memory [MB] of the server once a second or so."""
+    """Random wishes for some time; the memory [MB] of the server after each ROUND of them."""
     rng, seen, end = random.Random(1), list[float](), time.monotonic() + seconds
     while time.monotonic() < end:
-        for _ in range(20):
+        for _ in range(ROUND):
             wish: dict[str, Any] = rng.choice(WISHES)
             if rng.random() < 0.8:
                 name = rng.choice(("eps_n1", "mu_1", "mu_2", "mu_3", "c_phi"))
@@ -140,6 +149,45 @@ def measured(fast: bool) -> dict[str, float]:
     }  # fmt: skip
 
 
+def remembered(seconds: float = 600.0) -> dict[str, float]:
+    """Memory over random use: of the server and its processes, and of the page."""
+    from playwright.sync_api import sync_playwright
+
+    process, address = started(5391)
+    try:
+        with sync_playwright() as playwright:
+            chromium = playwright.chromium.launch(executable_path=CHROMIUM, args=["--no-sandbox"])
+            page = chromium.new_page(viewport={"width": 1280, "height": 720})
+            page.goto(address)
+            page.wait_for_function(READY, timeout=120_000)
+            inside = page.context.new_cdp_session(page)
+            heap = [_heap(inside)]
+            kept = np.array(wander(page, process.pid, seconds))
+            heap.append(_heap(inside))
+            chromium.close()
+    finally:
+        process.kill()
+        process.wait()
+    late = kept[len(kept) // 2 :]
+    slope = np.polyfit(np.arange(len(late)), late, 1)[0]
+    return {
+        "seconds": seconds, "wishes": float(ROUND * len(kept)), "first [MB]": float(kept[0]),
+        "most [MB]": float(kept.max()), "last [MB]": float(kept[-1]),
+        "growth in the second half [kB per wish]": float(1e3 * slope / ROUND),
+        "page, first [MB]": heap[0], "page, last [MB]": heap[1],
+    }  # fmt: skip
+
+
+def _heap(inside: Any) -> float:
+    """What the script of a page holds [MB], after its garbage was collected."""
+    inside.send("HeapProfiler.collectGarbage")
+    return float(inside.send("Runtime.getHeapUsage")["usedSize"]) / 1e6
+
+
 if __name__ == "__main__":
-    for name, value in measured(fast="--fast" in sys.argv).items():
-        print(f"{name}: {value:.1f}")
+    if "--memory" in sys.argv:
+        told = {name: round(value, 3) for name, value in remembered().items()}
+        print(json.dumps(told, indent=1))
+    else:
+        for name, value in measured(fast="--fast" in sys.argv).items():
+            print(f"{name}: {value:.1f}")

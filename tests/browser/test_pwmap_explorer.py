@@ -5,7 +5,7 @@ from typing import Any
 from urllib.parse import quote
 
 import pytest
-from explored import Seen, Served, browser, served
+from explored import Seen, Served, served
 
 pytestmark = [pytest.mark.browser, pytest.mark.slow]
 DONE = "explorer.answer.busy === false && explorer.answer.rows.length > 5"
@@ -14,12 +14,6 @@ DONE = "explorer.answer.busy === false && explorer.answer.rows.length > 5"
 @pytest.fixture(scope="module")
 def server() -> Iterator[Served]:
     with served("pwmap", "explore", "--stay") as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
-def chromium() -> Iterator[Any]:
-    with browser() as made:
         yield made
 
 

@@ -11,7 +11,7 @@ from urllib.request import urlopen
 
 import numpy as np
 import pytest
-from explored import Seen, Served, browser, served, until
+from explored import Seen, Served, served, until
 
 from woodpecker import Toy, continuation, first_return, return_map, shoot, simulate
 
@@ -22,12 +22,6 @@ STABLE = -0.5294719671  # rad, of the paper's data
 @pytest.fixture(scope="module")
 def server() -> Iterator[Served]:
     with served("woodpecker", "explore", "--stay") as made:
-        yield made
-
-
-@pytest.fixture(scope="module")
-def chromium() -> Iterator[Any]:
-    with browser() as made:
         yield made
 
 
@@ -142,6 +136,17 @@ def test_a_slider_moves_everything(tab: Seen) -> None:
     tab.page.mouse.down()
     for k in range(12):
         tab.page.mouse.move(box["x"] + box["width"] * (0.5 - 0.01 * k), middle)
+    tab.rest()
+    value, start = tab.answer["values"]["eps_n1"], tab.answer["start"]
+    motion = simulate(Toy(eps_n1=value), start, tab.answer["numbers"]["period"], samples=320)
+    drawn = tab("Array.from(sketch.data(explorer.doc.get_model_by_name('motion')).phi_s)")
+    assert np.abs(np.array(drawn) - motion.q[:, 2]).max() < 1e-12  # of one letter, all numbers
+    painted = tab(
+        """[...document.querySelectorAll(".sketch")].map((c) =>
+           c.pen.getImageData(0, 0, c.width, c.height).data.filter((v) => v > 0).length)"""
+    )
+    assert len(painted) == 6  # map, diagram, both histories, portrait, word
+    assert min(painted) > 100
     tab.page.mouse.up()
     tab.rest()
     value = tab.answer["values"]["eps_n1"]
@@ -149,6 +154,8 @@ def test_a_slider_moves_everything(tab: Seen) -> None:
     orbit = shoot(Toy(eps_n1=value), -0.56)
     assert abs(tab.answer["start"] - orbit.phi_s) < 1e-9  # both have converged
     assert tab.table("word", 0)["time"] != before
+    assert tab("sketch.hidden.length") == 0  # everything is Bokeh's again
+    tab.wait("[...document.querySelectorAll('.sketch')].every((each) => each.hidden)")
     assert float(tab.page.locator("#field-eps_n1").input_value()) == pytest.approx(value)
     tab.page.click("#undo")
     tab.page.wait_for_timeout(500)

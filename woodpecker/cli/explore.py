@@ -12,6 +12,10 @@ from woodpecker.cli.help import option
 from woodpecker.cli.options import CommandError
 from woodpecker.mechanics.toy import Toy
 
+System = Annotated[
+    str | None,
+    typer.Argument(help="A Python file with a system of contacts: it is run. By default the toy."),
+]
 Port = Annotated[
     int | None,
     option("Port at 127.0.0.1; by default the first from 5007 on that is free.", min=1, max=65535),
@@ -21,11 +25,15 @@ Stay = Annotated[bool, option("Go on when the last page was closed, until Ctrl-C
 MISSING = 'the explorer needs Bokeh: pip install "woodpecker-toy[explore]"'
 
 
-def explore(toy: Toy, port: Port = None, no_browser: NoBrowser = False, stay: Stay = False) -> None:
-    """Open the explorer: return map, branches, motion and word of the toy under sliders.
+def explore(
+    toy: Toy, system: System = None, port: Port = None, no_browser: NoBrowser = False,
+    stay: Stay = False,
+) -> None:  # fmt: skip
+    """Open the explorer: return map, branches, motion and word under sliders, of the toy or yours.
 
-    The page is served by this machine to this machine only. It ends with Ctrl-C, or when its last
-    page was closed.
+    A Python file that defines ``map_``, ``start`` and ``window`` is run as a module, and its
+    system is shown. The page is served by this machine to this machine only, and no text that is
+    typed into it is executed. It ends with Ctrl-C, or when its last page was closed.
 
     Example: woodpecker explore --eps-n1 0.3
     """
@@ -35,7 +43,7 @@ def explore(toy: Toy, port: Port = None, no_browser: NoBrowser = False, stay: St
         raise CommandError(MISSING) from None
     from dataclasses import replace
 
-    from woodpecker.explore.app import run
+    from woodpecker.explore import app, system_page
     from woodpecker.explore.state import State
 
     def ready(address: str) -> None:
@@ -43,5 +51,8 @@ def explore(toy: Toy, port: Port = None, no_browser: NoBrowser = False, stay: St
         if not no_browser:
             webbrowser.open(address)
 
-    run(replace(State(), toy=toy), port, stay=stay, ready=ready)
+    if system is not None:
+        system_page.run(system, port, stay=stay, ready=ready)
+    else:
+        app.run(replace(State(), toy=toy), port, stay=stay, ready=ready)
     raise typer.Exit

@@ -6,12 +6,11 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
-from urllib.parse import quote
 
 from bokeh.document import Document
 
 from pwmap.explore.jobs import warm_up
-from pwmap.explore.page import Control, fill
+from pwmap.explore.page import Control, asked, fill
 from pwmap.explore.serving import Site, serve
 from woodpecker import Toy, parameters
 from woodpecker.explore.branches import key_of
@@ -64,7 +63,7 @@ def controls() -> list[Control]:
 
 def make_page(document: Document, initial: State) -> Tab:
     """Fill the document of one tab."""
-    state, refused = _asked(document, initial)
+    state, refused = asked(document, from_query, initial)
     tab = Tab(state)
     tab.begin()
     tab.message = refused or tab.message
@@ -80,20 +79,6 @@ def make_page(document: Document, initial: State) -> Tab:
     document.add_periodic_callback(tab.tick, TICK)
     document.on_session_destroyed(lambda _: tab.work.stop())
     return tab
-
-
-def _asked(document: Document, initial: State) -> tuple[State, str]:
-    """The state that the link of a page asks for, and why not, if it is not understood."""
-    context: Any = document.session_context
-    given = context.request.arguments if context is not None else {}
-    text = "&".join(
-        f"{quote(key)}={quote(value.decode(errors='replace'), safe=',.-+')}"
-        for key, values in given.items() for value in values if not key.startswith("bokeh-")
-    )  # fmt: skip
-    try:
-        return (from_query(text) if text else initial), ""
-    except (ValueError, TypeError) as error:
-        return initial, f"The link was not understood: {error}"
 
 
 def shapes() -> dict[str, Any]:

@@ -114,7 +114,7 @@ def _find(state: State, run: Path, stages: list[str], ended: list[Any]) -> None:
                 orbit.toy, orbit, state.parameter, state.span, progress=hear, run=run
             )
         ended.append(found)
-    except Exception as error:  # told where the thread is waited for
+    except Exception as error:  # whatever it is: raised again where the thread is waited for
         ended.append(error)
 
 

@@ -61,7 +61,7 @@ def export(name: str, query: str, known: Diagram | None) -> Iterator[tuple[str, 
     if needs_diagram(name):
         content = _of_diagram(what, form, known if known is not None else _diagram(state))
     elif form in PICTURE:
-        content = _picture(form, lambda: _DRAWINGS[what](state))
+        content = picture(form, lambda: _DRAWINGS[what](state))
     else:
         content = _TEXTS[what](state).encode()
     yield TYPES[form], content
@@ -76,11 +76,12 @@ def _of_diagram(what: str, form: str, found: Diagram) -> bytes:
     if form in PICTURE:
         from pwmap.plot import plot_diagram
 
-        return _picture(form, lambda: plot_diagram(found).figure)
+        return picture(form, lambda: plot_diagram(found).figure)
     return results_as_bytes(found)[f"{what}.{form}"]
 
 
-def _picture(form: str, draw: Callable[[], Any]) -> bytes:
+def picture(form: str, draw: Callable[[], Any]) -> bytes:
+    """A drawn figure as a file."""
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"picture.{form}"
         write_figure(path, draw())

@@ -1,6 +1,6 @@
 """State -> arrays: what the views draw, without any browser. :class:`Model` is all they ask for.
 
-The toy is one model; another one (a system of contacts) has the same functions of a state.
+The toy is one model; any system of contacts (``system_model.py``) is another.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -103,19 +103,22 @@ class Motion:
     message: str
 
 
-class Model(Protocol):
-    """What views ask of a model."""
+S = TypeVar("S")
 
-    def settled(self, state: State) -> tuple[State, str]:
+
+class Model(Protocol[S]):
+    """What views ask of a model: the toy, or any system of contacts; S is the state of its page."""
+
+    def settled(self, state: S) -> tuple[S, str]:
         """The state with its start on the periodic motion that it follows, and a message."""
 
-    def curves(self, state: State, *, fine: bool) -> Iterator[MapCurve]:
+    def curves(self, state: S, *, fine: bool) -> Iterator[MapCurve]:
         """The map P_order in the window, better and better."""
 
-    def orbit(self, state: State) -> Floats:
+    def orbit(self, state: S) -> Floats:
         """The points of a cobweb, the start first."""
 
-    def motion(self, state: State) -> Motion:
+    def motion(self, state: S) -> Motion:
         """The motion from the start."""
 
 

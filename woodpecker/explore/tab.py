@@ -54,7 +54,7 @@ class Work:
 class Tab:
     """One tab."""
 
-    def __init__(self, state: State, model: Model = TOY_MODEL) -> None:
+    def __init__(self, state: State, model: Model[State] = TOY_MODEL) -> None:
         self.model, self.state, self.message = model, state, ""
         self.past = list[State]()
         self.map, self.motion, self.word = MapView(), MotionView(), WordView()

@@ -42,7 +42,7 @@ LABELS = {
 OF_EVENT = (
     "<div class='tip'><b>@symbol</b> at @time{0.0000} ms: @what<br>@impulses<br>@velocities</div>"
 )
-OF_FIXED = "<div class='tip'><b>@kind fixed point</b> of P_@order<br>φS = @x{0.000000}</div>"
+OF_FIXED = "<div class='tip'><b>@kind fixed point</b> of P_@order<br>at @x{0.000000}</div>"
 WORD_ROOM = 30  # events that have room for their times
 
 
@@ -62,13 +62,10 @@ def axis_label(parameter: str) -> str:
 class MapView:
     """The return map with the diagonal, its jumps and a cobweb."""
 
-    def __init__(self) -> None:
-        self.figure = new_figure(
-            "map",
-            r"$$\varphi_{S,k}\ [\mathrm{rad}]$$",
-            r"$$\varphi_{S,k+1}\ [\mathrm{rad}]$$",
-            crosshair=True,
-        )
+    def __init__(self, symbol: str = r"\varphi_S", unit: str = r"\ [\mathrm{rad}]") -> None:
+        base, _, index = symbol.partition("_")
+        self._label = f"$${base}_{{{index}{',' if index else ''}k{{}}}}{unit}$$"
+        self.figure = new_figure("map", self._told(""), self._told("+1"), crosshair=True)
         self.curve, self.web = source("x", "y"), source("x", "y")
         self.jumps, self.crossings, self.steep = (source("x", "y") for _ in range(3))
         self.rings, self.start = source("x", "y"), source("x", "y")
@@ -108,7 +105,10 @@ class MapView:
             kind=["stable" if stable else "unstable" for stable in found.stable],
             order=[order] * len(colors),
         )  # fmt: skip
-        self.figure.yaxis.axis_label = rf"$$\varphi_{{S,k+{order}}}\ [\mathrm{{rad}}]$$"
+        self.figure.yaxis.axis_label = self._told(f"+{order}")
+
+    def _told(self, step: str) -> str:
+        return self._label.replace("{}", step)
 
     def follow(self, orbit: Floats, put: Put = patch) -> None:
         """Draw the cobweb of an orbit."""
@@ -247,8 +247,8 @@ class WordView:
             text_font_size="10px",
             text_align="center", text_baseline="middle", text_color="#525252",
         )  # fmt: skip
-        now = ColumnDataSource({"x": [-0.5]}, name="word_now", syncable=False)
-        figure.scatter("x", -0.2, source=now, size=9, marker="triangle", color=VIOLET,
+        self.now = ColumnDataSource({"x": [-0.5]}, name="word_now", syncable=False)
+        figure.scatter("x", -0.2, source=self.now, size=9, marker="triangle", color=VIOLET,
                        level="overlay")  # fmt: skip
         figure.add_tools(hover(boxes, OF_EVENT))
 
@@ -268,8 +268,9 @@ class WordView:
 
 def color_of(contacts: tuple[int, ...]) -> str:
     """The colour of a contact, as in all pictures of motions; of several, that of both."""
-    found: str = CONTACTS[contacts[0]] if len(contacts) == 1 else BOTH
-    return found
+    if len(contacts) > 1:
+        return str(BOTH)
+    return str(CONTACTS.get(contacts[0], NO_COLOR)) if contacts else NO_COLOR
 
 
 def _room(values: Floats, part: float) -> tuple[float, float]:

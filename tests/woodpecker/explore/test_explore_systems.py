@@ -1,0 +1,168 @@
+"""Any system of contacts as a model of the explorer, from a file; no browser."""
+
+import re
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from woodpecker import Toy, shoot
+
+pytest.importorskip("bokeh")
+pytest.importorskip("heyoka")
+from woodpecker.explore.model import Model
+from woodpecker.explore.system_model import SystemModel, answers, diagram
+from woodpecker.explore.system_state import (
+    SystemState,
+    explored,
+    first_state,
+    from_query,
+    over,
+    python_of,
+    to_query,
+)
+
+DOCS = Path(__file__).parents[3] / "docs" / "explore.md"
+TOY = """
+from studies.systems.toy import map_of
+from woodpecker import Toy
+
+map_ = map_of(Toy(), "eps_n1")
+start, window = [-0.53], [(-2.5, 0.11)]
+"""
+
+
+@pytest.fixture(scope="module")
+def stop(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """The file that the docs show."""
+    blocks = re.findall(r"```python\n(.*?)```", DOCS.read_text(encoding="utf-8"), re.DOTALL)
+    path = tmp_path_factory.mktemp("system") / "stop.py"
+    path.write_text(next(block for block in blocks if "map_ =" in block), encoding="utf-8")
+    return str(path)
+
+
+@pytest.mark.slow
+def test_the_toy_as_a_system_moves_as_the_toy_does(tmp_path: Path) -> None:
+    """Two ways to the same motion; both have converged to rounding."""
+    path = tmp_path / "toy.py"
+    path.write_text(TOY, encoding="utf-8")
+    given = explored(str(path))
+    model: Model[SystemState] = SystemModel(given)
+    state, message = model.settled(first_state(given))
+    assert message == ""
+    orbit = shoot(Toy(), -0.53)
+    assert state.x[0] == pytest.approx(orbit.phi_s, abs=1e-11)
+    motion = model.motion(state)
+    assert motion.numbers["period"] == pytest.approx(orbit.period, abs=1e-11)
+    assert motion.numbers["multiplier"] == pytest.approx(orbit.multiplier, abs=1e-8)
+    assert " ".join(mark.symbol for mark in motion.marks) == orbit.word
+    assert motion.q[-1, 2] == pytest.approx(orbit.phi_s, abs=1e-10)
+    first = next(model.curves(state, fine=False))
+    assert len(first.x) >= 17
+
+
+@pytest.mark.slow
+def test_answers_come_the_quick_ones_first(stop: str) -> None:
+    given = explored(stop)
+    (state, message), motion, orbit, curve = answers(stop, first_state(given))
+    assert message == ""
+    assert motion.numbers["period"] == pytest.approx(2.0 * np.pi / 2.8, abs=1e-12)  # of the force
+    assert [mark.what for mark in motion.marks] == ["impact: the stop"]
+    u = motion.u[:, 0]
+    (k,) = np.flatnonzero((np.diff(motion.t) == 0.0) & (np.abs(np.diff(u)) > 1e-6))
+    assert u[k + 1] == pytest.approx(-0.8 * u[k], rel=1e-12)  # eps of the file
+    assert np.abs(orbit[0] - state.x).max() == 0.0
+    assert curve.fixed.shape == (1, 2)
+    assert not curve.stable[0]
+
+
+@pytest.mark.slow
+def test_a_diagram_is_the_branches_connected_with_the_motion(stop: str) -> None:
+    given = explored(stop)
+    state = replace(first_state(given), span=(7.5, 8.5))
+    stages = list(diagram(stop, state))
+    assert stages[-1].done
+    found = stages[-1].shown.diagram
+    line = found.branches[0]
+    cycles = [
+        SystemModel(given).settled(SystemModel(given).at_sample(state, found, line.id, k))
+        for k in (1, len(line) // 2)
+    ]
+    for (there, message), k in zip(cycles, (1, len(line) // 2), strict=True):
+        assert message == ""
+        assert there.x[0] == pytest.approx(float(line.x[k]), abs=1e-9)
+
+
+def test_a_link_holds_every_bit(stop: str) -> None:
+    given = explored(stop)
+    first = first_state(given)
+    assert to_query(given, first) == ""
+    state = replace(first.at({"F": 7.1, "eps": 1.0 / 3.0}), x=(0.1, -2.0 / 3.0), order=2,
+                    periodic=False)  # fmt: skip
+    assert from_query(given, to_query(given, state)) == state
+    other = over(given, first, "eps")
+    assert (other.span, from_query(given, to_query(given, other))) == ((0.5, 1.0), other)
+
+
+@pytest.mark.parametrize(
+    ("query", "sentence"),
+    [
+        ("at_F=__import__('os')", "at_F must be a number"),
+        ("at_none=1", "unknown parameter 'none'"),
+        ("x=1", "a start has 2 numbers"),
+        ("x=inf,0", "must be finite"),
+        ("over=none", "unknown parameter 'none'"),
+        ("order=9", "order must be one of"),
+        ("steps=999", "steps must lie in"),
+        ("coordinate=7", "coordinate must lie below 1"),
+        ("focus=<b>", "focus must be one of"),
+        ("nonsense=1", "unknown name or value in the link: 'nonsense'"),
+        ("x" * 5000, "a link has at most"),
+    ],
+)
+def test_a_link_that_is_none_is_refused_with_a_sentence(
+    stop: str, query: str, sentence: str
+) -> None:
+    with pytest.raises(ValueError, match=sentence):
+        from_query(explored(stop), query)
+
+
+@pytest.mark.parametrize(
+    ("change", "sentence"),
+    [
+        (("map_ =", "other ="), "must define 'map_'"),
+        (("start =", "begin ="), "must define 'start'"),
+        (("start = [-0.8, 2.0]  #", "start = [1.0]  #"), "must have 2 entries.* got 1 and 2"),
+        (('"eps": (0.5', '"none": (0.5'), "ranges of .* has 'none'"),
+        (("(6.0, 10.0)", "(10.0, 6.0)"), "the range of F"),
+    ],
+)
+def test_a_file_that_lacks_something_is_refused_with_a_sentence(
+    stop: str, tmp_path: Path, change: tuple[str, str], sentence: str
+) -> None:
+    path = tmp_path / "wrong.py"
+    path.write_text(Path(stop).read_text(encoding="utf-8").replace(*change), encoding="utf-8")
+    with pytest.raises(ValueError, match=sentence):
+        explored(str(path))
+
+
+def test_a_file_that_is_none_is_refused_with_a_sentence(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="there is no Python file"):
+        explored(str(tmp_path / "missing.py"))
+    path = tmp_path / "wrong.py"
+    path.write_text("map_, start, window = 1, [0], [(0, 1)]")
+    with pytest.raises(TypeError, match=r"map_ of .* must be a SystemMap, got int"):
+        explored(str(path))
+
+
+@pytest.mark.slow
+def test_lines_of_python_run(stop: str) -> None:
+    given = explored(stop)
+    state = first_state(given).at({"F": 7.5})
+    space: dict[str, Any] = {}
+    exec(python_of(given, state).partition("found =")[0], space)
+    assert space["cycle"].success
+    assert space["system"].parameters[next(s for s in space["system"].parameters
+                                           if str(s) == "F")] == 7.5  # fmt: skip

@@ -1,0 +1,220 @@
+"""Any system of contacts as a :class:`~woodpecker.explore.model.Model`, by its public verbs."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import sympy
+
+from pwmap import BranchKind, Diagram
+from pwmap.explore.diagrams import shown
+from woodpecker.base.arrays import Floats
+from woodpecker.explore.branches import Progress
+from woodpecker.explore.model import MapCurve, Mark, Motion
+from woodpecker.explore.system_state import Explored, SystemState, explored
+from woodpecker.systems import Event, SystemMap, continuation, return_map, shoot, simulate
+
+FIRST, DOUBLED = 17, 4  # starts of a map of one dimension, and how often others are put between
+SAMPLES = 400  # of a motion
+BREAK = 0.05  # of the height: neighbours with other words that differ more are not joined
+NEAR = 0.25  # of the window: a periodic motion that is followed jumps no further
+BRANCHES = (1, 4, 16, 64)  # that are followed at most, for a diagram that grows
+ORDERS = (1, 2)  # of a diagram
+EVENTS = {
+    "I": "impact", "D": "detachment", "S": "slip", "J": "stick", "R": "reversal of slip",
+    "C": "impacts that accumulate",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SystemModel:
+    """A system of contacts; each function is slow enough for a process of its own."""
+
+    given: Explored
+
+    def settled(self, state: SystemState) -> tuple[SystemState, str]:
+        """The start goes with its periodic motion as long as that is near."""
+        if not state.periodic:
+            return state, ""
+        cycle = shoot(self._map(state), state.x, order=state.order)
+        room = np.array([high - low for low, high in state.window])
+        if not cycle.success:
+            return state, f"{cycle.status.value}; the motion from the start is shown"
+        if (np.abs(cycle.x[0] - state.x) > NEAR * room).any():
+            return state, "the nearest periodic motion is another one; the start is kept"
+        return replace(state, x=tuple(cycle.x[0].tolist())), ""
+
+    def curves(self, state: SystemState, *, fine: bool) -> Iterator[MapCurve]:
+        """The map P_order in the window, if it has one coordinate; else only its cycle."""
+        map_ = self._map(state)
+        if map_.d > 1:
+            yield self._cycle(map_, state)
+            return
+        x = np.linspace(*state.window[0], FIRST)
+        found = return_map(map_, x, order=state.order)
+        y, words = found.images[:, 0], np.array(found.words, dtype=object)
+        yield _curve(x, y, words)
+        for _ in range(DOUBLED if fine else 0):
+            between = 0.5 * (x[1:] + x[:-1])
+            found = return_map(map_, between, order=state.order)
+            place = np.arange(1, len(x))
+            x, y = np.insert(x, place, between), np.insert(y, place, found.images[:, 0])
+            words = np.insert(words, place, np.array(found.words, dtype=object))
+            yield _curve(x, y, words)
+
+    def orbit(self, state: SystemState) -> Floats:
+        """Returns one after the other, (steps + 1, d) or fewer."""
+        map_, found = self._map(state), [np.array(state.x)]
+        for _ in range(state.steps):
+            after = return_map(map_, found[-1][None], order=state.order).images[0]
+            if not np.isfinite(after).all():
+                break
+            found.append(after)
+        return np.array(found)
+
+    def motion(self, state: SystemState) -> Motion:
+        """Over the returns, or until no return is to be expected."""
+        map_ = self._map(state)
+        begin = self._begin(map_, state)
+        end, message, x = 0.0, "", np.array(state.x)
+        for _ in range(state.order):
+            run = map_.search(x, map_.p)
+            end += float(run.z[-1]) - self._begin(map_, replace(state, x=tuple(x)))["time"]
+            if not run.status.success:
+                message = run.status.value
+                break
+            x = return_map(map_, x[None]).images[0]
+        first = begin.pop("time")
+        start = {**begin, str(map_.system.time): first}
+        found = simulate(map_.system, start, first + max(end, 1e-9), samples=SAMPLES)
+        numbers = {"period": end, **self._multipliers(map_, state)}
+        return Motion(
+            t=found.t - first, q=found.q, u=found.u, closed=np.zeros(len(found.t), dtype=np.int64),
+            marks=tuple(self._mark(event, first) for event in found.events), numbers=numbers,
+            message=message,
+        )  # fmt: skip
+
+    def diagram(self, state: SystemState) -> Iterator[Progress]:
+        """Branches connected with the motion: first few, then more, until there are no others."""
+        width = state.span[1] - state.span[0]
+        base, held = self.given.map_, self._map(state)
+        map_ = SystemMap(
+            held.system, base.section, [state.parameter], x_scale=base.x_scale, p_scale=(width,)
+        )
+        cycle = shoot(map_, state.x, order=state.order)
+        orders = tuple(sorted({*ORDERS, state.order, 2 * state.order}))
+        for most in BRANCHES:
+            found = continuation(
+                map_, cycle, state.span, state.window, orders=orders, max_branches=most
+            ).diagram
+            if len(found.branches) < most:
+                break
+            yield Progress(shown(found), f"branches so far: {len(found.branches)}")
+        yield Progress(shown(found), "complete", done=True)
+
+    def at_sample(
+        self, state: SystemState, found: Diagram, branch: str, sample: int
+    ) -> SystemState:
+        """The state that shows a sample of a branch.
+
+        A diagram knows the first coordinate of its cycles; the others are those of the start.
+        """
+        chosen = found.branch(branch)
+        state = state.at({state.parameter: float(chosen.parameter[sample])})
+        periodic = chosen.kind is BranchKind.FIXED_POINT
+        order = chosen.order if chosen.order in (1, 2, 3, 4) else state.order
+        x = (float(chosen.x[sample]), *state.x[1:])
+        return replace(state, x=x, order=order, periodic=periodic)
+
+    def _map(self, state: SystemState) -> SystemMap:
+        return self.given.map_.holding(**dict(state.values))
+
+    def _begin(self, map_: SystemMap, state: SystemState) -> dict[str, float]:
+        """The state of the start by its symbols, and its time as ``time``."""
+        system, section = map_.system, map_.section
+        known = {**system.parameters, **dict(zip(section.free, state.x, strict=True))}
+        place = {
+            symbol: known.get(symbol, section.at.get(symbol, sympy.Integer(0)))
+            for symbol in system.state
+        }
+        values = {str(s): float(sympy.sympify(v).subs(known)) for s, v in place.items()}
+        return {**{n: v for n, v in values.items() if n != str(system.time)},
+                "time": values[str(system.time)]}  # fmt: skip
+
+    def _multipliers(self, map_: SystemMap, state: SystemState) -> dict[str, float]:
+        """The largest multiplier, if the motion is periodic; of a pair its modulus."""
+        cycle = shoot(map_, state.x, order=state.order) if state.periodic else None
+        if cycle is None or not cycle.success:
+            return {}
+        largest = cycle.multipliers[0]
+        return {"multiplier": float(largest.real if largest.imag == 0.0 else abs(largest))}
+
+    def _cycle(self, map_: SystemMap, state: SystemState) -> MapCurve:
+        none, lines = np.empty(0), np.empty((0, 4))
+        cycle = shoot(map_, state.x, order=state.order)
+        fixed = cycle.x if cycle.success and state.periodic else np.empty((0, map_.d))
+        stable = np.full(len(fixed), cycle.stable)
+        return MapCurve(none, none, lines, lines, lines, fixed, stable)
+
+    def _mark(self, event: Event, first: float) -> Mark:
+        contacts = tuple(int(k) for k in re.findall(r"\d+", event.symbol))
+        names = [c.name for c in self.given.map_.system.contacts]
+        which = " and ".join(names[k - 1] for k in contacts if 1 <= k <= len(names))
+        told = []
+        for k in contacts if event.impulses.size else ():
+            (cn, ct), (en, et) = event.impulses[0, :, k - 1], event.impulses[1, :, k - 1]
+            told.append(f"contact {k}: Λ_N {cn:.4g} + {en:.4g}, Λ_T {ct:.4g} + {et:.4g} N s")
+        symbols = self.given.map_.system.u or ()
+        speeds = " ".join(
+            f"{name} {a:.4g} → {b:.4g};"
+            for name, a, b in zip(symbols, event.before, event.after, strict=True) if a != b
+        )  # fmt: skip
+        return Mark(
+            event.symbol, event.time - first,
+            f"{EVENTS.get(event.symbol[0], 'event')}: {which}", contacts,
+            "; ".join(told) or "no impulse", speeds,
+        )  # fmt: skip
+
+
+def _curve(x: Floats, y: Floats, words: Any) -> MapCurve:
+    """A map with gaps where its word changes and its value jumps."""
+    height = float(np.ptp(y[np.isfinite(y)])) if np.isfinite(y).any() else 0.0
+    other = np.array([a != b for a, b in pairwise(words)])
+    with np.errstate(invalid="ignore"):
+        far = np.abs(np.diff(y)) > BREAK * height
+    breaks = np.flatnonzero(other & far)
+    pairs = np.column_stack([x[:-1], y[:-1], x[1:], y[1:]])[breaks]
+    above = y - x
+    with np.errstate(invalid="ignore"):
+        at = np.flatnonzero((above[1:] * above[:-1] <= 0.0) & ~(other & far) & (above[:-1] != 0.0))
+    fixed = x[at] - above[at] * (x[at + 1] - x[at]) / (above[at + 1] - above[at])
+    slopes = (y[at + 1] - y[at]) / (x[at + 1] - x[at])
+    none = np.empty((0, 4))
+    return MapCurve(
+        np.insert(x, breaks + 1, np.nan), np.insert(y, breaks + 1, np.nan), none, none, pairs,
+        fixed, np.abs(slopes) < 1.0,
+    )  # fmt: skip
+
+
+# --- Work for other processes ---------------------------------------------------------------------
+
+
+def answers(path: str, state: SystemState) -> Iterator[Any]:
+    """Everything that a page shows of a state, the quick answers first."""
+    model = SystemModel(explored(path))
+    state, message = model.settled(state)
+    yield state, message
+    yield model.motion(state)
+    yield model.orbit(state)
+    yield from model.curves(state, fine=True)
+
+
+def diagram(path: str, state: SystemState) -> Iterator[Progress]:
+    """The diagram of a state, from its periodic motion."""
+    model = SystemModel(explored(path))
+    yield from model.diagram(model.settled(state)[0])
