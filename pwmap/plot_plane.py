@@ -14,7 +14,7 @@ from sympy import QQ
 from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import bounds, spread
 from pwmap.diagrams.data import FloatArray, PointKind
-from pwmap.parameters.cells import ParameterCell
+from pwmap.parameters.results import ParameterCell
 from pwmap.plane.colours import Colours
 from pwmap.plane.network import CodimensionTwo
 from pwmap.plane.plane import ParameterPlane
