@@ -28,7 +28,7 @@ from pwmap.maps import cylinders as cyl
 from pwmap.maps.budget import BUDGET, Meter
 from pwmap.maps.cylinders import Cut, Cylinder, StudiedIterate
 from pwmap.maps.reading import Definition
-from pwmap.maps.scopes import Edge, Scope, SymbolicEdge
+from pwmap.maps.scopes import CellScope, Scope
 from pwmap.maps.words import (
     Layout,
     Orbits,
@@ -123,7 +123,7 @@ class Decided:
 
     def is_zero(self, number: Number) -> bool:
         """Whether a number is zero for all parameters, or at the edge of the map."""
-        at_edge = isinstance(self.scope, Edge | SymbolicEdge)
+        at_edge = isinstance(self.scope, CellScope) and self.scope.is_edge
         return not number or (at_edge and self.scope.sign(number) == 0)
 
     def with_chain(self, chain: Chain) -> Decided:
