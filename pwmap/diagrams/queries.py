@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cmp_to_key
-from itertools import pairwise
+from itertools import pairwise, product
 from typing import Any
 
 import networkx as nx
@@ -41,11 +41,9 @@ def _exact_hits(branches: Sequence[Branch], here: ExactSlice) -> tuple[Hit, ...]
         for formulas in (stretch.exact for stretch in branch.words):
             if "interval" in formulas and here.meets(formulas["interval"]):
                 found += _hits_of(branch, formulas, here)
-
-    def by_x(one: tuple[ExactValue, Hit], other: tuple[ExactValue, Hit]) -> int:
-        return here.compare(one[0], other[0])
-
-    return tuple(hit for _, hit in sorted(found, key=cmp_to_key(by_x)))
+    in_order = cmp_to_key(here.compare)
+    found.sort(key=lambda each: in_order(each[0]))
+    return tuple(hit for _, hit in found)
 
 
 def _hits_of(
@@ -129,11 +127,8 @@ def collision_near(
         gaps = (point.parameter - place[0], point.x - place[1])
         return max(abs(gap) / size for gap, size in zip(gaps, sizes, strict=True))
 
-    near = [
-        point
-        for point in points
-        if point.kind in (PointKind.BC, PointKind.FF) and away(point) <= within
-    ]
+    kinds = (PointKind.BC, PointKind.FF)
+    near = [point for point in points if point.kind in kinds and away(point) <= within]
     return min(near, key=lambda point: (point.order, away(point)), default=None)
 
 
@@ -141,12 +136,8 @@ def path_between(graph: nx.MultiGraph, first: Branch, last: Branch) -> tuple[str
     """A shortest way from one branch to another: ids of branches and points in turn."""
     if first is last:
         return (first.id,)
-    ways = [
-        nx.shortest_path(graph, a, b)
-        for a in first.ends
-        for b in last.ends
-        if nx.has_path(graph, a, b)
-    ]
+    pairs = product(first.ends, last.ends)
+    ways = [nx.shortest_path(graph, *ends) for ends in pairs if nx.has_path(graph, *ends)]
     if not ways:
         return ()
     nodes = min(ways, key=len)

@@ -89,5 +89,4 @@ class ColumnCell(CellScope):
         low, high = (
             None if end is None else end.to_sympy(self.column) for end in (self.low, self.high)
         )
-        is_edge = self._root is not None
-        return f"{self.symbol} = {low}" if is_edge else between(low, self.symbol, high)
+        return between(low, self.symbol, high) if self._root is None else f"{self.symbol} = {low}"
