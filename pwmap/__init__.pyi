@@ -21,10 +21,6 @@ from .diagrams.graph import write_graph as write_graph
 from .longrun.attractors import Bands as Bands
 from .longrun.bands import with_attractors as with_attractors
 from .longrun.basins import WholeBasin as WholeBasin
-from .longrun.constant import ConstantEntropy as ConstantEntropy
-from .longrun.constant import EntropyGap as EntropyGap
-from .longrun.constant import EntropyIntervals as EntropyIntervals
-from .longrun.constant import GapCause as GapCause
 from .longrun.constant import constant_entropy as constant_entropy
 from .longrun.crises.diagram import AttractorCell as AttractorCell
 from .longrun.crises.diagram import AttractorDiagram as AttractorDiagram
@@ -44,7 +40,11 @@ from .longrun.dynamics import FoundAttractors as FoundAttractors
 from .longrun.dynamics import Kneading as Kneading
 from .longrun.dynamics import MinMax as MinMax
 from .longrun.dynamics import dynamics as dynamics
+from .longrun.entropies import ConstantEntropy as ConstantEntropy
 from .longrun.entropies import Entropy as Entropy
+from .longrun.entropies import EntropyGap as EntropyGap
+from .longrun.entropies import EntropyIntervals as EntropyIntervals
+from .longrun.entropies import GapCause as GapCause
 from .longrun.fates import AttractingCycle as AttractingCycle
 from .longrun.neutral import NeutralIntervals as NeutralIntervals
 from .maps.budget import Advance as Advance
@@ -60,9 +60,9 @@ from .maps.diagonal import JumpCrossing as JumpCrossing
 from .maps.pieces import Piece as Piece
 from .maps.piecewise_linear import PiecewiseLinearMap as PiecewiseLinearMap
 from .parameters.bifurcations import bifurcation_diagram as bifurcation_diagram
-from .parameters.cells import ParameterCell as ParameterCell
-from .parameters.cells import ParameterCells as ParameterCells
 from .parameters.cells import parameter_cells as parameter_cells
+from .parameters.results import ParameterCell as ParameterCell
+from .parameters.results import ParameterCells as ParameterCells
 from .plane.colours import Colours as Colours
 from .plane.crisiscurves import with_crises as with_crises
 from .plane.kinds import PlaneKind as PlaneKind

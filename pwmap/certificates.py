@@ -32,7 +32,7 @@ from pwmap.checking.places import Number as CheckedNumber
 from pwmap.checking.places import Place
 from pwmap.checking.polynomials import Poly, primitive
 from pwmap.checking.reading import number, read_map
-from pwmap.checking.refusing import CheckingWork, Refused
+from pwmap.checking.refusing import Effort, Refused
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import write_whole
@@ -234,7 +234,7 @@ class _Recorder(Place):
     def __init__(self, sample: Number) -> None:
         x = Fraction(*pair(sample))
         place = CheckedNumber((), x, x)
-        super().__init__(place, place, CheckingWork())
+        super().__init__(place, place, Effort())
         self.asked: set[Poly] = set()
 
     def sign(self, f: Poly) -> int:
@@ -356,7 +356,7 @@ class _DiagramWriter:
         ends = {end for _, stretch in own for end in self._ends(stretch)}
         if len(ends) < 2:
             _fail("the diagram has no branch over an interval of the parameter")
-        map_read = read_map(self._map, CheckingWork(), parametric=True)[0]
+        map_read = read_map(self._map, Effort(), parametric=True)[0]
         self._edges = _closed(map_read, ends, self._orders)
         self._index = {edge: i for i, edge in enumerate(self._edges)}
 
@@ -477,7 +477,7 @@ class _DiagramWriter:
         if at is None:
             return
         side = {"oo": 1, "-oo": -1}.get(at) if isinstance(at, str) else None
-        place = side if side is not None else number(at, CheckingWork())
+        place = side if side is not None else number(at, Effort())
         ends = [end for end in read.ends(i) if read.is_at(end, i, place)]
         if not points.is_special(ends):
             return

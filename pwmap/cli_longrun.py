@@ -13,9 +13,10 @@ from rich.table import Table
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import PictureFormat, write_figure, write_table
 from pwmap.longrun.bands import with_attractors
-from pwmap.longrun.constant import EntropyIntervals, constant_entropy
+from pwmap.longrun.constant import constant_entropy
 from pwmap.longrun.crises.diagram import AttractorDiagram, attractor_diagram
 from pwmap.longrun.dynamics import Dynamics, dynamics
+from pwmap.longrun.entropies import EntropyIntervals
 from pwmap.maps.budget import Budget
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 

@@ -17,9 +17,10 @@ from sympy import QQ
 from pwmap.algebra.roots import simplest_between
 from pwmap.diagrams.data import FloatArray, PointKind
 from pwmap.diagrams.diagram import Diagram
-from pwmap.longrun.constant import EntropyIntervals, constant_entropy
+from pwmap.longrun.constant import constant_entropy
 from pwmap.longrun.crises.diagram import AttractorDiagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
+from pwmap.longrun.entropies import EntropyIntervals
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.plot import BAND, MARKERS, NAMES, STABLE, axis_label, draw_branches, order_samples

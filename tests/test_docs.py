@@ -165,7 +165,7 @@ TUTORIALS = {  # what each prints, among other things
     "5_the_paper": [
         "phi_M -0.103448, phi_S -0.221694 rad, mu_2 at least 0.2851875",
         "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2",
-        "A    fold-flip        0.11197091  fold",
+        "A    border-collision fold-flip 0.11197091  fold",
         "P_2 jump RR|RL, along 4.3160 rad",
     ],
 }

@@ -67,7 +67,7 @@ diagram = continuation(toy, orbit, "eps_n1", span=(0.05, 0.7)).named(paper)
 for point in diagram.points:
     if point.order == 1 and str(point.kind) != "EP":
         name = point.name or point.id
-        print(f"{name:4} {point.kind.label:16} {point.parameter:.8f}  {point.note}")
+        print(f"{name:4} {point.kind.label:26} {point.parameter:.8f}  {point.note}")
 figure, ax = plt.subplots(figsize=(7.0, 4.6), layout="constrained")
 drawn = plot_diagram(diagram, ax)
 

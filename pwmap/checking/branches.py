@@ -12,7 +12,7 @@ from pwmap.checking.lists import period
 from pwmap.checking.places import Number, Place
 from pwmap.checking.polynomials import Poly, Quotient, plus, sign_near, times
 from pwmap.checking.reading import fields, listed, number, pair, quotient, read_map, shown, whole
-from pwmap.checking.refusing import ORDER, ROWS, STEP, CheckingWork, refuse
+from pwmap.checking.refusing import ORDER, ROWS, STEP, Effort, refuse
 
 
 class ClaimedStretch(NamedTuple):
@@ -80,7 +80,7 @@ KINDS = {"fixed points": ("x", "slope"), "intervals": (), "crossings": ("x", "le
 
 
 def read_stretches(
-    certificate: Mapping[str, Any], orders: Sequence[int], last: int, work: CheckingWork
+    certificate: Mapping[str, Any], orders: Sequence[int], last: int, work: Effort
 ) -> list[ClaimedStretch]:
     """All claims of a diagram that something exists."""
     found = []
@@ -107,7 +107,7 @@ class ClaimedDiagram:
     """The claims of a diagram, the places they speak of, and the iterates there."""
 
     def __init__(self, certificate: Mapping[str, Any]) -> None:
-        self.work = work = CheckingWork()
+        self.work = work = Effort()
         self.map, self.name, self.map_text = read_map(certificate["map"], work, parametric=True)
         self.orders = [whole(n, 1, ORDER) for n in listed(certificate["orders"], ORDER)]
         if not self.orders or self.orders != sorted({d for n in self.orders for d in divisors(n)}):

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 from pwmap.checking.places import Place
 from pwmap.checking.polynomials import Poly, Quotient, plus, power, times
-from pwmap.checking.refusing import ATOMS, BYTE, OBJECT, CheckingWork, refuse
+from pwmap.checking.refusing import ATOMS, BYTE, OBJECT, Effort, refuse
 
 
 class IterateValue(NamedTuple):
@@ -44,7 +44,7 @@ class Map(NamedTuple):
     intercepts: Mapping[str, Poly]
     breaks: tuple[Poly, ...]
     unit: Poly
-    work: CheckingWork
+    work: Effort
 
     def follow(self, value: IterateValue, word: str) -> IterateValue:
         """A value after some more letters."""

@@ -11,7 +11,7 @@ from pwmap.checking.iterates import CheckedIterate
 from pwmap.checking.places import Number, Place
 from pwmap.checking.polynomials import Quotient, primitive
 from pwmap.checking.reading import canonical, read_map, shown, whole
-from pwmap.checking.refusing import ORDER, CheckingWork, digits, refuse
+from pwmap.checking.refusing import ORDER, Effort, digits, refuse
 
 COPIES = 3  # of a text: in a list, in its JSON, and in the statement
 
@@ -22,7 +22,7 @@ def count(n: int, what: str) -> str:
     return f"{n or 'no'} {what if n == 1 else plural}".replace("stretchs", "stretches")
 
 
-def rational_text(work: CheckingWork, value: Quotient | None) -> str | None:
+def rational_text(work: Effort, value: Quotient | None) -> str | None:
     """A quotient of constants as text, None if it is None."""
     if value is None:
         return None
@@ -67,7 +67,7 @@ def claims_of(study: CheckedIterate) -> dict[str, list[dict[str, Any]]]:
 
 def fixed_points_statement(certificate: Mapping[str, Any]) -> str:
     """Verify that lists are those of an iterate; the sentence that says so."""
-    work = CheckingWork()
+    work = Effort()
     map_, _, name = read_map(certificate["map"], work, parametric=False)
     order = whole(certificate["order"], 1, ORDER)
     zero = Number((), Fraction(0), Fraction(0))

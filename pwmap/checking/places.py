@@ -15,7 +15,7 @@ from pwmap.checking.polynomials import (
     sturm,
     text,
 )
-from pwmap.checking.refusing import STEP, CheckingWork, brief, refuse
+from pwmap.checking.refusing import STEP, Effort, brief, refuse
 
 
 class Number(NamedTuple):
@@ -30,7 +30,7 @@ class Number(NamedTuple):
         """Whether it lies strictly inside of its interval."""
         return self.low < self.high
 
-    def sign(self, work: CheckingWork, f: Poly) -> int:
+    def sign(self, work: Effort, f: Poly) -> int:
         """The sign of a polynomial at the number."""
         if not self.is_root or len(f) < 2:
             return sign_near(work, f, self.low)
@@ -67,7 +67,7 @@ class Place:
     One number, given twice, or all numbers between two.
     """
 
-    def __init__(self, low: Number, high: Number, work: CheckingWork) -> None:
+    def __init__(self, low: Number, high: Number, work: Effort) -> None:
         self.low, self.high = low, high
         self.is_edge = low is high
         self.sample = low.low if self.is_edge else between(low, high)

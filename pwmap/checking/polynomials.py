@@ -13,7 +13,7 @@ from itertools import pairwise, zip_longest
 from math import gcd
 from typing import TypeVar
 
-from pwmap.checking.refusing import BITS, DEGREE, STEP, CheckingWork, digits, refuse
+from pwmap.checking.refusing import BITS, DEGREE, STEP, Effort, digits, refuse
 
 Poly = tuple[int, ...]  # lowest degree first, the last coefficient is not zero
 Quotient = tuple[Poly, Poly]
@@ -40,13 +40,13 @@ def trimmed(coefficients: Sequence[int]) -> Poly:
     return tuple(coefficients[:size])
 
 
-def plus(work: CheckingWork, f: Poly, g: Poly, sign: int = 1) -> Poly:
+def plus(work: Effort, f: Poly, g: Poly, sign: int = 1) -> Poly:
     """The sum, or the difference, of two polynomials."""
     work.spend(STEP + (len(f) + len(g)) * multiplying(max(length(f), length(g)), 1))
     return trimmed([a + sign * b for a, b in zip_longest(f, g, fillvalue=0)])
 
 
-def times(work: CheckingWork, f: Poly, g: Poly) -> Poly:
+def times(work: Effort, f: Poly, g: Poly) -> Poly:
     """The product of two polynomials."""
     work.spend(STEP + len(f) * len(g) * 2 * multiplying(length(f), length(g)))
     found = [0] * (len(f) + len(g))
@@ -56,7 +56,7 @@ def times(work: CheckingWork, f: Poly, g: Poly) -> Poly:
     return trimmed(found)
 
 
-def power(work: CheckingWork, f: Poly, n: int) -> Poly:
+def power(work: Effort, f: Poly, n: int) -> Poly:
     """The n-th power."""
     powers = known(work, ("powers", f), _no_power)
     while len(powers) <= n:
@@ -69,9 +69,7 @@ def _no_power() -> list[Poly]:
     return [(1,)]
 
 
-def known(
-    work: CheckingWork, key: tuple[str, *tuple[Poly, ...]], compute: Callable[[], Kept]
-) -> Kept:
+def known(work: Effort, key: tuple[str, *tuple[Poly, ...]], compute: Callable[[], Kept]) -> Kept:
     """What was computed before, or is now and is kept."""
     work.spend(STEP + sum(len(f) * (60 + length(f) // 16) for f in key[1:]))  # to look it up
     if key not in work.known:
@@ -86,7 +84,7 @@ def derivative(f: Poly) -> Poly:
     return tuple(n * c for n, c in enumerate(f))[1:]
 
 
-def primitive(work: CheckingWork, f: Sequence[int]) -> Poly:
+def primitive(work: Effort, f: Sequence[int]) -> Poly:
     """A polynomial divided by the greatest common divisor of its coefficients."""
     bits = length(f)
     work.spend(STEP + len(f) * (multiplying(bits, bits) + bits * bits // 500))
@@ -94,7 +92,7 @@ def primitive(work: CheckingWork, f: Sequence[int]) -> Poly:
     return trimmed([c // common for c in f])
 
 
-def divided(work: CheckingWork, f: Poly, g: Poly) -> tuple[Poly, Poly]:
+def divided(work: Effort, f: Poly, g: Poly) -> tuple[Poly, Poly]:
     """Positive multiples of the quotient and of the remainder of f by g."""
     rest, quotient = list(f), [0] * len(f)
     lead, scale = (1 if g[-1] > 0 else -1), abs(g[-1])
@@ -116,7 +114,7 @@ def sign_of(number: Fraction | int) -> int:
     return (number > 0) - (number < 0)
 
 
-def sign_near(work: CheckingWork, f: Poly, x: Fraction) -> int:
+def sign_near(work: Effort, f: Poly, x: Fraction) -> int:
     """The sign of a polynomial at a rational number."""
     bits = max(length((x.numerator,)), length((x.denominator,)))
     most = length(f) + len(f) * bits  # of the value, in the end
@@ -129,7 +127,7 @@ def sign_near(work: CheckingWork, f: Poly, x: Fraction) -> int:
     return sign_of(value)
 
 
-def chain(work: CheckingWork, f: Poly, g: Poly) -> tuple[Poly, ...]:
+def chain(work: Effort, f: Poly, g: Poly) -> tuple[Poly, ...]:
     """The sequence of signed remainders of two polynomials, up to positive factors."""
 
     def compute() -> tuple[Poly, ...]:
@@ -143,7 +141,7 @@ def chain(work: CheckingWork, f: Poly, g: Poly) -> tuple[Poly, ...]:
     return known(work, ("chain", f, g), compute)
 
 
-def sturm(work: CheckingWork, f: Poly) -> tuple[Poly, ...]:
+def sturm(work: Effort, f: Poly) -> tuple[Poly, ...]:
     """Sturm's sequence of the polynomial that has each root of another one once."""
 
     def compute() -> tuple[Poly, ...]:
@@ -158,7 +156,7 @@ def changes(signs: Iterable[int]) -> int:
     return sum(one != other for one, other in pairwise(filter(None, signs)))
 
 
-def query(work: CheckingWork, f: Poly, g: Poly, low: Fraction, high: Fraction) -> int:
+def query(work: Effort, f: Poly, g: Poly, low: Fraction, high: Fraction) -> int:
     """The sum of the signs of g at the roots of f between two numbers that are no roots of f."""
     sequence = chain(work, f, times(work, derivative(f), g))
     ends = [changes(sign_near(work, h, x) for h in sequence) for x in (low, high)]

@@ -28,7 +28,7 @@ from pwmap.checking.refusing import (
     LETTERS,
     STEP,
     TERMS,
-    CheckingWork,
+    Effort,
     brief,
     refuse,
 )
@@ -86,7 +86,7 @@ def coefficients(value: object, most: int = TERMS) -> list[Fraction]:
     return found
 
 
-def over_one(work: CheckingWork, parts: Sequence[Sequence[Fraction]]) -> tuple[list[Poly], int]:
+def over_one(work: Effort, parts: Sequence[Sequence[Fraction]]) -> tuple[list[Poly], int]:
     """Polynomials times their common denominator, and this."""
     unit = 1
     for c in chain.from_iterable(parts):
@@ -102,7 +102,7 @@ def over_one(work: CheckingWork, parts: Sequence[Sequence[Fraction]]) -> tuple[l
     return found, unit
 
 
-def quotient(value: object, work: CheckingWork) -> Quotient:
+def quotient(value: object, work: Effort) -> Quotient:
     """A quotient of two polynomials."""
     top, bottom = over_one(work, [coefficients(part, DEGREE) for part in pair(value)])[0]
     if not bottom:
@@ -118,7 +118,7 @@ def pair(value: object) -> list[Any]:
     return found
 
 
-def number(value: object, work: CheckingWork) -> Number:
+def number(value: object, work: Effort) -> Number:
     """A rational number, or the only root of a polynomial in an open interval.
 
     The polynomial must change its sign there, so that its sign tells on which side a number lies.
@@ -141,7 +141,7 @@ def number(value: object, work: CheckingWork) -> Number:
 NAME = re.compile(r"[^\W\d]\w{0,39}")
 
 
-def read_map(value: object, work: CheckingWork, *, parametric: bool) -> tuple[Map, str, str]:
+def read_map(value: object, work: Effort, *, parametric: bool) -> tuple[Map, str, str]:
     """A map, the name of its parameter, and the map as text."""
     names = ("variable", "parameter", "slots", "pieces", "breaks", "denominator")
     x, p, slots, pieces, breaks, unit = fields(value, *names)

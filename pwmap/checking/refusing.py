@@ -38,7 +38,7 @@ class Refused(ValueError):  # noqa: N818  it is no error of the program
     """
 
 
-class CheckingWork:
+class Effort:
     """How much may still be done for one certificate.
 
     Whatever computes says what it is going to take before it does, by the number and the length of

@@ -53,7 +53,7 @@ class PointKind(StrEnum):
     >>> [point.parameter for point in diagram.points if point.kind is PointKind.BC]
     [0.0, 1.0]
     >>> print(PointKind.FF, PointKind.FF.label)
-    FF fold-flip
+    FF border-collision fold-flip
     """
 
     LP = "LP"
@@ -85,12 +85,12 @@ _MEANINGS = {
     "NS": "Neimark-Sacker: a pair of multipliers on the unit circle",
     "BP": "branch point: multiplier +1, two branches cross",
     "BC": "border collision: a fixed point meets a jump, a kink or a grazing",
-    "FF": "fold-flip: a border collision that also starts a jump branch of the second iterate",
+    "FF": "border-collision fold-flip: it also starts a jump branch of the second iterate",
     "FALL": "free fall: the return is lost",
     "EP": "end point: end of the parameter span or of the window",
     "MC": "merging crisis: bands of a chaotic attractor meet in a repelling cycle",
-    "XC": "expansion crisis: a chaotic attractor becomes larger at once",
-    "FC": "final crisis: a chaotic attractor is lost",
+    "XC": "expansion crisis: a chaotic attractor becomes larger at once (interior crisis)",
+    "FC": "final crisis: a chaotic attractor is lost (boundary crisis)",
 }
 
 

@@ -294,13 +294,8 @@ class Diagram:
         Diagram
             With whole branches, also where they reach beyond.
         """
-        return self._part(
-            [
-                branch
-                for branch in self.branches
-                if branch.parameter.min() <= high and branch.parameter.max() >= low
-            ]
-        )
+        ranges = ((each, each.parameter.min(), each.parameter.max()) for each in self.branches)
+        return self._part([each for each, least, most in ranges if least <= high and low <= most])
 
     def _part(self, branches: Sequence[Branch]) -> Diagram:
         """Some branches and the points they end in, which know of no others."""

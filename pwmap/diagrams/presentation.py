@@ -104,10 +104,8 @@ def _of_node(point: SpecialPoint) -> dict[str, str | float]:
 
 def _bounds(point: SpecialPoint) -> dict[str, float]:
     """The interval that holds a point as attributes, if there is one."""
-    if point.interval is None:
-        return {}
-    low, high = point.interval
-    return {"interval_min": float(low), "interval_max": float(high)}
+    ends = zip(("interval_min", "interval_max"), point.interval or (), strict=False)
+    return {name: float(end) for name, end in ends}
 
 
 def _of_edge(branch: Branch) -> dict[str, str | float]:

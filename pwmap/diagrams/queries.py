@@ -42,11 +42,9 @@ def _exact_hits(branches: Sequence[Branch], here: ExactSlice) -> tuple[Hit, ...]
         for formulas in (stretch.exact for stretch in branch.words):
             if "interval" in formulas and here.meets(formulas["interval"]):
                 found += _hits_of(branch, formulas, here)
-
-    def by_x(one: tuple[ExactValue, Hit], other: tuple[ExactValue, Hit]) -> int:
-        return here.compare(one[0], other[0])
-
-    return tuple(hit for _, hit in sorted(found, key=cmp_to_key(by_x)))
+    in_order = cmp_to_key(here.compare)
+    found.sort(key=lambda each: in_order(each[0]))
+    return tuple(hit for _, hit in found)
 
 
 def _hits_of(
@@ -130,11 +128,8 @@ def collision_near(
         gaps = (point.parameter - place[0], point.x - place[1])
         return max(abs(gap) / size for gap, size in zip(gaps, sizes, strict=True))
 
-    near = [
-        point
-        for point in points
-        if point.kind in (PointKind.BC, PointKind.FF) and away(point) <= within
-    ]
+    kinds = (PointKind.BC, PointKind.FF)
+    near = [point for point in points if point.kind in kinds and away(point) <= within]
     return min(near, key=lambda point: (point.order, away(point)), default=None)
 
 

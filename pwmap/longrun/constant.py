@@ -20,11 +20,9 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from enum import Enum
 from functools import cache
 from heapq import heappop, heappush
 
-import sympy
 from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
@@ -41,7 +39,13 @@ from pwmap.algebra.roots import (
     sign_at,
     simplest_between,
 )
-from pwmap.longrun.entropies import Entropy, exact_entropy
+from pwmap.longrun.entropies import (
+    ConstantEntropy,
+    EntropyGap,
+    EntropyIntervals,
+    GapCause,
+    exact_entropy,
+)
 from pwmap.longrun.fates import AttractingCycle, Fates
 from pwmap.longrun.itineraries import STEPS, Ending, Itinerary, drawn_to, growth_at, itinerary_of
 from pwmap.longrun.kneading import cofactors, growth_by_kneading
@@ -60,121 +64,6 @@ FINE = 4096  # part of a span: gaps shorter than that are left
 PARTS = ((1, 2), (2, 5), (4, 7), (3, 8))  # of a gap around which samples are looked for, in turn
 NEAR = 12  # part of a gap: so close to these places
 DEGREE = 24  # of an algebraic number at which the entropy is computed, at most
-
-
-class GapCause(Enum):
-    """Why an interval is left out; the value says it in words.
-
-    Examples
-    --------
-    >>> from pwmap import GapCause
-    >>> GapCause.NARROW.value
-    'it is narrower than the tolerance'
-    """
-
-    EXPANDS = "every piece expands, so that nothing attracts, and orbits of breaks go on"
-    OPEN = "orbits of breaks are not known to the end after as many steps"
-    NARROW = "it is narrower than the tolerance"
-    BUDGET = "as many samples as were allowed have been taken, or the budget is used up"
-    SPECIAL = "all samples tried are places at which orbits of breaks meet"
-    LARGE = "the graph of laps is too large"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ConstantEntropy:
-    """An interval of a parameter on which the topological entropy is constant.
-
-    Attributes
-    ----------
-    lower, upper
-        Exact ends.
-    closed
-        Whether the entropy is known to be the same at the ends.
-    entropy
-        Exact, with doubles below and above.
-    samples
-        Rational values inside, one of each part that has a proof of its own, from left to right.
-    cycles
-        Words of the attracting cycles at these samples, each once.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, constant_entropy
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
-    >>> found = constant_entropy(skew, "b", (-4, -1), samples=12)
-    >>> interval = found.intervals[0]
-    >>> interval.lower, interval.upper, interval.entropy.value, interval.cycles
-    (-4, -3, log(1/2 + sqrt(5)/2), ('LLR',))
-    """
-
-    lower: sympy.Expr
-    upper: sympy.Expr
-    closed: tuple[bool, bool]
-    entropy: Entropy
-    samples: tuple[sympy.Rational, ...]
-    cycles: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class EntropyGap:
-    """An interval of a parameter of which nothing was proved.
-
-    Attributes
-    ----------
-    lower, upper
-        Exact ends.
-    causes
-        Why, each once.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, constant_entropy
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
-    >>> found = constant_entropy(skew, "b", (-4, -1), samples=12)
-    >>> gap = found.gaps[0]
-    >>> gap.lower, gap.upper, [cause.name for cause in gap.causes]
-    (-3, -2, ['OPEN'])
-    """
-
-    lower: sympy.Expr
-    upper: sympy.Expr
-    causes: tuple[GapCause, ...]
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class EntropyIntervals:
-    """Where the topological entropy is known to be constant over an interval of a parameter.
-
-    Attributes
-    ----------
-    parameter
-        The symbol.
-    intervals
-        Apart, or touching with different entropies, from left to right.
-    gaps
-        What is between them, from left to right.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, constant_entropy
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
-    >>> found = constant_entropy(skew, "b", (-4, -1), samples=12)
-    >>> len(found.intervals), len(found.gaps), found.share
-    (2, 1, 0.6666666666666666)
-    """
-
-    parameter: sympy.Symbol
-    intervals: tuple[ConstantEntropy, ...]
-    gaps: tuple[EntropyGap, ...]
-
-    @property
-    def share(self) -> float:
-        """The part of the whole that the intervals cover."""
-        covered, left = (
-            sum(float(each.upper - each.lower) for each in group)
-            for group in (self.intervals, self.gaps)
-        )
-        return covered / (covered + left)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

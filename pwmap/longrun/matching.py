@@ -81,7 +81,7 @@ def matched(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class MatchingFamily:
+class MapFamily:
     """A map over an interval of its parameter.
 
     Attributes
@@ -99,7 +99,7 @@ class MatchingFamily:
     breaks: tuple[Ends, ...]
 
 
-def family_of(map_: PiecewiseLinearMap, low: Number, high: Number) -> MatchingFamily | None:
+def family_of(map_: PiecewiseLinearMap, low: Number, high: Number) -> MapFamily | None:
     """A map over an interval of its one parameter; None if it depends on it in another way."""
     table = map_.definition.table
     layout = table.layouts[map_.chain[0]]
@@ -116,7 +116,7 @@ def family_of(map_: PiecewiseLinearMap, low: Number, high: Number) -> MatchingFa
         return value_at(polynomial, low) / unit, value_at(polynomial, high) / unit
 
     intercepts, breaks = (tuple(map(ends, group)) for group in affine)
-    return MatchingFamily(tuple(ends(slope)[0] for slope in slopes), intercepts, breaks)
+    return MapFamily(tuple(ends(slope)[0] for slope in slopes), intercepts, breaks)
 
 
 def _along(slope: Number, x: Ends, intercept: Ends) -> Ends:
@@ -156,7 +156,7 @@ class Move(NamedTuple):
     onward: Pair
 
 
-class MatchingStep(NamedTuple):
+class PairStep(NamedTuple):
     """What is left of the determinant at a pair: term + factor times that at another one."""
 
     term: PolyElement
@@ -164,7 +164,7 @@ class MatchingStep(NamedTuple):
     onward: Pair
 
 
-def _move(family: MatchingFamily, pair: Pair, left: bool, piece: int) -> Move:
+def _move(family: MapFamily, pair: Pair, left: bool, piece: int) -> Move:
     slope, intercept = family.slopes[piece], family.intercepts[piece]
     ratio, offset, lag = pair
     if left:
@@ -173,9 +173,7 @@ def _move(family: MatchingFamily, pair: Pair, left: bool, piece: int) -> Move:
     return Move(left, piece, Pair(ratio * slope, _along(slope, offset, intercept), lag - 1))
 
 
-def _step(
-    family: MatchingFamily, weights: Sequence[PolyElement], pair: Pair, move: Move
-) -> MatchingStep:
+def _step(family: MapFamily, weights: Sequence[PolyElement], pair: Pair, move: Move) -> PairStep:
     """What a move says of the series of the right orbit minus that of the left one.
 
     Both series begin where the orbits are, with the power of t from the earlier time on. The
@@ -185,25 +183,23 @@ def _step(
     weight = weights[move.piece]
     if move.left:
         factor = sign(family.slopes[move.piece]) * T ** min(left + 1, right)
-        return MatchingStep(-weight * T**left, factor, move.onward)
-    return MatchingStep(
-        sign(pair.ratio) * weight * T**right, T ** min(left, right + 1), move.onward
-    )
+        return PairStep(-weight * T**left, factor, move.onward)
+    return PairStep(sign(pair.ratio) * weight * T**right, T ** min(left, right + 1), move.onward)
 
 
-class MatchingRegion(NamedTuple):
+class PairRange(NamedTuple):
     """Where the left orbit of a pair may be: from one affine bound to another."""
 
     low: Ends
     high: Ends
 
-    def with_(self, other: MatchingRegion) -> MatchingRegion:
+    def with_(self, other: PairRange) -> PairRange:
         """The smallest region that holds two of them."""
         low, high = zip(self.low, other.low, strict=True), zip(self.high, other.high, strict=True)
         (a, b), (c, d) = map(min, low), map(max, high)
-        return MatchingRegion((a, b), (c, d))
+        return PairRange((a, b), (c, d))
 
-    def between(self, low: Ends | None, high: Ends | None) -> MatchingRegion | None:
+    def between(self, low: Ends | None, high: Ends | None) -> PairRange | None:
         """A region that holds its part between two bounds; None if there is none.
 
         Of two bounds that cross the new one is taken, so that there are few of them.
@@ -214,7 +210,7 @@ class MatchingRegion(NamedTuple):
             return None
         least = next(a for a in lows if a is self.low or not _at_most(a, self.low))
         most = next(a for a in highs if a is self.high or not _at_most(self.high, a))
-        return MatchingRegion(least, most)
+        return PairRange(least, most)
 
 
 def _at_most(one: Ends, other: Ends) -> bool:
@@ -223,7 +219,7 @@ def _at_most(one: Ends, other: Ends) -> bool:
 
 
 def _graph(
-    family: MatchingFamily, number: int, first: Pair, meter: Meter
+    family: MapFamily, number: int, first: Pair, meter: Meter
 ) -> Mapping[Pair, Sequence[Move]] | None:
     """The moves from the pair that follows a break, and from all that follow then.
 
@@ -235,7 +231,7 @@ def _graph(
         None if they are too many, or if both orbits come together after different numbers of steps.
     """
     start = family.breaks[number]
-    regions = {first: _moved(family, MatchingRegion(start, start), number)}
+    regions = {first: _moved(family, PairRange(start, start), number)}
     found, changes, waiting = dict[Pair, list[Move]](), Counter[Pair](), deque([first])
     while waiting:
         pair = waiting.popleft()
@@ -259,8 +255,8 @@ def _graph(
 
 
 def _moves(
-    family: MatchingFamily, pair: Pair, region: MatchingRegion, meter: Meter
-) -> Iterator[tuple[Move, MatchingRegion]]:
+    family: MapFamily, pair: Pair, region: PairRange, meter: Meter
+) -> Iterator[tuple[Move, PairRange]]:
     """The moves from a pair with its left orbit in a region, and where that is afterwards."""
     ratio, offset, _ = TOGETHER if pair.left_is_next else pair  # where the orbit is that moves
     cuts = [((a - offset[0]) / ratio, (b - offset[1]) / ratio) for a, b in family.breaks]
@@ -273,15 +269,15 @@ def _moves(
             yield move, _moved(family, inside, piece) if move.left else inside
 
 
-def _moved(family: MatchingFamily, region: MatchingRegion, piece: int) -> MatchingRegion:
+def _moved(family: MapFamily, region: PairRange, piece: int) -> PairRange:
     """Where a piece maps a region to."""
     slope = family.slopes[piece]
     low, high = (_along(slope, ends, family.intercepts[piece]) for ends in region)
-    return MatchingRegion(low, high) if slope > 0 else MatchingRegion(high, low)
+    return PairRange(low, high) if slope > 0 else PairRange(high, low)
 
 
 def growth_of_pairs(
-    family: MatchingFamily,
+    family: MapFamily,
     number: int,
     weights: Sequence[PolyElement],
     budget: Budget | Meter = BUDGET,
@@ -309,9 +305,7 @@ def growth_of_pairs(
         _step(family, weights, pair, move)
         for pair, move in ((TOGETHER, left), (left.onward, right))
     )
-    start = MatchingStep(
-        one.term + one.factor * other.term, one.factor * other.factor, other.onward
-    )
+    start = PairStep(one.term + one.factor * other.term, one.factor * other.factor, other.onward)
     graph = _graph(family, number, start.onward, meter)
     if graph is None:
         return None
@@ -320,9 +314,7 @@ def growth_of_pairs(
     return _growth(start, steps, meter)
 
 
-def _growth(
-    start: MatchingStep, steps: Mapping[Pair, Sequence[MatchingStep]], meter: Meter
-) -> Real | None:
+def _growth(start: PairStep, steps: Mapping[Pair, Sequence[PairStep]], meter: Meter) -> Real | None:
     """One over the least root of the determinant, if it is the same on every path; else None."""
     rests = _matching(steps)
     if not steps.keys() <= rests.keys():
@@ -333,7 +325,7 @@ def _growth(
         return None
     of_growth = growth.polynomial if isinstance(growth, RealRoot) else (QQ.one, -growth)
     divisor = sum((c * T**k for k, c in enumerate(of_growth)), start=RING.zero)
-    quotients = dict[Pair, list[MatchingStep]]()
+    quotients = dict[Pair, list[PairStep]]()
     for pair, each in steps.items():
         quotients[pair] = []
         for step in each:
@@ -346,7 +338,7 @@ def _growth(
     return growth if _has_no_root(start, quotients, 1 / bounds(growth)[0], meter) else None
 
 
-def _matching(steps: Mapping[Pair, Sequence[MatchingStep]]) -> dict[Pair, PolyElement]:
+def _matching(steps: Mapping[Pair, Sequence[PairStep]]) -> dict[Pair, PolyElement]:
     """What is left of the determinant at each pair on a shortest path to where orbits match."""
     found = {TOGETHER: RING.zero}
     while True:
@@ -361,7 +353,7 @@ def _matching(steps: Mapping[Pair, Sequence[MatchingStep]]) -> dict[Pair, PolyEl
 
 
 def _has_no_root(
-    start: MatchingStep, steps: Mapping[Pair, Sequence[MatchingStep]], end: Number, meter: Meter
+    start: PairStep, steps: Mapping[Pair, Sequence[PairStep]], end: Number, meter: Meter
 ) -> bool:
     """Whether what paths make of terms and factors is not zero from 0 to some place below 1."""
     parts = [(QQ.zero, end)]
@@ -377,7 +369,7 @@ def _has_no_root(
 
 
 def _bounds(
-    part: Range, start: MatchingStep, steps: Mapping[Pair, Sequence[MatchingStep]], meter: Meter
+    part: Range, start: PairStep, steps: Mapping[Pair, Sequence[PairStep]], meter: Meter
 ) -> Range:
     """Bounds of what paths make of terms and factors, for all t in a part of [0, 1).
 

@@ -26,8 +26,8 @@ from pwmap.maps.scopes import CellScope, Orders, between
 
 
 @dataclass(frozen=True, slots=True)
-class ColumnInterval(CellScope):
-    """A cell: the part of a column between two roots; one that is None is infinite."""
+class ColumnCell(CellScope):
+    """The part of a column between two roots, one that is None is infinite; or one root."""
 
     column: Column
     low: Root | None
@@ -39,11 +39,22 @@ class ColumnInterval(CellScope):
         """The parameter of roots."""
         return self.column.symbols[self.column.along]
 
+    @property
+    def _root(self) -> Root | None:
+        """That over which it lies, if it is an edge."""
+        return self.low if self.low is not None and self.low == self.high else None
+
     def _sign(self, polynomial: Number) -> int | None:
-        if not all(map(self._is_clear, irreducible_factors(polynomial))):
-            return None
-        ends = (None if end is None else end.value for end in (self.low, self.high))
-        return sign_at(self.column.at_sample(polynomial), simplest_between(*ends))
+        root, column = self._root, self.column
+        if root is not None:
+            if divides(root.factor, polynomial):
+                return 0
+            value = root.value if column.is_apart(root, polynomial) else None
+        else:
+            ends = (None if end is None else end.value for end in (self.low, self.high))
+            clear = all(map(self._is_clear, irreducible_factors(polynomial)))
+            value = simplest_between(*ends) if clear else None
+        return None if value is None else sign_at(column.at_sample(polynomial), value)
 
     def _is_clear(self, factor: PolyElement) -> bool:
         """Whether an irreducible polynomial is surely not zero in the cell."""
@@ -70,42 +81,12 @@ class ColumnInterval(CellScope):
         low, high = (
             None if end is None else self.column.number(end, other) for end in (self.low, self.high)
         )
-        return own is None or ((low is None or low < own) and (high is None or own < high))
+        if own is None or self._root is not None:
+            return own is None or own == low
+        return (low is None or low < own) and (high is None or own < high)
 
     def __str__(self) -> str:
-        return between(_shown(self.low, self.column), self.symbol, _shown(self.high, self.column))
-
-
-@dataclass(frozen=True, slots=True)
-class ColumnEdge(CellScope):
-    """A root over a column."""
-
-    column: Column
-    root: Root
-    orders: Orders = field(compare=False)
-
-    @property
-    def symbol(self) -> sympy.Symbol:
-        """The parameter of roots."""
-        return self.column.symbols[self.column.along]
-
-    def _sign(self, polynomial: Number) -> int | None:
-        if divides(self.root.factor, polynomial):
-            return 0
-        if not self.column.is_apart(self.root, polynomial):
-            return None
-        return sign_at(self.column.at_sample(polynomial), self.root.value)
-
-    def _holds(self, values: Mapping[str, Number]) -> bool:
-        other, own = self.column.values(values)
-        if other is None:
-            return True
-        here = self.column.number(self.root, other)
-        return here is not None and (own is None or here == own)
-
-    def __str__(self) -> str:
-        return f"{self.symbol} = {_shown(self.root, self.column)}"
-
-
-def _shown(root: Root | None, column: Column) -> sympy.Expr | None:
-    return None if root is None else root.to_sympy(column)
+        low, high = (
+            None if end is None else end.to_sympy(self.column) for end in (self.low, self.high)
+        )
+        return between(low, self.symbol, high) if self._root is None else f"{self.symbol} = {low}"

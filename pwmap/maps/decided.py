@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -28,15 +28,8 @@ from pwmap.maps import cylinders as cyl
 from pwmap.maps.budget import BUDGET, Meter
 from pwmap.maps.cylinders import Cut, Cylinder, StudiedIterate
 from pwmap.maps.reading import Definition
-from pwmap.maps.scopes import Edge, Scope, SymbolicEdge
-from pwmap.maps.words import (
-    Layout,
-    Orbits,
-    SignOracle,
-    Table,
-    Word,
-    over_one_denominator,
-)
+from pwmap.maps.scopes import CellScope, Scope
+from pwmap.maps.words import Layout, Orbits, SignOracle, Table, Word, over_one_denominator
 
 Chain = tuple[int, ...]  # the maps (layouts) that are applied one after the other
 
@@ -123,14 +116,12 @@ class Decided:
 
     def is_zero(self, number: Number) -> bool:
         """Whether a number is zero for all parameters, or at the edge of the map."""
-        at_edge = isinstance(self.scope, Edge | SymbolicEdge)
+        at_edge = isinstance(self.scope, CellScope) and self.scope.is_edge
         return not number or (at_edge and self.scope.sign(number) == 0)
 
     def with_chain(self, chain: Chain) -> Decided:
         """The same maps, applied in another order."""
-        return Decided(
-            self.definition, chain, self.scope, self.orbits, self.oracle, self.iterates, self.known
-        )
+        return replace(self, chain=chain)
 
 
 def as_written(definition: Definition, chain: Chain = (0,)) -> Decided:
@@ -178,7 +169,7 @@ def with_values(map_: Decided, values: Mapping[Any, object]) -> Decided:
     region = AssumedRegion(ring, tuple(c for c in constraints if not is_constant(c.polynomial)))
     _ = region.sample  # complains if the values leave nothing
     table = definition.table.mapped(lambda number: evaluate(number, numbers, ring))
-    return as_written(Definition(map_.x, ring, region, table, definition.letters), map_.chain)
+    return as_written(Definition(map_.x, region, table, definition.letters), map_.chain)
 
 
 def composed(outer: Decided, inner: Decided) -> Decided:
@@ -228,5 +219,5 @@ def _joined(first: Definition, second: Definition) -> tuple[Definition, int]:
         tables[0].one,
         tables[0].denominator,
     )
-    definition = Definition(first.x, ring, region, table, first.letters + second.letters)
+    definition = Definition(first.x, region, table, first.letters + second.letters)
     return definition, len(first.table.layouts)

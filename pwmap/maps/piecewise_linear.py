@@ -370,14 +370,10 @@ class PiecewiseLinearMap:
 
     def fixed_intervals(self) -> tuple[FixedInterval, ...]:
         """All pieces on which the map is the identity."""
+        found = ((self.pieces[i], period) for i, period in diagonal.bands(self._map))
         return tuple(
-            FixedInterval(
-                interval=self.pieces[i].interval,
-                word=self.pieces[i].word,
-                order=self.order,
-                period=period,
-            )
-            for i, period in diagonal.bands(self._map)
+            FixedInterval(interval=each.interval, word=each.word, order=self.order, period=period)
+            for each, period in found
         )
 
     def jump_crossings(self) -> tuple[JumpCrossing, ...]:

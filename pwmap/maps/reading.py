@@ -44,19 +44,14 @@ class Definition:
     """A map as it was written: its variable, parameters, assumptions and coefficients."""
 
     x: sympy.Symbol
-    ring: Ring
     region: AssumedRegion
     table: Table
     letters: tuple[str, ...]
 
-    def __reduce__(self) -> tuple[Callable[..., Definition], tuple[object, ...]]:
-        return _definition, (self.x, self.region, self.table, self.letters)
-
-
-def _definition(
-    x: sympy.Symbol, region: AssumedRegion, table: Table, letters: tuple[str, ...]
-) -> Definition:
-    return Definition(x, region.ring, region, table, letters)
+    @property
+    def ring(self) -> Ring:
+        """That of polynomials in its parameters."""
+        return self.region.ring
 
 
 def read(
@@ -239,7 +234,7 @@ def _assembled(
         one,
         denominator,
     )
-    return Definition(x, region.ring, region, table, _letters(letters, len(runs)))
+    return Definition(x, region, table, _letters(letters, len(runs)))
 
 
 def _value(affine: Affine, x: Fraction_) -> Fraction_:

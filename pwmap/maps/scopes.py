@@ -69,6 +69,12 @@ class CellScope(ABC):
 
     __slots__ = ()
     symbol: sympy.Symbol
+    orders: Orders
+
+    @property
+    def is_edge(self) -> bool:
+        """Whether it is one value of the parameter, a number or a quotient."""
+        return False
 
     @property
     def constraints(self) -> tuple[Constraint, ...]:
@@ -81,7 +87,7 @@ class CellScope(ABC):
             return sign(constant(polynomial))
         found = self._sign(polynomial)
         if found is None:
-            raise UndecidedError(refusal(polynomial, self, getattr(self, "orders", ())))
+            raise UndecidedError(refusal(polynomial, self, self.orders))
         return found
 
     def contains(self, values: Mapping[str, Number]) -> CellScope | None:
@@ -98,19 +104,26 @@ class CellScope(ABC):
 
 
 @dataclass(frozen=True, slots=True)
-class ParameterInterval(CellScope):
-    """An open cell of the only parameter; an end that is None is infinite."""
+class NumberCell(CellScope):
+    """An open cell of the only parameter, with None for an infinite end, or one value of it."""
 
     symbol: sympy.Symbol
     low: Real | None
     high: Real | None
     orders: Orders = field(compare=False)
 
-    def __reduce__(self) -> tuple[Callable[..., ParameterInterval], tuple[object, ...]]:
-        return _interval, (self.symbol, portable(self.low), portable(self.high), self.orders)
+    def __reduce__(self) -> tuple[Callable[..., NumberCell], tuple[object, ...]]:
+        return _number_cell, (self.symbol, portable(self.low), portable(self.high), self.orders)
+
+    @property
+    def is_edge(self) -> bool:
+        """Whether it is one value."""
+        return self.low is not None and self.low == self.high
 
     def _sign(self, polynomial: Number) -> int | None:
         coefficients = dense(polynomial)
+        if self.is_edge:
+            return sign_at(coefficients, self.low)
         if any(self._contains(root) for root in real_roots(coefficients)):
             return None
         return sign_at(coefficients, simplest_between(self.low, self.high))
@@ -120,39 +133,18 @@ class ParameterInterval(CellScope):
         return value is None or self._contains(value)
 
     def _contains(self, value: Real) -> bool:
+        if self.is_edge:
+            return bool(value == self.low)
         above = self.low is None or self.low < value
         return bool(above and (self.high is None or value < self.high))
 
     def __str__(self) -> str:
-        return between(_shown(self.low), self.symbol, _shown(self.high))
+        low, high = (None if end is None else real_to_sympy(end) for end in (self.low, self.high))
+        return f"{self.symbol} = {low}" if self.is_edge else between(low, self.symbol, high)
 
 
-def _interval(symbol: sympy.Symbol, low: Any, high: Any, orders: Orders) -> ParameterInterval:
-    return ParameterInterval(symbol, restored(low), restored(high), orders)
-
-
-@dataclass(frozen=True, slots=True)
-class Edge(CellScope):
-    """A single value of the only parameter."""
-
-    symbol: sympy.Symbol
-    value: Real
-
-    def __reduce__(self) -> tuple[Callable[..., Edge], tuple[object, ...]]:
-        return _edge, (self.symbol, portable(self.value))
-
-    def _sign(self, polynomial: Number) -> int:
-        return sign_at(dense(polynomial), self.value)
-
-    def _holds(self, values: Mapping[str, Number]) -> bool:
-        return bool(values.get(str(self.symbol), self.value) == self.value)
-
-    def __str__(self) -> str:
-        return f"{self.symbol} = {_shown(self.value)}"
-
-
-def _edge(symbol: sympy.Symbol, value: Any) -> Edge:
-    return Edge(symbol, restored(value))
+def _number_cell(symbol: sympy.Symbol, low: Any, high: Any, orders: Orders) -> NumberCell:
+    return NumberCell(symbol, restored(low), restored(high), orders)
 
 
 @dataclass(frozen=True, slots=True)
@@ -208,6 +200,11 @@ class SymbolicEdge(CellScope):
         return _symbolic_edge, (self.symbol, kept, self.region, self.orders)
 
     @property
+    def is_edge(self) -> bool:
+        """It is one value, whatever those of the others."""
+        return True
+
+    @property
     def constraints(self) -> tuple[Constraint, ...]:
         """The equality as two inequalities, and what is assumed of the others."""
         top, bottom = self.value
@@ -261,10 +258,6 @@ def refusal(polynomial: Number, cell: object, orders: Orders) -> str:
         f"which was cut for the orders {names} only: ask for all you need, such as "
         f"parameter_cells(..., orders={more})"
     )
-
-
-def _shown(end: Real | None) -> sympy.Expr | None:
-    return None if end is None else real_to_sympy(end)
 
 
 def between(low: sympy.Expr | None, symbol: sympy.Symbol, high: sympy.Expr | None) -> str:

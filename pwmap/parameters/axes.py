@@ -11,5 +11,5 @@ from pwmap.parameters.symbolic import SymbolicAxis
 
 def axis_of(definition: Definition, name: str, sample: dict[str, Number]) -> Axis:
     """The axis of a parameter; the others, if any, stay symbolic, with values at a sample."""
-    kinds = (RationalAxis, ColumnAxis, SymbolicAxis)
-    return kinds[min(len(sample), 2)](definition, name, sample)
+    kind = (RationalAxis, ColumnAxis, SymbolicAxis)[min(len(sample), 2)]
+    return kind(definition, name, sample)

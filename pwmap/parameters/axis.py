@@ -47,7 +47,7 @@ from pwmap.algebra.roots import (
     spread,
 )
 from pwmap.maps.reading import Definition
-from pwmap.maps.scopes import Edge, ParameterInterval, Scope, SymbolicEdge, SymbolicInterval
+from pwmap.maps.scopes import NumberCell, Scope, SymbolicEdge, SymbolicInterval
 from pwmap.maps.words import Decision, IntegerOrbits, Orbits, SignOracle
 
 INFINITE = "infinite"
@@ -352,10 +352,7 @@ class RationalAxis(Axis):
         return place.element_to_sympy(value)
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
-        symbol = self.definition.ring.symbols[0]
-        if low is not None and low is high:
-            return Edge(symbol, low)
-        return ParameterInterval(symbol, low, high, orders)
+        return NumberCell(self.definition.ring.symbols[0], low, high, orders)
 
 
 class RecordedAxis(Axis):

@@ -28,18 +28,7 @@ from pwmap.maps.words import Word
 from pwmap.parameters.admitted import Span
 from pwmap.parameters.arrays import curve_arrays
 from pwmap.parameters.axis import Axis, ResampleError
-from pwmap.parameters.branches import (
-    ALONG,
-    LEFT,
-    RIGHT,
-    BranchKey,
-    Continuation,
-    Infinite,
-    Junction,
-    KnownValues,
-    Segment,
-    SegmentEnd,
-)
+from pwmap.parameters.branches import Continuation
 from pwmap.parameters.cells import (
     Cell,
     CellStage,
@@ -51,6 +40,17 @@ from pwmap.parameters.cells import (
     with_stages,
 )
 from pwmap.parameters.curves import SegmentCurve, Tip, connected
+from pwmap.parameters.segments import (
+    ALONG,
+    LEFT,
+    RIGHT,
+    BranchKey,
+    Infinite,
+    Junction,
+    KnownValues,
+    Segment,
+    SegmentEnd,
+)
 
 
 def bifurcation_diagram(

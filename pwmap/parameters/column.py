@@ -46,7 +46,7 @@ from pwmap.algebra.roots import (
     real_to_sympy,
     sign_at,
 )
-from pwmap.maps.columns import ColumnEdge, ColumnInterval
+from pwmap.maps.columns import ColumnCell
 from pwmap.maps.reading import Definition
 from pwmap.maps.scopes import Scope
 from pwmap.parameters.axis import INFINITE, RecordedAxis, ResampleError, ValueAt, quotient_at
@@ -202,13 +202,8 @@ class ColumnAxis(RecordedAxis):
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
         ends = [end for end in (low, high) if end is not None]
-        is_edge = low is not None and low is high
         if any(degree_in(end.factor, self.index) > 1 for end in ends):
-            return (
-                ColumnEdge(self.column, low, orders)
-                if is_edge
-                else ColumnInterval(self.column, low, high, orders)
-            )
+            return ColumnCell(self.column, low, high, orders)
         return super().scope(low, high, orders)
 
     def _quotient(self, place: Root) -> Fraction_:

@@ -12,9 +12,10 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Word
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.bifurcations import classify, lowest
-from pwmap.parameters.branches import Continuation, Junction, SegmentEnd
+from pwmap.parameters.branches import Continuation
 from pwmap.parameters.cells import Cell
 from pwmap.parameters.curves import connected
+from pwmap.parameters.segments import Junction, SegmentEnd
 
 
 class PlaneEvent(NamedTuple):

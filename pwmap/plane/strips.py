@@ -14,8 +14,9 @@ from pwmap.algebra.roots import Real, RealRoot, integers, real_to_sympy, simples
 from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.axis import Axis, ResampleError
-from pwmap.parameters.cells import Cell, ParameterCells, merged, shown_cells, with_cells
+from pwmap.parameters.cells import Cell, merged, shown_cells, with_cells
 from pwmap.parameters.column import ColumnAxis
+from pwmap.parameters.results import ParameterCells
 from pwmap.plane.marks import PlaneMark, marks
 
 

@@ -22,7 +22,7 @@ from pwmap import (
     attractor_diagram,
     dynamics,
 )
-from pwmap.longrun.crises.changes import AttractorChange
+from pwmap.longrun.crises.changes import Onset
 from pwmap.longrun.crises.cuts import Cuts
 from pwmap.longrun.crises.samples import Samples
 from pwmap.parameters.axes import axis_of
@@ -177,7 +177,7 @@ def test_neutral_intervals_are_told_where_they_are() -> None:
 def test_the_place_of_a_change_that_is_not_exact_is_the_middle() -> None:
     samples = Samples(TENT, axis_of(TENT.definition, "a", {}), Meter(Budget()))
     left, right = samples.at(QQ(4, 3)), samples.at(QQ(3, 2))
-    change = AttractorChange(left.place, right.place, left, right)
+    change = Onset(left.place, right.place, left, right)
     assert (change.place, change.is_exact) == (QQ(17, 12), False)
 
 

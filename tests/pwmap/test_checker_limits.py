@@ -16,7 +16,7 @@ from pwmap import Refused, check_certificate
 from pwmap.checking import branches, lists, polynomials, refusing
 from pwmap.checking.certificate import FORMAT, seal_of, statement_of
 from pwmap.checking.reading import quotient
-from pwmap.checking.refusing import WORK, CheckingWork
+from pwmap.checking.refusing import WORK, Effort
 
 KEPT = Path(__file__).parents[2] / "studies" / "results" / "certificates"
 TOO_MUCH = "this takes more work than a check may"
@@ -78,7 +78,7 @@ def test_constants_count(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_what_is_kept_is_paid_for(monkeypatch: pytest.MonkeyPatch) -> None:
     """A part of the work keeps no more than that part of 150 MB, but for what a few steps need."""
-    monkeypatch.setattr(lists, "CheckingWork", lambda: CheckingWork(WORK // 50))
+    monkeypatch.setattr(lists, "Effort", lambda: Effort(WORK // 50))
     content = sixty_breaks(10)
     tracemalloc.start()
     with pytest.raises(Refused, match=TOO_MUCH):
@@ -92,7 +92,7 @@ def test_a_denominator_for_all_coefficients_is_paid_for() -> None:
     """Short fractions become integers of thousands of digits: 4 MB of text would be gigabytes."""
     primes = [p for p in range(3, 1200) if all(p % q for q in range(2, p))][:190]
     part = [f"1/{p}" for p in primes]
-    work = CheckingWork()
+    work = Effort()
     quotient([part, part], work)
     size = 2 * sum(p.bit_length() for p in primes) * len(primes) // 8
     assert WORK - work.left > refusing.BYTE * size
@@ -102,7 +102,7 @@ def test_a_denominator_for_all_coefficients_is_paid_for() -> None:
 def test_true_certificates_need_little(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
     """The kept ones a two-hundredth of what is allowed; the largest ever made a seventh."""
     for module in (branches, lists):
-        monkeypatch.setattr(module, "CheckingWork", lambda: CheckingWork(WORK // 200))
+        monkeypatch.setattr(module, "Effort", lambda: Effort(WORK // 200))
     assert check_certificate(KEPT / f"{name}.json").startswith("For the map with the pieces")
 
 
@@ -119,7 +119,7 @@ def test_operations_say_before_what_they_take() -> None:
         lambda work: polynomials.power(work, long, 2),
     ):
         with pytest.raises(Refused, match=TOO_MUCH):
-            operation(CheckingWork(refusing.STEP))
+            operation(Effort(refusing.STEP))
 
 
 def test_work_is_nanoseconds_roughly() -> None:
@@ -131,7 +131,7 @@ def test_work_is_nanoseconds_roughly() -> None:
     for bits in (30, 1_000, 19_000):
         f = tuple(rng.getrandbits(bits) | 1 for _ in range(6))
         g = tuple(rng.getrandbits(1_000 if bits > 10_000 else bits) | 1 for _ in range(6))
-        work, count = CheckingWork(10**12), 3 if bits > 10_000 else 300
+        work, count = Effort(10**12), 3 if bits > 10_000 else 300
         began = time.process_time()
         for _ in range(count):
             polynomials.primitive(work, f)

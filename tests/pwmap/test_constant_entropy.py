@@ -28,7 +28,7 @@ from pwmap.longrun.kneading import RING, T, growth_by_kneading
 from pwmap.longrun.line import MapLine, line_of
 from pwmap.longrun.matching import (
     TOGETHER,
-    MatchingStep,
+    PairStep,
     _growth,
     family_of,
     growth_of_pairs,
@@ -273,10 +273,10 @@ def test_growth_of_a_graph_of_pairs_needs_no_root_before() -> None:
     zero at 1/(1 + a): beyond the root of p, 0.618, for a = 1/2, and before it for a = 1.
     """
     p, pair = 1 - T - T**2, TOGETHER._replace(lag=1)
-    start, together = MatchingStep(p, RING.one, pair), MatchingStep(RING.zero, RING.one, TOGETHER)
+    start, together = PairStep(p, RING.one, pair), PairStep(RING.zero, RING.one, TOGETHER)
 
     def growth(term: PolyElement) -> Real | None:
-        steps = {pair: [together, MatchingStep(term, T, pair)], TOGETHER: []}
+        steps = {pair: [together, PairStep(term, T, pair)], TOGETHER: []}
         return _growth(start, steps, metered(Budget()))
 
     found = growth(-T * p / 2)

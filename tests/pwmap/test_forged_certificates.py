@@ -24,7 +24,7 @@ from pwmap.checking.__main__ import main
 from pwmap.checking.certificate import check, seal_of, statement_of
 from pwmap.checking.places import between
 from pwmap.checking.reading import number
-from pwmap.checking.refusing import CheckingWork
+from pwmap.checking.refusing import Effort
 
 Content = dict[str, Any]
 P1L = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
@@ -68,15 +68,15 @@ def test_what_holds_at_an_edge_is_not_taken_for_what_holds_beside_it(edges: list
 
 def test_two_roots_may_share_the_end_of_their_intervals() -> None:
     low, high = (
-        number({**HALF, "interval": ends}, CheckingWork()) for ends in (["0", "1"], ["1/3", "1"])
+        number({**HALF, "interval": ends}, Effort()) for ends in (["0", "1"], ["1/3", "1"])
     )
-    two = number(TWO, CheckingWork())
+    two = number(TWO, Effort())
     assert between(low, two) == 1
-    one = number("1", CheckingWork())
+    one = number("1", Effort())
     for pair in ((one, one), (low, one), (one, two), (low, low), (low, high), (two, low)):
         with pytest.raises(Refused, match="edges must ascend"):
             between(*pair)
-    assert between(low, number("2", CheckingWork())) == Fraction(3, 2)
+    assert between(low, number("2", Effort())) == Fraction(3, 2)
 
 
 @pytest.mark.parametrize("polynomial", [["1", "-4", "4"], ["1", "-8", "24", "-32", "16"]])
@@ -84,7 +84,7 @@ def test_a_polynomial_that_keeps_its_sign_gives_no_number(polynomial: list[str])
     """Else x = 1/2, a root of (1 - 2 x)^2, would be taken for another number than 1/2."""
     value = {"polynomial": polynomial, "interval": ["-1", "1"]}
     with pytest.raises(Refused, match="does not change its sign at just one root between -1 and 1"):
-        number(value, CheckingWork())
+        number(value, Effort())
     content = proved("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))", "r", (-1, 3), (1, 2))
     forged = copy.deepcopy(content)
     forged["points"][0]["x"] = {"polynomial": ["0", "0", "1"], "interval": ["-1", "1"]}
@@ -96,7 +96,7 @@ def test_a_polynomial_that_keeps_its_sign_gives_no_number(polynomial: list[str])
 def test_work_is_counted_before_it_is_done() -> None:
     """Of each edge whose polynomial is read, too; common denominators have a bound."""
     row = {"polynomial": ["-7", *["3"] * 198, "2"], "interval": ["0", "2"]}
-    work = CheckingWork(10**6)
+    work = Effort(10**6)
     with pytest.raises(Refused, match="more work than a check may"):
         number(row, work)
     content = proved("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))", "r", (-1, 3), (1, 2))

@@ -83,7 +83,14 @@ def test_the_plane_has_one_colour_for_each_set_of_periods() -> None:
     legend = ax.get_legend()
     assert legend is not None
     assert [t.get_text() for t in legend.get_texts()] == [
-        *("none found", "period 1", "period 2", "period 3", "border collision", "fold-flip"),
+        *(
+            "none found",
+            "period 1",
+            "period 2",
+            "period 3",
+            "border collision",
+            "border-collision fold-flip",
+        ),
     ]
     edges = lines(ax)
     assert any(np.allclose(y, [2 * v / (v - 1) for v in x]) for x, y in edges if x[0] > 1.19)
@@ -253,7 +260,10 @@ def test_a_star_lies_under_what_it_would_hide() -> None:
         SpecialPoint(id="BC1", kind=PointKind.BC, parameter=0.0, x=0.0),
     )
     drawn = plot_diagram(Diagram(parameter_name="p", x_name="x", branches=(), points=points))
-    stars, circles = drawn.artists["fold-flip"][0], drawn.artists["border collision"][0]
+    stars, circles = (
+        drawn.artists["border-collision fold-flip"][0],
+        drawn.artists["border collision"][0],
+    )
     assert stars.get_zorder() < circles.get_zorder()
 
 
@@ -352,11 +362,14 @@ def test_only_what_is_stable() -> None:
 
 
 def test_styles_change_what_they_name() -> None:
-    style = {"stable": {"color": "black", "linewidth": 3.0}, "fold-flip": {"zorder": 9}}
+    style = {
+        "stable": {"color": "black", "linewidth": 3.0},
+        "border-collision fold-flip": {"zorder": 9},
+    }
     drawn = plot_diagram(paper_diagram(1), styles=style)
     (line, *_) = drawn.artists["stable"]
     assert (line.get_color(), line.get_linewidth()) == ("black", 3.0)
-    assert drawn.artists["fold-flip"][0].get_zorder() == 9
+    assert drawn.artists["border-collision fold-flip"][0].get_zorder() == 9
     pieces = plot_map(AT_ONE, styles={"pieces": {"color": "red"}}).artists["pieces"]
     assert [each.get_color() for each in pieces] == ["red", "red"]
     with pytest.raises(ValueError, match=r"a style must be of one of stable, .*, got 'staple'"):

@@ -68,7 +68,7 @@ def check_certificate(path: str | os.PathLike[str]) -> str:
     try:
         content = json.loads(raw.decode("ascii"), object_pairs_hook=_object)
     except UnicodeDecodeError:
-        raise Refused("this is no certificate: it holds characters that none has") from None
+        raise Rejected("this is no certificate: it holds characters that none has") from None
     except (ValueError, RecursionError) as error:
         raise Rejected(f"this is no certificate: {error}") from None
     return check(content)

@@ -19,7 +19,7 @@ from pwmap.algebra.exact import Number, dense
 from pwmap.algebra.roots import Real, bounds, roots_between, sign_at
 from pwmap.longrun.crises.covering import doubles_of
 from pwmap.longrun.crises.meetings import earliest
-from pwmap.longrun.crises.samples import CLOSER, AttractorSample, BreakImage, Samples
+from pwmap.longrun.crises.samples import CLOSER, Attracted, BreakImage, Samples
 from pwmap.longrun.cycles import closed_words
 from pwmap.longrun.line import line_at
 from pwmap.longrun.numbers import Exact, to_double
@@ -34,7 +34,7 @@ NEAR = 1e-9  # of the numbers at hand: closer ones are compared exactly
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class AttractorChange:
+class Onset:
     """A place at which what attracts changes, or an interval in which it does.
 
     Attributes
@@ -51,8 +51,8 @@ class AttractorChange:
 
     low: Real
     high: Real
-    before: AttractorSample
-    after: AttractorSample
+    before: Attracted
+    after: Attracted
     met: tuple[tuple[BreakImage, Word], ...] = ()
     is_open: bool = False
 
@@ -84,9 +84,7 @@ class Changes:
         self.samples, self.order = samples, order
         self.axis, self.orbits = samples.axis, samples.axis.orbits
 
-    def between(
-        self, left: AttractorSample, right: AttractorSample, effort: int = EFFORT
-    ) -> Iterator[AttractorChange]:
+    def between(self, left: Attracted, right: Attracted, effort: int = EFFORT) -> Iterator[Onset]:
         """What happens between two samples that are not open, from left to right."""
         if self.same(left, right):
             return
@@ -109,18 +107,16 @@ class Changes:
         elif met or self._are_long(left, right):
             yield self._open(left, right)
         else:
-            yield AttractorChange(left.place, right.place, left, right)
+            yield Onset(left.place, right.place, left, right)
 
     def _row(
-        self, left: AttractorSample, right: AttractorSample, places: Sequence[Real]
-    ) -> list[AttractorSample] | None:
+        self, left: Attracted, right: Attracted, places: Sequence[Real]
+    ) -> list[Attracted] | None:
         """Samples between neighbouring places; None if one is open."""
         row = [left, *(self.samples.between(a, b) for a, b in pairwise(places)), right]
         return None if any(each.is_open for each in row) else row
 
-    def _at(
-        self, place: Real, x: AttractorSample, y: AttractorSample, effort: int
-    ) -> Iterator[AttractorChange]:
+    def _at(self, place: Real, x: Attracted, y: Attracted, effort: int) -> Iterator[Onset]:
         """What happens between samples on both sides of a place at which something may."""
         if self.same(x, y):
             return
@@ -136,9 +132,7 @@ class Changes:
             yield from self._further(*near, less)
         yield from self._further(near[1], y, less)
 
-    def _exactly(
-        self, place: Real, x: AttractorSample, y: AttractorSample, effort: int
-    ) -> Iterator[AttractorChange]:
+    def _exactly(self, place: Real, x: Attracted, y: Attracted, effort: int) -> Iterator[Onset]:
         """A change at a place, with what happens between it and samples beside it.
 
         Where a cycle begins or ends bands may merge without an end, closer and closer to it: what
@@ -146,7 +140,7 @@ class Changes:
         """
         if x.words == y.words:
             if not self.same(x, y):
-                yield AttractorChange(place, place, x, y, met=self.places(x, y).get(place, ()))
+                yield Onset(place, place, x, y, met=self.places(x, y).get(place, ()))
             return
         close = [
             self.samples.beside(place, each.place, CLOSER) if each.counts else each
@@ -160,7 +154,7 @@ class Changes:
         )
         if not is_open:
             met = self.places(*close).get(place, ())
-            yield AttractorChange(place, place, close[0], close[1], met=met)
+            yield Onset(place, place, close[0], close[1], met=met)
         else:
             yield self._open(
                 *(one if other.is_open else other for one, other in zip((x, y), close, strict=True))
@@ -168,28 +162,26 @@ class Changes:
         if not close[1].is_open:
             yield from self._further(close[1], y, effort)
 
-    def _further(
-        self, left: AttractorSample, right: AttractorSample, effort: int
-    ) -> Iterator[AttractorChange]:
+    def _further(self, left: Attracted, right: Attracted, effort: int) -> Iterator[Onset]:
         """What happens between two samples, if there is still effort for that."""
         if effort > 0 or self.same(left, right):
             yield from self.between(left, right, effort)
         else:
             yield self._open(left, right)
 
-    def _beside(self, place: Real, sample: AttractorSample) -> AttractorSample:
+    def _beside(self, place: Real, sample: Attracted) -> Attracted:
         """What attracts right beside a place; cycles alone are known to attract up to it."""
         known = sample.words and not sample.counts
         return sample if known else self.samples.beside(place, sample.place)
 
-    def _explains(self, place: Real, left: AttractorSample, right: AttractorSample) -> bool:
+    def _explains(self, place: Real, left: Attracted, right: Attracted) -> bool:
         """Whether all that differs between two samples beside a place changes exactly there."""
         ends = [self.ends_of(word, left.place, right.place) for word in left.words ^ right.words]
         return all(place in each for each in ends) and (
             bool(ends) or place in self.places(left, right)
         )
 
-    def _is_gap(self, left: AttractorSample, right: AttractorSample) -> bool:
+    def _is_gap(self, left: Attracted, right: Attracted) -> bool:
         """Whether cycles at one place end before those at another one begin."""
         if left.counts or right.counts:
             return False
@@ -197,19 +189,19 @@ class Changes:
         start = self.reach(right, left.place, right.place, -1)
         return end is not None and start is not None and bool(end < start)
 
-    def _are_long(self, *samples: AttractorSample) -> bool:
+    def _are_long(self, *samples: Attracted) -> bool:
         return any(len(word) > self.order for each in samples for word, _ in each.words)
 
-    def _open(self, left: AttractorSample, right: AttractorSample) -> AttractorChange:
+    def _open(self, left: Attracted, right: Attracted) -> Onset:
         """An interval of which it is not known what attracts: as far as cycles are not known to."""
         low, high = left.place, right.place
         first: Real = low if left.counts else self.reach(left, low, high, 0) or low
         last: Real = high if right.counts else self.reach(right, low, high, -1) or high
         if not first < last:
             first, last = low, high
-        return AttractorChange(first, last, left, right, is_open=True)
+        return Onset(first, last, left, right, is_open=True)
 
-    def reach(self, sample: AttractorSample, low: Real, high: Real, which: int) -> Real | None:
+    def reach(self, sample: Attracted, low: Real, high: Real, which: int) -> Real | None:
         """The first place, or the last, at which a cycle of a sample ends; None if none does."""
         ends = [found[which] for word in sample.words if (found := self.ends_of(word, low, high))]
         if not ends:
@@ -218,7 +210,7 @@ class Changes:
 
     # --- Whether something differs ------------------------------------------------------------
 
-    def same(self, left: AttractorSample, right: AttractorSample) -> bool:
+    def same(self, left: Attracted, right: Attracted) -> bool:
         """Whether the same attracts at two places and, as far as words say, between them."""
         if left is right:
             return True
@@ -228,7 +220,7 @@ class Changes:
             return False
         return left.ends == right.ends or self._exchanged(left, right)
 
-    def _exchanged(self, left: AttractorSample, right: AttractorSample) -> bool:
+    def _exchanged(self, left: Attracted, right: Attracted) -> bool:
         """Whether other images are the ends of bands because they pass each other in between."""
         rows = [[ends for bands in each.ends for ends in bands] for each in (left, right)]
         if len(rows[0]) != len(rows[1]):
@@ -249,7 +241,7 @@ class Changes:
     # --- Where something may end --------------------------------------------------------------
 
     def places(
-        self, left: AttractorSample, right: AttractorSample
+        self, left: Attracted, right: Attracted
     ) -> dict[Real, tuple[tuple[BreakImage, Word], ...]]:
         """Places between two samples at which what attracts at one of them may end."""
         low, high = left.place, right.place
@@ -292,7 +284,7 @@ class Changes:
         return tuple(sorted(found))
 
     def _ends_of_bands(
-        self, sample: AttractorSample, low: Number, high: Number
+        self, sample: Attracted, low: Number, high: Number
     ) -> Iterator[tuple[Real, tuple[tuple[BreakImage, Word], ...]]]:
         """Where an end of a band passes a break or a point of a repelling cycle."""
         ends = list(dict.fromkeys(end for bands in sample.ends for pair in bands for end in pair))
@@ -331,7 +323,7 @@ class Changes:
             return ()
         return roots_between(polynomial, low, high)
 
-    def _repelling(self, sample: AttractorSample) -> list[tuple[int, ...]]:
+    def _repelling(self, sample: Attracted) -> list[tuple[int, ...]]:
         """Words of repelling cycles at a sample, as numbers of pieces."""
         return self._repelling_at(sample.place)
 

@@ -24,12 +24,12 @@ from pwmap.algebra.roots import Real, bounds, real_to_sympy
 from pwmap.algebra.terms import shortened
 from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.shown import counted
-from pwmap.longrun.crises.changes import AttractorChange, Changes
+from pwmap.longrun.crises.changes import Changes, Onset
 from pwmap.longrun.crises.cuts import Cuts
 from pwmap.longrun.crises.glimpses import Glimpses
 from pwmap.longrun.crises.kinds import kind_of
 from pwmap.longrun.crises.meetings import Meeting, first_turn
-from pwmap.longrun.crises.samples import AttractorSample, Samples
+from pwmap.longrun.crises.samples import Attracted, Samples
 from pwmap.longrun.dynamics import Dynamics
 from pwmap.longrun.line import MapLine, line_at
 from pwmap.longrun.numbers import to_double
@@ -287,14 +287,14 @@ class _Sweep:
         self.finished = list[Real]()  # ends of the parts that are
         self._high = high
         self._low = low  # where the cell begins that is not ended yet,
-        self._inside = list[AttractorSample]()  # and the samples of it; none if it is open
+        self._inside = list[Attracted]()  # and the samples of it; none if it is open
         self._opened = low  # where the last open one begins
 
     def advance(self, end: Real) -> None:
         """Go on to the end of another part."""
         start = self.finished[-1] if self.finished else self._low
         cuts = self.cuts.between(start, end)
-        found = list[tuple[Real, Real, AttractorSample]]()
+        found = list[tuple[Real, Real, Attracted]]()
         for low, high in pairwise([start, *cuts, end]):
             middle = self.samples.between(low, high)
             beside = (
@@ -316,8 +316,8 @@ class _Sweep:
         self.finished.append(end)
 
     def _events(
-        self, found: list[tuple[Real, Real, AttractorSample]], before: AttractorSample | None
-    ) -> Iterator[AttractorChange | AttractorSample | tuple[Real, Real]]:
+        self, found: list[tuple[Real, Real, Attracted]], before: Attracted | None
+    ) -> Iterator[Onset | Attracted | tuple[Real, Real]]:
         """Samples, changes between them, and intervals that are open, from left to right."""
         hidden: tuple[Real, Real] | None = None
         for low, high, sample in found:
@@ -339,12 +339,12 @@ class _Sweep:
         if hidden:
             yield hidden
 
-    def _keep(self, event: AttractorChange | AttractorSample | tuple[Real, Real]) -> None:
+    def _keep(self, event: Onset | Attracted | tuple[Real, Real]) -> None:
         """Go on with the cell, or end it."""
         match event:
-            case AttractorSample():
+            case Attracted():
                 self._inside.append(event)
-            case AttractorChange():
+            case Onset():
                 self._inside.append(event.before)
                 self._cell(event.low)
                 self._open(event.low, event.high)
@@ -405,7 +405,7 @@ class _Sweep:
         )
         self._opened, self._low, self._inside = low, high, []
 
-    def _known(self, low: Real, high: Real, sample: AttractorSample) -> AttractorCell:
+    def _known(self, low: Real, high: Real, sample: Attracted) -> AttractorCell:
         value = self.samples.axis.orbits.value
         return AttractorCell(
             lower=real_to_sympy(low),
@@ -423,7 +423,7 @@ class _Sweep:
             neutral=sample.neutral,
         )
 
-    def _crisis(self, change: AttractorChange, kind: PointKind) -> Crisis:
+    def _crisis(self, change: Onset, kind: PointKind) -> Crisis:
         spelled, breaks = self.samples.map.spelled, self.samples.layout.breaks
         width = to_double(bounds(change.high)[1]) - to_double(bounds(change.low)[0])
         return Crisis(

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pwmap.algebra.exact import Number, dense
 from pwmap.algebra.roots import Real, RealRoot, bounds
 from pwmap.diagrams.data import PointKind
-from pwmap.longrun.crises.changes import AttractorChange, Changes
-from pwmap.longrun.crises.samples import AttractorSample, BreakImage, Samples
+from pwmap.longrun.crises.changes import Changes, Onset
+from pwmap.longrun.crises.samples import Attracted, BreakImage, Samples
 from pwmap.longrun.line import Interval, joined
 from pwmap.longrun.numbers import Element, Exact, to_double
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
@@ -31,10 +31,10 @@ def kind_at(
     right = samples.between(high + width / 2, high + width)
     if left.is_open or right.is_open or Changes(samples, order).same(left, right):
         return None
-    return kind_of(samples, AttractorChange(place, place, left, right))
+    return kind_of(samples, Onset(place, place, left, right))
 
 
-def kind_of(samples: Samples, change: AttractorChange) -> PointKind | None:
+def kind_of(samples: Samples, change: Onset) -> PointKind | None:
     """What happens to bands at a change; None if nothing does."""
     left, right = change.before, change.after
     if not left.counts and not right.counts:
@@ -51,9 +51,7 @@ def kind_of(samples: Samples, change: AttractorChange) -> PointKind | None:
     return None if left.counts == right.counts else PointKind.MC
 
 
-def _end(
-    samples: Samples, chaotic: AttractorSample, other: AttractorSample, change: AttractorChange
-) -> PointKind:
+def _end(samples: Samples, chaotic: Attracted, other: Attracted, change: Onset) -> PointKind:
     """How bands end beyond which there are none."""
     new = [word for word in other.cycles if word not in chaotic.cycles]
     if not new:
@@ -70,7 +68,7 @@ def _flip(samples: Samples, word: str) -> Number:
     return samples.axis.orbits.polynomial(MultiplierSign(letters, -1))
 
 
-def _set_at(samples: Samples, sample: AttractorSample, place: Real) -> list[Interval]:
+def _set_at(samples: Samples, sample: Attracted, place: Real) -> list[Interval]:
     """All bands with their ends at another place, joined."""
     return joined(
         (_value(samples, a, place), _value(samples, b, place))
@@ -87,7 +85,7 @@ def _value(samples: Samples, image: BreakImage, place: Real) -> Exact:
     return samples.axis.value(fraction, place)
 
 
-def _close(left: AttractorSample, right: AttractorSample) -> bool:
+def _close(left: Attracted, right: Attracted) -> bool:
     """Whether bands at two places may be the same by what they are there."""
     one, other = (
         [to_double(x) for bands in each.found.bands for pair in bands.intervals for x in pair]

@@ -37,7 +37,7 @@ Ends = tuple[BreakImage, BreakImage]  # of a band
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class AttractorSample:
+class Attracted:
     """What attracts at a place.
 
     Attributes
@@ -94,23 +94,23 @@ class Samples:
         self.letters = self.layout.slots[::2]
         self.germs = [(k, side) for k in self.layout.breaks for side in (-1, 1)]
         self._numbers = {map_.letters[letter]: letter for letter in self.letters}
-        self._known = dict[Hashable, AttractorSample]()
+        self._known = dict[Hashable, Attracted]()
 
-    def at(self, place: Number) -> AttractorSample:
+    def at(self, place: Number) -> Attracted:
         """What attracts at a rational place."""
         found = self._known.get(key(place))
         if found is None:
             found = self._known[key(place)] = self._at(place)
         return found
 
-    def _at(self, place: Number) -> AttractorSample:
+    def _at(self, place: Number) -> Attracted:
         line = line_at(self.map, place)
         left = self.meter.budget.work - self.meter.work
         meter = Meter(Budget(work=max(1, min(WORK, left))))  # what takes more is open
         found = attractors_of(line, budget=meter)
         self.meter.spend(meter.work)
         if len(found.orbits) < len(self.germs):
-            return AttractorSample(place, line, found, (), (), (), is_special=False)
+            return Attracted(place, line, found, (), (), (), is_special=False)
         words = [self.word(orbit) for orbit in found.orbits]
         names = dict[Hashable, BreakImage]()
         needed = {key(x) for bands in found.bands for pair in bands.intervals for x in pair}
@@ -132,7 +132,7 @@ class Samples:
             self._is_special(line, orbit, k, word)
             for orbit, (k, _), word in zip(found.orbits, self.germs, words, strict=True)
         )
-        return AttractorSample(place, line, found, ends, cycles, neutral, special)
+        return Attracted(place, line, found, ends, cycles, neutral, special)
 
     def word(self, orbit: GermOrbit) -> Word:
         """The letters of an orbit."""
@@ -150,7 +150,7 @@ class Samples:
         )
         return any(polynomial(decision) for decision in met)
 
-    def between(self, low: Real, high: Real) -> AttractorSample:
+    def between(self, low: Real, high: Real) -> Attracted:
         """What attracts at a simple place of an interval; at another one if it is special or open.
 
         The simplest places are just those at which cycles flip or collide.
@@ -170,9 +170,7 @@ class Samples:
                 break
         return found
 
-    def beside(
-        self, place: Real, other: Number, closeness: tuple[int, ...] = CLOSE
-    ) -> AttractorSample:
+    def beside(self, place: Real, other: Number, closeness: tuple[int, ...] = CLOSE) -> Attracted:
         """What attracts right beside a place, on the side of another one; farther if it is open."""
         end = bounds(place)[0 if other < place else 1]
         for halvings in closeness:

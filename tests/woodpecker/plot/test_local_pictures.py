@@ -45,7 +45,8 @@ def test_only_iterates_of_the_diagram_are_drawn_behind_it(
     legend = right.get_legend()
     assert legend is not None
     assert [text.get_text() for text in legend.get_texts()] == [
-        "unstable", "jump crossing", "of an order not followed", "fold-flip"]  # fmt: skip
+        "unstable", "jump crossing", "of an order not followed",
+        "border-collision fold-flip"]  # fmt: skip
     pale = [line for line in right.get_lines() if line.get_color() == "#bdbdbd"]
     assert len(pale) == 4 - len(orders)  # P_2, P_3, P_4, but for those that were followed
 

@@ -1,0 +1,187 @@
+"""What is followed through the cells of a parameter: keys, segments, and where their ends meet."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from sympy import Basic
+
+from pwmap.algebra.exact import Fraction_, cancelled
+from pwmap.diagrams.data import BranchKind
+from pwmap.maps.cylinders import Cut, Inclusion, StudiedIterate
+from pwmap.maps.words import Orbits, Word
+
+Position = Fraction_ | None  # an x as a quotient; None is infinite
+LEFT, ALONG, RIGHT = -1, 0, 1  # of an end: the branch lies at smaller, equal, larger parameters
+
+
+@dataclass(frozen=True, slots=True)
+class BranchKey:
+    """What identifies a branch from cell to cell.
+
+    Attributes
+    ----------
+    kind
+        What it is a branch of.
+    words
+        The word of a fixed point, or the words on both sides of a jump.
+    cut
+        Where the jump is, or the end of a piece that is the identity; None for other fixed points.
+    """
+
+    kind: BranchKind
+    words: tuple[Word, ...]
+    cut: Cut | None = None
+
+    @property
+    def word(self) -> Word:
+        """The word of a fixed point, or the left one of a jump."""
+        return self.words[0]
+
+    def x(self, orbits: Orbits) -> Fraction_:
+        """Its position as a quotient in lowest terms; see :meth:`Continuation.position`."""
+        if self.cut is None:
+            return cancelled(orbits.fixed_point(self.word))
+        return cancelled(orbits.preimage(self.cut.k, self.word[: self.cut.steps]))
+
+
+@dataclass(frozen=True, slots=True)
+class Infinite:
+    """An x that grows without bound, to the side -1 or +1."""
+
+    side: int
+
+
+class Location(NamedTuple):
+    """How a fixed point lies in its cylinder, and whether it attracts there."""
+
+    inclusion: Inclusion
+    stable: bool
+
+    @property
+    def is_isolated(self) -> bool:
+        """Whether its cylinder is that point alone: then it has no slope."""
+        return self.inclusion is Inclusion.POINT
+
+    @property
+    def is_inside(self) -> bool:
+        """Whether it lies on no border."""
+        return self.inclusion is Inclusion.INSIDE
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Segment:
+    """What has one key, from one place of the axis to another.
+
+    Attributes
+    ----------
+    closed
+        Whether it exists at its ends too.
+    location
+        How its fixed points lie in their cylinders, and whether they attract.
+    band
+        For a segment of fixed points along one value of the parameter, the x of its ends.
+    """
+
+    key: BranchKey
+    places: tuple[Any, Any]
+    closed: tuple[bool, bool] = (True, True)
+    location: Location | None = None
+    band: tuple[Position, Position] | None = None
+
+    @property
+    def is_isolated(self) -> bool:
+        """Whether its cylinders are single points: then it has no slope."""
+        return self.location is not None and self.location.is_isolated
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class SegmentEnd:
+    """One end of a segment.
+
+    Attributes
+    ----------
+    which
+        0 or 1: the first or the last.
+    side
+        LEFT, ALONG or RIGHT, as seen from the end.
+    unit
+        +1 or -1 if that is the multiplier there and not elsewhere, otherwise 0.
+    is_steep
+        Whether the multiplier near it is larger than 1 in size.
+    x
+        Its position as a quotient.
+    value
+        The same in canonical form, or :class:`Infinite`.
+    """
+
+    segment: Segment
+    which: int
+    side: int
+    unit: int
+    is_steep: bool
+    x: Position
+    value: Any
+
+    @property
+    def is_fixed(self) -> bool:
+        """Whether it is the end of a branch of fixed points."""
+        return self.segment.key.kind is BranchKind.FIXED_POINT
+
+    @property
+    def length(self) -> int:
+        """Of the words."""
+        return len(self.segment.key.word)
+
+    @property
+    def place(self) -> Any:
+        """Where on the axis it lies."""
+        return self.segment.places[self.which]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Junction:
+    """The ends of segments that lie at one place.
+
+    Attributes
+    ----------
+    value
+        The common x in canonical form, or :class:`Infinite`.
+    x
+        The same as a float, for drawing; it is infinite too where the x is too large for one.
+    attracts
+        +1 if a fixed point attracts here although none of its branches does, -1 if it does not
+        although its branches do, otherwise 0.
+    """
+
+    place: Any
+    value: Any
+    x: float
+    ends: tuple[SegmentEnd, ...]
+    attracts: int
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class KnownValues:
+    """What was computed of keys and segments, which is the same whatever the cells are.
+
+    Who follows the cells of one order after the other hands it on, so that only what is new with an
+    order is computed; not where other parameters are symbolic, of which every comparison asks
+    something.
+    """
+
+    keys: dict[BranchKey, BranchKey] = field(default_factory=dict)  # one object for each
+    present: dict[int, tuple[StudiedIterate, Present]] = field(default_factory=dict)  # by id
+    positions: dict[BranchKey, Fraction_] = field(default_factory=dict)
+    numbers: dict[tuple[BranchKey, Any], float] = field(default_factory=dict)
+    values: dict[tuple[BranchKey, Any], Any] = field(default_factory=dict)
+    units: dict[tuple[Any, Any], int] = field(default_factory=dict)
+    segments: dict[Hashable, Segment] = field(default_factory=dict)  # by all that they hold
+    ends: dict[Segment, tuple[SegmentEnd, SegmentEnd]] = field(default_factory=dict)
+    formulas: dict[Segment, dict[str, Basic]] = field(default_factory=dict)
+    arrays: dict[Segment, Any] = field(default_factory=dict)
+
+
+Present = list[tuple[BranchKey, Location | None]]  # what of an iterate lies on the diagonal
