@@ -8,7 +8,7 @@ from itertools import groupby
 
 import sympy
 
-from pwmap.parameters.cells import ParameterCell
+from pwmap.parameters.results import ParameterCell
 from pwmap.plane.strips import Strip
 
 
