@@ -64,11 +64,11 @@ def bifurcation_diagram(
     resume
         Go on with the run in that file.
     workers
-        How many processes do the work, by default one for each core; see
+        How many processes do the work, this one among them, by default one for each core; see
         :func:`woodpecker.base.executors.scheduler`. The result does not depend on it.
     executor
-        Any executor of :mod:`concurrent.futures` (threads, processes, dask, MPI) to do the work
-        instead; it is not shut down.
+        Any executor of :mod:`concurrent.futures` (threads, processes, dask, MPI) that helps
+        instead; it is not shut down, and has as many tasks at once as ``workers`` says.
 
     Returns
     -------

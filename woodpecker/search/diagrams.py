@@ -241,8 +241,7 @@ def whole_diagram(
     Parameters
     ----------
     map_
-        The map. To be sent to other processes it must pickle: a function at the top level of a
-        module does, a lambda does not.
+        The map. It goes to other processes by cloudpickle, with lambdas in it too.
     settings
         Span, window (finite), steps and tolerances. An iterate P_j counts orbits of which all
         points lie in the window.

@@ -69,7 +69,7 @@ def test_a_search_keeps_what_is_finished(number: signal.Signals, tmp_path: Path)
     arguments = ("diagram", "--orders", "1,2,3,4", "--workers", "2", "--out", str(tmp_path))
     with started("-m", "woodpecker", *arguments) as process:
         wait_until(lambda: run.exists() and run.read_bytes().count(b"\n") > 3)
-        assert len(children(process.pid)) == 2
+        wait_until(lambda: len(children(process.pid)) == 1)  # the process works, too
         text, complaint = ended(process, number)
     assert process.returncode == 130
     kept = load_diagram(tmp_path / "diagram.json")

@@ -1,0 +1,111 @@
+"""Searches on a cluster of dask, as the page has them: the diagram of one process."""
+
+from __future__ import annotations
+
+import os
+import signal
+import sys
+from collections.abc import Iterator
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import pytest
+from diagrams import to_the_last_bit
+from needs import NEEDS_NUMBA
+from scenes import ROOT
+
+from woodpecker import (
+    FormulaMap,
+    FormulaPiece,
+    Search,
+    Settings,
+    Smooth,
+    Stage,
+    Toy,
+    bifurcation_diagram,
+    saved_diagram,
+    whole_diagram,
+)
+
+distributed = pytest.importorskip("distributed", reason="needs the extra cluster")
+
+pytestmark = [pytest.mark.slow, pytest.mark.filterwarnings("default")]  # dask's own warnings
+
+SETTINGS = Settings(span=(-1.0, 2.5), window=(-20.0, 20.0))
+SEARCH = Search(slices=40)
+
+
+def two_lines() -> FormulaMap:
+    """A map of lambdas, which only cloudpickle can send."""
+    left = Smooth(lambda x, p: 0.4 * x + p, lambda x, p: 0.4, lambda x, p: 1.0)
+    right = Smooth(lambda x, p: p - 2.0 * x, lambda x, p: -2.0, lambda x, p: 1.0)
+    below = Smooth(lambda x, p: -x, lambda x, p: -1.0, lambda x, p: 0.0)
+    above = Smooth(lambda x, p: x, lambda x, p: 1.0, lambda x, p: 0.0)
+    return FormulaMap(
+        [FormulaPiece("L", left, {"x = 0": below}), FormulaPiece("R", right, {"x = 0": above})]
+    )
+
+
+@pytest.fixture(scope="module")
+def client() -> Iterator[Any]:
+    with (
+        distributed.LocalCluster(
+            n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
+        ) as cluster,
+        distributed.Client(cluster) as found,
+    ):
+        found.run(import_module, "woodpecker.search.tasks")
+        yield found
+
+
+def searched(**options: Any) -> Any:
+    return whole_diagram(two_lines(), SETTINGS, (1, 2, 4), SEARCH, **options)
+
+
+def test_a_cluster_finds_the_same_diagram(client: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    alone, executor, sent = searched(), client.get_executor(), list[object]()
+    submit = executor.submit
+
+    def counted(*call: Any) -> Any:
+        sent.append(call)
+        return submit(*call)
+
+    monkeypatch.setattr(executor, "submit", counted)
+    found = searched(executor=executor, workers=4)
+    assert to_the_last_bit(found.diagram) == to_the_last_bit(alone.diagram)
+    assert found.evaluations == alone.evaluations
+    assert len(sent) > 4  # the first ones, and others when these are done
+    assert client.submit(int).result() == 0  # it was not shut down
+
+
+@NEEDS_NUMBA
+def test_the_page_does_as_it_says(
+    client: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    page = (ROOT / "docs/howto/cluster.md").read_text(encoding="utf-8")
+    code = page.split("```py\n")[1].split("```")[0]
+    names: dict[str, Any] = {}
+    exec(code.replace("tcp://head:8786", client.scheduler.address), names)
+    names["client"].close()
+    alone = bifurcation_diagram(
+        Toy(), "eps_n1", (0.33, 0.4), (1,), (-1.0, -0.8), search=Search(slices=8), workers=1
+    )
+    assert names["workers"] == 4
+    assert to_the_last_bit(names["diagram"]) == to_the_last_bit(alone)
+    assert to_the_last_bit(saved_diagram("island.jsonl")) == to_the_last_bit(alone)
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="processes are not killed by signals there")
+def test_a_worker_that_is_killed_does_not_matter(client: Any) -> None:
+    alone, killed = searched(), list[int]()
+
+    def kill(stage: Stage) -> None:
+        if stage.slices >= 3 and not killed:
+            killed.append(next(iter(client.run(os.getpid).values())))
+            os.kill(killed[0], signal.SIGKILL)
+
+    found = searched(executor=client.get_executor(), workers=2, progress=kill)
+    assert killed
+    assert to_the_last_bit(found.diagram) == to_the_last_bit(alone.diagram)
