@@ -90,7 +90,7 @@ class Problem:
 
         There a square root is infinitely steep; along it is not.
         """
-        if float(np.abs(rows).max()) <= STEEP:
+        if _largest(rows.ravel()) <= STEEP:
             return
         first = 0
         for condition, count in zip(self.conditions, counts, strict=True):
@@ -215,9 +215,11 @@ def solve(problem: Problem, start: Orbit) -> Solution:
             return Solution(orbit, False, count - 1)
         matrix = problem.matrix(orbit)
         factors, swaps, step, _ = dgesv(matrix, -residual)
-        if not factors.diagonal().all():  # at a branch point, which may solve them all the same
+        if (
+            0.0 in factors.diagonal().tolist()
+        ):  # at a branch point, which may solve them all the same
             return Solution(orbit, _is_met(problem, orbit, matrix, residual), count - 1)
-        size = float(np.abs(step).max())
+        size = _largest(step)
         if not size <= max(LARGE, LEAD_AWAY * before):
             return Solution(orbit, False, count)
         orbit, shortened = _towards(problem, orbit, step)
@@ -225,13 +227,19 @@ def solve(problem: Problem, start: Orbit) -> Solution:
         if shortened:
             before = math.inf
             continue
-        far = max(1.0, float(np.abs(orbit.unknowns / problem.scale(orbit)).max()))
-        ahead = float(np.abs(dgetrs(factors, swaps, residual)[0]).max())
+        far = max(1.0, _largest(orbit.unknowns / problem.scale(orbit)))
+        ahead = _largest(dgetrs(factors, swaps, residual)[0])
         stalled = before <= STALLED and size >= 0.5 * before
         if size <= ROUNDED * far or ahead <= SOLVED * far or stalled:
             return Solution(orbit, _is_met(problem, orbit, matrix, residual), count)
         before = size
     return Solution(orbit, False, STEPS)
+
+
+def _largest(values: Floats) -> float:
+    """The largest absolute value of a few numbers; nan if one is."""
+    sizes = [abs(each) for each in values.tolist()]
+    return max(sizes) if not math.isnan(sum(sizes)) else math.nan
 
 
 def newton_step(problem: Problem, orbit: Orbit) -> Floats:

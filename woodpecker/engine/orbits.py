@@ -144,6 +144,8 @@ class Closed:
 
     def residual(self, orbit: Orbit) -> Floats:
         """(n d,) images less points."""
+        if len(orbit.images) == 1 and orbit.outer is None:  # most of the work of most curves
+            return np.asarray(orbit.images[0].value - orbit.x[0])
         values = np.array([image.value for image in orbit.images])
         if orbit.outer is not None:
             values[-1] += orbit.share * (orbit.outer.value - values[-1])
@@ -155,6 +157,9 @@ class Closed:
         """Their derivatives."""
         (n, d), k = orbit.x.shape, len(orbit.p)
         rows: Floats = _less_next(n, d, k).copy()
+        if n == 1 and orbit.outer is None:
+            rows[:, : d + k] += orbit.images[0].jacobian
+            return rows
         for i, image in enumerate(orbit.images):
             jacobian = image.jacobian
             if orbit.outer is not None and i == n - 1:

@@ -105,7 +105,7 @@ def cycle_near(map_: PiecewiseMap, x: npt.ArrayLike, p: float, settings: Setting
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
     >>> lines = from_sympy(formula, x, p, words=["L", "R"])
     >>> orbit = cycle_near(lines, -0.9, -0.5, Settings(span=(-1, 2), window=(-3, 3)))
-    >>> orbit.x.tolist(), orbit.p
+    >>> orbit.x.round(12).tolist(), orbit.p
     ([-1.0], -0.5)
     """
     instance("settings", settings, Settings)

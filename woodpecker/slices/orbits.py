@@ -50,7 +50,7 @@ class Orbit:
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
     >>> lines = from_sympy(formula, x, p, words=["L", "R"])
     >>> orbit = cycle_near(lines, -0.9, -0.5, Settings(span=(-1, 2), window=(-3, 3)))
-    >>> type(orbit).__name__, orbit.x.tolist(), orbit.p, orbit.words
+    >>> type(orbit).__name__, orbit.x.round(12).tolist(), orbit.p, orbit.words
     ('Orbit', [-1.0], -0.5, ('L',))
     """
 
