@@ -293,13 +293,16 @@ class Following:
         return float(value), float(rate)
 
     def _root_near(self, steps: _Steps, leg: Leg, start: Start, near: float) -> float:
-        """The root of the guard that fires, by Newton's method from a neighbour's; nan if none."""
-        t, order = start.soon(steps.first.length), start.order
+        """The root of the guard that fires, by Newton's method from a neighbour's; nan if none.
+
+        Beyond the border where a phase has no duration that is negative.
+        """
+        t, order = start.soon(steps.first.length, early=True), start.order
         if t < math.inf:
             return t
         t = near
         for _ in range(NEWTON_MOST):
-            if abs(t - near) > FURTHER * abs(near) + steps.first.length or (order and t <= 0.0):
+            if abs(t - near) > FURTHER * abs(near) + steps.first.length or (order and t == 0.0):
                 return math.nan
             z, _ = steps.exact(t)
             here = Local(self.eq, leg.mode, z, self.p)
@@ -320,7 +323,7 @@ class Following:
     ) -> float:
         """The first root of the guard that fires; NoRootError if there is none soon."""
         k, start = list(starts).index(leg.guard), starts[leg.guard]
-        t = start.soon(steps.first.length)
+        t = start.soon(steps.first.length, early=True)
         if t < math.inf:
             return t
         most = math.inf if near is None else FURTHER * abs(near) + steps.first.length
@@ -432,16 +435,16 @@ class Following:
             raise NoRootError
         delay = -value_turn / rate
         bends = self._second_rate(there, leg.guard)
-        scale = t**start.order if start.order and t > 0.0 else 1.0
+        scale = t**start.order if start.order and t != 0.0 else 1.0
         slope = rate / scale
         turn = (rate_turn + bends * delay) / scale
-        if start.order and t > 0.0:
+        if start.order and t != 0.0:
             turn -= start.order * slope * delay / t
         self._slow = (rate, rate_turn + bends * delay) if self._is_slow(there, leg) else None
-        certain = start.order and start.comes_back() < SOON * length
+        certain = start.order and abs(start.root()) < SOON * length  # it falls
         if not certain and self._slow is None:
             self._note(k, SPEED, leg.guard, -slope * abs(slope), -2.0 * abs(slope) * turn)
-        if t < 0.0:
+        if t < 0.0 and start.order == 0:
             self._note(k, EARLY, leg.guard, t, delay)
         return delay
 
