@@ -299,14 +299,18 @@ class Following:
     def _root_near(self, steps: _Steps, leg: Leg, start: Start, near: float) -> float:
         """The root of the guard that fires, by Newton's method from a neighbour's; nan if none.
 
-        Beyond the border where a phase has no duration that is negative.
+        Where a guard falls from the start the phase is beyond the border at which it has no
+        duration, and the root may be negative.
         """
         t, order = start.soon(steps.first.length, early=True), start.order
+        early = bool(order) and not start.is_section and start.jet[order] < 0.0
         if t < math.inf:
             return t
         t = near
         for _ in range(NEWTON_MOST):
-            if abs(t - near) > FURTHER * abs(near) + steps.first.length or (order and t == 0.0):
+            if abs(t - near) > FURTHER * abs(near) + steps.first.length or (
+                order and not (t > 0.0 or (t < 0.0 and early))
+            ):
                 return math.nan
             z, _ = steps.exact(t)
             here = Local(self.eq, leg.mode, z, self.p)

@@ -38,8 +38,9 @@ def test_the_margin_is_smooth_there(side: float, ending: str, distance: float) -
     assert ways.min() == pytest.approx(distance, rel=3.0 * distance ** (1.0 / 3.0), abs=1e-13)
     beyond = image.piece.at(BESIDE_THE_JUMP, np.array([BORDER - side * distance]))
     assert beyond.margins[beyond.place(code)] < 0.0
+    # so does the slope change, which has a limit there: by 12 % at the largest distance
     moved = image.jacobian[0, 1] * -side * 2.0 * distance
-    assert beyond.value[0] - image.value[0] == pytest.approx(moved, rel=0.1, abs=1e-12)
+    assert beyond.value[0] - image.value[0] == pytest.approx(moved, rel=0.15, abs=1e-12)
 
 
 def test_a_branch_passes_it() -> None:
