@@ -71,19 +71,26 @@ class Start:
 
     def comes_back(self) -> float:
         """Time at which it comes back to zero, as its first two derivatives say; else infinite."""
-        k = self.order
-        if k == 0 or len(self.jet) <= k + 1:
-            return math.inf
-        first, second = self.jet[k], self.jet[k + 1]
-        return -(k + 1) * first / second if first > 0.0 > second else math.inf
+        t = self.root()
+        return t if t > 0.0 else math.inf
 
-    def soon(self, length: float) -> float:
+    def root(self) -> float:
+        """The same; negative where a guard that falls to zero would have begun before."""
+        k = self.order
+        if k == 0 or len(self.jet) <= k + 1 or not self.jet[k + 1] < 0.0:
+            return math.inf
+        return -(k + 1) * self.jet[k] / self.jet[k + 1]
+
+    def soon(self, length: float, *, early: bool = False) -> float:
         """That time by all known derivatives, if it is short in a step of a length; else infinite.
 
-        In so short a time the guard stays below the rounding of what it is computed from.
+        In so short a time the guard stays below the rounding of what it is computed from. Early
+        ones are negative: a path goes on beyond where a phase has vanished.
         """
-        t, k = self.comes_back(), self.order
-        if not WINDOW * t <= SHORT * length or len(self.jet) < k + 3:
+        t, k = self.root(), self.order
+        if (t < 0.0 and not early) or not WINDOW * abs(t) <= SHORT * length:
+            return math.inf
+        if len(self.jet) < k + 3 and t > 0.0:
             return math.inf
         c = [value / math.factorial(k + j) for j, value in enumerate(self.jet[k:])]
         for _ in range(SOLVED):
@@ -92,7 +99,7 @@ class Start:
             if slope == 0.0:
                 return math.inf
             t -= value / slope
-        return t if t > 0.0 else math.inf
+        return t if early or t > 0.0 else math.inf
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -208,9 +208,13 @@ def decide(eq: Equations, terms: Terms, contacts: tuple[int, ...], u: Floats) ->
 
 def _bound(eq: Equations, mu: Floats) -> Floats:
     """Bounds (c, c) of friction in the expansion."""
-    if eq.system.expansion_friction is FrictionBound.SUMMED:
+    if _is_summed(eq):
         return np.repeat(mu[:, None], len(mu), axis=1)
     return np.diag(mu)
+
+
+def _is_summed(eq: Equations) -> bool:
+    return eq.system.expansion_friction is FrictionBound.SUMMED
 
 
 def _zero(velocity: Floats, cases: Cases) -> None:
@@ -467,22 +471,15 @@ def _carry(
 ) -> _End:  # fmt: skip
     """One phase: solve for u' and Lambda at once, and for their derivatives."""
     n, c, at = eq.n, len(contacts), list(contacts)
-    newton = eq.system.law is ImpactLaw.NEWTON
-    terms = eq.terms(z, p)
+    terms, case = eq.terms(z, p), np.array(cases)
     w_n, w_t, mu = terms.w_n[at], terms.w_t[at], terms.mu[at]
     bound = _bound(eq, mu) if expands else np.diag(mu)
-    case = np.array(cases)
     rests, holds = case < FREE, case % 3 == HOLD
     sign = np.where(case % 3 == FORWARD, -1.0, 1.0)
-    k = np.zeros((n + 2 * c, n + 2 * c))
-    k[:n, :n], k[:n, n : n + c], k[:n, n + c :] = terms.mass, -w_n.T, -w_t.T
-    k[n : n + c, :n], k[n + c :, :n] = rests[:, None] * w_n, holds[:, None] * w_t
-    k[n : n + c, n : n + c] = np.diag(~rests)
-    k[n + c :, n : n + c] = np.where(holds, 0.0, -sign)[:, None] * bound
-    k[n + c :, n + c :] = np.diag(~holds)
+    k = _prescribed(terms.mass, w_n, w_t, bound, case)
     u = z[n : 2 * n]
     hat_n, hat_t = terms.gap_rate[at] - w_n @ u, terms.slip[at] - w_t @ u
-    kept = terms.eps[at] * terms.gap_rate[at] if newton else 0.0
+    kept = terms.eps[at] * terms.gap_rate[at] if eq.system.law is ImpactLaw.NEWTON else 0.0
     right = np.concatenate(
         [terms.mass @ u, np.where(rests, -hat_n - kept, floor[0]), np.where(holds, -hat_t, 0.0)]
     )
@@ -490,39 +487,71 @@ def _carry(
     new, impulse = found[:n], found[n:]
     after = z.copy()
     after[n : 2 * n] = new
-    l_n, l_t = np.zeros((2, eq.m))
-    l_n[at], l_t[at] = impulse[:c], impulse[c:]
-    rate, slip = w_n @ new + hat_n, w_t @ new + hat_t
-    normal, along = np.where(rests, impulse[:c] - floor[0], rate), -sign * slip
-    cone = bound @ impulse[:c]
-    sides = np.array([normal, along, cone - impulse[c:], cone + impulse[c:]])
+    rate, slip, cone = w_n @ new + hat_n, w_t @ new + hat_t, bound @ impulse[:c]
+    sides = _sides(rests, sign, (impulse[:c] - floor[0], rate, slip), cone, impulse[c:])
     columns = tangents.shape[1]
     if not columns:
         nothing = np.zeros((2 * c, 0))
         return _End(after, tangents, impulse, nothing, sides, np.zeros((4, c, 0)))
-    kick, d_rate, d_slip, d_old, d_mu, d_eps = (
-        _total(eq, each, tangents) for each in eq.impact_changes(z, p, new, l_n, l_t)
-    )
-    d_kept = terms.eps[at][:, None] * d_old[at] + terms.gap_rate[at][:, None] * d_eps[at]
-    load = (impulse[:c].sum() if expands and not np.array_equal(bound, np.diag(mu))
-            else impulse[:c])  # fmt: skip
-    d_bound = d_mu[at] * np.broadcast_to(load, (c,))[:, None]
+    l_n, l_t = np.zeros((2, eq.m))
+    l_n[at], l_t[at] = impulse[:c], impulse[c:]
+    kick, d_rate, d_slip, d_kept, d_mu = _partial(eq, z, p, (new, l_n, l_t), tangents, at)
+    load = np.broadcast_to(impulse[:c].sum() if expands and _is_summed(eq) else impulse[:c], (c,))
+    d_bound = d_mu * load[:, None]
     right = -np.concatenate([
-        kick,
-        np.where(rests[:, None], d_rate[at] + (d_kept if newton else 0.0), -floor[1]),
-        np.where(holds[:, None], d_slip[at], -sign[:, None] * d_bound),
+        kick, np.where(rests[:, None], d_rate + d_kept, -floor[1]),
+        np.where(holds[:, None], d_slip, -sign[:, None] * d_bound),
     ])  # fmt: skip
     turned = np.linalg.solve(k, right)
-    moved = tangents.copy()
+    moved, change = tangents.copy(), turned[n:]
     moved[n : 2 * n] = turned[:n]
-    change = turned[n:]
-    turn_rate, turn_slip = d_rate[at] + w_n @ turned[:n], d_slip[at] + w_t @ turned[:n]
-    cone = bound @ change[:c] + d_bound
-    turns = np.array([
-        np.where(rests[:, None], change[:c] - floor[1], turn_rate), -sign[:, None] * turn_slip,
-        cone - change[c:], cone + change[c:],
-    ])  # fmt: skip
+    d_rate, d_slip = d_rate + w_n @ turned[:n], d_slip + w_t @ turned[:n]
+    d_cone, sign = bound @ change[:c] + d_bound, sign[:, None]
+    turns = _sides(
+        rests[:, None], sign, (change[:c] - floor[1], d_rate, d_slip), d_cone, change[c:]
+    )
     return _End(after, moved, impulse, change, sides, turns)
+
+
+def _prescribed(mass: Floats, w_n: Floats, w_t: Floats, bound: Floats, case: Ints) -> Floats:
+    """The matrix (n + 2c, n + 2c) of the equations of a phase for u' and Lambda."""
+    n, c = len(mass), len(case)
+    rests, holds = case < FREE, case % 3 == HOLD
+    sign = np.where(case % 3 == FORWARD, -1.0, 1.0)
+    k = np.zeros((n + 2 * c, n + 2 * c))
+    k[:n, :n], k[:n, n : n + c], k[:n, n + c :] = mass, -w_n.T, -w_t.T
+    k[n : n + c, :n], k[n + c :, :n] = rests[:, None] * w_n, holds[:, None] * w_t
+    k[n : n + c, n : n + c] = np.diag(~rests)
+    k[n + c :, n : n + c] = np.where(holds, 0.0, -sign)[:, None] * bound
+    k[n + c :, n + c :] = np.diag(~holds)
+    return k
+
+
+def _sides(
+    rests: Bools, sign: Floats, normal: tuple[Floats, Floats, Floats], cone: Floats, l_t: Floats
+) -> Floats:
+    """What the four inequalities of each contact (4, c, ...) say: see NORMAL_SIDE and others."""
+    above, rate, slip = normal
+    return np.array([np.where(rests, above, rate), -sign * slip, cone - l_t, cone + l_t])
+
+
+def _partial(
+    eq: Equations, z: Floats, p: Floats, fixed: tuple[Floats, Floats, Floats], tangents: Floats,
+    at: list[int],
+) -> tuple[Floats, ...]:  # fmt: skip
+    """Derivatives along the tangents with u' and Lambda fixed.
+
+    They are those of the balance (n, columns), and at each contact (c, columns) of gap rate, slip,
+    what Newton's law keeps of the gap rate before, and mu.
+    """
+    kick, d_rate, d_slip, d_old, d_mu, d_eps = (
+        _total(eq, each, tangents) for each in eq.impact_changes(z, p, *fixed)
+    )
+    terms = eq.terms(z, p)
+    d_kept = terms.eps[at][:, None] * d_old[at] + terms.gap_rate[at][:, None] * d_eps[at]
+    if eq.system.law is not ImpactLaw.NEWTON:
+        d_kept = np.zeros_like(d_kept)
+    return kick, d_rate[at], d_slip[at], d_kept, d_mu[at]
 
 
 def _total(eq: Equations, change: Floats, tangents: Floats) -> Floats:

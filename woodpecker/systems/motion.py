@@ -18,7 +18,6 @@ import numpy as np
 from woodpecker.base.arrays import Floats
 from woodpecker.systems.equations import Equations, Terms
 from woodpecker.systems.flows import Flow, LostError, RungeFlow, Step
-from woodpecker.systems.guards import Polynomials, Start, series
 from woodpecker.systems.impacts import Impact, Outcome, decide
 from woodpecker.systems.model import ContactSystem
 from woodpecker.systems.modes import (
@@ -32,22 +31,19 @@ from woodpecker.systems.modes import (
     Local,
     Mode,
     Touch,
-    guard_values,
-    guards_of,
     settle,
 )
+from woodpecker.systems.phases import TIME, Phase, short_flight
 from woodpecker.systems.sections import Embedding, SectionGuard
 
 EVENTS_MOST = 2000  # of one return, unless a caller says otherwise
 STEPS_MOST = 20_000  # of one phase of one return
-CHATTER = 2.0**-26  # relative change of acceleration in a bounce below which the rest is a series
 PENETRATED = 1e-7  # relative: far more than rounding leaves of a gap
 IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
 COLLAPSED = 2.0**-50  # of time: impacts of several contacts in turns within it have come to an end
 TOGETHER = 2.0**-44  # of a phase: gaps that close within it do so at once
 POLISHED = 1e-6  # of a window: Newton's step from a root of the series is shorter, or not taken
 NO_FORCE = 1e-9  # relative: a normal force that vanishes where a cone is reached
-TIME = -2  # the guard of a phase that lasts to the end of time asked for
 
 
 class Backend(Enum):
@@ -61,6 +57,10 @@ class MotionStatus(Enum):
     """How a motion ended; the value is the sentence a user reads."""
 
     RETURNED = "the system returned to the section"
+    RETURNED_INDETERMINATE = (
+        "the system returned, but the contact laws leave the impulses of an impact open: "
+        "the middle of all solutions was taken"
+    )
     TIME_REACHED = "the requested time was reached"
     AT_REST = "the system stays at rest: contacts hold all of it"
     HORIZON = "no return within the longest time of the section"
@@ -75,7 +75,9 @@ class MotionStatus(Enum):
     @property
     def success(self) -> bool:
         """Whether the motion ended as asked."""
-        return self in (MotionStatus.RETURNED, MotionStatus.TIME_REACHED)
+        return self in (
+            MotionStatus.RETURNED, MotionStatus.RETURNED_INDETERMINATE, MotionStatus.TIME_REACHED,
+        )  # fmt: skip
 
 
 _OF_OUTCOME = {
@@ -241,6 +243,7 @@ class Search:
         """The loop of Figure 1 [Leine2001]."""
         found = self._run = Run(z)
         self._bounce: tuple[Impact, int, Floats] | None = None
+        self._open = False  # whether impulses of an impact were
         if self.embedding is not None:
             self.t_end = float(z[-1]) + self.embedding.section.horizon
         before = _before(self.eq, touch)
@@ -262,6 +265,8 @@ class Search:
                     before = _after_impact(self.eq, before, touch)
         except _StoppedError as stop:
             found.status = stop.status
+            if stop.status is MotionStatus.RETURNED and self._open:
+                found.status = MotionStatus.RETURNED_INDETERMINATE
         except LostError:
             found.status = MotionStatus.OVERFLOW
         return found
@@ -304,7 +309,10 @@ class Search:
         """The guard that fires first in a phase, when, and the state there."""
         if most <= 0.0:
             return TIME, 0.0, z
-        phase = _Phase(self, mode, z, touch, on_section=on_section)
+        embedding = self.embedding
+        section = embedding.guard if embedding and embedding.counts(mode) else None
+        flow, here = self.machine.flow(mode, section=section), Local(self.eq, mode, z, self.p)
+        phase = Phase(here, flow, touch, section, on_section=on_section)
         t, step = 0.0, None
         for count, step in enumerate(phase.flow.steps(z, self.p, most)):
             if self.keeps and keeps:
@@ -319,7 +327,7 @@ class Search:
         return TIME, t, step.exact(step.length)[0]
 
     def _polished(
-        self, phase: _Phase, guard: int, step: Step, begin: float, t: float
+        self, phase: Phase, guard: int, step: Step, begin: float, t: float
     ) -> tuple[float, Floats]:
         """The state at a root; that of an interpolant is made exact by a step of Newton's method.
 
@@ -387,6 +395,7 @@ class Search:
         )
         if impact is None:
             raise _StoppedError(_OF_OUTCOME.get(outcome, MotionStatus.AMBIGUOUS))
+        self._open |= outcome is Outcome.INDETERMINATE
         found.z = found.z.copy()
         found.z[n : 2 * n] = u
         self._note(impact.symbol, before, impulses)
@@ -507,91 +516,6 @@ class Search:
             mode, found.z, self._touch, 2.0 * tail, ignored=GAP * self.eq.m + i, keeps=False
         )
         return guard == TIME
-
-
-class _Phase:
-    """The guards of a phase, and which fires first.
-
-    Attributes
-    ----------
-    watched, starts
-        The guards, and how they begin.
-    width
-        Of the interpolant by which the last root was found; 0 where that is as exact as doubles.
-    """
-
-    def __init__(
-        self, search: Search, mode: Mode, z: Floats, touch: Touch, *, on_section: bool
-    ) -> None:
-        eq, embedding = search.eq, search.embedding
-        self.mode, self._eq, self._p, self.width = mode, eq, search.p, 0.0
-        self._section = embedding.guard if embedding and embedding.counts(mode) else None
-        self.flow = search.machine.flow(mode, section=self._section)
-        self.watched = guards_of(eq, mode)
-        self._guards = list(self.watched)
-        if self.flow.has_guards:
-            self.starts = [Start(touch.order(eq, mode, guard)) for guard in self.watched]
-        else:
-            here = Local(eq, mode, z, self._p)
-            self.starts = [started(here, touch, guard) for guard in self.watched]
-        if self._section is not None:
-            self.watched.append(SECTION * eq.m)
-            jet = self._section.jet(Local(eq, mode, z, self._p)) if on_section else ()
-            self.starts.append(Start(int(on_section), jet, True))
-        self._above: list[bool] | None = None
-
-    def fired(self, step: Step, begin: float, ignored: int) -> tuple[int, float]:
-        """The guard that fires first in a step that begins at a time, and when; TIME if none."""
-        if self.flow.has_guards:
-            return self._of_polynomials(step, begin, ignored)
-        for window in series(step, begin, self._values, self.starts):
-            best, time, self.width = TIME, math.inf, 0.0
-            for guard, start, each in zip(self.watched, self.starts, window, strict=True):
-                if guard == ignored:
-                    continue
-                early = start.soon(step.length) if begin == 0.0 else math.inf
-                t = early if early < math.inf else each.falls()
-                if t < time:
-                    best, time = guard, t
-                    self.width = 0.0 if early < math.inf else each.high - each.low
-            if best != TIME:
-                return best, time
-        return TIME, math.inf
-
-    def _of_polynomials(self, step: Step, begin: float, ignored: int) -> tuple[int, float]:
-        best, time = TIME, math.inf
-        found = Polynomials(step.length, step.guards, begin, self.starts, self._above)
-        for k, (guard, low) in enumerate(zip(self.watched, found.lowest, strict=True)):
-            if low <= 0.0 and guard != ignored:
-                t = found[k].falls()
-                if t < time:
-                    best, time = guard, t
-        self._above = found.ends_above()
-        return best, time
-
-    def _values(self, states: Floats) -> Floats:
-        values = guard_values(self._eq, self.mode, self._guards, self._eq.terms(states, self._p))
-        if self._section is None:
-            return values
-        return np.vstack([values, self._section.values(states, self._p)])
-
-
-def short_flight(here: Local, i: int, speed: float) -> float:
-    """The time of a bounce in which acceleration hardly changes; infinite if it does, or is up."""
-    _, _, second, third = here.jet(GAP * here.eq.m + i)
-    if not second < 0.0:
-        return math.inf
-    flight = -2.0 * speed / second
-    if not flight * abs(third / second) <= CHATTER:
-        return math.inf
-    fastest = np.abs(np.linalg.eigvals(here.jacobian[:, : here.eq.size])).max()
-    return flight if flight * fastest <= CHATTER else math.inf
-
-
-def started(here: Local, touch: Touch, guard: int) -> Start:
-    """How a guard begins, where an event has made some of its derivatives zero."""
-    order = touch.order(here.eq, here.mode, guard)
-    return Start(order, here.jet(guard) if order else ())
 
 
 def implied(terms: Terms, touch: Touch, stopped: frozenset[int]) -> Touch:

@@ -8,23 +8,34 @@ impacts. Where it is admissible is said by margins.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
+from woodpecker.systems.causes import (
+    BOUNCES,
+    DIP,
+    EARLY,
+    ITEMS,
+    KINDS,
+    MEETING,
+    PHASE,
+    SETTLES,
+    SLACK,
+    SPEED,
+    START,
+)
 from woodpecker.systems.flows import LostError, Step
-from woodpecker.systems.guards import Least, Polynomials, Series, Start, series
+from woodpecker.systems.guards import Least, Polynomials, Power, Series, Start, series
 from woodpecker.systems.impacts import (
     ALONG,
-    NORMAL_SIDE,
     Impact,
     carry_out,
 )
 from woodpecker.systems.modes import (
-    CONE_UP,
     GAP,
     NORMAL,
     SECTION,
@@ -33,17 +44,10 @@ from woodpecker.systems.modes import (
     guard_values,
     guards_of,
 )
-from woodpecker.systems.motion import Leg, Machine, Run, short_flight, started
+from woodpecker.systems.motion import Leg, Machine, Run
+from woodpecker.systems.phases import short_flight, started
 from woodpecker.systems.sections import Embedding
 
-# Kinds of margins, in the order in which a phase meets them.
-SLACK, BOUNCES, START, EARLY, SPEED, MEETING, DIP, PHASE, SETTLES = range(9)
-# SLACK: an inequality of an impact; BOUNCES: 1 - ratio of bounces that accumulate; START: a guard
-# of a contact at rest where the phase begins; EARLY: the duration of a phase, if it is negative;
-# SPEED: the rate of the guard that fires, times its modulus; MEETING: another guard then; DIP: the
-# least value of a guard at a minimum in the phase; PHASE: time from the ends of a period; SETTLES:
-# START times the speed of the impact before, where that has been slow
-KINDS, ITEMS = 10, 512  # codes are (KINDS * phase + kind) * ITEMS + item
 NEWTON_MOST = 12  # iterations of an event time; more say that there is no root nearby
 SETTLED = 2.0**-50  # relative: an event time that moves by less has converged
 BOUNCES_MOST = 1000  # that accumulate; a ratio of 0.98 needs so many
@@ -295,13 +299,20 @@ class Following:
         return float(value), float(rate)
 
     def _root_near(self, steps: _Steps, leg: Leg, start: Start, near: float) -> float:
-        """The root of the guard that fires, by Newton's method from a neighbour's; nan if none."""
-        t, order = start.soon(steps.first.length), start.order
+        """The root of the guard that fires, by Newton's method from a neighbour's; nan if none.
+
+        Where a guard falls from the start the phase is beyond the border at which it has no
+        duration, and the root may be negative.
+        """
+        t, order = start.soon(steps.first.length, early=True), start.order
+        early = bool(order) and not start.is_section and start.jet[order] < 0.0
         if t < math.inf:
             return t
         t = near
         for _ in range(NEWTON_MOST):
-            if abs(t - near) > FURTHER * abs(near) + steps.first.length or (order and t <= 0.0):
+            if abs(t - near) > FURTHER * abs(near) + steps.first.length or (
+                order and not (t > 0.0 or (t < 0.0 and early))
+            ):
                 return math.nan
             z, _ = steps.exact(t)
             here = Local(self.eq, leg.mode, z, self.p)
@@ -322,7 +333,7 @@ class Following:
     ) -> float:
         """The first root of the guard that fires; NoRootError if there is none soon."""
         k, start = list(starts).index(leg.guard), starts[leg.guard]
-        t = start.soon(steps.first.length)
+        t = start.soon(steps.first.length, early=True)
         if t < math.inf:
             return t
         most = math.inf if near is None else FURTHER * abs(near) + steps.first.length
@@ -434,16 +445,16 @@ class Following:
             raise NoRootError
         delay = -value_turn / rate
         bends = self._second_rate(there, leg.guard)
-        scale = t**start.order if start.order and t > 0.0 else 1.0
+        scale = t**start.order if start.order and t != 0.0 else 1.0
         slope = rate / scale
         turn = (rate_turn + bends * delay) / scale
-        if start.order and t > 0.0:
+        if start.order and t != 0.0:
             turn -= start.order * slope * delay / t
         self._slow = (rate, rate_turn + bends * delay) if self._is_slow(there, leg) else None
-        certain = start.order and start.comes_back() < SOON * length
+        certain = start.order and abs(start.root()) < SOON * length  # it falls
         if not certain and self._slow is None:
             self._note(k, SPEED, leg.guard, -slope * abs(slope), -2.0 * abs(slope) * turn)
-        if t < 0.0:
+        if t < 0.0 and start.order == 0:
             self._note(k, EARLY, leg.guard, t, delay)
         return delay
 
@@ -498,7 +509,8 @@ class Following:
         """Least values of guards at their minima within a phase, where they may come near zero."""
         least, highest, watch = Least(), Least(), list(starts)
         for window in self._windows(steps, leg, t, starts):
-            for guard, one in zip(watch, window, strict=True):
+            ones: Iterable[Series | Power] = window
+            for guard, one in zip(watch, ones, strict=True):
                 if guard == leg.guard or one.is_positive:
                     continue
                 least.add(guard, one, t)
@@ -561,58 +573,3 @@ class _Steps:
         while len(self._made) <= k:
             self._more()
         return self._made[k]
-
-
-# --- Causes ---------------------------------------------------------------------------------------
-
-_GUARDS = {
-    GAP: "{} touches", NORMAL: "the normal force of {} vanishes",
-    CONE_UP: "{} reaches the edge of its friction cone",
-    CONE_UP + 1: "{} reaches the edge of its friction cone", SLIP: "{} stops sliding",
-}  # fmt: skip
-
-
-def cause_of(path: Path, code: int, names: Sequence[str]) -> str:
-    """A sentence on what happens where a margin of a path vanishes."""
-    m = len(names)
-    rest, item = divmod(code, ITEMS)
-    k, kind = divmod(rest, KINDS)
-    if kind == PHASE:
-        return "the return falls on the end of a period"
-    if kind == SLACK:
-        return _slack(item, k, names)
-    if kind == BOUNCES:
-        return f"bounces at {names[item]} cease to accumulate"
-    fired = _guard(path.legs[k].guard, names)
-    if kind == SPEED:
-        grazes = path.legs[k].guard < m
-        return (
-            f"{names[path.legs[k].guard]} grazes in phase {k}"
-            if grazes
-            else f"{fired} for an instant only in phase {k}"
-        )
-    if kind == EARLY:
-        return f"{fired} before phase {k} begins"
-    if kind == MEETING:
-        return f"{_guard(item, names)} in the instant in which {fired} at the end of phase {k}"
-    if kind in (START, SETTLES):
-        return f"{_guard(item, names)} where phase {k} begins"
-    if item // m == GAP:
-        return f"{names[item]} grazes in phase {k}"
-    return f"{_guard(min(item, SECTION * m), names)} for an instant in phase {k}"
-
-
-def _guard(guard: int, names: Sequence[str]) -> str:
-    kind, i = divmod(guard, len(names))
-    return _GUARDS[kind].format(names[i]) if kind in _GUARDS else "the section is reached"
-
-
-def _slack(item: int, k: int, names: Sequence[str]) -> str:
-    side, rest = divmod(item, 4 * len(names))
-    i, which = divmod(rest, 4)
-    phase = "expansion" if side == 2 else "compression"
-    if which == NORMAL_SIDE:
-        return f"{names[i]} just leaves in the {phase} at the start of phase {k}"
-    if which == ALONG:
-        return f"{names[i]} just stops sliding in the {phase} at the start of phase {k}"
-    return f"{names[i]} just sticks in the {phase} at the start of phase {k}"

@@ -10,10 +10,11 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.engine.maps import ACCUMULATE, Image
+from woodpecker.systems.causes import cause_of
 from woodpecker.systems.flows import LostError
 from woodpecker.systems.model import ContactSystem
 from woodpecker.systems.motion import EVENTS_MOST, Backend, Machine, MotionStatus, Run, Search
-from woodpecker.systems.paths import Along, Following, NoRootError, Path, cause_of, path_of
+from woodpecker.systems.paths import Along, Following, NoRootError, Path, path_of
 from woodpecker.systems.sections import Embedding, Section
 
 TOO_FAR = "the path does not reach so far"
@@ -193,7 +194,7 @@ class SystemPiece:
 
     def cause(self, code: int) -> str:
         """A sentence on what happens where a margin vanishes."""
-        return cause_of(self.path, code, self.whole.names)
+        return cause_of(self.path.legs, code, self.whole.names)
 
 
 def undefined(piece: SystemPiece, reason: str) -> Image:
