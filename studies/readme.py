@@ -508,8 +508,9 @@ def completeness(results: All) -> str:
 
 def systems(results: All) -> str:
     """Systems of contacts by the general method, against what is known of them in closed form."""
-    toy, oscillator, friction, table = (
-        results[f"system_{name}"] for name in ("toy", "oscillator", "den_hartog", "table")
+    toy, oscillator, friction, table, block, wheel = (
+        results[f"system_{name}"]
+        for name in ("toy", "oscillator", "den_hartog", "table", "rocking_block", "rimless_wheel")
     )
     same = f"{toy['same_words']} of {toy['returns']} words; images, over 1 + slope"
     oscillators = f"{oscillator['oscillators']} impact oscillators"
@@ -520,8 +521,17 @@ def systems(results: All) -> str:
         ["impact oscillator", "grazing, by continuation", number(abs(oscillator["grazing"]))],
         [f"Den Hartog's oscillator, {friction['frequencies']} frequencies", "amplitude without stops",
          number(friction["largest_difference"])],
+        ["Den Hartog's oscillator", "amplitude with two stops", number(friction["with_stops"])],
+        ["Den Hartog's oscillator", "where stops begin, by continuation", number(friction["border"])],
         ["ball on a vibrating table", "motion of one bounce closes", number(table["closes"])],
-        ["ball on a vibrating table", "its flip", number(table["flip"])],
+        ["ball on a vibrating table", "its fold, by continuation", number(table["fold"])],
+        ["ball on a vibrating table", "its flip, by continuation", number(table["flip"])],
+        ["completely inelastic ball", "flip at √(4 + π²), by continuation",
+         number(table["inelastic"])],
+        ["Hogan's rocking block", "fold of the symmetric motion", number(block["fold"])],
+        ["Hogan's rocking block", "its pitchfork", number(block["pitchfork"])],
+        ["rimless wheel", "speed of the walk", number(wheel["speed"])],
+        ["rimless wheel", "its multiplier", number(wheel["multiplier"])],
     ]  # fmt: skip
     ratio = f"A return of the toy takes {number(toy['ratio'])} times as long as by its own kernel."
     return f"{rows(['system', 'what', 'off by'], lines)}\n\n{ratio}"

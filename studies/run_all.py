@@ -68,6 +68,7 @@ STUDIES = {  # the name of each study and of its results, and its module
     "system_den_hartog": "studies.systems.den_hartog",
     "system_table": "studies.systems.table",
     "system_crossing": "studies.systems.crossing",
+    "system_belt": "studies.systems.belt",
     "system_rocking_block": "studies.systems.rocking_block",
     "system_rimless_wheel": "studies.systems.rimless_wheel",
 }

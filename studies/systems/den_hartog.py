@@ -1,10 +1,12 @@
-"""Den Hartog's oscillator with dry friction: response without stops, and where stops begin.
+"""Den Hartog's oscillator with dry friction: response with and without stops.
 
     python -m studies.systems.den_hartog [--fast] [--out DIR]
 
 x'' + x + f sign(x') = cos(w t), with friction as a contact that a weight of 1 keeps closed
 [DenHartog1931]. Without stops the amplitude is sqrt(V**2 - (f H)**2) with V = 1/(1 - w**2) and
 H = sin(pi/w)/(w (1 + cos(pi/w))); they begin at f = |V|/sqrt(H**2 + w**-4).
+With two stops in a period no closed form is left: phase and duration of a slide from rest to rest
+solve two equations, here with thirty digits.
 """
 
 from __future__ import annotations
@@ -12,13 +14,23 @@ from __future__ import annotations
 import math
 from pathlib import Path
 
-import matplotlib.pyplot as plt
+import mpmath
 import numpy as np
 import sympy
+from matplotlib.figure import Figure
 
 from studies.common.record import Results, command
-from studies.common.style import GREY, RED, WIDTH, grid, keep
-from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, shoot, simulate
+from studies.common.style import GREY, RED, STABLE, canvas, keep
+from woodpecker.base.arrays import Floats
+from woodpecker.systems import (
+    Contact,
+    ContactSystem,
+    Section,
+    SystemMap,
+    continuation,
+    shoot,
+    simulate,
+)
 
 X, Y, V, T, W, FRICTION = sympy.symbols("x y u_x t w f")
 
@@ -33,7 +45,7 @@ def system() -> ContactSystem:
 
 def map_of(*parameters: str, backend: str | None = None) -> SystemMap:
     """Once in each period of the force."""
-    section = Section(when=sympy.sin(W * T), free=[X, V], at={T: 0})
+    section = Section(when=sympy.sin(W * T), free=[X, V], at={T: 0}, horizon=50.0)
     return SystemMap(system(), section, parameters, backend=backend)
 
 
@@ -55,11 +67,31 @@ def stops_from(w: float) -> float:
     return abs(v) / math.hypot(h, w**-2)
 
 
+def amplitude_with_stops(w: float, f: float, steps: int = 8) -> float:
+    """With one stop in each half of the period, for w < 1; from where stops begin in some steps."""
+    least, turn = stops_from(w), math.pi / w
+    phase, time = 2.0 * math.pi - math.acos(least - exact_amplitude(w, least)), turn
+    with mpmath.workdps(30):
+        w_, guess = mpmath.mpf(w), (mpmath.mpf(phase), mpmath.mpf(time))
+        for k in range(1, steps + 1):
+            friction = mpmath.mpf(least) + (mpmath.mpf(f) - least) * k / steps
+
+            def rest(phase: mpmath.mpf, s: mpmath.mpf, f_: mpmath.mpf = friction) -> list[object]:
+                """Speed, and place less the amplitude, where a slide from -amplitude ends."""
+                v, size, end = 1 / (1 - w_**2), f_ - mpmath.cos(phase), phase + w_ * s
+                a, b = f_ - size - v * mpmath.cos(phase), v * w_ * mpmath.sin(phase)
+                speed = b * mpmath.cos(s) - a * mpmath.sin(s) - v * w_ * mpmath.sin(end)
+                place = a * mpmath.cos(s) + b * mpmath.sin(s) + v * mpmath.cos(end) - f_
+                return [speed, place - size]
+
+            guess = tuple(mpmath.findroot(rest, guess))
+        return float(friction - mpmath.cos(guess[0]))
+
+
 def amplitude(w: float, f: float, *, backend: str | None = None) -> float:
     """Of the periodic motion: where it turns back."""
     map_ = map_of("f", backend=backend).holding(w=w, f=f)
-    v, _ = numbers(w)
-    cycle = shoot(map_, [v, -0.1])
+    cycle = shoot(map_, [0.5 * numbers(w)[0] if f > stops_from(w) else numbers(w)[0], -0.1])
     if not cycle.success:
         raise ValueError(f"no periodic motion was found at w = {w}, f = {f}: {cycle.status.value}")
     start = {"x": cycle.x[0, 0], "u_x": cycle.x[0, 1]}
@@ -68,35 +100,73 @@ def amplitude(w: float, f: float, *, backend: str | None = None) -> float:
     return float(max(np.abs(motion.q[np.isin(motion.t, turns), 0])))
 
 
+def border(w: float) -> tuple[float, str]:
+    """Where stops begin, by continuation over the friction, and what happens there."""
+    map_, least = map_of("f").holding(w=w, f=0.6 * stops_from(w)), stops_from(w)
+    cycle = shoot(map_, [numbers(w)[0], -0.1])
+    found = continuation(map_, cycle, (0.55 * least, 1.2 * least), [(-4, 4), (-4, 4)], orders=(1,))
+    (branch,) = found.diagram.branches
+    change = branch.words[1]
+    return float(branch.parameter[change.first - 1]), change.cause
+
+
 def main(fast: bool = False, out: Path | None = None) -> Results:
-    """Amplitudes over frequency.
+    """Amplitudes over frequency and over friction, and the border between both kinds.
 
     Parameters
     ----------
     fast
-        Fewer frequencies.
+        Fewer motions.
     out
         Folder for ``system_den_hartog.png``.
 
     Returns
     -------
     dict
-        ``frequencies`` and ``largest_difference`` from the closed form.
+        ``frequencies`` and ``largest_difference`` from the closed form; ``with_stops``: the
+        largest one from the equations with thirty digits; ``border``: how far the friction from
+        which on it stops is from the closed form.
     """
-    count, f = 5 if fast else 40, 0.2
+    count, f, slow = 5 if fast else 40, 0.2, 0.6
     w = np.linspace(0.55, 2.4, count) + 0.013
     w = w[[stops_from(each) > f for each in w]]
     found = np.array([amplitude(each, f) for each in w])
     exact = np.array([exact_amplitude(each, f) for each in w])
+    frictions = np.linspace(stops_from(slow), 0.9, 4 if fast else 14)[1:]
+    stopping = np.array([amplitude(slow, each) for each in frictions])
+    known = np.array([amplitude_with_stops(slow, each) for each in frictions])
     if out is not None:
-        figure, ax = plt.subplots(figsize=(WIDTH, 4.0), layout="constrained")
-        ax.plot(w, exact, color=GREY, label="Den Hartog")
-        ax.plot(w, found, "o", color=RED, fillstyle="none", label="shooting")
-        ax.set(xlabel="$w$", ylabel="amplitude", yscale="log")
-        ax.legend()
-        grid(ax)
-        keep(figure, out / "system_den_hartog.png")
-    return {"frequencies": len(w), "largest_difference": float(np.abs(found - exact).max())}
+        keep(draw((w, found, exact), (frictions, stopping, known), slow),
+             out / "system_den_hartog.png")  # fmt: skip
+    return {
+        "frequencies": len(w), "largest_difference": float(np.abs(found - exact).max()),
+        "with_stops": float(np.abs(stopping - known).max()),
+        "border": abs(border(slow)[0] - stops_from(slow)),
+    }  # fmt: skip
+
+
+Three = tuple[Floats, Floats, Floats]
+
+
+def draw(over_w: Three, over_f: Three, slow: float) -> Figure:
+    """Amplitudes over the frequency, and over the friction through the border."""
+    figure, (left, right) = canvas(3.6, columns=2)
+    w, found, exact = over_w
+    left.plot(w, exact, color=STABLE, label="closed form")
+    left.plot(w, found, "o", color=RED, mfc="none", markersize=4, label="shooting")
+    left.set(xlabel="$w$", ylabel="amplitude at $f = 0.2$", yscale="log")
+    f, stopping, known = over_f
+    free = np.linspace(0.0, stops_from(slow), 40)
+    right.plot(free, [exact_amplitude(slow, each) for each in free], color=STABLE)
+    right.plot([free[-1], *f], [exact_amplitude(slow, free[-1]), *known], "--", color=STABLE,
+               label="thirty digits")  # fmt: skip
+    right.plot(f, stopping, "o", color=RED, mfc="none", markersize=4)
+    right.axvline(free[-1], color=GREY, linewidth=0.8)
+    right.text(free[-1], 0.06, "with stops ", transform=right.get_xaxis_transform(), rotation=90)
+    right.set(xlabel="$f$", ylabel=f"amplitude at $w = {slow}$")
+    left.legend()
+    right.legend(loc="upper right")
+    return figure
 
 
 if __name__ == "__main__":

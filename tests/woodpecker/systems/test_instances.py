@@ -10,6 +10,7 @@ import pytest
 import sympy
 from needs import NEEDS_HEYOKA, NEEDS_NUMBA
 
+from pwmap import PointKind
 from studies.common.random_toys import random_toy
 from studies.systems import den_hartog, table
 from studies.systems.toy import map_of
@@ -87,8 +88,18 @@ def test_the_flip_of_the_inelastic_ball() -> None:
 
 
 @NEEDS_HEYOKA
+@pytest.mark.slow
 def test_the_study_of_the_ball() -> None:
-    assert max(table.main(fast=True).values()) < 1e-9
+    """Among others the flip of the completely inelastic ball, by continuation."""
+    assert max(table.main(fast=True).values()) < 1e-10
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_continuation_of_the_ball_finds_fold_and_flip() -> None:
+    points = {q.kind: q.parameter for q in table.followed(0.8).points}
+    for kind, exact in zip((PointKind.LP, PointKind.PD), table.limits(0.8), strict=True):
+        assert points[kind] == pytest.approx(exact, abs=1e-10)
 
 
 @pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
@@ -98,6 +109,25 @@ def test_den_hartog_without_stops(w: float, f: float, backend: str) -> None:
     assert den_hartog.amplitude(w, f, backend=backend) == pytest.approx(
         den_hartog.exact_amplitude(w, f), abs=1e-9
     )
+
+
+@pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
+@pytest.mark.parametrize(("w", "f"), [(0.6, 0.54), (0.6, 0.8), (0.7, 0.75)])
+@pytest.mark.slow
+def test_den_hartog_with_stops(w: float, f: float, backend: str) -> None:
+    assert f > den_hartog.stops_from(w)
+    assert den_hartog.amplitude(w, f, backend=backend) == pytest.approx(
+        den_hartog.amplitude_with_stops(w, f), abs=1e-9
+    )
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_stops_of_den_hartog_begin_where_the_closed_form_says() -> None:
+    """The branch goes on there, with another word."""
+    found, cause = den_hartog.border(0.6)
+    assert found == pytest.approx(den_hartog.stops_from(0.6), abs=1e-9)
+    assert "the edge of its friction cone" in cause
 
 
 @pytest.mark.parametrize("eps", [0.1, 0.5, 0.9])
