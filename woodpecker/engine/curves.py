@@ -840,11 +840,13 @@ class Curve:
     ) -> Orbit:
         """Where a test function may vanish, by its values and rates at two samples.
 
-        One that there is at the second only is taken for linear there.
+        One that there is at the second only is taken for linear there; if it is level, it predicts
+        nothing, and the second sample is where the search begins.
         """
         assert test.rate is not None
         if math.isnan(before):
-            back = min(max(after / test.rate(b), 0.0), 1.0)
+            rate = test.rate(b)
+            back = min(max(after / rate, 0.0), 1.0) if rate != 0.0 else 0.0
             return self.problem.moved(b.orbit, -back * b.tangent)
         chord = self.problem.step_between(a.orbit, b.orbit)
         length = float(np.linalg.norm(chord))
