@@ -10,7 +10,7 @@ import pytest
 
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from woodpecker.base.settings import Settings
-from woodpecker.search.curves import Curve
+from woodpecker.search.curves import BranchCurve
 from woodpecker.search.network import AT_FLIP
 from woodpecker.search.tasks import Tasks
 from woodpecker.slices.orbits import Orbit
@@ -141,9 +141,9 @@ def to_the_last_bit(diagram: Diagram) -> list[tuple[object, ...]]:
     ]  # fmt: skip
 
 
-def chained(tasks: Tasks, orbit: Orbit) -> list[Curve]:
+def chained(tasks: Tasks, orbit: Orbit) -> list[BranchCurve]:
     """The branch through a cycle, and those that continue it, of a chain that is not closed."""
-    found, todo = list[Curve](), [tasks.cycle(orbit)]
+    found, todo = list[BranchCurve](), [tasks.cycle(orbit)]
     while todo:
         followed = todo.pop(0)
         found.append(followed.curve)

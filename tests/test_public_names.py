@@ -36,13 +36,13 @@ ENGINE = {
     "pwmap.maps.words.SignOracle": "decides signs of these",
     "pwmap.plane.marks.PlaneMark": "where curves of the plane meet",
     "pwmap.plane.network.PlaneArc": "a part of a curve over one strip",
-    "woodpecker.search.curves.Curve": "a curve of one branch, as a run keeps it",
+    "woodpecker.search.curves.BranchCurve": "a curve of one branch, as a run keeps it",
     "woodpecker.search.ends.Collision": "how a branch ends at a border, as a run keeps it",
     "woodpecker.search.ends.End": "how a branch ends, as a run keeps it",
-    "woodpecker.slices.jumps.Limit": "the orbit of a limit on one side of a jump",
+    "woodpecker.slices.jumps.OneSided": "the orbit of a limit on one side of a jump",
     "woodpecker.maps.symbolic.SymbolicPiece": "a formula, with its derivatives compiled",
     "woodpecker.simulation.paths.Follower": "a return that is followed with its word prescribed",
-    "woodpecker.toy_map._Room": "what threads do not share",
+    "woodpecker.toy_map._ThreadRoom": "what threads do not share",
 }
 # Methods whose one sentence says what they take and give.
 SHORT = {"pwmap.certificates"}

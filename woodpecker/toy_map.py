@@ -115,7 +115,7 @@ class _Table:
         return False
 
 
-class _Room:
+class _ThreadRoom:
     """A table and a follower for all calls of one thread."""
 
     def __init__(self, toy: Toy, parameter: str) -> None:
@@ -159,7 +159,7 @@ class ToyMap(Protocol):
 class _PerThread(threading.local):
     """What a thread keeps of a map between calls; no part of the map, and no copy has it."""
 
-    room: _Room | None = None
+    room: _ThreadRoom | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -314,11 +314,11 @@ class ToyPieces:
         """How many returns this thread has computed one by one, found or followed."""
         return self.room().follower.evaluations
 
-    def room(self) -> _Room:
+    def room(self) -> _ThreadRoom:
         """Table and follower of this thread."""
         room = self._cache.room
         if room is None:
-            room = self._cache.room = _Room(self.toy, self.parameter)
+            room = self._cache.room = _ThreadRoom(self.toy, self.parameter)
         return room
 
 

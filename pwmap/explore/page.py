@@ -75,7 +75,7 @@ class Control:
     exact: bool = False
 
 
-class Frame:
+class DrawnFrame:
     """New columns of tables, for one letter: they are drawn by ``sketch.js``, and not by Bokeh.
 
     Attributes
@@ -129,7 +129,7 @@ def fill(
     Returns
     -------
     callable
-        Sends an answer: values that are told to the script of the page, and the :class:`Frame`
+        Sends an answer: values that are told to the script of the page, and the :class:`DrawnFrame`
         ``frame``, if there is one.
     """
     wish, answer = Wish(name="wish"), PageAnswer(name="answer")
@@ -140,7 +140,7 @@ def fill(
         nonlocal count
         count += 1
         told = dict(values)
-        frame: Frame | None = told.pop("frame", None)
+        frame: DrawnFrame | None = told.pop("frame", None)
         if frame is not None:
             numbers.data = {"all": frame.numbers}
             told["tables"] = frame.tables

@@ -38,7 +38,7 @@ from woodpecker import (
 )
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
-from woodpecker.slices.partition import Cylinder, Partition, partition
+from woodpecker.slices.partition import Partition, PieceExtent, partition
 from woodpecker.slices.slices import slices_at
 
 POINT_A = (0.1119709145, -0.8847733440)  # eps_N1, phi_S [rad], with the sum
@@ -223,7 +223,7 @@ def panel(each: Scene, ax: Axes) -> None:
     ax.set(xlim=WINDOW, ylim=SHOWN, xticks=(-1.1, -0.9, -0.7), yticks=(-1.4, -1.0, -0.6))
 
 
-def drawn(piece: Cylinder, p: float) -> tuple[Floats, list[float]]:
+def drawn(piece: PieceExtent, p: float) -> tuple[Floats, list[float]]:
     """A piece as a line: its samples are too far apart to be joined, so it is asked again."""
     x = np.linspace(piece.low, piece.high, POINTS)
     near = np.searchsorted(piece.x, x).clip(max=len(piece.x) - 1)

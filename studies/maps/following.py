@@ -12,7 +12,7 @@ from woodpecker.base.executors import Serial
 from woodpecker.base.settings import Settings
 from woodpecker.maps.formulas import FormulaMap
 from woodpecker.maps.pieces import PiecewiseMap
-from woodpecker.search.curves import Curve
+from woodpecker.search.curves import BranchCurve
 from woodpecker.search.ends import End
 from woodpecker.search.explorer import Explorer
 from woodpecker.search.network import Network
@@ -38,14 +38,14 @@ def cycle_near(map_: PiecewiseMap, x: Sequence[float], p: float, settings: Setti
 
 def branch_near(
     map_: PiecewiseMap, x: Sequence[float], p: float, settings: Settings
-) -> list[Curve]:
+) -> list[BranchCurve]:
     """The branch through that cycle, with those that continue it."""
     explorer = Explorer(map_, Serial(Worker(map_, settings)), settings, (len(x),))
     explorer.branch(cycle_near(map_, x, p, settings))
     return explorer.network.curves
 
 
-def ends_of(curves: Iterable[Curve], kind: PointKind, note: str = "") -> list[End]:
+def ends_of(curves: Iterable[BranchCurve], kind: PointKind, note: str = "") -> list[End]:
     """Special points of one kind, each once, in the order of the parameter."""
     found: dict[float, End] = {}
     for curve in curves:
@@ -55,7 +55,7 @@ def ends_of(curves: Iterable[Curve], kind: PointKind, note: str = "") -> list[En
     return [found[p] for p in sorted(found)]
 
 
-def stable_part(curves: Iterable[Curve]) -> float:
+def stable_part(curves: Iterable[BranchCurve]) -> float:
     """Length of the parameter along branches on which their cycles attract, by samples."""
     total = 0.0
     for curve in curves:

@@ -47,7 +47,7 @@ from studies.maps.following import branch_near, ends_of, searched, stable_part
 from woodpecker.base.settings import Settings
 from woodpecker.maps.formulas import FormulaMap
 from woodpecker.maps.symbolic import from_sympy
-from woodpecker.search.curves import Curve
+from woodpecker.search.curves import BranchCurve
 from woodpecker.search.search import Search
 
 X, RHO, ALPHA = sympy.symbols("x rho alpha")
@@ -123,7 +123,7 @@ def is_impact(key: object) -> bool:
     return key == "R"
 
 
-def two_impacts() -> tuple[list[Curve], float]:
+def two_impacts() -> tuple[list[BranchCurve], float]:
     """The branch from the grazing of the 2-cycle at rho = 1, and its error at the flip 3/4."""
     settings = Settings(span=(0.5, 1.2), window=(-2.0, 2.0))
     map_ = square_root_map(0.5)

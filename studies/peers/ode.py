@@ -39,7 +39,7 @@ from woodpecker.mechanics.modes import (
     TANGENT,
     A,
     B,
-    Contact,
+    ContactState,
     mode_index,
     model,
 )
@@ -104,7 +104,7 @@ def first_return_ode(
     codes, counts, room = np.zeros(EVENT_LIMIT, np.int16), np.zeros(3, np.int64), make_room()
     z, states = room.z, room.states
     z[1], z[2] = -toy.phi_m_max, phi_s
-    states[:] = Contact.OPEN, Contact.STICK, Contact.OPEN
+    states[:] = ContactState.OPEN, ContactState.STICK, ContactState.OPEN
     fired, evaluations, modes = -1, 0, dict[int, _Mode]()
     solver = _Solver(method, rtol, atol, max_step)
     while fired != SECTION:
@@ -180,7 +180,7 @@ def _guard(numbers: Floats, mode: int, states: Ints, name: int) -> Guard:
             return limit + sign * x.item(j)
 
     elif kind == SLIP:
-        direction = 1.0 if states[i] == Contact.SLIP_POSITIVE else -1.0
+        direction = 1.0 if states[i] == ContactState.SLIP_POSITIVE else -1.0
         w: list[float] = (direction * numbers[CONTACT + i, TANGENT : TANGENT + 3]).tolist()
         w_y, w_m, w_s = w
 

@@ -44,7 +44,7 @@ def explore(
     from dataclasses import replace
 
     from woodpecker.explore import app, system_page
-    from woodpecker.explore.state import State
+    from woodpecker.explore.state import PageState
 
     def ready(address: str) -> None:
         say(f"The explorer is at {address} (Ctrl-C ends it)")
@@ -54,5 +54,5 @@ def explore(
     if system is not None:
         system_page.run(system, port, stay=stay, ready=ready)
     else:
-        app.run(replace(State(), toy=toy), port, stay=stay, ready=ready)
+        app.run(replace(PageState(), toy=toy), port, stay=stay, ready=ready)
     raise typer.Exit

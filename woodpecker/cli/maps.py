@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from woodpecker import ReturnMap
     from woodpecker.base.arrays import Floats
-    from woodpecker.plot.curve import Curve
+    from woodpecker.plot.curve import MapSamples
 
 PICTURE, TABLE = "return_map.png", "return_map.csv"
 COLUMNS = ("phi_s_start", "phi_s", "period", "drop", "slope", "status", "word")
@@ -93,7 +93,7 @@ def _computed(
     return joined(returns), "".join((rows_as_text([COLUMNS]), *texts))
 
 
-def _looked_closer(toy: Toy, returns: ReturnMap, order: int, bar: Bar) -> Curve:
+def _looked_closer(toy: Toy, returns: ReturnMap, order: int, bar: Bar) -> MapSamples:
     """What the picture shows: the map with more starts at steep places."""
     from woodpecker.plot.figures import curves
 
@@ -123,7 +123,7 @@ def _outcomes(returns: ReturnMap) -> Table:
     return table
 
 
-def _left_out(curve: Curve, order: int) -> str:
+def _left_out(curve: MapSamples, order: int) -> str:
     """What the picture does not resolve."""
     from woodpecker.plot.curve import Detail, Link
 

@@ -199,7 +199,7 @@ class Arc:
 
     samples: tuple[Sample, ...]
     stop: Stop
-    curve: Curve
+    curve: SolutionCurve
     border: tuple[int, int] | None = None
     beyond: Sample | None = None
     condition: Condition | None = None
@@ -271,7 +271,7 @@ class TestFunction:
     noise: float = 0.0
 
 
-class End(NamedTuple):
+class ArcEnd(NamedTuple):
     """What may end an arc between two samples: at which distance from the first, and where.
 
     ``width`` is how far the distance may be off.
@@ -284,7 +284,7 @@ class End(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Curve:
+class SolutionCurve:
     """A problem with one unknown left free, and what is looked at along it.
 
     Attributes
@@ -493,7 +493,7 @@ class Curve:
 
     # --- What is looked at ------------------------------------------------------------------------
 
-    def _ends(self, a: Sample, b: Sample, step: float, *, starts: bool) -> list[End]:
+    def _ends(self, a: Sample, b: Sample, step: float, *, starts: bool) -> list[ArcEnd]:
         """What ends the arc between two samples, by distance; UnclearError if that is not clear."""
         bound = self._bounded(a, b, step)
         found = self._multipliers(a, b, step, starts) + ([] if bound is None else [bound])
@@ -504,8 +504,8 @@ class Curve:
         return found
 
     def _asked(
-        self, a: Sample, b: Sample, step: float, ends: list[End], asked: Callable[[Sample], bool]
-    ) -> list[End]:
+        self, a: Sample, b: Sample, step: float, ends: list[ArcEnd], asked: Callable[[Sample], bool]
+    ) -> list[ArcEnd]:
         """Those ends, and before them the place where the curve is asked to end."""
         last = ends[0].sample if ends else b
         if not asked(last):
@@ -521,11 +521,11 @@ class Curve:
             else:
                 low = middle
         test = TestFunction(Stop.ASKED, lambda sample: float(asked(sample)))
-        return [End(high, test, found, high - low), *ends]
+        return [ArcEnd(high, test, found, high - low), *ends]
 
-    def _multipliers(self, a: Sample, b: Sample, step: float, starts: bool) -> list[End]:
+    def _multipliers(self, a: Sample, b: Sample, step: float, starts: bool) -> list[ArcEnd]:
         """Where multipliers are 1 or -1, or pairs of them on the unit circle, or curves cross."""
-        found = list[End]()
+        found = list[ArcEnd]()
         for test in self._special(a.orbit):
             before, after = test.value(a), test.value(b)
             if not (before * after < 0.0 or (after == 0.0 and before != 0.0)):
@@ -543,10 +543,10 @@ class Curve:
             distance, sample = self._located(a, step, test, before, after, b)
             if test.stop is not Stop.NS or not _is_neutral_saddle(sample):
                 left = abs(test.value(sample) / (after - before))
-                found.append(End(distance, test, sample, (LOCATED + left) * step))
+                found.append(ArcEnd(distance, test, sample, (LOCATED + left) * step))
         return found
 
-    def _crossed(self, a: Sample, b: Sample, step: float, test: TestFunction) -> End:
+    def _crossed(self, a: Sample, b: Sample, step: float, test: TestFunction) -> ArcEnd:
         """Where another curve crosses between two samples; UnclearError if it is not found.
 
         There the equations of the curve are singular, but those of the point are not.
@@ -562,7 +562,7 @@ class Curve:
         aside = float(np.linalg.norm(away - distance * a.tangent))
         if not 0.0 <= distance <= step or aside > self.settings.max_turn * step:
             raise UnclearError
-        return End(distance, test, Sample(orbit, a.tangent))
+        return ArcEnd(distance, test, Sample(orbit, a.tangent))
 
     def _exact(self, test: TestFunction, a: Sample, b: Sample) -> tuple[TestFunction, float, float]:
         """A test function that is as exact as there is one, and its values at two samples.
@@ -622,7 +622,7 @@ class Curve:
                     border, rate = OnBorder(i, code), partial(self.rate, i=i, code=code)
                     yield TestFunction(Stop.BORDER, _of_condition(border), border, (i, code), rate)
 
-    def _bounded(self, a: Sample, b: Sample, step: float) -> End | None:
+    def _bounded(self, a: Sample, b: Sample, step: float) -> ArcEnd | None:
         """Where the first bound is passed of those that the second of two samples lies beyond.
 
         The one that seems first is located, until none has been passed before it.
@@ -637,14 +637,14 @@ class Curve:
             if before <= NEAR and self._is_at(a, test, before):
                 if step > COARSE * self.settings.min_step:
                     raise UnclearError  # a shorter step shows whether the curve leaves right here
-                return End(0.0, test, a)
+                return ArcEnd(0.0, test, a)
             if before < 0.0:
                 raise UnclearError
             distance, sample = self._located(a, step, test, before, after, b)
             is_back = test.border is not None and self.rate(sample, *test.border) > 0.0
             if is_back or (found is not None and distance >= found.distance):
                 raise UnclearError  # it has vanished before, and is back
-            found = End(distance, test, sample)
+            found = ArcEnd(distance, test, sample)
             b, step = sample, distance
         raise UnclearError
 
@@ -676,7 +676,7 @@ class Curve:
             return sample.bordered
         return float(np.linalg.det(np.vstack([self.problem.matrix(sample.orbit), sample.tangent])))
 
-    def agrees(self, orbit: Orbit, end: End | None = None) -> bool:
+    def agrees(self, orbit: Orbit, end: ArcEnd | None = None) -> bool:
         """Whether the map takes the pieces of an orbit, at points on borders aside."""
         at_border = {orbit.place(i) for i, _ in self.ignored}
         if end is not None and end.test.border is not None:

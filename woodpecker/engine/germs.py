@@ -18,7 +18,7 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import Curve, Sample
+from woodpecker.engine.curves import Sample, SolutionCurve
 from woodpecker.engine.maps import ACCUMULATE, TIE, Chain, Image, PiecewiseMap, chained
 from woodpecker.engine.newton import MERGED, Problem
 from woodpecker.engine.orbits import Chained, Closed, OnBorder, Orbit, orbit_of
@@ -49,7 +49,7 @@ class Beginning:
     """
 
     order: int
-    curve: Curve
+    curve: SolutionCurve
     sample: Sample
     before: Sample | None = None
 
@@ -76,7 +76,7 @@ class Beginning:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Path:
+class GermPath:
     """A sequence of pieces that an orbit through border points may take.
 
     Attributes
@@ -96,14 +96,14 @@ class Path:
         return self.images[-1].value
 
 
-def paths(map_: PiecewiseMap, x: Floats, p: Floats, order: int, problem: Problem) -> list[Path]:
+def paths(map_: PiecewiseMap, x: Floats, p: Floats, order: int, problem: Problem) -> list[GermPath]:
     """All paths of P_order from a point; none if there are more than ``PATHS``.
 
     Those that lead to where the map has no image are left out. One that comes back to the point is
     just there again: steep maps would carry the rounding of it off its border. The problem says
     which lengths count as 1.
     """
-    found = [Path(np.empty((0, len(x))), ())]
+    found = [GermPath(np.empty((0, len(x))), ())]
     for _ in range(order):
         longer = []
         for path in found:
@@ -111,7 +111,8 @@ def paths(map_: PiecewiseMap, x: Floats, p: Floats, order: int, problem: Problem
             at = x if returns else path.end
             points = np.vstack([path.x, at])
             longer += [
-                Path(points, (*path.images, image)) for image in sides(map_, at, p, problem.lengths)
+                GermPath(points, (*path.images, image))
+                for image in sides(map_, at, p, problem.lengths)
             ]
         if len(longer) > PATHS:
             return []
@@ -210,7 +211,7 @@ def _is_parallel(gradient: Floats, normal: Floats, lengths: Floats) -> bool:
 
 
 def beginnings(
-    base: Curve, points: Floats, p: Floats, orders: Sequence[int]
+    base: SolutionCurve, points: Floats, p: Floats, orders: Sequence[int]
 ) -> Iterator[Beginning]:
     """All curves of some orders that start where orbits from some points meet borders.
 
@@ -237,7 +238,7 @@ def beginnings(
 
 
 def _cycles(
-    base: Curve, all_: Sequence[Path], points: Floats, x: Floats, p: Floats
+    base: SolutionCurve, all_: Sequence[GermPath], points: Floats, x: Floats, p: Floats
 ) -> Iterator[Beginning]:
     """Those along paths that return, and that are no shorter ones run through several times.
 
@@ -264,7 +265,9 @@ def _cycles(
             yield from _both_ways(order, base, Orbit(path.x, p, 0.0, path.images))
 
 
-def _crossings(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterator[Beginning]:
+def _crossings(
+    base: SolutionCurve, all_: Sequence[GermPath], x: Floats, p: Floats
+) -> Iterator[Beginning]:
     """Those between two paths that part at a jump and have the first point between their ends.
 
     They begin here if they do so at one of the ends, or meet another border; others pass.
@@ -278,7 +281,7 @@ def _crossings(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Itera
             yield from _both_ways(begin.order, begin.curve, orbit)
 
 
-def crossings_at(base: Curve, head: Floats, p: Floats, order: int) -> list[Beginning]:
+def crossings_at(base: SolutionCurve, head: Floats, p: Floats, order: int) -> list[Beginning]:
     """The jump crossings of P_order with some first points, as far as they pass there.
 
     Parameters
@@ -292,7 +295,7 @@ def crossings_at(base: Curve, head: Floats, p: Floats, order: int) -> list[Begin
     """
     first = tuple(base.map.at(x, p) for x in head[:-1])
     all_ = [
-        Path(np.vstack([head[:-1], path.x]), (*first, *path.images))
+        GermPath(np.vstack([head[:-1], path.x]), (*first, *path.images))
         for path in paths(base.map, head[-1], p, order - len(first), base.problem)
     ]
     found = _between(base, all_, head[0], p)
@@ -304,7 +307,9 @@ def crossings_at(base: Curve, head: Floats, p: Floats, order: int) -> list[Begin
     ]
 
 
-def _between(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterator[Beginning]:
+def _between(
+    base: SolutionCurve, all_: Sequence[GermPath], x: Floats, p: Floats
+) -> Iterator[Beginning]:
     """All jump crossings between two paths, with neither a side nor a tangent yet."""
     problem = base.problem
     for one, other in combinations(all_, 2):
@@ -331,7 +336,9 @@ def _between(base: Curve, all_: Sequence[Path], x: Floats, p: Floats) -> Iterato
             yield found
 
 
-def _opening(base: Curve, one: Path, other: Path, head: int, p: Floats) -> Beginning | None:
+def _opening(
+    base: SolutionCurve, one: GermPath, other: GermPath, head: int, p: Floats
+) -> Beginning | None:
     """The jump crossing whose jump vanishes right at its start; None if nothing jumps there.
 
     In R^1: along the border the limits move away from each other, and from the first point. The
@@ -353,7 +360,7 @@ def _opening(base: Curve, one: Path, other: Path, head: int, p: Floats) -> Begin
 
 
 def joined(
-    base: Curve, heads: Sequence[Image], limits: tuple[Sequence[Image], Sequence[Image]],
+    base: SolutionCurve, heads: Sequence[Image], limits: tuple[Sequence[Image], Sequence[Image]],
     x: Floats, p: Floats, share: float,
 ) -> Beginning | None:  # fmt: skip
     """The jump crossing between two limits, with no tangent yet; None if no border parts them.
@@ -384,7 +391,7 @@ def joined(
     return Beginning(last + rounds, curve, Sample(orbit, np.empty(0)))
 
 
-def _locates_less(one: Path, other: Path, i: int, p: Floats) -> bool:
+def _locates_less(one: GermPath, other: GermPath, i: int, p: Floats) -> bool:
     """Whether the border between two paths is better known from the second, or only from there.
 
     Where a root ends at a jump the other side locates it.
@@ -409,7 +416,7 @@ def _meets_another(
     return False
 
 
-def _both_ways(order: int, curve: Curve, orbit: Orbit) -> Iterator[Beginning]:
+def _both_ways(order: int, curve: SolutionCurve, orbit: Orbit) -> Iterator[Beginning]:
     """The curve through an orbit, on both sides of it, where its points have their pieces."""
     sample = curve.start(orbit)
     if not np.isfinite(sample.tangent).all():
@@ -419,7 +426,7 @@ def _both_ways(order: int, curve: Curve, orbit: Orbit) -> Iterator[Beginning]:
             yield Beginning(order, curve, each)
 
 
-def _is_taken_ahead(curve: Curve, sample: Sample) -> bool:
+def _is_taken_ahead(curve: SolutionCurve, sample: Sample) -> bool:
     """Whether the map takes pieces that have no margins on a border where it is that others do."""
     orbit, map_ = sample.orbit, curve.map
     for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True)):
@@ -432,7 +439,7 @@ def _is_taken_ahead(curve: Curve, sample: Sample) -> bool:
     return True
 
 
-def is_inside(curve: Curve, sample: Sample) -> bool:
+def is_inside(curve: SolutionCurve, sample: Sample) -> bool:
     """Whether a curve leads from a sample to where its points have the pieces that they have.
 
     Margins that vanish at the sample must grow; those that do not must be positive.

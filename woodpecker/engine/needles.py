@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import Arc, Curve, Sample, Stop
+from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.newton import STEEP, across, solve
 from woodpecker.engine.orbits import Multiplier
 
@@ -95,7 +95,9 @@ def _across(samples: Sequence[Sample], least: float) -> Floats | None:
     return way / length if length > least else None
 
 
-def _beside(curve: Curve, last: Sample, way: Floats, away: float, along: Floats) -> Sample | None:
+def _beside(
+    curve: SolutionCurve, last: Sample, way: Floats, away: float, along: Floats
+) -> Sample | None:
     """The cycle at a distance across the arm of a needle; None if there is none."""
     problem = curve.problem
     guess = problem.moved(last.orbit, away * way)
@@ -107,7 +109,7 @@ def _beside(curve: Curve, last: Sample, way: Floats, away: float, along: Floats)
 
 
 def _located(
-    curve: Curve, last: Sample, way: Floats, away: float, test: Callable[[Sample], float]
+    curve: SolutionCurve, last: Sample, way: Floats, away: float, test: Callable[[Sample], float]
 ) -> Sample:
     """Where a test vanishes nearer than a distance across; or next to it, where rounding ends."""
     found = [last]
@@ -123,7 +125,7 @@ def _located(
     return min(found, key=lambda sample: abs(test(sample)))
 
 
-def _leads_on(curve: Curve, start: Sample) -> bool:
+def _leads_on(curve: SolutionCurve, start: Sample) -> bool:
     """Whether a curve can be followed from a sample with steps that need not become shorter."""
     ahead = curve.advance(start, curve.settings.min_step)
     turn = math.cos(curve.settings.max_turn)

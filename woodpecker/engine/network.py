@@ -19,7 +19,7 @@ from pwmap.diagrams.diagram import (
     Stretch,
 )
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import Curve, CurveSettings, Sample, Stop
+from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve, Stop
 from woodpecker.engine.germs import Beginning, beginnings, judged
 from woodpecker.engine.maps import PiecewiseMap
 from woodpecker.engine.newton import Problem, cycles, directions, other_direction, solve
@@ -123,7 +123,7 @@ def connected(
     ):
         if at.min() < low or at.max() > high:
             raise ValueError(f"{name} of the cycle must lie in [{low}, {high}], got {at.tolist()}")
-    network = Network(Curve(map_, problem, settings), tuple(orders), max_branches)
+    network = Network(SolutionCurve(map_, problem, settings), tuple(orders), max_branches)
     network.explore(start)
     return network.result(names)
 
@@ -175,7 +175,7 @@ class Node:
 class Network:
     """What has been found: special points, branches, and what is left to follow."""
 
-    def __init__(self, base: Curve, orders: tuple[int, ...], max_branches: int) -> None:
+    def __init__(self, base: SolutionCurve, orders: tuple[int, ...], max_branches: int) -> None:
         self.base, self.map, self.problem, self.orders = base, base.map, base.problem, orders
         self.max_branches = max_branches
         self.nodes: list[Node] = []
@@ -297,7 +297,7 @@ class Network:
 
     def result(self, names: Sequence[str]) -> Connected:
         """All that was found: a branch, and an end of it, for each point of a cycle."""
-        places: list[_Place] = []
+        places: list[_NetworkPlace] = []
         branches: list[Branch] = []
         letters: Counter[str] = Counter()
         for found, first, last in self.branches:
@@ -320,7 +320,7 @@ class Network:
         )  # fmt: skip
         return Connected(diagram, {place.id: place.node.orbit for place in places})
 
-    def _place(self, places: list[_Place], node: Node, x: Floats) -> _Place:
+    def _place(self, places: list[_NetworkPlace], node: Node, x: Floats) -> _NetworkPlace:
         """The point of a node at some x: that of a cycle has one for each of its points."""
         for each in places:
             if each.node is node and self.problem.same(each.x, x, NODE):
@@ -331,10 +331,10 @@ class Network:
             nearest = int(np.abs((cycle - x) / self.problem.x_scale).max(axis=1).argmin())
             kind, note = judged(node.starts, cycle, nearest, self.problem)
         count = sum(each.kind is kind for each in places) + 1
-        places.append(_Place(node, x, kind, note, f"{kind.value}{count}"))
+        places.append(_NetworkPlace(node, x, kind, note, f"{kind.value}{count}"))
         return places[-1]
 
-    def _point(self, place: _Place) -> SpecialPoint:
+    def _point(self, place: _NetworkPlace) -> SpecialPoint:
         node = place.node
         p = float(node.orbit.p[self.problem.free[0]])
         away = node.precision
@@ -367,7 +367,7 @@ class Network:
 
 
 @dataclass(eq=False)
-class _Place:
+class _NetworkPlace:
     """A point of the diagram under construction."""
 
     node: Node

@@ -11,7 +11,7 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import Arc, Curve, Halt, Sample, Stop
+from woodpecker.engine.curves import Arc, Halt, Sample, SolutionCurve, Stop
 from woodpecker.engine.germs import (
     SAME,
     SLOW,
@@ -129,7 +129,7 @@ class Trace:
     arrived: Beginning
 
     @property
-    def curve(self) -> Curve:
+    def curve(self) -> SolutionCurve:
         """What the last part of it is a curve of."""
         return self.arrived.curve
 
@@ -359,7 +359,9 @@ def _hugging(begin: Beginning, arc: Arc, outer: Image) -> Beginning | None:
     return None
 
 
-def _off_border(curve: Curve, at: Orbit, i: int, code: int, distance: float) -> Sample | None:
+def _off_border(
+    curve: SolutionCurve, at: Orbit, i: int, code: int, distance: float
+) -> Sample | None:
     """The cycle beside one at a border that has come as far from it as a point at a distance.
 
     The distance is scaled. None if there is no such cycle.
@@ -702,7 +704,7 @@ def _at_crossing(
     )
 
 
-def _of_cycles(curve: Curve) -> Curve:
+def _of_cycles(curve: SolutionCurve) -> SolutionCurve:
     """Curves of cycles, of the map whose jump crossings a curve is of."""
     problem = replace(curve.problem, conditions=(Closed(),))
     return replace(curve, problem=problem, ignored=frozenset())
@@ -742,7 +744,9 @@ def _one_side_beyond(begin: Beginning, arc: Arc) -> Beginning | None:
     return replace(there, sample=start)
 
 
-def _arriving(curve: Curve, sample: Sample, before: Sequence[Image]) -> tuple[Floats, Floats]:
+def _arriving(
+    curve: SolutionCurve, sample: Sample, before: Sequence[Image]
+) -> tuple[Floats, Floats]:
     """Where the orbit of a limit comes to after some images, and how that moves (d + k,)."""
     orbit = sample.orbit
     point, d = orbit.x[-1], orbit.x.shape[1]

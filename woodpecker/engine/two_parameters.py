@@ -13,7 +13,7 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import Curve, CurveSettings, Sample, Stop
+from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve, Stop
 from woodpecker.engine.maps import PiecewiseMap
 from woodpecker.engine.newton import Problem, cycles, solve
 from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, Orbit
@@ -107,7 +107,7 @@ def special_curve(
     base = cycles(free, x_scale or (1.0,) * d, p_scale or (1.0,) * k)
     condition, ignored = _condition(orbit, kind)
     problem: Problem = base.with_(condition)
-    curve = Curve(map_, problem, settings, ignored, tests=())
+    curve = SolutionCurve(map_, problem, settings, ignored, tests=())
     held = solve(cycles(free[:1], base.x_scale, base.p_scale).with_(condition), orbit)
     if not held.converged:
         raise ValueError(f"Newton's method finds no {kind.value} near this cycle at p = {orbit.p}")

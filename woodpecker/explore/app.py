@@ -15,7 +15,7 @@ from pwmap.explore.serving import Site, serve
 from woodpecker import Toy, parameters
 from woodpecker.explore.branches import key_of
 from woodpecker.explore.exports import FILES, export, needs_diagram
-from woodpecker.explore.state import State, from_query
+from woodpecker.explore.state import PageState, from_query
 from woodpecker.explore.tab import Tab, known_diagrams
 from woodpecker.mechanics.toy import description
 from woodpecker.plot import drawing
@@ -61,7 +61,7 @@ def controls() -> list[Control]:
 # --- Serving --------------------------------------------------------------------------------------
 
 
-def make_page(document: Document, initial: State) -> Tab:
+def make_page(document: Document, initial: PageState) -> Tab:
     """Fill the document of one tab."""
     state, refused = asked(document, from_query, initial)
     tab = Tab(state)
@@ -99,11 +99,11 @@ def _answering(
     return answer
 
 
-def _made(document: Document, initial: State) -> None:
+def _made(document: Document, initial: PageState) -> None:
     make_page(document, initial)
 
 
-def site(initial: State) -> Site:
+def site(initial: PageState) -> Site:
     """What is served."""
 
     def prepared(name: str, query: str) -> tuple[Any, ...]:
@@ -117,7 +117,7 @@ def site(initial: State) -> Site:
     )  # fmt: skip
 
 
-def run(initial: State, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:
+def run(initial: PageState, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:
     """Load what computes, here and then where jobs are forked from, and serve the page."""
     import woodpecker.explore.warm  # noqa: F401 - compiles the kernel, if nobody has
 

@@ -27,7 +27,7 @@ from woodpecker import (
     saved_diagram,
     shoot,
 )
-from woodpecker.explore.state import GUESS, State, home
+from woodpecker.explore.state import GUESS, PageState, home
 
 Floats = npt.NDArray[np.float64]
 
@@ -50,7 +50,7 @@ class Key:
     order: int
 
 
-def key_of(state: State) -> Key:
+def key_of(state: PageState) -> Key:
     """What the diagram of a state depends on."""
     return Key(
         home(state), state.parameter, state.span, state.every, 1 if state.every else state.order
@@ -58,7 +58,7 @@ def key_of(state: State) -> Key:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Progress:
+class DiagramProgress:
     """A diagram on its way.
 
     Parameters
@@ -76,7 +76,7 @@ class Progress:
     done: bool = False
 
 
-def diagram(state: State) -> Iterator[Progress]:
+def diagram(state: PageState) -> Iterator[DiagramProgress]:
     """Branches as they are found: of the motion, or all of some iterates."""
     stages: list[str] = []
     ended: list[Diagram | Exception] = []
@@ -89,13 +89,13 @@ def diagram(state: State) -> Iterator[Progress]:
             thread.join(OFTEN)
             if len(stages) > told and run.exists():
                 told = len(stages)
-                yield Progress(shown(_named(saved_diagram(run), state)), stages[-1])
+                yield DiagramProgress(shown(_named(saved_diagram(run), state)), stages[-1])
     if isinstance(ended[0], Exception):
         raise ended[0]
-    yield Progress(shown(_named(ended[0], state)), "complete", done=True)
+    yield DiagramProgress(shown(_named(ended[0], state)), "complete", done=True)
 
 
-def _find(state: State, run: Path, stages: list[str], ended: list[Any]) -> None:
+def _find(state: PageState, run: Path, stages: list[str], ended: list[Any]) -> None:
     """What the thread does that finds branches."""
 
     def hear(stage: Stage) -> None:
@@ -118,7 +118,7 @@ def _find(state: State, run: Path, stages: list[str], ended: list[Any]) -> None:
         ended.append(error)
 
 
-def start(state: State) -> PeriodicOrbit:
+def start(state: PageState) -> PeriodicOrbit:
     """A periodic motion to follow: the paper's at home, the page's own, or any in the span.
 
     Raises
@@ -144,7 +144,7 @@ def start(state: State) -> PeriodicOrbit:
     raise ValueError(f"no periodic motion was found for {state.parameter} in {state.span}")
 
 
-def _orbit(state: State, toy: Toy, guess: float) -> PeriodicOrbit | None:
+def _orbit(state: PageState, toy: Toy, guess: float) -> PeriodicOrbit | None:
     """The periodic motion near a guess, if there is one that the diagram can hold."""
     low, high = state.span
     if not (low <= getattr(toy, state.parameter) <= high and guess < toy.phi_s_max):
@@ -163,11 +163,11 @@ def _guesses(toy: Toy) -> list[float]:
     return found
 
 
-def _named(found: Diagram, state: State) -> Diagram:
+def _named(found: Diagram, state: PageState) -> Diagram:
     return found.named(PLACES) if state.parameter == "eps_n1" else found
 
 
-def orbits(state: State) -> Iterator[tuple[Floats, Floats]]:
+def orbits(state: PageState) -> Iterator[tuple[Floats, Floats]]:
     """Where orbits settle, columns of the parameter from coarse to fine."""
     low, high = state.span
     values = np.linspace(low, high, COLUMNS)
@@ -200,7 +200,7 @@ def _joined(parts: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
     )
 
 
-def at_sample(state: State, branch: Branch, sample: int) -> State:
+def at_sample(state: PageState, branch: Branch, sample: int) -> PageState:
     """The state that shows a sample of a branch: its motion, or its jump."""
     value, x = float(branch.parameter[sample]), float(branch.x[sample])
     return replace(

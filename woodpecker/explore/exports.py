@@ -17,7 +17,7 @@ from pwmap.diagrams.tables import results_as_bytes
 from woodpecker import ReturnMap, Trajectory, return_map, simulate
 from woodpecker.explore.branches import diagram as found_diagram
 from woodpecker.explore.model import FINE, SAMPLES, TOY_MODEL
-from woodpecker.explore.state import PORTRAITS, State, from_query, python_of, to_query
+from woodpecker.explore.state import PORTRAITS, PageState, from_query, python_of, to_query
 
 TYPES = {
     "png": "image/png", "svg": "image/svg+xml", "csv": "text/csv; charset=utf-8",
@@ -67,7 +67,7 @@ def export(name: str, query: str, known: Diagram | None) -> Iterator[tuple[str, 
     yield TYPES[form], content
 
 
-def _diagram(state: State) -> Diagram:
+def _diagram(state: PageState) -> Diagram:
     *_, last = found_diagram(state)
     return last.shown.diagram
 
@@ -88,18 +88,18 @@ def picture(form: str, draw: Callable[[], Any]) -> bytes:
         return path.read_bytes()
 
 
-def _returns(state: State) -> ReturnMap:
+def _returns(state: PageState) -> ReturnMap:
     low, high = state.window
     starts = np.linspace(low, min(high, state.toy.phi_s_max - 1e-6), FINE)
     return return_map(state.toy, starts, state.order)
 
 
-def _trajectory(state: State) -> Trajectory:
+def _trajectory(state: PageState) -> Trajectory:
     end = float(TOY_MODEL.motion(state).t[-1])
     return simulate(state.toy, state.phi_s, end, samples=SAMPLES)
 
 
-def _map(state: State) -> Any:
+def _map(state: PageState) -> Any:
     from woodpecker.plot.figures import plot_return_map
 
     return plot_return_map(
@@ -107,20 +107,20 @@ def _map(state: State) -> Any:
     ).figure
 
 
-def _motion(state: State) -> Any:
+def _motion(state: PageState) -> Any:
     from woodpecker.plot.motions import plot_time_history
 
     return plot_time_history(_trajectory(state)).figure
 
 
-def _portrait(state: State) -> Any:
+def _portrait(state: PageState) -> Any:
     from woodpecker.plot.motions import plot_phase_portrait
 
     x = "phi_m" if state.portrait == "phi_m" else "phi_s"
     return plot_phase_portrait(_trajectory(state), x, PORTRAITS[state.portrait]).figure
 
 
-def _toy(state: State) -> Any:
+def _toy(state: PageState) -> Any:
     from woodpecker.plot.drawing import draw_frames
 
     motion = _trajectory(state)
@@ -130,7 +130,7 @@ def _toy(state: State) -> Any:
     return draw_frames(motion, times, labels).figure
 
 
-_DRAWINGS: dict[str, Callable[[State], Any]] = {
+_DRAWINGS: dict[str, Callable[[PageState], Any]] = {
     "map": _map, "motion": _motion, "portrait": _portrait, "toy": _toy,
 }  # fmt: skip
 
@@ -138,7 +138,7 @@ _DRAWINGS: dict[str, Callable[[State], Any]] = {
 # --- Tables and texts -----------------------------------------------------------------------------
 
 
-def _map_table(state: State) -> str:
+def _map_table(state: PageState) -> str:
     found = _returns(state)
     rows = zip(
         found.start, found.phi_s, found.period, found.drop, found.slope, found.words, strict=True
@@ -146,13 +146,13 @@ def _map_table(state: State) -> str:
     return table_as_text(("phi_s_start", "phi_s", "period", "drop", "slope", "word"), rows)
 
 
-def _motion_table(state: State) -> str:
+def _motion_table(state: PageState) -> str:
     motion = _trajectory(state)
     header = ("t", "y", "phi_m", "phi_s", "dy", "dphi_m", "dphi_s")
     return table_as_text(header, np.column_stack([motion.t, motion.q, motion.u]).tolist())
 
 
-def _events_table(state: State) -> str:
+def _events_table(state: PageState) -> str:
     header = ("t", "event", "contacts", "contact", "normal_compression", "tangential_compression",
               "normal_expansion", "tangential_expansion")  # fmt: skip
     rows: list[tuple[object, ...]] = []
@@ -164,13 +164,13 @@ def _events_table(state: State) -> str:
     return table_as_text(header, rows)
 
 
-def _state_text(state: State) -> str:
+def _state_text(state: PageState) -> str:
     plain = {**asdict(state), "toy": {**asdict(state.toy)}, "link": to_query(state)}
     plain["toy"]["pole"] = None if state.toy.pole == float("inf") else state.toy.pole
     return json.dumps(plain, indent=1)
 
 
-_TEXTS: dict[str, Callable[[State], str]] = {
+_TEXTS: dict[str, Callable[[PageState], str]] = {
     "map": _map_table, "motion": _motion_table, "events": _events_table, "state": _state_text,
     "lines": lambda state: str(python_of(state)),
 }  # fmt: skip

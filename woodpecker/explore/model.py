@@ -24,9 +24,9 @@ from woodpecker import (
     shoot,
     simulate,
 )
-from woodpecker.explore.state import State
-from woodpecker.mechanics.modes import Contact, mode_states
-from woodpecker.plot.curve import Curve, Detail, Link, refined
+from woodpecker.explore.state import PageState
+from woodpecker.mechanics.modes import ContactState, mode_states
+from woodpecker.plot.curve import Detail, Link, MapSamples, refined
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]
@@ -77,7 +77,7 @@ class Mark(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Motion:
+class DrawnMotion:
     """A motion as it is drawn; times of events come twice, before and after them.
 
     Parameters
@@ -118,14 +118,14 @@ class Model(Protocol[S]):
     def orbit(self, state: S) -> Floats:
         """The points of a cobweb, the start first."""
 
-    def motion(self, state: S) -> Motion:
+    def motion(self, state: S) -> DrawnMotion:
         """The motion from the start."""
 
 
 class ToyModel:
     """The Woodpecker Toy."""
 
-    def settled(self, state: State) -> tuple[State, str]:
+    def settled(self, state: PageState) -> tuple[PageState, str]:
         """The start goes with its periodic motion as long as that is near."""
         toy = state.toy
         if state.phi_s >= toy.phi_s_max:
@@ -140,7 +140,7 @@ class ToyModel:
             why = f"the nearest periodic motion is another one, at {orbit.phi_s:.4f} rad"
         return state, f"{why}; the motion from {state.phi_s:.4f} rad is shown"
 
-    def curves(self, state: State, *, fine: bool) -> Iterator[MapCurve]:
+    def curves(self, state: PageState, *, fine: bool) -> Iterator[MapCurve]:
         """P_order, and where it meets the diagonal."""
         low, high = state.window
         toy, order = state.toy, state.order
@@ -157,7 +157,7 @@ class ToyModel:
                 yield _drawn(toy, order, curve)
         yield _drawn(toy, order, curve)
 
-    def orbit(self, state: State) -> Floats:
+    def orbit(self, state: PageState) -> Floats:
         """Returns one after the other, until one is lost."""
         found = [state.phi_s]
         for _ in range(state.steps):
@@ -169,7 +169,7 @@ class ToyModel:
             found.append(after)
         return np.array(found)
 
-    def motion(self, state: State) -> Motion:
+    def motion(self, state: PageState) -> DrawnMotion:
         """Over the returns of a periodic motion, or the first few."""
         toy, order = state.toy, state.order
         count = order if state.periodic else max(order, min(state.steps, RETURNS_MOST))
@@ -182,7 +182,7 @@ class ToyModel:
             "period": back.period, "drop": back.drop if whole else trajectory.drop,
             "multiplier": back.slope, "phi_s": state.phi_s,
         }  # fmt: skip
-        return Motion(
+        return DrawnMotion(
             t=trajectory.t, q=trajectory.q, u=trajectory.u, closed=closed_bits(trajectory),
             marks=tuple(map(_mark, trajectory.events)), numbers=numbers,
             message="" if back.status.success else back.status.value,
@@ -201,10 +201,10 @@ def _coarse(toy: Toy, order: int, x: Floats, y: Floats, low: float) -> MapCurve:
     seen = np.clip(np.where(np.isfinite(y), y, low), low, top)
     steep = np.abs(np.diff(seen)) > BREAK * max(top - low, ON_IT)
     links = np.where(steep, Link.OPEN, Link.CURVE)
-    return _drawn(toy, order, Curve(x=x, y=y, links=links, bottom=low, evaluations=0))
+    return _drawn(toy, order, MapSamples(x=x, y=y, links=links, bottom=low, evaluations=0))
 
 
-def _drawn(toy: Toy, order: int, curve: Curve) -> MapCurve:
+def _drawn(toy: Toy, order: int, curve: MapSamples) -> MapCurve:
     x, y, links = curve.x, curve.y, curve.links
     above = y - x
     with np.errstate(invalid="ignore"):
@@ -237,7 +237,7 @@ def closed_bits(trajectory: Trajectory) -> Ints:
     starts, modes = trajectory.phases[:, 6], trajectory.phases[:, 7].astype(int)
     bits = np.array(
         [
-            sum(1 << k for k, s in enumerate(mode_states(int(mode))) if s != Contact.OPEN)
+            sum(1 << k for k, s in enumerate(mode_states(int(mode))) if s != ContactState.OPEN)
             for mode in modes
         ],
         dtype=np.int64,
@@ -280,12 +280,12 @@ def _smaller(orbit: PeriodicOrbit) -> str:
 # --- Work for other processes ---------------------------------------------------------------------
 
 
-def fine_map(state: State) -> Iterator[MapCurve]:
+def fine_map(state: PageState) -> Iterator[MapCurve]:
     """The map as a page shows it at rest, better and better."""
     yield from TOY_MODEL.curves(state, fine=True)
 
 
-def as_columns(motion: Motion) -> dict[str, Any]:
+def as_columns(motion: DrawnMotion) -> dict[str, Any]:
     """A motion as the columns of the time histories and portraits; angles [rad], lengths [mm]."""
     y, phi_m, phi_s = motion.q.T
     dy, dphi_m, dphi_s = motion.u.T

@@ -23,7 +23,7 @@ TOY = Toy()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class State:
+class PageState:
     """What all views of a page share.
 
     Parameters
@@ -93,17 +93,17 @@ class State:
         found: float = getattr(self.toy, self.parameter)
         return found
 
-    def with_values(self, values: Mapping[str, float]) -> State:
+    def with_values(self, values: Mapping[str, float]) -> PageState:
         """The same with other parameters of the toy; the pole is without end at 0."""
         changes = {name: math.inf if name == "pole" and not v else v for name, v in values.items()}
         return replace(self, toy=self.toy.replace(**changes))
 
-    def over(self, parameter: str) -> State:
+    def over(self, parameter: str) -> PageState:
         """The same with the diagram over another parameter."""
         return replace(self, parameter=parameter, span=usual_span(self.toy, parameter))
 
 
-def home(state: State) -> Toy:
+def home(state: PageState) -> Toy:
     """The toy with the paper's value of the diagram's parameter, if it goes with the others.
 
     A diagram begins there, so that it does not depend on where a slider stands.
@@ -140,9 +140,9 @@ _SHORT = {
 _LAW = "law"
 
 
-def to_query(state: State) -> str:
+def to_query(state: PageState) -> str:
     """What differs from the state of an empty link; every number as it is, to the last bit."""
-    default = State()
+    default = PageState()
     found = [
         (name, repr(getattr(state.toy, name)))
         for name in parameters()
@@ -150,14 +150,14 @@ def to_query(state: State) -> str:
     ]
     if state.toy.expansion_friction != TOY.expansion_friction:
         found.append((_LAW, str(state.toy.expansion_friction)))
-    for each in fields(State):
+    for each in fields(PageState):
         value = getattr(state, each.name)
         if each.name != "toy" and value != getattr(default, each.name):
             found.append((_SHORT[each.name], _text(value)))
     return urlencode(found, safe=",")
 
 
-def from_query(query: str) -> State:
+def from_query(query: str) -> PageState:
     """The state of a link.
 
     Raises
@@ -182,7 +182,7 @@ def from_query(query: str) -> State:
     made = TOY.replace(**toy)
     if "span" not in own and "parameter" in own:
         own["span"] = usual_span(made, str(own["parameter"]))
-    return State(toy=made, **own)  # type: ignore[arg-type]
+    return PageState(toy=made, **own)  # type: ignore[arg-type]
 
 
 def _text(value: object) -> str:
@@ -201,7 +201,7 @@ def _number(key: str, text: str) -> float:
 
 
 def _value(name: str, text: str) -> object:
-    default = getattr(State(), name)
+    default = getattr(PageState(), name)
     if isinstance(default, str):
         return text
     if isinstance(default, tuple):
@@ -244,7 +244,7 @@ class Lines:
         return "\n".join([*self.others, first, "", *self.body, ""])
 
 
-def python_of(state: State) -> Lines:
+def python_of(state: PageState) -> Lines:
     """The lines that make the map, the motion and the diagram of a state."""
     toy, low, high = repr(state.toy), *state.window
     begin, guess = ("toy", state.phi_s) if state.order > 1 else (repr(home(state)), GUESS)

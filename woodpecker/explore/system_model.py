@@ -14,10 +14,10 @@ import sympy
 from pwmap import BranchKind, Diagram
 from pwmap.explore.diagrams import shown
 from woodpecker.base.arrays import Floats
-from woodpecker.explore.branches import Progress
-from woodpecker.explore.model import MapCurve, Mark, Motion
+from woodpecker.explore.branches import DiagramProgress
+from woodpecker.explore.model import DrawnMotion, MapCurve, Mark
 from woodpecker.explore.system_state import Explored, SystemState, explored
-from woodpecker.systems import Event, SystemMap, continuation, return_map, shoot, simulate
+from woodpecker.systems import MotionEvent, SystemMap, continuation, return_map, shoot, simulate
 
 FIRST, DOUBLED = 17, 4  # starts of a map of one dimension, and how often others are put between
 SAMPLES = 400  # of a motion
@@ -77,7 +77,7 @@ class SystemModel:
             found.append(after)
         return np.array(found)
 
-    def motion(self, state: SystemState) -> Motion:
+    def motion(self, state: SystemState) -> DrawnMotion:
         """Over the returns, or until no return is to be expected."""
         map_ = self._map(state)
         begin = self._begin(map_, state)
@@ -93,13 +93,13 @@ class SystemModel:
         start = {**begin, str(map_.system.time): first}
         found = simulate(map_.system, start, first + max(end, 1e-9), samples=SAMPLES)
         numbers = {"period": end, **self._multipliers(map_, state)}
-        return Motion(
+        return DrawnMotion(
             t=found.t - first, q=found.q, u=found.u, closed=np.zeros(len(found.t), dtype=np.int64),
             marks=tuple(self._mark(event, first) for event in found.events), numbers=numbers,
             message=message,
         )  # fmt: skip
 
-    def diagram(self, state: SystemState) -> Iterator[Progress]:
+    def diagram(self, state: SystemState) -> Iterator[DiagramProgress]:
         """Branches connected with the motion: first few, then more, until there are no others."""
         width = state.span[1] - state.span[0]
         base, held = self.given.map_, self._map(state)
@@ -114,8 +114,8 @@ class SystemModel:
             ).diagram
             if len(found.branches) < most:
                 break
-            yield Progress(shown(found), f"branches so far: {len(found.branches)}")
-        yield Progress(shown(found), "complete", done=True)
+            yield DiagramProgress(shown(found), f"branches so far: {len(found.branches)}")
+        yield DiagramProgress(shown(found), "complete", done=True)
 
     def at_sample(
         self, state: SystemState, found: Diagram, branch: str, sample: int
@@ -161,7 +161,7 @@ class SystemModel:
         stable = np.full(len(fixed), cycle.stable)
         return MapCurve(none, none, lines, lines, lines, fixed, stable)
 
-    def _mark(self, event: Event, first: float) -> Mark:
+    def _mark(self, event: MotionEvent, first: float) -> Mark:
         contacts = tuple(int(k) for k in re.findall(r"\d+", event.symbol))
         names = [c.name for c in self.given.map_.system.contacts]
         which = " and ".join(names[k - 1] for k in contacts if 1 <= k <= len(names))
@@ -214,7 +214,7 @@ def answers(path: str, state: SystemState) -> Iterator[Any]:
     yield from model.curves(state, fine=True)
 
 
-def diagram(path: str, state: SystemState) -> Iterator[Progress]:
+def diagram(path: str, state: SystemState) -> Iterator[DiagramProgress]:
     """The diagram of a state, from its periodic motion."""
     model = SystemModel(explored(path))
     yield from model.diagram(model.settled(state)[0])

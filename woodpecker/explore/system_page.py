@@ -19,8 +19,8 @@ from pwmap.explore.figures import on_click, patch
 from pwmap.explore.jobs import Failure, Job, is_warm, warm_up
 from pwmap.explore.page import Control, asked, fill, numbers
 from pwmap.explore.serving import Site, serve
-from woodpecker.explore.branches import Progress
-from woodpecker.explore.model import MapCurve, Motion
+from woodpecker.explore.branches import DiagramProgress
+from woodpecker.explore.model import DrawnMotion, MapCurve
 from woodpecker.explore.system_exports import FILES, export
 from woodpecker.explore.system_model import SystemModel, answers, diagram
 from woodpecker.explore.system_state import (
@@ -62,7 +62,7 @@ class SystemTab:
         self._due, self._told, self._search_at = True, False, 0.0
         self._key: Any = None
         self._shown: Shown | None = None
-        self._now: Motion | None = None
+        self._now: DrawnMotion | None = None
         self.say: Callable[[Mapping[str, Any]], None] = lambda _: None
         self._look()
         for figure, verb in ((self.map.figure, self._tap_map),
@@ -132,7 +132,7 @@ class SystemTab:
             if not self._due:
                 self.state, self.message = state, message
                 self.diagram.stand(state.value, state.x[0])
-        elif isinstance(result, Motion):
+        elif isinstance(result, DrawnMotion):
             self._now, self._told = result, True
             self._draw_motion()
             self.word.show(result.marks)
@@ -159,7 +159,7 @@ class SystemTab:
         self._branches = Job(diagram, self.given.path, self.state, seconds=DIAGRAM)
 
     def _take_branches(self, result: Any) -> None:
-        if isinstance(result, Progress):
+        if isinstance(result, DiagramProgress):
             found = result.shown
             count = f"{len(found.diagram.branches)} branches, {len(found.diagram.points)} points"
             self.stage = count if result.done else result.stage

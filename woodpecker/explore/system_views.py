@@ -8,7 +8,7 @@ from bokeh.models import Range1d
 
 from pwmap.explore.figures import DASHED, hover, new_figure, patch, set_range, source
 from pwmap.plot import STABLE, UNSTABLE, VIOLET
-from woodpecker.explore.model import MapCurve, Motion
+from woodpecker.explore.model import DrawnMotion, MapCurve
 from woodpecker.explore.views import color_of
 
 Floats = npt.NDArray[np.float64]
@@ -73,7 +73,7 @@ class HistoryView:
         self.portrait.segment("x0", "y0", "x1", "y1", source=self.strokes, color="color",
                               line_dash=DASHED, line_width=1.7)  # fmt: skip
 
-    def show(self, motion: Motion, coordinate: int, names: tuple[str, str]) -> None:
+    def show(self, motion: DrawnMotion, coordinate: int, names: tuple[str, str]) -> None:
         """Draw a motion, by the number of its coordinate and the names of that and its velocity."""
         t, q, u = motion.t, motion.q[:, coordinate], motion.u[:, coordinate]
         patch(self.motion, t=t, q=q, u=u)

@@ -15,11 +15,11 @@ from pwmap.explore.diagram_views import DiagramView, GraphView
 from pwmap.explore.diagrams import Shown, nearest_line, nearest_sample
 from pwmap.explore.figures import Put, on_click, patch
 from pwmap.explore.jobs import Failure, Job, JobFinished, is_warm
-from pwmap.explore.page import Frame, numbers
+from pwmap.explore.page import DrawnFrame, numbers
 from woodpecker import Toy, parameters
-from woodpecker.explore.branches import Key, Progress, at_sample, diagram, key_of, orbits
-from woodpecker.explore.model import TOY_MODEL, MapCurve, Model, Motion, fine_map
-from woodpecker.explore.state import State, python_of, to_query
+from woodpecker.explore.branches import DiagramProgress, Key, at_sample, diagram, key_of, orbits
+from woodpecker.explore.model import TOY_MODEL, DrawnMotion, MapCurve, Model, fine_map
+from woodpecker.explore.state import PageState, python_of, to_query
 from woodpecker.explore.tour import TOUR
 from woodpecker.explore.views import PHI, MapView, MotionView, WordView, axis_label
 from woodpecker.mechanics.toy import limits
@@ -54,15 +54,15 @@ class Work:
 class Tab:
     """One tab."""
 
-    def __init__(self, state: State, model: Model[State] = TOY_MODEL) -> None:
+    def __init__(self, state: PageState, model: Model[PageState] = TOY_MODEL) -> None:
         self.model, self.state, self.message = model, state, ""
-        self.past = list[State]()
+        self.past = list[PageState]()
         self.map, self.motion, self.word = MapView(), MotionView(), WordView()
         self.diagram, self.graph = DiagramView("diagram", "", PHI), GraphView("graph")
         self.work, self.stage, self.branch = Work(), "", ""
         self._shown: Shown | None = None
-        self._now: Motion | None = None
-        self._frame: Frame | None = None
+        self._now: DrawnMotion | None = None
+        self._frame: DrawnFrame | None = None
         self._refine_at, self._search_at = np.inf, np.inf
         self._key: Key | None = None
         self._orbits_of: Any = None
@@ -70,7 +70,7 @@ class Tab:
 
     # --- State -> views ---------------------------------------------------------------------------
 
-    def show(self, state: State, *, moving: bool = False) -> None:
+    def show(self, state: PageState, *, moving: bool = False) -> None:
         """Go to a state: the fast views at once, the others when the page is at rest."""
         before, self.message = self.state, ""
         state, self.message = self.model.settled(state)
@@ -79,7 +79,7 @@ class Tab:
         self.state = state
         if self.work.curve is not None:
             self.work.curve.stop()
-        self._frame = Frame() if moving else None
+        self._frame = DrawnFrame() if moving else None
         put = self._put
         for curve in self.model.curves(state, fine=False):
             self.map.show(curve, state.order, put)
@@ -182,7 +182,7 @@ class Tab:
         curve = self.work.curve
         for result in curve.results() if curve is not None else ():
             if isinstance(result, MapCurve):
-                self._frame = Frame() if self._frame is not None else None
+                self._frame = DrawnFrame() if self._frame is not None else None
                 self.map.show(result, self.state.order, self._put)
                 self.say({"frame": self._frame})
         self._hear_of_branches()
@@ -236,7 +236,7 @@ class Tab:
     def _hear_of_branches(self) -> None:
         job = self.work.diagram
         for result in job.results() if job is not None else ():
-            if isinstance(result, Progress):
+            if isinstance(result, DiagramProgress):
                 self.stage = result.stage
                 if result.done:
                     self.stage = _complete(result.shown)
@@ -265,7 +265,7 @@ class Tab:
             "hello": lambda _: None,
             "set": self._set,
             "back": lambda wish: self._default(str(wish["name"])),
-            "reset": lambda _: self.show(State(tour=self.state.tour)),
+            "reset": lambda _: self.show(PageState(tour=self.state.tour)),
             "undo": lambda _: self._undo(),
             "law": lambda wish: self.show(
                 replace(self.state, toy=self.state.toy.replace(expansion_friction=wish["value"]))
@@ -341,7 +341,7 @@ class Tab:
 
     def _home(self, view: str) -> None:
         if view == "map":
-            self.show(replace(self.state, window=State().window))
+            self.show(replace(self.state, window=PageState().window))
             self.map.look(self.state.window)
         else:
             self.diagram.look(self.state.span)

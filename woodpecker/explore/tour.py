@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from woodpecker import Toy
-from woodpecker.explore.state import State
+from woodpecker.explore.state import PageState
 
 STABLE = -0.5294719671  # rad, of the stable motion at eps_N1 = 0.5
 
 
 @dataclass(frozen=True, slots=True)
-class Step:
+class TourStep:
     """One step.
 
     Parameters
@@ -33,12 +33,12 @@ class Step:
     figure: str
     text: str
     views: tuple[str, ...]
-    state: State
+    state: PageState
 
 
-def _of(title: str, figure: str, text: str, views: tuple[str, ...], **changes: Any) -> Step:
-    state = State(phi_s=STABLE, toy=Toy(**changes.pop("toy", {})))
-    return Step(title, figure, text, views, replace(state, **changes))
+def _of(title: str, figure: str, text: str, views: tuple[str, ...], **changes: Any) -> TourStep:
+    state = PageState(phi_s=STABLE, toy=Toy(**changes.pop("toy", {})))
+    return TourStep(title, figure, text, views, replace(state, **changes))
 
 
 _STEPS = (

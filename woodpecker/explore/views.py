@@ -24,8 +24,8 @@ from pwmap.explore.figures import (
 )
 from pwmap.plot import GREY, INK, JUMP, STABLE, UNSTABLE, VIOLET
 from woodpecker import Toy
-from woodpecker.explore.model import MapCurve, Mark, Motion, as_columns
-from woodpecker.explore.state import PORTRAITS, State
+from woodpecker.explore.model import DrawnMotion, MapCurve, Mark, as_columns
+from woodpecker.explore.state import PORTRAITS, PageState
 from woodpecker.mechanics.toy import description
 from woodpecker.plot.motions import STRUCK
 
@@ -165,7 +165,9 @@ class MotionView:
         for figure in (self.angles, self.fall):
             figure.vspan("t", source=self.instant, color=VIOLET, line_width=1.6, level="overlay")
 
-    def show(self, motion: Motion, state: State, put: Put = patch, *, moving: bool) -> None:
+    def show(
+        self, motion: DrawnMotion, state: PageState, put: Put = patch, *, moving: bool
+    ) -> None:
         """Draw a motion; while a slider moves axes stay where they are, if they can."""
         columns = as_columns(motion)
         put(self.motion, **columns)
@@ -198,7 +200,7 @@ def _way(t: Floats, across: Floats, up: Floats) -> dict[str, Any]:
     return {"x": np.insert(across, struck, np.nan), "y": np.insert(up, struck, np.nan)}
 
 
-def _strokes(motion: Motion, t: Floats, across: Floats, up: Floats) -> dict[str, Any]:
+def _strokes(motion: DrawnMotion, t: Floats, across: Floats, up: Floats) -> dict[str, Any]:
     """Jumps of velocity, in the colours of their contacts."""
     struck = np.flatnonzero(np.diff(t) == 0.0)
     by_time = {1e3 * mark.time: color_of(mark.contacts) for mark in motion.marks
@@ -209,7 +211,7 @@ def _strokes(motion: Motion, t: Floats, across: Floats, up: Floats) -> dict[str,
     }  # fmt: skip
 
 
-def _impacts(motion: Motion, columns: dict[str, Any]) -> dict[str, Any]:
+def _impacts(motion: DrawnMotion, columns: dict[str, Any]) -> dict[str, Any]:
     """Where impacts stand on the histories."""
     struck = [mark for mark in motion.marks if mark.symbol.startswith("I")]
     times = [1e3 * mark.time for mark in struck]

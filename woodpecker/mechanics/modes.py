@@ -40,7 +40,7 @@ from woodpecker.mechanics.equations import (
 from woodpecker.mechanics.toy import ExpansionFriction, Toy
 
 
-class Contact(IntEnum):
+class ContactState(IntEnum):
     """State of one contact."""
 
     OPEN = 0
@@ -93,16 +93,16 @@ def mode_index(beak: int, lower: int, upper: int) -> int:
     return 7 * beak + (lower if lower else (upper + 3 if upper else 0))
 
 
-def mode_states(index: int) -> tuple[Contact, Contact, Contact]:
+def mode_states(index: int) -> tuple[ContactState, ContactState, ContactState]:
     """States of contacts 1, 2, 3 in a mode; inverse of :func:`mode_index`."""
     beak, sleeve = divmod(index, 7)
     lower, upper = (sleeve, 0) if sleeve <= 3 else (0, sleeve - 3)
-    return Contact(beak), Contact(lower), Contact(upper)
+    return ContactState(beak), ContactState(lower), ContactState(upper)
 
 
 def consistent(states: tuple[int, ...]) -> bool:
     """Two closed contacts share the velocity of the sleeve: both stick, or slip the same way."""
-    closed = {state for state in states if state != Contact.OPEN}
+    closed = {state for state in states if state != ContactState.OPEN}
     return len(closed) <= 1
 
 
@@ -430,18 +430,18 @@ def _solve(system: Complexes, n: int, right: int, scale: Floats) -> float:
     return float(least)
 
 
-def watched(states: tuple[Contact, ...]) -> list[int]:
+def watched(states: tuple[ContactState, ...]) -> list[int]:
     """Guards that can end a mode, in the order in which ties are resolved."""
     watched = []
     for i, state in enumerate(states):
-        if state == Contact.OPEN:
+        if state == ContactState.OPEN:
             sleeve_elsewhere = i != 0 and (states[1] or states[2])
             if not sleeve_elsewhere:
                 watched.append(GAP + i)
-        elif state == Contact.STICK:
+        elif state == ContactState.STICK:
             watched += [CONE_POSITIVE + i, CONE_NEGATIVE + i]
         else:
             watched += [NORMAL + i, SLIP + i]
-    if states == (Contact.OPEN, Contact.STICK, Contact.OPEN):
+    if states == (ContactState.OPEN, ContactState.STICK, ContactState.OPEN):
         watched.append(SECTION)
     return watched

@@ -12,8 +12,7 @@ from pwmap.diagrams.diagram import PointKind, PointStatus, SpecialPoint
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.checks import interval
 from woodpecker.base.settings import Settings
-from woodpecker.engine.curves import Arc, Sample, Stop
-from woodpecker.engine.curves import Curve as Followed
+from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.maps import ACCUMULATE
 from woodpecker.engine.newton import across, uncertainties
 from woodpecker.engine.orbits import Multiplier, OnBorder, Orbit
@@ -47,7 +46,7 @@ class _Sample:
     """A sample with its curve, and with what happens there."""
 
     own: Sample
-    curve: Followed
+    curve: SolutionCurve
     arc: Arc | None = None  # that ends here
     kind: PlaneKind | None = None
     cause: str = ""
@@ -148,7 +147,7 @@ def _seed(point: PlanePoint, kind: PointKind | str | None) -> Seed:
     return seeds[names.index(wanted)]
 
 
-def _both_ways(plane: Plane, orbit: Orbit, curve: Followed) -> tuple[list[_Sample], bool]:
+def _both_ways(plane: Plane, orbit: Orbit, curve: SolutionCurve) -> tuple[list[_Sample], bool]:
     """Samples through a cycle, and whether they close.
 
     The second parameter rises at the cycle itself, or the first where the second does not change.

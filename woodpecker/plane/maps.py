@@ -11,7 +11,7 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
-from woodpecker.engine.curves import Curve, CurveSettings
+from woodpecker.engine.curves import CurveSettings, SolutionCurve
 from woodpecker.engine.line import LinePiece, proposed
 from woodpecker.engine.maps import Image
 from woodpecker.engine.newton import Problem, cycles
@@ -170,7 +170,7 @@ class Plane:
         """Cycles of which some parameters may change."""
         return cycles(axes, self.scale[:1], self.scale[1:])
 
-    def curve(self, condition: Condition) -> Curve:
+    def curve(self, condition: Condition) -> SolutionCurve:
         """Cycles in both parameters that obey a condition."""
         one, other = self.settings
         followed = CurveSettings(
@@ -179,4 +179,4 @@ class Plane:
             max_samples=one.max_samples,
         )  # fmt: skip
         problem = self.cycles(0, 1).with_(condition)
-        return Curve(self.map, problem, followed, tests=())
+        return SolutionCurve(self.map, problem, followed, tests=())

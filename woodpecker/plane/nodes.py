@@ -12,7 +12,7 @@ from pwmap.diagrams.diagram import PointKind
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
-from woodpecker.engine.curves import Curve, Sample, Stop, TestFunction
+from woodpecker.engine.curves import Sample, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.line import LineMap
 from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, Orbit
 from woodpecker.maps.pieces import Image
@@ -41,7 +41,7 @@ def inside(orbit: Orbit) -> float:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Met:
+class BorderMet:
     """The border on which a cycle lies.
 
     Attributes
@@ -62,15 +62,15 @@ class Met:
     beyond: float
 
 
-def border_of(plane: Plane, orbit: Orbit, on: OnBorder) -> Met:
+def border_of(plane: Plane, orbit: Orbit, on: OnBorder) -> BorderMet:
     """What lies where a point of a cycle is on a border; looked at once for each cycle."""
-    known: dict[tuple[Orbit, OnBorder], Met] = plane.known
+    known: dict[tuple[Orbit, OnBorder], BorderMet] = plane.known
     if (orbit, on) not in known:
         known[orbit, on] = _border_of(plane, orbit, on)
     return known[orbit, on]
 
 
-def _border_of(plane: Plane, orbit: Orbit, on: OnBorder) -> Met:
+def _border_of(plane: Plane, orbit: Orbit, on: OnBorder) -> BorderMet:
     i, values = on.image, pair(orbit.p)
     image, x, map_ = over_first(orbit.images[i]), orbit.x[i], plane.over(values)
     side = image.onward(on.code)
@@ -79,7 +79,7 @@ def _border_of(plane: Plane, orbit: Orbit, on: OnBorder) -> Met:
     border = Border(float(x[0]), values[0], image, on.code, side, outer, nearest_code(outer, -side))
     limit = limit_of(map_, outer, len(orbit.x) - 1, values[0])
     rest = [float(each.jacobian[0, 0]) for k, each in enumerate(orbit.images) if k != i]
-    return Met(
+    return BorderMet(
         border, border.kind(plane.first), limit.value - float(x[0]), outer.slope * math.prod(rest)
     )
 
@@ -93,18 +93,18 @@ def _rooted(outer: Image, x: Floats, orbit: Orbit) -> Image:
     return outer._replace(slope=slope)
 
 
-def border_in(curve: Curve) -> OnBorder | None:
+def border_in(curve: SolutionCurve) -> OnBorder | None:
     """The border along which a curve leads, if it does."""
     condition = curve.problem.conditions[1]
     return condition if isinstance(condition, OnBorder) else None
 
 
-def is_steep(curve: Curve) -> bool:
+def is_steep(curve: SolutionCurve) -> bool:
     """Whether it is one of folds or flips: beside a root their equation changes fast."""
     return isinstance(curve.problem.conditions[1], Multiplier)
 
 
-def curve_of(plane: Plane, condition: Condition, orbit: Orbit) -> Curve:
+def curve_of(plane: Plane, condition: Condition, orbit: Orbit) -> SolutionCurve:
     """The curve of cycles that obey a condition, with what is looked at along it.
 
     Along a border margins vanish that say the same: their gradients are parallel there.
@@ -217,7 +217,7 @@ def _slope_from(orbit: Orbit, shift: float) -> float:
     return slope
 
 
-def code_of(plane: Plane, curve: Curve, orbit: Orbit) -> tuple[PointKind, str]:
+def code_of(plane: Plane, curve: SolutionCurve, orbit: Orbit) -> tuple[PointKind, str]:
     """The code of a cycle over one parameter, and what it leaves open; see `collision`.
 
     A fixed point inside a border lives where the limit there lies on one side of the diagonal, and

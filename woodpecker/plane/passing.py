@@ -11,7 +11,7 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import Arc, Curve, Sample, Stop
+from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.germs import SAME, is_inside
 from woodpecker.engine.maps import ACCUMULATE, Image
 from woodpecker.engine.newton import Problem, across, solve
@@ -49,7 +49,7 @@ class Passed:
     """
 
     kind: PlaneKind | None
-    curve: Curve | None = None
+    curve: SolutionCurve | None = None
     sample: Sample | None = None
     cause: str = ""
 
@@ -171,7 +171,7 @@ def _distance(problem: Problem, orbit: Orbit, i: int, code: int) -> float:
     return float(abs(image.margins[k]) / np.linalg.norm(image.gradients[k] * scale))
 
 
-def _mirrored(curve: Curve, at: Sample, length: float, margin: OnBorder) -> Sample | None:
+def _mirrored(curve: SolutionCurve, at: Sample, length: float, margin: OnBorder) -> Sample | None:
     """The sample at a distance beyond a contact, about where a margin has a value; None if none is.
 
     There Newton's method begins: where the margin has a value the multiplier changes slowly.
@@ -187,7 +187,7 @@ def _mirrored(curve: Curve, at: Sample, length: float, margin: OnBorder) -> Samp
     return sample if not turned and _is_within(curve, sample) else None
 
 
-def _meeting(curve: Curve) -> PlaneKind:
+def _meeting(curve: SolutionCurve) -> PlaneKind:
     """What it is where a curve meets a border."""
     condition = curve.problem.conditions[1]
     if isinstance(condition, OnBorder):
@@ -269,7 +269,9 @@ def _agree(plane: Plane, orbit: Orbit, i: int, outer: Image, way: Floats) -> boo
     return off[1] <= max(settings.kink, SHRINKS * off[0])
 
 
-def _onward(curve: Curve, there: Orbit, like: Floats, i: int, codes: list[int]) -> Sample | None:
+def _onward(
+    curve: SolutionCurve, there: Orbit, like: Floats, i: int, codes: list[int]
+) -> Sample | None:
     """The first sample beyond a border, right at it or beside it; None if there is none.
 
     Right at a border slopes may be those of a root: folds and flips go on beside it.
@@ -297,7 +299,7 @@ def _onward(curve: Curve, there: Orbit, like: Floats, i: int, codes: list[int]) 
     return None
 
 
-def _starts(curve: Curve, there: Orbit, like: Floats) -> Iterator[Sample]:
+def _starts(curve: SolutionCurve, there: Orbit, like: Floats) -> Iterator[Sample]:
     """The orbit with its tangent, first the way that another one leads."""
     start = curve.start(there, like)
     if np.isfinite(start.tangent).all():
@@ -305,12 +307,12 @@ def _starts(curve: Curve, there: Orbit, like: Floats) -> Iterator[Sample]:
         yield start.turned
 
 
-def _grows(curve: Curve, start: Sample, i: int, codes: list[int]) -> bool:
+def _grows(curve: SolutionCurve, start: Sample, i: int, codes: list[int]) -> bool:
     """Whether margins become positive from a start on."""
     return all(curve.rate(start, i, code) > 0.0 for code in codes if (i, code) not in curve.ignored)
 
 
-def _is_within(curve: Curve, sample: Sample) -> bool:
+def _is_within(curve: SolutionCurve, sample: Sample) -> bool:
     """Whether no margin is negative but those that vanish all along a curve."""
     orbit = sample.orbit
     return not any(

@@ -61,7 +61,7 @@ class Link(IntEnum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Curve:
+class MapSamples:
     """Samples of a map for a picture.
 
     Attributes
@@ -100,7 +100,7 @@ def refined(
     bottom: float,
     cost: int = 1,
     detail: Detail | None = None,
-) -> Iterator[Curve]:
+) -> Iterator[MapSamples]:
     """Refine samples (x, y) of a map, x ascending; each curve is better than the one before.
 
     Parameters
@@ -138,10 +138,10 @@ class _Refinement:
         self.bottom, self.top = bottom, float(y[np.isfinite(y)].max(initial=bottom))
         self.height = max(self.top - bottom, math.ulp(bottom))
 
-    def curve(self) -> Curve:
+    def curve(self) -> MapSamples:
         """What is known so far."""
         links = np.where(self._gap(self.y[:-1], self.y[1:]) > self.detail.seen, self.told[:-1], 0)
-        return Curve(
+        return MapSamples(
             x=self.x, y=self.y, links=links, bottom=self.bottom, evaluations=self.evaluations
         )
 

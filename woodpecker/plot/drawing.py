@@ -28,7 +28,7 @@ from pwmap.diagrams.files import write_whole
 from pwmap.plot import UNSTABLE
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
 from woodpecker.base.arrays import Floats
-from woodpecker.mechanics.modes import Contact, mode_states
+from woodpecker.mechanics.modes import ContactState, mode_states
 from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation.trajectory import Trajectory
 from woodpecker.simulation.words import EventKind
@@ -257,7 +257,7 @@ def closed_contacts(trajectory: Trajectory, t: float, *, hold: float = 0.0) -> t
     """Contacts that are closed at time t, change at it, or were struck at most ``hold`` [s] ago."""
     row = int(np.searchsorted(trajectory.phases[:, 6], t, side="right")) - 1
     states = mode_states(int(trajectory.phases[max(row, 0), 7]))
-    closed = {k for k, state in enumerate(states, start=1) if state != Contact.OPEN}
+    closed = {k for k, state in enumerate(states, start=1) if state != ContactState.OPEN}
     for event in trajectory.events:
         if event.time == t or (event.kind in IMPACTS and t - hold <= event.time <= t):
             closed |= set(event.contacts)

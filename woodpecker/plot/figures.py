@@ -18,7 +18,7 @@ from pwmap.plot import JUMP, MARKERS, STABLE, STAR, UNSTABLE, place_legend, plot
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
 from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.mechanics.toy import Toy
-from woodpecker.plot.curve import Curve, Link, refined
+from woodpecker.plot.curve import Link, MapSamples, refined
 from woodpecker.plot.motions import LINE, strokes
 from woodpecker.simulation.returns import ReturnMap, return_map
 from woodpecker.simulation.status import Status
@@ -74,7 +74,7 @@ def plot_return_map(
 
 def curves(
     toy: Toy, returns: ReturnMap, order: int = 1, depth: float | None = None
-) -> Iterator[Curve]:
+) -> Iterator[MapSamples]:
     """P_order as :func:`plot_curve` draws it, better and better (:mod:`woodpecker.plot.curve`)."""
     if depth is None:
         values = returns.phi_s[np.isfinite(returns.phi_s)]
@@ -89,7 +89,7 @@ def curves(
 
 
 def plot_curve(
-    curve: Curve,
+    curve: MapSamples,
     ax: Axes | None = None,
     *,
     order: int = 1,
@@ -187,7 +187,7 @@ def _lost(ax: Axes, returns: ReturnMap) -> Artists:
     return shown
 
 
-def _below(ax: Axes, curve: Curve) -> Artists:
+def _below(ax: Axes, curve: MapSamples) -> Artists:
     """Triangles where the map leaves the picture through its lower edge, or ends on a flank.
 
     Next to free fall it goes down without end, faster than samples can follow.
@@ -211,7 +211,7 @@ def _below(ax: Axes, curve: Curve) -> Artists:
     return {BELOW: marks} if marks else {}
 
 
-def _flanks(curve: Curve, low: float) -> Ints:
+def _flanks(curve: MapSamples, low: float) -> Ints:
     """Samples in the picture from which the map falls steeply into a gap."""
     found = list[int]()
     lost = np.isnan(curve.y)
@@ -238,7 +238,7 @@ FIXED = {True: "stable fixed point", False: "unstable fixed point"}
 ON_IT = 1e-9  # rad: so close to the diagonal lie centres, whose sides are rounding
 
 
-def _crosses(curve: Curve) -> Bools:
+def _crosses(curve: MapSamples) -> Bools:
     """Which intervals between samples (n - 1,) have the diagonal between their ends."""
     above = curve.y - curve.x
     with np.errstate(invalid="ignore"):
@@ -247,7 +247,7 @@ def _crosses(curve: Curve) -> Bools:
     return crosses
 
 
-def _fixed(ax: Axes, curve: Curve, crosses: Bools) -> Artists:
+def _fixed(ax: Axes, curve: MapSamples, crosses: Bools) -> Artists:
     """Fixed points, between two samples: filled if they attract."""
     shown: Artists = {}
     (k,) = np.nonzero(crosses & (curve.links == Link.CURVE))
@@ -268,7 +268,7 @@ STEEPEST = 100.0  # slope: what falls faster into a gap goes on below
 CUT = 0.02  # of the height: what lies less far below the picture is shown
 
 
-def _heights(curve: Curve) -> tuple[float, float]:
+def _heights(curve: MapSamples) -> tuple[float, float]:
     """Limits of the vertical axis, with a margin where the curve is not cut off."""
     values = curve.y[np.isfinite(curve.y)]
     low, high = float(values.min(initial=math.inf)), float(values.max(initial=curve.bottom))

@@ -23,7 +23,7 @@ from woodpecker.simulation.words import EventKind
 from woodpecker.systems.diagrams import basins
 from woodpecker.systems.model import ContactSystem
 from woodpecker.systems.returns import SystemMap
-from woodpecker.systems.verbs import Cycle, Motion, return_map
+from woodpecker.systems.verbs import Motion, SystemCycle, return_map
 
 MOTION, START, NO_CYCLE = "motion", "start", "none of them"
 EVENTS: dict[str, tuple[tuple[EventKind, ...], dict[str, Any]]] = {
@@ -244,7 +244,7 @@ def plot_system_map(
 
 
 def plot_basins(
-    map_: SystemMap, cycles: Sequence[Cycle], plane: Mapping[Any, tuple[float, float]],
+    map_: SystemMap, cycles: Sequence[SystemCycle], plane: Mapping[Any, tuple[float, float]],
     ax: Axes | None = None, *, at: Mapping[Any, float] | None = None, points: int = 40,
     returns: int = 200, near: float = 1e-3, p: npt.ArrayLike | None = None, legend: bool = True,
     styles: Styles | None = None,

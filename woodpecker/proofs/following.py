@@ -35,7 +35,7 @@ from woodpecker.mechanics.modes import (
     SLIP_NEGATIVE,
     SLIP_POSITIVE,
     STICK,
-    Contact,
+    ContactState,
     watched,
 )
 from woodpecker.not_proved import Undecided
@@ -176,7 +176,7 @@ def _next(model: BallToy, motion: BallState, plateaus: bool) -> list[BallState]:
     """The motions at the start of the next phase, or at the return."""
     guards = [
         _guard(model, motion, motion.states, code)
-        for code in watched(tuple(Contact(s) for s in motion.states))
+        for code in watched(tuple(ContactState(s) for s in motion.states))
     ]
     guesses = {guard.code: _guess(guard) for guard in guards}
     first = min(guards, key=lambda guard: guesses[guard.code])

@@ -26,7 +26,7 @@ from woodpecker.engine.germs import sides
 from woodpecker.engine.line import LineMap
 from woodpecker.engine.tracing import Change
 from woodpecker.maps.pieces import PiecewiseMap
-from woodpecker.search.curves import Curve, Word
+from woodpecker.search.curves import BranchCurve, Word
 from woodpecker.search.ends import Collision, End
 from woodpecker.search.explorer import Finished, Kept, Seen, Step
 from woodpecker.search.network import Network
@@ -67,7 +67,7 @@ class Record:
         self._file = Checkpoint(path, run, version=VERSION, check=check_entry, resume=resume)
         self.entries, self.path = self._file.entries, self._file.path
 
-    def followed(self, curves: Sequence[Curve], evaluations: int = 0) -> None:
+    def followed(self, curves: Sequence[BranchCurve], evaluations: int = 0) -> None:
         """Keep the curves that a task has come to.
 
         Parameters
@@ -206,7 +206,7 @@ def _slice(data: Entry) -> Seen:
 # --- Curves ---------------------------------------------------------------------------------------
 
 
-def _of_curve(curve: Curve) -> Entry:
+def _of_curve(curve: BranchCurve) -> Entry:
     return {
         "kind": curve.kind.value,
         "order": curve.order,
@@ -219,11 +219,11 @@ def _of_curve(curve: Curve) -> Entry:
     }
 
 
-def _curves(entry: Entry) -> tuple[Curve, ...]:
+def _curves(entry: Entry) -> tuple[BranchCurve, ...]:
     return tuple(map(_curve, entry[CURVES]))
 
 
-def _curve(data: Entry) -> Curve:
+def _curve(data: Entry) -> BranchCurve:
     checked_type(data["order"], int)
     parameter, multiplier = _floats(data["parameter"]), _floats(data["multiplier"])
     points = tuple(_floats(row) for row in data["points"])
@@ -231,7 +231,7 @@ def _curve(data: Entry) -> Curve:
         raise ValueError("a curve has as many points as parameters")
     words = tuple(_word(*row) for row in data["words"])
     first, last = data["ends"]
-    return Curve(
+    return BranchCurve(
         kind=BranchKind(data["kind"]), order=data["order"], parameter=parameter, points=points,
         multiplier=multiplier, words=words,
         marks=tuple(_mark(*row) for row in data["marks"]),

@@ -39,7 +39,7 @@ class Word:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Curve:
+class BranchCurve:
     """A branch between two special points.
 
     Attributes
@@ -69,7 +69,7 @@ class Curve:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Start:
+class BranchStart:
     """Where a branch begins, or goes on: at a special point.
 
     Attributes
@@ -88,8 +88,8 @@ class Start:
 class Followed:
     """A branch, and where it goes on beyond its ends."""
 
-    curve: Curve
-    onward: tuple[Start, ...]
+    curve: BranchCurve
+    onward: tuple[BranchStart, ...]
 
 
 def keys_of(jump: Jump) -> tuple[object, ...]:
@@ -100,7 +100,7 @@ def keys_of(jump: Jump) -> tuple[object, ...]:
     return *jump.head.keys[:-1], frozenset(sides)
 
 
-def stretches(curve: Curve) -> tuple[Stretch, ...]:
+def stretches(curve: BranchCurve) -> tuple[Stretch, ...]:
     """Stretches of a branch with one word, each with the cause of the change that begins it.
 
     A sample at a border has the pieces before it. What has no mark is the orbit of a limit of a
@@ -116,12 +116,12 @@ def stretches(curve: Curve) -> tuple[Stretch, ...]:
     return tuple(found)
 
 
-def word_at(curve: Curve, k: int) -> Word:
+def word_at(curve: BranchCurve, k: int) -> Word:
     """Which pieces a branch takes at a sample."""
     return curve.words[bisect_right(curve.words, k, key=lambda word: word.first) - 1]
 
 
-def words_between(curve: Curve, k: int) -> list[Word]:
+def words_between(curve: BranchCurve, k: int) -> list[Word]:
     """Which pieces a branch takes at a sample and at the next."""
     one, other = word_at(curve, k), word_at(curve, k + 1)
     return [one] if one is other else [one, other]

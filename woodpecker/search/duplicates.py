@@ -15,7 +15,7 @@ from woodpecker.engine.newton import tangent
 from woodpecker.engine.orbits import Condition
 from woodpecker.maps.pieces import Piece, PiecewiseMap
 from woodpecker.search.curves import (
-    Curve,
+    BranchCurve,
     Keys,
     agree,
     from_point,
@@ -86,7 +86,7 @@ class Known:
         )
 
     def _curved(
-        self, place: _Place, orbit: Orbit, closing: tuple[Condition, ...]
+        self, place: _SamplePlace, orbit: Orbit, closing: tuple[Condition, ...]
     ) -> Iterator[Floats]:
         """A place on the cubic through both samples, with the tangents of the orbit's pieces.
 
@@ -123,7 +123,7 @@ class Known:
             s = float(brentq(past, 0.0, 1.0))
             yield one.x[:, 0] + away(s)[:-1] * self.settings.x_scale
 
-    def _holds(self, place: _Place) -> bool:
+    def _holds(self, place: _SamplePlace) -> bool:
         """Whether a branch takes at a place the pieces that it takes at a sample beside it.
 
         If not, it takes others for a while between two samples.
@@ -138,7 +138,7 @@ class Known:
             )
         return holds[place.chord]
 
-    def _is_cycle(self, curve: Curve, samples: Sequence[int], shift: int, x: Floats) -> bool:
+    def _is_cycle(self, curve: BranchCurve, samples: Sequence[int], shift: int, x: Floats) -> bool:
         """Whether a cycle near some points takes the pieces of a branch at a sample.
 
         At one on a border the map may take others: then those at the other sample are as good.
@@ -149,7 +149,7 @@ class Known:
         found = at_parameter(orbit_of(from_point(pieces, shift), x, p), self.settings)
         return found is not None and is_inside(found)
 
-    def _pieces(self, curve: Curve, samples: Sequence[int]) -> tuple[Piece, ...]:
+    def _pieces(self, curve: BranchCurve, samples: Sequence[int]) -> tuple[Piece, ...]:
         """The pieces of a branch at the first of two samples; none if the map takes others."""
         word = word_at(curve, samples[0])
         for k in samples:
@@ -160,7 +160,7 @@ class Known:
                     return pieces
         return ()
 
-    def _places(self, orbit: Orbit) -> list[_Place]:
+    def _places(self, orbit: Orbit) -> list[_SamplePlace]:
         """Where branches are at the parameter of an orbit, if its first point is near."""
         self._update(orbit.p)
         chords, found = self._at.chords, []
@@ -172,7 +172,7 @@ class Known:
             p0, p1 = curve.parameter[k], curve.parameter[k + 1]
             part = min(1.0, max(0.0, (orbit.p - p0) / (p1 - p0))) if p1 != p0 else 0.5
             keys = tuple(from_point(word.keys, shift) for word in words_between(curve, k))
-            found.append(_Place((number, k, shift), one + part * (other - one), keys))
+            found.append(_SamplePlace((number, k, shift), one + part * (other - one), keys))
         return found
 
     def _near(self, chords: _Chords, x: float) -> Bools:
@@ -216,7 +216,7 @@ class _Chords:
     numbers: Ints
 
     @classmethod
-    def of(cls, curve: Curve, number: int) -> _Chords:
+    def of(cls, curve: BranchCurve, number: int) -> _Chords:
         """Those of a branch."""
         p, n = curve.parameter, len(curve.parameter) - 1
         shifts = 1 if curve.kind is BranchKind.JUMP else curve.order
@@ -254,7 +254,7 @@ class _AtParameter(NamedTuple):
     holds: dict[tuple[int, int, int], bool]
 
 
-class _Place(NamedTuple):
+class _SamplePlace(NamedTuple):
     """Points (n,) of a branch between two samples, and the pieces that it takes at these."""
 
     chord: tuple[int, int, int]

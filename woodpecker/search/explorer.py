@@ -18,7 +18,7 @@ from woodpecker.base.executors import Call, Scheduler
 from woodpecker.base.settings import Settings
 from woodpecker.engine.orbits import Condition
 from woodpecker.maps.pieces import PiecewiseMap
-from woodpecker.search.curves import Curve, Followed, Start, keys_of
+from woodpecker.search.curves import BranchCurve, BranchStart, Followed, keys_of
 from woodpecker.search.duplicates import Known
 from woodpecker.search.ends import Collision, End
 from woodpecker.search.lines import closing_of
@@ -109,7 +109,7 @@ class Seen(NamedTuple):
 class Kept:
     """The curves that a task has come to, and how often it evaluated the map."""
 
-    curves: tuple[Curve, ...]
+    curves: tuple[BranchCurve, ...]
     evaluations: int
 
 
@@ -136,7 +136,7 @@ Step = Kept | Finished
 class Recorder(Protocol):
     """Keeps what is finished."""
 
-    def followed(self, curves: Sequence[Curve], evaluations: int) -> None:
+    def followed(self, curves: Sequence[BranchCurve], evaluations: int) -> None:
         """Keep the curves that a task has come to, and how often it evaluated the map."""
 
     def done(self, met: Collision | End, starts: int, evaluations: int) -> None:
@@ -171,7 +171,7 @@ def _of_jump(jump: Jump) -> _Place:
     return _Place(BranchKind.JUMP, jump.order, jump.head, closing, keys, Tasks.jump, jump)
 
 
-def _of_start(start: Start) -> _Place:
+def _of_start(start: BranchStart) -> _Place:
     begin = start.begin
     orbit = begin.sample.orbit
     kind = BranchKind.JUMP if begin.is_crossing else BranchKind.FIXED_POINT
@@ -412,7 +412,7 @@ class Explorer:
         One that is known is followed to its end before that is seen: right beyond a sharp fold it
         cannot be told from the branch that led there.
         """
-        kept, points, before = list[Curve](), list[Curve](), self.spent
+        kept, points, before = list[BranchCurve](), list[BranchCurve](), self.spent
         todo = deque[Call]([(task, argument)])
         while todo and not self.is_spent:  # each leg is followed, and that is counted
             leg = todo.popleft()
@@ -441,7 +441,7 @@ class Explorer:
     def _tell(self, p: float, order: int) -> None:
         self.progress(Stage(p, order, self.slices, len(self.network.branches)))
 
-    def _is_dropped(self, curve: Curve, points: Sequence[Curve] = ()) -> bool:
+    def _is_dropped(self, curve: BranchCurve, points: Sequence[BranchCurve] = ()) -> bool:
         """Whether a branch is known, or not wanted."""
         return (
             curve.order not in self.orders
@@ -464,7 +464,7 @@ class Explorer:
         """The task that says what starts at a special point."""
         return Tasks.starts if isinstance(met, Collision) else Tasks.switches, met, self.orders
 
-    def _inside(self, starts: Iterable[Start]) -> Iterator[_Candidate]:
+    def _inside(self, starts: Iterable[BranchStart]) -> Iterator[_Candidate]:
         """Where branches start, as far as that lies in the span."""
         low, high = self.network.settings.span
         for start in starts:

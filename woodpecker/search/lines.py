@@ -10,7 +10,7 @@ import numpy as np
 from pwmap.diagrams.diagram import BranchKind, PointKind
 from woodpecker.base.settings import Settings
 from woodpecker.engine import orbits
-from woodpecker.engine.curves import Curve, CurveSettings, Sample
+from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve
 from woodpecker.engine.germs import Beginning, beginnings, judged, shared
 from woodpecker.engine.line import LineMap
 from woodpecker.engine.maps import length_of
@@ -22,7 +22,7 @@ from woodpecker.search.ends import Collision, End
 from woodpecker.slices.orbits import CYCLE, ending_at, first_piece, problem_of
 
 
-def base_of(map_: PiecewiseMap, settings: Settings) -> Curve:
+def base_of(map_: PiecewiseMap, settings: Settings) -> SolutionCurve:
     """Curves of cycles of a map of the line."""
     problem = problem_of(settings, *CYCLE)
     followed = CurveSettings(
@@ -30,12 +30,12 @@ def base_of(map_: PiecewiseMap, settings: Settings) -> Curve:
         min_step=settings.min_step, max_step=settings.max_step, max_turn=settings.max_turn,
         max_samples=settings.max_samples,
     )  # fmt: skip
-    return Curve(LineMap(map_, settings.x_scale, settings.p_scale), problem, followed)
+    return SolutionCurve(LineMap(map_, settings.x_scale, settings.p_scale), problem, followed)
 
 
 def curve_of(
     begin: Beginning, samples: Sequence[Sample], changes: Sequence[Change], ends: tuple[End, End]
-) -> curves.Curve:
+) -> curves.BranchCurve:
     """A branch as it is kept."""
     words = list[curves.Word]()
     for k, sample in enumerate(samples):
@@ -45,7 +45,7 @@ def curve_of(
     multiplier = [
         math.nan if begin.is_crossing else float(sample.orbit.monodromy[0, 0]) for sample in samples
     ]
-    return curves.Curve(
+    return curves.BranchCurve(
         kind=BranchKind.JUMP if begin.is_crossing else BranchKind.FIXED_POINT,
         order=begin.order, parameter=np.array([float(s.orbit.p[0]) for s in samples]),
         points=tuple(s.orbit.x[:, 0] for s in samples), multiplier=np.array(multiplier),
@@ -53,7 +53,7 @@ def curve_of(
     )  # fmt: skip
 
 
-def closing_of(curve: Curve, orbit: orbits.Orbit) -> tuple[orbits.Condition, ...]:
+def closing_of(curve: SolutionCurve, orbit: orbits.Orbit) -> tuple[orbits.Condition, ...]:
     """The conditions of a cycle, or of the points of a crossing up to the border."""
     if orbit.outer is None:
         return CYCLE
@@ -95,7 +95,7 @@ def _inner_side(orbit: orbits.Orbit) -> int:
     return int(side)
 
 
-def end_of(arrival: Arrival, base: Curve, orbit: orbits.Orbit) -> End:
+def end_of(arrival: Arrival, base: SolutionCurve, orbit: orbits.Orbit) -> End:
     """What a branch comes to, seen from the first point of its last orbit."""
     p, x = float(arrival.orbit.p[0]), orbit.x[:, 0]
     if arrival.kind is PointKind.PD:  # one that is half as long, where a doubled cycle ends
@@ -112,7 +112,7 @@ def end_of(arrival: Arrival, base: Curve, orbit: orbits.Orbit) -> End:
     )
 
 
-def collision_of(arrival: Arrival, base: Curve) -> Collision:
+def collision_of(arrival: Arrival, base: SolutionCurve) -> Collision:
     """A cycle that meets a border, from its least point on."""
     cycle = arrival.orbit
     n = len(cycle.x)

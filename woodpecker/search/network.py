@@ -22,7 +22,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings, differing
 from woodpecker.engine.network import NODE
 from woodpecker.search.accumulations import LINKED, limit_of
-from woodpecker.search.curves import Curve, agree, from_point, stretches, words_between
+from woodpecker.search.curves import BranchCurve, agree, from_point, stretches, words_between
 from woodpecker.search.ends import Collision, End
 from woodpecker.search.nearby import Nearby
 
@@ -88,13 +88,13 @@ class Network:
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
-        self.curves: list[Curve] = []
+        self.curves: list[BranchCurve] = []
         self.branches: list[Branch] = []
         self.nodes: list[Node] = []
         self.waiting: deque[Collision] = deque()
         self.switches: deque[End] = deque()
         widest = 2.0 * max(settings.same, NODE, AT_FLIP**2) * settings.p_scale
-        self._by_low_end = Nearby[Curve](widest)
+        self._by_low_end = Nearby[BranchCurve](widest)
         self._ends = Nearby[tuple[End, int]](widest)
         self._reached = Nearby[tuple[End, End]](widest)
         self._places = Nearby[Node](widest)
@@ -125,7 +125,7 @@ class Network:
             names[node.id] = f"{node.end.kind.value}{counts[node.end.kind]}"
         return names
 
-    def has(self, curve: Curve, points: Sequence[Curve] = ()) -> bool:
+    def has(self, curve: BranchCurve, points: Sequence[BranchCurve] = ()) -> bool:
         """Whether a branch was kept before, or is one of some that are points.
 
         One whose cycles go round others of smaller period is that of those.
@@ -137,11 +137,11 @@ class Network:
         )
 
     @staticmethod
-    def leaves_at_once(curve: Curve) -> bool:
+    def leaves_at_once(curve: BranchCurve) -> bool:
         """Whether a branch leaves the span or the window where it begins: none of it is inside."""
         return len(curve.parameter) == 1 and curve.ends[1].status is PointStatus.LOCATED
 
-    def is_a_point(self, curve: Curve) -> bool:
+    def is_a_point(self, curve: BranchCurve) -> bool:
         """Whether a branch is so short that its ends are one special point."""
         if any(end.collision is not None for end in curve.ends):
             return False
@@ -155,7 +155,7 @@ class Network:
             and np.ptp(points, axis=0).max() <= same * self.settings.x_scale
         )
 
-    def add(self, curve: Curve) -> None:
+    def add(self, curve: BranchCurve) -> None:
         """Keep a branch, as many as its cycle has points; one that is a point is not kept.
 
         If it is one of a chain without end, which has been seen at P_1 only, it ends in the limit.
@@ -204,7 +204,7 @@ class Network:
             for node in ends:
                 node.branches.append(name)
 
-    def _pass_over(self, curve: Curve) -> None:
+    def _pass_over(self, curve: BranchCurve) -> None:
         """Take the ends of a branch that is a point for the special point that it is.
 
         Which of them a branch meets first is a matter of where it comes from, and of rounding.
@@ -216,7 +216,7 @@ class Network:
                 if node is not None:
                     node.take(end.at(x), x, curve.order)
 
-    def _chain(self, curve: Curve) -> list[End]:
+    def _chain(self, curve: BranchCurve) -> list[End]:
         """Special points from the end of a branch back, along those that each began at the next."""
         chain = list(reversed(curve.ends))
         while len(chain) < LINKED and all(end.kind is PointKind.FF for end in chain):
@@ -235,7 +235,7 @@ class Network:
             and abs(float(end.x[0] - other.x[0])) <= same * self.settings.x_scale
         )
 
-    def _joins_the_same(self, known: Curve, curve: Curve) -> bool:
+    def _joins_the_same(self, known: BranchCurve, curve: BranchCurve) -> bool:
         """Whether two branches that are points lead from the same special point to the same."""
         near = self.settings.nearest * self.settings.x_scale, self.settings.nearest
         return all(
@@ -246,7 +246,7 @@ class Network:
             for one, other in zip(known.ends, curve.ends, strict=True)
         )
 
-    def _goes_round(self, curve: Curve) -> bool:
+    def _goes_round(self, curve: BranchCurve) -> bool:
         """Whether the cycles of a branch go round others of smaller period, or cannot be told from.
 
         At an end they need not: there rounding may part points that are one, and a step may have
@@ -267,7 +267,7 @@ class Network:
                 return True
         return False
 
-    def _draws(self, known: Curve, curve: Curve) -> bool:
+    def _draws(self, known: BranchCurve, curve: BranchCurve) -> bool:
         """Whether a branch has the ends of another, and lies on that in the same pieces in between.
 
         A cycle may be followed from another of its points. Where one of the two has passed over
@@ -282,7 +282,7 @@ class Network:
         shifts = known.order if known.kind is BranchKind.FIXED_POINT else 1
         return any(self._draws_from(known, shift, curve) for shift in range(shifts))
 
-    def _apart(self, curve: Curve) -> float:
+    def _apart(self, curve: BranchCurve) -> float:
         """How far the ends of a branch may be from those of one that is the same, scaled."""
         extent = max(
             float(np.ptp(curve.parameter)) / self.settings.p_scale,
@@ -290,7 +290,7 @@ class Network:
         )
         return min(NODE, SHORT_BRANCH * extent)
 
-    def _draws_from(self, known: Curve, shift: int, curve: Curve) -> bool:
+    def _draws_from(self, known: BranchCurve, shift: int, curve: BranchCurve) -> bool:
         """The same if a cycle of the known branch is seen from one of its points."""
         units = np.array([self.settings.p_scale, self.settings.x_scale])
         samples = np.column_stack([known.parameter, [x[shift] for x in known.points]]) / units
@@ -304,7 +304,9 @@ class Network:
         places = {max(1, length * k // (COMPARED + 1)) for k in range(1, COMPARED + 1)}
         return any(self._passes(known, shift, samples, curve, k) for k in sorted(places))
 
-    def _passes(self, known: Curve, shift: int, samples: Floats, curve: Curve, k: int) -> bool:
+    def _passes(
+        self, known: BranchCurve, shift: int, samples: Floats, curve: BranchCurve, k: int
+    ) -> bool:
         """Whether a known branch goes through what lies before sample k of another.
 
         ``samples`` are those of the known one as the chosen point of its cycle sees them, scaled.
@@ -388,11 +390,11 @@ class Network:
         return f"{prefix}{self._counts[prefix]}"
 
 
-def _low_end(curve: Curve) -> float:
+def _low_end(curve: BranchCurve) -> float:
     """The parameter of that end where it is smaller."""
     return float(min(curve.parameter[0], curve.parameter[-1]))
 
 
-def _place(curve: Curve, k: int) -> Floats:
+def _place(curve: BranchCurve, k: int) -> Floats:
     """Parameter and first point of a sample."""
     return np.array([curve.parameter[k], curve.points[k][0]])

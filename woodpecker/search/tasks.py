@@ -20,7 +20,7 @@ from woodpecker.engine.newton import directions, other_direction
 from woodpecker.engine.tracing import APART, Trace, beside, trace
 from woodpecker.maps.counting import Allowance, as_counting
 from woodpecker.maps.pieces import PiecewiseMap
-from woodpecker.search.curves import Followed, Start, agree, keys_of
+from woodpecker.search.curves import BranchStart, Followed, agree, keys_of
 from woodpecker.search.ends import Collision, End
 from woodpecker.search.lines import (
     base_of,
@@ -85,9 +85,9 @@ class Tasks:
                 return self._both_ways(replace(begin, sample=begin.curve.start(orbit, ahead)))
         return None
 
-    def starts(self, met: Collision, orders: Sequence[int]) -> list[Start]:
+    def starts(self, met: Collision, orders: Sequence[int]) -> list[BranchStart]:
         """Branches that start where a cycle meets a border."""
-        found = list[Start]()
+        found = list[BranchStart]()
         p = np.array([met.p])
         for begin in beginnings(self.base, met.x[:, None], p, orders):
             kind, note = met.kind_at(float(begin.sample.orbit.x[0, 0]))
@@ -95,15 +95,15 @@ class Tasks:
                 kind=kind, p=met.p, x=begin.sample.orbit.x[:, 0], note=note, cause=met.cause,
                 precision=met.precision, collision=met,
             )  # fmt: skip
-            found.append(Start(beside(begin), end))
+            found.append(BranchStart(beside(begin), end))
         return found
 
-    def switches(self, end: End, orders: Sequence[int]) -> list[Start]:
+    def switches(self, end: End, orders: Sequence[int]) -> list[BranchStart]:
         """Branches that start at a flip or a branch point."""
         found = [beside(each, APART) for each in self._others(end, orders)]
-        return [Start(each, end) for each in found if each.before is not None]
+        return [BranchStart(each, end) for each in found if each.before is not None]
 
-    def ahead(self, start: Start) -> Followed:
+    def ahead(self, start: BranchStart) -> Followed:
         """The branch that begins, or goes on, at a special point."""
         begin = start.begin
         found = self._trace(begin)
@@ -157,9 +157,9 @@ class Tasks:
         return end_of(found.arrival, self.base, found.samples[-1].orbit)
 
     @staticmethod
-    def _onward(*traces: tuple[Trace, End]) -> tuple[Start, ...]:
+    def _onward(*traces: tuple[Trace, End]) -> tuple[BranchStart, ...]:
         found = ((each.arrival.onward, end) for each, end in traces)
-        return tuple(Start(onward, end) for onward, end in found if onward is not None)
+        return tuple(BranchStart(onward, end) for onward, end in found if onward is not None)
 
     def _cycle_at(self, x: Floats, p: Floats) -> orbits.Orbit | None:
         """The cycle with some points (n,); None where the map has no value."""

@@ -22,7 +22,7 @@ from woodpecker.mechanics.equations import (
 from woodpecker.mechanics.modes import (
     LAMBDA,
     OMEGA,
-    Contact,
+    ContactState,
     mode_states,
     model,
 )
@@ -465,9 +465,9 @@ def _initial(toy: Toy, state: State) -> tuple[Floats, npt.NDArray[np.int64]]:
         if gaps[i] == 0.0 and rates[i] == 0.0:
             slip = float(np.dot(tangential_directions(toy)[i], z[3:6]))
             states[i] = (
-                Contact.STICK if slip == 0.0
-                else Contact.SLIP_POSITIVE if slip > 0.0
-                else Contact.SLIP_NEGATIVE
+                ContactState.STICK if slip == 0.0
+                else ContactState.SLIP_POSITIVE if slip > 0.0
+                else ContactState.SLIP_NEGATIVE
             )  # fmt: skip
     return z, states
 
@@ -539,7 +539,7 @@ def _sliding_work(trajectory: Trajectory) -> float:
     total = 0.0
     for phase, start, end in zip(trajectory.phases, starts, ends, strict=True):
         mode = int(phase[7])
-        sliding = [i for i, s in enumerate(mode_states(mode)) if s > Contact.STICK]
+        sliding = [i for i, s in enumerate(mode_states(mode)) if s > ContactState.STICK]
         if not sliding or end <= start:
             continue
         swung = 2.0 * numbers[mode, OMEGA] * (end - start)

@@ -17,7 +17,7 @@ from woodpecker.slices.orbits import Orbit
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Limit:
+class OneSided:
     """One-sided limit of P_N at a jump.
 
     Attributes
@@ -80,8 +80,8 @@ class Jump:
     head: Orbit
     code: int
     order: int
-    inner: Limit
-    outer: Limit
+    inner: OneSided
+    outer: OneSided
     outer_code: int
 
     @property
@@ -121,7 +121,7 @@ class Jump:
         return f"{outer} / {inner}" if self.inner_side > 0 else f"{inner} / {outer}"
 
 
-def limit_of(map_: PiecewiseMap, first: Image, returns: int, p: float) -> Limit:
+def limit_of(map_: PiecewiseMap, first: Image, returns: int, p: float) -> OneSided:
     """Follow the value of an image for some returns."""
     x, images = list[float](), [first]
     for _ in range(returns):
@@ -129,7 +129,7 @@ def limit_of(map_: PiecewiseMap, first: Image, returns: int, p: float) -> Limit:
             break
         x.append(images[-1].value)
         images.append(map_.at(x[-1], p))
-    return Limit(tuple(x), tuple(images))
+    return OneSided(tuple(x), tuple(images))
 
 
 def jump_of(map_: PiecewiseMap, head: Orbit, code: int, order: int, settings: Settings) -> Jump:

@@ -15,7 +15,7 @@ from woodpecker.maps.pieces import Image
 from woodpecker.slices.bracketing import bracketed
 from woodpecker.slices.extents import Knot
 from woodpecker.slices.margins import is_within
-from woodpecker.slices.partition import Cylinder, Partition
+from woodpecker.slices.partition import Partition, PieceExtent
 
 DEEPEST = 60  # samples about a turning point, so many that they never end; a handful is usual
 
@@ -146,7 +146,7 @@ class _Refined:
     def __init__(self, p: float, settings: Settings) -> None:
         self.p, self._turned = p, settings.same * settings.x_scale
 
-    def parts(self, cylinder: Cylinder) -> Iterator[list[Knot]]:
+    def parts(self, cylinder: PieceExtent) -> Iterator[list[Knot]]:
         """Samples of the parts of a piece between its turning points, values ascending."""
         if len(cylinder.x) < 2:
             return

@@ -32,7 +32,7 @@ LONG = 0.25
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Cylinder:
+class PieceExtent:
     """A piece of the map between two points.
 
     Attributes
@@ -75,7 +75,7 @@ class Partition:
 
     p: float
     window: tuple[float, float]
-    cylinders: tuple[Cylinder, ...]
+    cylinders: tuple[PieceExtent, ...]
     gaps: tuple[tuple[float, float], ...]
 
     @property
@@ -214,7 +214,7 @@ class _Walk:
     ) -> None:
         self.map, self.p, self.settings, self._side_of = map_, p, settings, side
         self._allowed = allowed
-        self.cylinders: list[Cylinder] = []
+        self.cylinders: list[PieceExtent] = []
         self.gaps: list[tuple[float, float]] = []
         self._even = EVEN * settings.x_scale
         self._thin = THIN * settings.beside * settings.x_scale
@@ -231,7 +231,7 @@ class _Walk:
             if not self._holds(found):
                 return self._passed(_Gap(at, high, side))
             way = self._reach(found, at, 1, high)
-            self.cylinders.append(Cylinder(way.x, way.images, (code, way.code)))
+            self.cylinders.append(PieceExtent(way.x, way.images, (code, way.code)))
             if way.end >= high:
                 return []
             side = self._common([*self._sides(way), *([side] if side else [])])
@@ -314,7 +314,7 @@ class _Walk:
         ahead = self._reach(found, middle, 1, gap.high)
         x = (*back.x[::-1], *ahead.x[1:])
         images = (*back.images[::-1], *ahead.images[1:])
-        self.cylinders.append(Cylinder(x, images, (back.code, ahead.code)))
+        self.cylinders.append(PieceExtent(x, images, (back.code, ahead.code)))
         below, above = self._common(self._sides(back)), self._common(self._sides(ahead))
         inner = _Gap(gap.low, back.end, gap.side, gap.after, below)
         rest = _Gap(ahead.end, gap.high, above, ahead.code >= 0, gap.above)

@@ -29,8 +29,8 @@ from woodpecker.slices.orbits import (
 )
 from woodpecker.slices.partition import (
     NEAR_DIAGONAL,
-    Cylinder,
     Partition,
+    PieceExtent,
     beside_diagonal,
     beside_window,
     partition,
@@ -221,7 +221,7 @@ class _Point(NamedTuple):
     image: Image
 
 
-def _parts(cylinder: Cylinder, p: float) -> Iterator[tuple[_Point, _Point]]:
+def _parts(cylinder: PieceExtent, p: float) -> Iterator[tuple[_Point, _Point]]:
     """Neighbouring samples, with more of them where P(x) - x may turn round beyond the diagonal."""
     points = [_Point(x, image) for x, image in zip(cylinder.x, cylinder.images, strict=True)]
     for pair in pairwise(points):

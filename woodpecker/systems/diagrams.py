@@ -21,7 +21,7 @@ from woodpecker.maps.pieces import Image as LineImage
 from woodpecker.search.diagrams import whole_diagram
 from woodpecker.search.search import Search
 from woodpecker.systems.returns import SystemMap
-from woodpecker.systems.verbs import Cycle
+from woodpecker.systems.verbs import SystemCycle
 
 REPEATS = 1e-6  # scaled: an orbit that has settled repeats itself so closely
 LONGEST = 64  # period that is looked for
@@ -267,7 +267,7 @@ def _period(x: Floats) -> int:
 
 
 def basins(
-    map_: SystemMap, cycles: Sequence[Cycle], points: npt.ArrayLike, *, returns: int = 200,
+    map_: SystemMap, cycles: Sequence[SystemCycle], points: npt.ArrayLike, *, returns: int = 200,
     near: float = 1e-3, p: npt.ArrayLike | None = None,
 ) -> Ints:  # fmt: skip
     """Which of some cycles the orbits of many points come to.
@@ -304,7 +304,7 @@ def basins(
     if not len(cycles):
         raise ValueError("at least one cycle is needed, got none")
     for cycle in cycles:
-        instance("cycle", cycle, Cycle)
+        instance("cycle", cycle, SystemCycle)
     returns, near = whole("returns", returns), positive("near", near)
     values = map_.p if p is None else np.atleast_1d(real_array("p", p))
     places = np.concatenate([cycle.x for cycle in cycles])

@@ -44,7 +44,7 @@ Watched = Callable[[Floats], Floats]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Start:
+class GuardStart:
     """How a guard begins.
 
     Attributes
@@ -161,7 +161,7 @@ class Series:
 
 
 def series(
-    step: Step, begin: float, watch: Watched, starts: Sequence[Start]
+    step: Step, begin: float, watch: Watched, starts: Sequence[GuardStart]
 ) -> Iterator[list[Series]]:
     """Series of all guards over the windows of a step that begins at a time of the phase.
 
@@ -195,7 +195,7 @@ def _are_resolved(values: Floats) -> bool:
 
 
 def _series(
-    value: Floats, start: Start, times: Floats, window: tuple[float, float], *, first: bool
+    value: Floats, start: GuardStart, times: Floats, window: tuple[float, float], *, first: bool
 ) -> Series:
     order = start.order if first else 0
     row = (value - start.noise(times)) / times**order if order else value
@@ -363,7 +363,7 @@ class Polynomials:
     """
 
     def __init__(
-        self, length: float, guards: Floats, begin: float, starts: Sequence[Start],
+        self, length: float, guards: Floats, begin: float, starts: Sequence[GuardStart],
         above: Sequence[bool] | None = None,
     ) -> None:  # fmt: skip
         self._begin, self._end, self._starts, self._above = begin, begin + length, starts, above

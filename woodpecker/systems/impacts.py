@@ -124,7 +124,7 @@ class Impact:
         return "I" + "+".join(texts)
 
 
-class Phase(NamedTuple):
+class ImpactPhase(NamedTuple):
     """One phase of an impact of c contacts as a problem in the normal form above.
 
     Attributes
@@ -183,7 +183,9 @@ def decide(eq: Equations, terms: Terms, contacts: tuple[int, ...], u: Floats) ->
     none = np.zeros(count)
     impulses = np.zeros((2, 2, eq.m))
     feeds = none if newton else eps
-    outcome, ends, impulse = solutions(Phase(delassus, free, np.diag(mu), none, rubs), feeds > 0.0)
+    outcome, ends, impulse = solutions(
+        ImpactPhase(delassus, free, np.diag(mu), none, rubs), feeds > 0.0
+    )
     if impulse is None:
         return Decision(outcome, None, u, impulses)
     impulses[0][:, c] = impulse.reshape(2, count)
@@ -197,7 +199,7 @@ def decide(eq: Equations, terms: Terms, contacts: tuple[int, ...], u: Floats) ->
     free = free + delassus @ impulse
     _zero(free, ends[0])
     bound = _bound(eq, mu)
-    final, cases, impulse = solutions(Phase(delassus, free, bound, floor, rubs), none > 0.0)
+    final, cases, impulse = solutions(ImpactPhase(delassus, free, bound, floor, rubs), none > 0.0)
     if impulse is None:
         return Decision(final, None, u, impulses)
     impulses[1][:, c] = impulse.reshape(2, count)
@@ -227,7 +229,7 @@ def _zero(velocity: Floats, cases: Cases) -> None:
             velocity[n + k] = 0.0
 
 
-def solutions(phase: Phase, feeds: Bools) -> tuple[Outcome, tuple[Cases, ...], Floats | None]:
+def solutions(phase: ImpactPhase, feeds: Bools) -> tuple[Outcome, tuple[Cases, ...], Floats | None]:
     """The cases that solve a phase, and its impulses (2c,).
 
     Where several cases solve it with the same velocities, the one with the least violation counts;
@@ -261,7 +263,7 @@ def solutions(phase: Phase, feeds: Bools) -> tuple[Outcome, tuple[Cases, ...], F
     return Outcome.INDETERMINATE, ends, 0.5 * (impulses[low] + impulses[high])
 
 
-def _of_one(phase: Phase) -> tuple[Outcome, tuple[Cases, ...], Floats | None]:
+def _of_one(phase: ImpactPhase) -> tuple[Outcome, tuple[Cases, ...], Floats | None]:
     """The same for one contact, whose six cases are solved in closed form.
 
     Its impulses follow from its velocities, as its two directions are independent.
@@ -325,7 +327,7 @@ def _combinations(rubs: tuple[bool, ...]) -> Ints:
     return np.array(list(product(*(_CASES[each] for each in rubs))))
 
 
-def _proposed(phase: Phase) -> Ints:
+def _proposed(phase: ImpactPhase) -> Ints:
     """The cases (1, c) of the solution to which Lemke's path leads."""
     n = len(phase.rubs)
     found = solve_contact_lcp(phase.delassus, phase.free, phase.bound, phase.floor)
@@ -340,7 +342,7 @@ def _proposed(phase: Phase) -> Ints:
     return np.where(phase.rubs, cases, np.where(rests, REST, FREE))[None]
 
 
-def _try(phase: Phase, tried: Ints) -> tuple[Floats, Floats, Floats]:
+def _try(phase: ImpactPhase, tried: Ints) -> tuple[Floats, Floats, Floats]:
     """Impulses and velocities (count, 2c) of cases, and their largest relative violation."""
     count, n = tried.shape
     rests, tangential = tried < FREE, tried % 3

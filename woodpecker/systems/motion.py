@@ -109,7 +109,7 @@ class Leg:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Event:
+class MotionEvent:
     """What happened at one instant.
 
     Attributes
@@ -211,11 +211,11 @@ class Run:
     durations: list[float] = field(default_factory=list)
     last: Impact | None = None
     symbols: list[str] = field(default_factory=list)
-    events: list[Event] = field(default_factory=list)
+    events: list[MotionEvent] = field(default_factory=list)
     steps: list[tuple[float, Step]] = field(default_factory=list)
 
 
-class Search:
+class MotionSearch:
     """A motion from a state until its return, or until a time.
 
     Parameters
@@ -429,7 +429,7 @@ class Search:
         u = found.z[n : 2 * n]
         found.symbols.append(symbol)
         found.events.append(
-            Event(
+            MotionEvent(
                 symbol=symbol, time=float(found.z[-1]), before=u if before is None else before,
                 after=u, impulses=np.zeros((0, 2, 0)) if impulses is None else impulses,
             )

@@ -29,7 +29,7 @@ from woodpecker.systems.causes import (
     START,
 )
 from woodpecker.systems.flows import LostError, Step
-from woodpecker.systems.guards import Least, Polynomials, Power, Series, Start, series
+from woodpecker.systems.guards import GuardStart, Least, Polynomials, Power, Series, series
 from woodpecker.systems.impacts import (
     ALONG,
     Impact,
@@ -61,7 +61,7 @@ NOTHING = 1e-14  # a margin that is smaller than this with all its derivatives i
 
 
 @dataclass(frozen=True, slots=True)
-class Path:
+class MotionPath:
     """What happens in a return.
 
     Attributes
@@ -82,7 +82,7 @@ class Path:
     word: str = field(compare=False)
 
 
-def path_of(run: Run, turns: int) -> tuple[Path, Floats]:
+def path_of(run: Run, turns: int) -> tuple[MotionPath, Floats]:
     """The path of a motion, and the durations of its phases; equal bounces are one."""
     legs, times = list[Leg](), list[float]()
     for leg, t in zip(run.legs, run.durations, strict=True):
@@ -92,10 +92,10 @@ def path_of(run: Run, turns: int) -> tuple[Path, Floats]:
                 times.pop()
         legs.append(leg)
         times.append(t)
-    return Path(tuple(legs), run.last, turns, " ".join(run.symbols)), np.array(times)
+    return MotionPath(tuple(legs), run.last, turns, " ".join(run.symbols)), np.array(times)
 
 
-class Along(NamedTuple):
+class FollowedPath(NamedTuple):
     """A return along a path, with derivatives in the point and in free parameters.
 
     Attributes
@@ -126,7 +126,7 @@ class NoRootError(Exception):
 class Following:
     """A return along a path from one point."""
 
-    def __init__(self, machine: Machine, embedding: Embedding, path: Path, p: Floats) -> None:
+    def __init__(self, machine: Machine, embedding: Embedding, path: MotionPath, p: Floats) -> None:
         self.machine, self.eq, self.embedding = machine, machine.eq, embedding
         self.path, self.p = path, p
         self.notes: dict[int, tuple[float, Floats]] = {}
@@ -134,7 +134,7 @@ class Following:
         self._flight: tuple[float, Floats] | None = None  # its duration, if it began at rest
         self._slow: tuple[float, Floats] | None = None  # the rate at which it ended, if it is slow
 
-    def follow(self, x: Floats, times: Floats) -> Along:
+    def follow(self, x: Floats, times: Floats) -> FollowedPath:
         """The return; NoRootError or LostError if the path does not reach so far."""
         z, tangents = self.embedding.state(x, self.p)
         self._z, self._tangents, found = z, tangents, times.copy()
@@ -160,7 +160,7 @@ class Following:
             self._impact(self.path.last, k)
         return self._result(found)
 
-    def _result(self, times: Floats) -> Along:
+    def _result(self, times: Floats) -> FollowedPath:
         """The image, with all margins in ascending order of their codes."""
         embedding, turns, p = self.embedding, self.path.turns, self.p
         value = embedding.point(self._z, p, turns)
@@ -175,7 +175,7 @@ class Following:
                 self._note(len(times), PHASE, item, float(margins[item]), gradient)
         codes = sorted(self.notes)
         columns = jacobian.shape[1]
-        return Along(
+        return FollowedPath(
             value, jacobian, np.array([self.notes[c][0] for c in codes]),
             np.array([self.notes[c][1] for c in codes]).reshape(len(codes), columns),
             np.array(codes, dtype=np.int64), times, self._z,
@@ -266,7 +266,7 @@ class Following:
         if self.embedding.counts(leg.mode):
             assert self.embedding.guard is not None
             jet = self.embedding.guard.jet(here)
-            starts[section] = Start(1, jet, True) if k == 0 else Start(0, (), True)
+            starts[section] = GuardStart(1, jet, True) if k == 0 else GuardStart(0, (), True)
         most = self.embedding.section.horizon
         steps = _Steps(self.machine, leg, here.z, self.p, most)
         watch = list(starts)
@@ -298,7 +298,7 @@ class Following:
         value, rate = here.jet(guard, 1)
         return float(value), float(rate)
 
-    def _root_near(self, steps: _Steps, leg: Leg, start: Start, near: float) -> float:
+    def _root_near(self, steps: _Steps, leg: Leg, start: GuardStart, near: float) -> float:
         """The root of the guard that fires, by Newton's method from a neighbour's; nan if none.
 
         Where a guard falls from the start the phase is beyond the border at which it has no
@@ -329,7 +329,7 @@ class Following:
         return t if abs(step) <= 1e-9 * abs(t) and rate < 0.0 else math.nan
 
     def _first_root(
-        self, steps: _Steps, leg: Leg, starts: dict[int, Start], near: float | None
+        self, steps: _Steps, leg: Leg, starts: dict[int, GuardStart], near: float | None
     ) -> float:
         """The first root of the guard that fires; NoRootError if there is none soon."""
         k, start = list(starts).index(leg.guard), starts[leg.guard]
@@ -345,7 +345,7 @@ class Following:
         raise NoRootError
 
     def _windows(
-        self, steps: _Steps, leg: Leg, until: float, starts: dict[int, Start]
+        self, steps: _Steps, leg: Leg, until: float, starts: dict[int, GuardStart]
     ) -> Iterator[Sequence[Series] | Polynomials]:
         """The guards until a time, interval by interval."""
         begin, every = 0.0, list(starts.values())
@@ -435,7 +435,7 @@ class Following:
         return found
 
     def _fired_margins(
-        self, there: Local, leg: Leg, k: int, t: float, start: Start, tangents: Floats,
+        self, there: Local, leg: Leg, k: int, t: float, start: GuardStart, tangents: Floats,
         length: float,
     ) -> Floats:  # fmt: skip
         """That the guard which fires falls; how its time changes (d + k,)."""
@@ -479,7 +479,7 @@ class Following:
         return float(self._rate_by_differences(here, guard, flow)[0])
 
     def _meeting(
-        self, there: Local, guard: int, k: int, t: float, start: Start, tangents: Floats,
+        self, there: Local, guard: int, k: int, t: float, start: GuardStart, tangents: Floats,
         delay: Floats, length: float,
     ) -> None:  # fmt: skip
         """That another guard has not fired before, or at once.
@@ -505,7 +505,9 @@ class Following:
             value, turn = value / scale, turn / scale - start.order * value / scale / t * delay
         self._note(k, MEETING, guard, float(value), turn)
 
-    def _dips(self, steps: _Steps, leg: Leg, k: int, t: float, starts: dict[int, Start]) -> None:
+    def _dips(
+        self, steps: _Steps, leg: Leg, k: int, t: float, starts: dict[int, GuardStart]
+    ) -> None:
         """Least values of guards at their minima within a phase, where they may come near zero."""
         least, highest, watch = Least(), Least(), list(starts)
         for window in self._windows(steps, leg, t, starts):

@@ -8,7 +8,7 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats
 from woodpecker.systems.flows import Flow, Step
-from woodpecker.systems.guards import Polynomials, Start, series
+from woodpecker.systems.guards import GuardStart, Polynomials, series
 from woodpecker.systems.modes import GAP, SECTION, Local, Touch, guard_values, guards_of
 from woodpecker.systems.sections import SectionGuard
 
@@ -50,13 +50,13 @@ class Phase:
         self.watched = guards_of(eq, mode)
         self._guards = list(self.watched)
         if self.flow.has_guards:
-            self.starts = [Start(touch.order(eq, mode, guard)) for guard in self.watched]
+            self.starts = [GuardStart(touch.order(eq, mode, guard)) for guard in self.watched]
         else:
             self.starts = [started(here, touch, guard) for guard in self.watched]
         if self._section is not None:
             self.watched.append(SECTION * eq.m)
             jet = self._section.jet(here) if on_section else ()
-            self.starts.append(Start(int(on_section), jet, True))
+            self.starts.append(GuardStart(int(on_section), jet, True))
         self._above: list[bool] | None = None
 
     def fired(self, step: Step, begin: float, ignored: int) -> tuple[int, float]:
@@ -107,7 +107,7 @@ def short_flight(here: Local, i: int, speed: float) -> float:
     return flight if flight * fastest <= CHATTER else math.inf
 
 
-def started(here: Local, touch: Touch, guard: int) -> Start:
+def started(here: Local, touch: Touch, guard: int) -> GuardStart:
     """How a guard begins, where an event has made some of its derivatives zero."""
     order = touch.order(here.eq, here.mode, guard)
-    return Start(order, here.jet(guard) if order else ())
+    return GuardStart(order, here.jet(guard) if order else ())

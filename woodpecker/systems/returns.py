@@ -13,8 +13,8 @@ from woodpecker.engine.maps import ACCUMULATE, Image
 from woodpecker.systems.causes import cause_of
 from woodpecker.systems.flows import LostError
 from woodpecker.systems.model import ContactSystem
-from woodpecker.systems.motion import EVENTS_MOST, Backend, Machine, MotionStatus, Run, Search
-from woodpecker.systems.paths import Along, Following, NoRootError, Path, path_of
+from woodpecker.systems.motion import EVENTS_MOST, Backend, Machine, MotionSearch, MotionStatus, Run
+from woodpecker.systems.paths import FollowedPath, Following, MotionPath, NoRootError, path_of
 from woodpecker.systems.sections import Embedding, Section
 
 TOO_FAR = "the path does not reach so far"
@@ -95,7 +95,7 @@ class SystemMap:
         z, _ = self.embedding.state(x, values)
         if not np.isfinite(z).all():
             return Run(z, MotionStatus.OVERFLOW)
-        search = Search(self.machine, values, self.embedding, events_most=self.events_most)
+        search = MotionSearch(self.machine, values, self.embedding, events_most=self.events_most)
         return search.run(z, self.embedding.touch)
 
     def image(self, x: Floats, p: Floats) -> Floats | None:
@@ -141,7 +141,7 @@ class SystemMap:
         return around or replace(self.at(x, p), reason=lost or ACCUMULATE)
 
     def _nowhere(self, reason: str) -> Image:
-        return undefined(SystemPiece(self, Path((), None, 0, reason), np.zeros(0)), reason)
+        return undefined(SystemPiece(self, MotionPath((), None, 0, reason), np.zeros(0)), reason)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -159,7 +159,7 @@ class SystemPiece:
     """
 
     whole: SystemMap
-    path: Path
+    path: MotionPath
     times: Floats = field(repr=False)
 
     @property
@@ -172,7 +172,7 @@ class SystemPiece:
         """The sequence of events."""
         return self.path.word
 
-    def along(self, x: Floats, p: Floats) -> Along | None:
+    def along(self, x: Floats, p: Floats) -> FollowedPath | None:
         """The return along the path; None if it does not reach so far."""
         whole = self.whole
         following = Following(whole.machine, whole.embedding, self.path, whole.values(p))

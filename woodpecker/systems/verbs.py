@@ -21,10 +21,10 @@ from woodpecker.systems.flows import Step
 from woodpecker.systems.model import ContactSystem
 from woodpecker.systems.motion import (
     Backend,
-    Event,
     Machine,
+    MotionEvent,
+    MotionSearch,
     MotionStatus,
-    Search,
 )
 from woodpecker.systems.returns import SystemMap
 from woodpecker.systems.sections import touching
@@ -60,7 +60,7 @@ class Motion:
     t: Floats
     q: Floats
     u: Floats
-    events: tuple[Event, ...]
+    events: tuple[MotionEvent, ...]
     word: str
     status: MotionStatus
     z: Floats = field(repr=False)
@@ -121,7 +121,7 @@ def simulate(
     most = whole("max_events", max_events, 1, COUNTED_MOST)
     p = machine.eq.p
     touch, striking = touching(machine.eq, z, p, ROUNDING)
-    search = Search(machine, p, t_end=t_end, events_most=most, keeps=True)
+    search = MotionSearch(machine, p, t_end=t_end, events_most=most, keeps=True)
     run = search.run(z, touch, striking)
     t, states = _sampled(z, run.z, run.steps, samples, run.events)
     n = system.n
@@ -148,7 +148,7 @@ def state_of(system: ContactSystem, start: Mapping[Any, float]) -> Floats:
 
 def _sampled(
     first: Floats, last: Floats, steps: Sequence[tuple[float, Step]], samples: int,
-    events: Sequence[Event],
+    events: Sequence[MotionEvent],
 ) -> tuple[Floats, Floats]:  # fmt: skip
     """Times and states: evenly spaced ones, and where each step begins and ends."""
     grid = np.linspace(first[-1], last[-1], samples)
@@ -255,7 +255,7 @@ class CycleStatus(Enum):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Cycle:
+class SystemCycle:
     """A periodic solution: a cycle of a return map.
 
     Attributes
@@ -294,7 +294,7 @@ class Cycle:
 
 def shoot(
     map_: SystemMap, guess: npt.ArrayLike, *, order: int = 1, p: npt.ArrayLike | None = None
-) -> Cycle:
+) -> SystemCycle:
     """A cycle near a guess, by Newton's method; words may change on the way.
 
     Parameters
@@ -374,14 +374,16 @@ def _damped(
 
 def _cycle(
     map_: SystemMap, x: Floats, p: Floats, images: Sequence[Image], status: CycleStatus
-) -> Cycle:
+) -> SystemCycle:
     if not images:
         none = np.full(map_.d, np.nan, dtype=complex)
-        return Cycle(x=x[None], p=p, multipliers=none, word="", residual=math.nan, status=status)
+        return SystemCycle(
+            x=x[None], p=p, multipliers=none, word="", residual=math.nan, status=status
+        )
     whole_ = chained(list(images))
     multipliers = np.linalg.eigvals(whole_.jacobian[:, : map_.d]).astype(complex)
     multipliers = multipliers[np.argsort(-np.abs(multipliers))]
-    return Cycle(
+    return SystemCycle(
         x=np.array([x, *(image.value for image in images[:-1])]), p=p, multipliers=multipliers,
         word=whole_.piece.word, status=status,
         residual=float(np.abs((whole_.value - x) / map_.x_scale).max()),
@@ -389,7 +391,7 @@ def _cycle(
 
 
 def continuation(
-    map_: SystemMap, cycle: Cycle, span: tuple[float, float],
+    map_: SystemMap, cycle: SystemCycle, span: tuple[float, float],
     window: Sequence[tuple[float, float]], *, orders: Sequence[int] = (1, 2), step: float = 0.01,
     min_step: float = 1e-9, max_step: float = 0.05, max_branches: int = 500,
 ) -> Connected:  # fmt: skip
@@ -425,7 +427,7 @@ def continuation(
         If the map has no free parameter, the cycle was not found, or an interval is empty.
     """
     instance("map_", map_, SystemMap)
-    instance("cycle", cycle, Cycle)
+    instance("cycle", cycle, SystemCycle)
     if not map_.k:
         raise ValueError("the map has no free parameter to be followed over")
     if not cycle.success:

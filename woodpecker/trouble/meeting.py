@@ -13,7 +13,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.engine.line import LinePiece
 from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, Orbit, orbit_of
-from woodpecker.search.curves import Curve, Followed
+from woodpecker.search.curves import BranchCurve, Followed
 from woodpecker.search.ends import End
 from woodpecker.search.tasks import Tasks
 from woodpecker.slices import orbits
@@ -31,7 +31,7 @@ Key = tuple[Effect, str, str]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Met:
+class MetOnLine:
     """A special point, or a change of word, on a line from the toy.
 
     Attributes
@@ -69,7 +69,7 @@ class Met:
 
 def met_along(
     space: Space, direction: Floats, most: float = FARTHEST, *, past: bool = True
-) -> list[Met]:
+) -> list[MetOnLine]:
     """Everything that a motion meets on a line, in order, until it is destroyed.
 
     Past a flip and whatever else only makes it unstable it is followed on, unless ``past`` is
@@ -85,7 +85,7 @@ def met_along(
     start = cycle_on(line, space.points, settings)
     if start is None:
         return []
-    tasks, found = Tasks(line, settings), list[Met]()
+    tasks, found = Tasks(line, settings), list[MetOnLine]()
     followed, lost = tasks.cycle(start), -1  # since which of what was found it is unstable
     while True:
         curve = followed.curve
@@ -104,17 +104,17 @@ def met_along(
         followed = tasks.ahead(followed.onward[0])
 
 
-def _within(lost: Met) -> float:
+def _within(lost: MetOnLine) -> float:
     """Up to where a motion may be unstable in a spike only."""
     return lost.size * (1.0 + SPIKE)
 
 
-def _is_stable(curve: Curve) -> bool:
+def _is_stable(curve: BranchCurve) -> bool:
     """Whether the cycles of a branch are stable, but for those at its ends perhaps."""
     return bool(np.median(np.abs(curve.multiplier)) < 1.0)
 
 
-def _spike(found: list[Met], lost: int) -> Met:
+def _spike(found: list[MetOnLine], lost: int) -> MetOnLine:
     """What is met in a spike, as one: the border at which it stands, if there is one."""
     near = found[lost].size * (1.0 - SPIKE)
     borders = [
@@ -134,7 +134,7 @@ def cycle_on(line: ToyLine, x: Floats, settings: Settings) -> orbits.Orbit | Non
 
 def _read(
     followed: Followed, line: ToyLine, direction: Floats, settings: Settings
-) -> Iterator[Met]:
+) -> Iterator[MetOnLine]:
     """What a branch meets, in order of the distance from the toy."""
     curve = followed.curve
 
@@ -142,10 +142,10 @@ def _read(
         p = float(curve.parameter[k])
         return [LinePiece(line.at(float(each), p).piece) for each in curve.points[k]]
 
-    def met(k: int, effect: Effect, kind: str, cause: str) -> Met:
+    def met(k: int, effect: Effect, kind: str, cause: str) -> MetOnLine:
         orbit = orbit_of(pieces(k - 1), curve.points[k][:, None], curve.parameter[k : k + 1])
         condition = _condition(orbit, kind, cause, settings)
-        return Met(effect, kind, cause, curve.parameter[k] * direction, orbit, condition)
+        return MetOnLine(effect, kind, cause, curve.parameter[k] * direction, orbit, condition)
 
     def words(k: int) -> list[str]:
         return [piece.word for piece in pieces(k)]

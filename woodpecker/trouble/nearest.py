@@ -19,7 +19,7 @@ from woodpecker.engine.line import LinePiece
 from woodpecker.engine.orbits import Closed, Condition, Multiplier, OnBorder, Orbit, orbit_of
 from woodpecker.slices.orbits import first_piece, to_engine
 from woodpecker.trouble.changes import FARTHEST, Space
-from woodpecker.trouble.meeting import SPIKE, Key, Met, cycle_on, met_along
+from woodpecker.trouble.meeting import SPIKE, Key, MetOnLine, cycle_on, met_along
 
 SEEDS = 16  # conditions, the nearest to first order, that are looked for
 STEPS = 40  # towards the nearest place of a condition; about ten are usual
@@ -45,7 +45,7 @@ def _gradient(space: Space, u: Floats, orbit: Orbit, condition: Condition) -> Fl
     return gradient
 
 
-def nearest(space: Space, seed: Met, seen: dict[Key, Met]) -> tuple[Met, float]:
+def nearest(space: Space, seed: MetOnLine, seen: dict[Key, MetOnLine]) -> tuple[MetOnLine, float]:
     """The smallest change at which a condition holds, from one at which it does.
 
     Whatever else is met on the way is kept in ``seen`` if it is nearer than what is known of it.
@@ -71,7 +71,7 @@ def nearest(space: Space, seed: Met, seen: dict[Key, Met]) -> tuple[Met, float]:
     return here, _angle(space, here)[0]
 
 
-def _angle(space: Space, here: Met) -> tuple[float, Floats]:
+def _angle(space: Space, here: MetOnLine) -> tuple[float, Floats]:
     """Sine of the angle between change and gradient, and the nearest change to first order."""
     if here.condition is None:
         return math.nan, here.u
@@ -79,7 +79,7 @@ def _angle(space: Space, here: Met) -> tuple[float, Floats]:
     return float(np.linalg.norm(target - here.u)) / here.size, target
 
 
-def _polished(space: Space, here: Met) -> Floats | None:
+def _polished(space: Space, here: MetOnLine) -> Floats | None:
     """The smallest change with the pieces and the condition of one that is nearly that.
 
     Points of the cycle and parameters are the unknowns, so folds are no exception.
@@ -125,7 +125,7 @@ def _jacobian(orbit: Orbit, *conditions: Condition) -> Floats:
     return rows[:, :-1]
 
 
-def _target(space: Space, here: Met) -> Floats:
+def _target(space: Space, here: MetOnLine) -> Floats:
     """The smallest change at which a condition holds to first order."""
     assert here.condition is not None
     gradient = _gradient(space, here.u, here.orbit, here.condition)
@@ -134,7 +134,9 @@ def _target(space: Space, here: Met) -> Floats:
     return space.projected(gradient, float(gradient @ here.u))
 
 
-def _turned(space: Space, here: Met, target: Floats, seen: dict[Key, Met]) -> Met | None:
+def _turned(
+    space: Space, here: MetOnLine, target: Floats, seen: dict[Key, MetOnLine]
+) -> MetOnLine | None:
     """The same condition at a smaller change, in the direction of the target or part of the way.
 
     Where the condition bends the target is too near or too far: twice and half of the way are
@@ -150,7 +152,9 @@ def _turned(space: Space, here: Met, target: Floats, seen: dict[Key, Met]) -> Me
     return min(found, key=lambda each: each.size, default=None)
 
 
-def _same(space: Space, here: Met, way: Floats, seen: dict[Key, Met]) -> Met | None:
+def _same(
+    space: Space, here: MetOnLine, way: Floats, seen: dict[Key, MetOnLine]
+) -> MetOnLine | None:
     """The same condition in another direction, if the change is no larger there.
 
     A line that ended right there could not tell a spike from what makes a motion unstable for good.
@@ -161,7 +165,7 @@ def _same(space: Space, here: Met, way: Floats, seen: dict[Key, Met]) -> Met | N
     return next((each for each in found if each.key == here.key and each.size <= most), None)
 
 
-def keep(found: Sequence[Met], seen: dict[Key, Met]) -> None:
+def keep(found: Sequence[MetOnLine], seen: dict[Key, MetOnLine]) -> None:
     """Keep of each condition the nearest place."""
     for each in found:
         if each.key not in seen or each.size < seen[each.key].size:

@@ -17,7 +17,7 @@ from woodpecker.mechanics.toy import Toy, known_parameter, parameters
 from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.trouble.changes import FARTHEST, FLOOR, Space, space_of
 from woodpecker.trouble.found import ENDS, Effect, Limit, Robustness, Trouble
-from woodpecker.trouble.meeting import SPIKE, Key, Met, met_along
+from woodpecker.trouble.meeting import SPIKE, Key, MetOnLine, met_along
 from woodpecker.trouble.nearest import LEVEL, first_guesses, keep, nearest
 from woodpecker.window import WINDOW
 
@@ -84,7 +84,7 @@ def robustness(
     """
     wanted = _checked(toy, orbit, names)
     space = space_of(orbit, wanted, settings)
-    seen = dict[Key, Met]()
+    seen = dict[Key, MetOnLine]()
     single = tuple(_limits(orbit, wanted, settings))
     for guess in first_guesses(space):
         keep(met_along(space, guess, min(FARTHEST, WIDE * float(np.linalg.norm(guess)))), seen)
@@ -122,23 +122,23 @@ def _checked(toy: Toy, orbit: PeriodicOrbit, names: Sequence[str] | None) -> tup
     return wanted
 
 
-def _refined(space: Space, seen: dict[Key, Met]) -> list[tuple[Met, float]]:
+def _refined(space: Space, seen: dict[Key, MetOnLine]) -> list[tuple[MetOnLine, float]]:
     """The nearest place of every condition that ends a motion, and of the nearest that do not."""
-    done = dict[Key, tuple[Met, float]]()
+    done = dict[Key, tuple[MetOnLine, float]]()
     while True:
         left = [met for key, met in seen.items() if key not in done and _counts(met, done)]
         if not left:
             break
         met = min(left, key=lambda each: each.size)
         done[met.key] = nearest(space, met, seen)
-    found = list[tuple[Met, float]]()
+    found = list[tuple[MetOnLine, float]]()
     for met, angle in sorted(done.values(), key=lambda each: each[0].size):
         if all(_differ(met, other) for other, _ in found):
             found.append((met, angle))
     return found
 
 
-def _counts(met: Met, done: Mapping[Key, object]) -> bool:
+def _counts(met: MetOnLine, done: Mapping[Key, object]) -> bool:
     """Whether a condition is worth its nearest place."""
     if met.condition is None and met.effect not in ENDS:
         return False
@@ -148,14 +148,14 @@ def _counts(met: Met, done: Mapping[Key, object]) -> bool:
     return alike < (MOST if met.effect in ENDS else MOST_HARMLESS)
 
 
-def _differ(one: Met, other: Met) -> bool:
+def _differ(one: MetOnLine, other: MetOnLine) -> bool:
     """Whether two places are not one that goes by two names."""
     apart = float(np.linalg.norm(one.u - other.u))
     return one.effect is not other.effect or apart > ALIKE * other.size
 
 
 def _rows(
-    orbit: PeriodicOrbit, space: Space, found: Sequence[tuple[Met, float]]
+    orbit: PeriodicOrbit, space: Space, found: Sequence[tuple[MetOnLine, float]]
 ) -> Iterator[Trouble]:
     """What is reported of places.
 
@@ -169,7 +169,7 @@ def _rows(
             yield _row(space, met, met.effect, angle, space.names)
 
 
-def _at_zero(orbit: PeriodicOrbit, space: Space, met: Met) -> tuple[Space, Met] | None:
+def _at_zero(orbit: PeriodicOrbit, space: Space, met: MetOnLine) -> tuple[Space, MetOnLine] | None:
     """The same place with restitutions at zero where the change leaves them there; None if none."""
     zero = [k for k, name in enumerate(space.names) if getattr(orbit.toy, name) == 0.0]
     if not zero or (met.u[zero] > FLOOR).any() or len(zero) == len(space.names):
@@ -181,7 +181,9 @@ def _at_zero(orbit: PeriodicOrbit, space: Space, met: Met) -> tuple[Space, Met] 
     return (exact, near[-1]) if near else None
 
 
-def _row(own: Space, there: Met, effect: Effect, angle: float, names: Sequence[str]) -> Trouble:
+def _row(
+    own: Space, there: MetOnLine, effect: Effect, angle: float, names: Sequence[str]
+) -> Trouble:
     """What is reported of a place."""
     confirmed, evidence = _evidence(own, there)
     percents = dict(zip(own.names, (PERCENT * there.u).tolist(), strict=True))
@@ -193,7 +195,7 @@ def _row(own: Space, there: Met, effect: Effect, angle: float, names: Sequence[s
     )  # fmt: skip
 
 
-def _evidence(space: Space, met: Met) -> tuple[bool, str]:
+def _evidence(space: Space, met: MetOnLine) -> tuple[bool, str]:
     """What shooting finds on both sides of a place, and whether that is what it should be."""
     orbits = []
     for part in (1.0 - BESIDE, 1.0 + BESIDE):
@@ -238,7 +240,7 @@ def _limits(orbit: PeriodicOrbit, names: Sequence[str], settings: Settings) -> I
             yield _limit(space, direction, found)
 
 
-def _limit(space: Space, direction: int, found: Sequence[Met]) -> Limit:
+def _limit(space: Space, direction: int, found: Sequence[MetOnLine]) -> Limit:
     """What ends a motion as one parameter changes."""
     name = space.names[0]
     if not found or found[-1].effect not in ENDS:

@@ -21,7 +21,7 @@ from pwmap.cli import app as pwmap_app
 from woodpecker.cli.app import app
 from woodpecker.mechanics.toy import ExpansionFriction, Toy, description, parameters
 from woodpecker.plot import figures as plot
-from woodpecker.plot.curve import Curve, Detail
+from woodpecker.plot.curve import Detail, MapSamples
 from woodpecker.simulation.returns import first_return
 
 runner = CliRunner()
@@ -398,7 +398,7 @@ def test_ctrl_c_while_the_picture_is_refined(
 ) -> None:
     curves = plot.curves
 
-    def interrupted(*arguments: Any) -> Iterator[Curve]:
+    def interrupted(*arguments: Any) -> Iterator[MapSamples]:
         yield next(curves(*arguments))
         raise KeyboardInterrupt
 

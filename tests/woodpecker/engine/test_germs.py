@@ -8,7 +8,7 @@ import sympy
 
 from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker.engine import tracing
-from woodpecker.engine.curves import Curve, CurveSettings
+from woodpecker.engine.curves import CurveSettings, SolutionCurve
 from woodpecker.engine.formulas import expression_map
 from woodpecker.engine.germs import beginnings
 from woodpecker.engine.maps import Chain
@@ -112,7 +112,9 @@ def test_what_starts_at_a_collision() -> None:
     """At p = 0 the fixed point of L meets the border: it, and one crossing of each order."""
     settings = CurveSettings(spans=((-1.0, 2.0),), window=((-9.0, 9.0),))
     base = cycles((0,), (1.0,), (1.0,))
-    found = list(beginnings(Curve(LINES, base, settings), np.zeros((1, 1)), np.zeros(1), (1, 2, 3)))
+    found = list(
+        beginnings(SolutionCurve(LINES, base, settings), np.zeros((1, 1)), np.zeros(1), (1, 2, 3))
+    )
     assert [(each.order, each.is_crossing, each.ahead > 0.0) for each in found] == [
         (1, False, False), (1, True, True), (2, True, True), (3, True, True),
     ]  # fmt: skip

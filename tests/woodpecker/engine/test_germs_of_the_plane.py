@@ -14,7 +14,7 @@ import pytest
 import sympy
 
 from pwmap.diagrams.diagram import PointKind
-from woodpecker.engine.curves import Curve, CurveSettings
+from woodpecker.engine.curves import CurveSettings, SolutionCurve
 from woodpecker.engine.formulas import ExpressionMap, expression_map
 from woodpecker.engine.germs import beginnings
 from woodpecker.engine.network import connected
@@ -93,7 +93,7 @@ def test_cycles_that_start_at_collisions(jumps: bool, count: int) -> None:
             continue
         map_ = affine.expressions()
         found = connected(map_, start, [0.7], SETTINGS, orders=ORDERS[:2])
-        base = Curve(map_, cycles((0,), (1.0, 1.0), (1.0,)), SETTINGS)
+        base = SolutionCurve(map_, cycles((0,), (1.0, 1.0), (1.0,)), SETTINGS)
         for point in found.diagram.points:
             if point.kind not in (PointKind.BC, PointKind.FF) or abs(point.parameter) > 1.4:
                 continue

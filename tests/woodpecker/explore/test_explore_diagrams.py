@@ -15,8 +15,8 @@ from pwmap.explore.diagrams import nearest_line, nearest_sample, shown
 from pwmap.explore.figures import cobweb
 from pwmap.explore.jobs import Failure, Job, JobFinished
 from pwmap.explore.labels import place
-from woodpecker.explore.branches import Progress, diagram, key_of
-from woodpecker.explore.state import State
+from woodpecker.explore.branches import DiagramProgress, diagram, key_of
+from woodpecker.explore.state import PageState
 
 
 def lines() -> Any:
@@ -78,15 +78,15 @@ def test_a_cobweb_goes_to_the_map_and_to_the_diagonal() -> None:
 
 
 def test_a_diagram_does_not_depend_on_where_its_parameter_is() -> None:
-    a, b = State(toy=Toy(eps_n1=0.3)), State(toy=Toy(eps_n1=0.4))
+    a, b = PageState(toy=Toy(eps_n1=0.3)), PageState(toy=Toy(eps_n1=0.4))
     assert key_of(a) == key_of(b)
-    assert key_of(a) != key_of(State(toy=Toy(mu_2=0.31)))
+    assert key_of(a) != key_of(PageState(toy=Toy(mu_2=0.31)))
 
 
 @pytest.mark.slow
 def test_branches_are_told_as_they_are_found() -> None:
-    stages = list(diagram(State(span=(0.1, 0.7))))
-    assert all(isinstance(each, Progress) for each in stages)
+    stages = list(diagram(PageState(span=(0.1, 0.7))))
+    assert all(isinstance(each, DiagramProgress) for each in stages)
     assert stages[-1].done
     counts = [len(each.shown.diagram.branches) for each in stages]
     assert counts == sorted(counts)

@@ -10,16 +10,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woodpecker import Toy
-from woodpecker.explore.state import State, from_query, python_of, to_query, usual_span
+from woodpecker.explore.state import PageState, from_query, python_of, to_query, usual_span
 from woodpecker.explore.tour import TOUR
 
 UNIT = st.floats(0.0, 1.0)
 
 
 def test_an_empty_link_is_the_paper() -> None:
-    assert to_query(State()) == ""
-    assert from_query("") == State()
-    assert State().toy == Toy()
+    assert to_query(PageState()) == ""
+    assert from_query("") == PageState()
+    assert PageState().toy == Toy()
 
 
 @given(
@@ -32,7 +32,7 @@ def test_a_link_holds_every_bit(
     values: dict[str, float], phi_s: float, periodic: bool, order: int, law: str, over: str,
     every: tuple[int, ...], tour: int,
 ) -> None:  # fmt: skip
-    state = State(
+    state = PageState(
         toy=Toy(**values, expansion_friction=law), phi_s=phi_s, periodic=periodic, order=order,
         parameter=over, span=(0.1, 0.7), every=every, tour=tour, window=(-1.5, phi_s + 5.0),
     )  # fmt: skip
@@ -69,14 +69,14 @@ def test_an_unknown_parameter_is_named() -> None:
 
 
 def test_a_span_follows_its_parameter() -> None:
-    assert State().over("mu_2").span == (0.15, 0.3 * 1.5)
-    assert State().over("eps_n2").span == (0.0, 1.0)
+    assert PageState().over("mu_2").span == (0.15, 0.3 * 1.5)
+    assert PageState().over("eps_n2").span == (0.0, 1.0)
     assert from_query("over=mu_2").span == usual_span(Toy(), "mu_2")
 
 
 def test_the_pole_has_no_end_at_zero() -> None:
-    assert State().with_values({"pole": 0.0}).toy.pole == math.inf
-    assert State().with_values({"pole": 2.0}).toy.pole == 2.0
+    assert PageState().with_values({"pole": 0.0}).toy.pole == math.inf
+    assert PageState().with_values({"pole": 2.0}).toy.pole == 2.0
 
 
 def test_the_tour_follows_the_figures_of_the_paper() -> None:
@@ -91,7 +91,7 @@ def test_the_tour_follows_the_figures_of_the_paper() -> None:
 @pytest.mark.parametrize("changes", [{}, {"order": 2, "phi_s": -0.9, "periodic": False}])
 def test_lines_of_python_run(changes: Any) -> None:
     """They are what a page shows: run up to the diagram, which another test has."""
-    state = replace(State(), **changes)
+    state = replace(PageState(), **changes)
     lines = str(python_of(state))
     space: dict[str, Any] = {}
     exec(lines.partition("\ndiagram =")[0], space)

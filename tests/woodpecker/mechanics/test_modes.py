@@ -37,7 +37,7 @@ from woodpecker.mechanics.modes import (
     TANGENT,
     A,
     B,
-    Contact,
+    ContactState,
     consistent,
     mode_index,
     mode_states,
@@ -46,12 +46,12 @@ from woodpecker.mechanics.modes import (
 from woodpecker.mechanics.toy import Toy
 
 FloatArray = npt.NDArray[np.float64]
-States = tuple[Contact, Contact, Contact]
+States = tuple[ContactState, ContactState, ContactState]
 
-OPEN, STICK, UP, DOWN = Contact
+OPEN, STICK, UP, DOWN = ContactState
 SLIP_SIGN = {UP: 1.0, DOWN: -1.0}
 SLEEVES = [(OPEN, OPEN), *product((STICK, UP, DOWN), (OPEN,)), *product((OPEN,), (STICK, UP, DOWN))]
-EVERY: list[States] = [(beak, *sleeve) for beak in Contact for sleeve in SLEEVES]
+EVERY: list[States] = [(beak, *sleeve) for beak in ContactState for sleeve in SLEEVES]
 LOCKED = [(STICK, STICK, OPEN), (STICK, OPEN, STICK)]  # at rest for good
 MOVING = [states for states in EVERY if consistent(states) and states not in LOCKED]
 

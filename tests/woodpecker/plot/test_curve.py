@@ -9,14 +9,14 @@ import numpy as np
 import pytest
 
 from woodpecker.base.arrays import Floats
-from woodpecker.plot.curve import Curve, Detail, Link, refined
+from woodpecker.plot.curve import Detail, Link, MapSamples, refined
 
 GRID = np.linspace(-1.0, 1.0, 101)
 PLACE = 0.3 + 1e-4  # between two points of the grid
 WIDTH = Detail().finest * math.ulp(PLACE)  # of the interval a jump is known to lie in
 
 
-def last(image: Callable[[Floats], Floats], *, bottom: float = -2.0, **options: int) -> Curve:
+def last(image: Callable[[Floats], Floats], *, bottom: float = -2.0, **options: int) -> MapSamples:
     """The best curve over the grid."""
     *_, curve = refined(image, GRID, image(GRID), bottom=bottom, detail=Detail(**options))
     return curve

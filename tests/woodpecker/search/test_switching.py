@@ -37,7 +37,7 @@ from woodpecker import FormulaMap, Smooth, Toy, connected, continuation, shoot, 
 from woodpecker.base.settings import Settings
 from woodpecker.engine.newton import branch_point
 from woodpecker.runs import saved_diagram
-from woodpecker.search.curves import Curve
+from woodpecker.search.curves import BranchCurve
 from woodpecker.search.diagrams import cycle_near, whole_diagram
 from woodpecker.search.lines import base_of
 from woodpecker.search.network import Network
@@ -282,7 +282,7 @@ def test_branches_with_the_same_ends_are_one(length: float, short_of: float, sam
     curve = chained(Tasks(map_, settings), orbit_of(map_.pieces, np.array([0.6]), 2.5))[0]
     part = np.linspace(0.0, 1.0, 12)
 
-    def between(first: float, last: float) -> Curve:
+    def between(first: float, last: float) -> BranchCurve:
         p = first + (last - first) * part
         points = tuple(np.array([1.0 - 1.0 / each]) for each in p)
         return replace(curve, parameter=p, points=points, multiplier=2.0 - p)

@@ -27,7 +27,7 @@ from woodpecker.mechanics.modes import (
     SLIP,
     A,
     B,
-    Contact,
+    ContactState,
     mode_index,
     model,
 )
@@ -57,7 +57,7 @@ from woodpecker.simulation.trajectory import State, simulate
 
 FloatArray = npt.NDArray[np.float64]
 
-OPEN, STICK, UP, DOWN = (int(state) for state in Contact)
+OPEN, STICK, UP, DOWN = (int(state) for state in ContactState)
 TOY = Toy()
 MANY = 400 if COMPILED else 40  # plain Python is a hundred times slower
 

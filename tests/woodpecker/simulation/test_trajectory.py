@@ -8,7 +8,7 @@ from scenes import run
 
 from woodpecker import State, Status, Toy, energy_balance, first_return, shoot, simulate
 from woodpecker.mechanics.equations import mass_matrix, normal_directions, tangential_directions
-from woodpecker.mechanics.modes import ALPHA, KAPPA, LAMBDA, A, B, Contact, mode_states, model
+from woodpecker.mechanics.modes import ALPHA, KAPPA, LAMBDA, A, B, ContactState, mode_states, model
 from woodpecker.simulation.trajectory import Trajectory
 from woodpecker.simulation.words import EventKind
 
@@ -207,7 +207,7 @@ def test_forces_lie_in_their_cones(scene: tuple[float, float, float]) -> None:
     weight = 9.81 * (toy.m_s + toy.m_m)
     for k, phase in enumerate(path.phases):
         for i, state in enumerate(mode_states(int(phase[7]))):
-            if state == Contact.OPEN:
+            if state == ContactState.OPEN:
                 continue
             force_n, force_t, gap_rate, slip = forces_and_velocities(path, k, i)
             closed += len(force_n)
@@ -216,11 +216,11 @@ def test_forces_lie_in_their_cones(scene: tuple[float, float, float]) -> None:
             assert (force_n >= -slack).all()
             assert (gap_rate == 0.0).all()
             mu = (toy.mu_1, toy.mu_2, toy.mu_3)[i]
-            if state == Contact.STICK:
+            if state == ContactState.STICK:
                 assert (np.abs(force_t) <= mu * force_n + slack).all()
                 assert np.abs(slip).max(initial=0.0) <= 1e-12  # of velocities up to 30 rad/s
             else:
-                sign = 1.0 if state == Contact.SLIP_POSITIVE else -1.0
+                sign = 1.0 if state == ContactState.SLIP_POSITIVE else -1.0
                 np.testing.assert_allclose(force_t, -sign * mu * force_n, rtol=0.0, atol=slack)
                 assert (sign * slip >= -1e-12).all()
     assert closed > 2000
@@ -232,7 +232,7 @@ def test_friction_losses_against_the_trapezoidal_rule(scene: tuple[float, float,
     path, loss = motion(*scene), 0.0
     for k, phase in enumerate(path.phases):
         for i, state in enumerate(mode_states(int(phase[7]))):
-            if state > Contact.STICK:
+            if state > ContactState.STICK:
                 _, force_t, _, slip = forces_and_velocities(path, k, i)
                 end = path.phases[k + 1, 6] if k + 1 < len(path.phases) else path.t_end
                 loss -= float((force_t * slip).sum()) * (end - phase[6]) / 201.0

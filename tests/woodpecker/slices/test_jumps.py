@@ -13,7 +13,7 @@ from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker import FormulaMap, FormulaPiece, PiecewiseMap, Smooth, slices_at
 from woodpecker.base.settings import Settings
 from woodpecker.maps.formulas import Formula
-from woodpecker.search.curves import Curve
+from woodpecker.search.curves import BranchCurve
 from woodpecker.search.ends import End
 from woodpecker.search.tasks import Tasks
 
@@ -23,7 +23,7 @@ SPAN = (-2.0, 3.0)
 
 def jump_at(
     map_: PiecewiseMap, x: float, p: float, settings: Settings | None = None, order: int = 1
-) -> Curve:
+) -> BranchCurve:
     """The branch, without folds, of the jump of P_order near a place whose orbit is the longest."""
     settings = settings or Settings(span=SPAN, window=(-20.0, 20.0))
     (found,) = [each for each in slices_at(map_, p, [order], settings) if each.order == order]
@@ -37,17 +37,17 @@ def jump_at(
     return curve
 
 
-def ends(curve: Curve) -> list[End]:
+def ends(curve: BranchCurve) -> list[End]:
     """By their parameter."""
     return sorted(curve.ends, key=lambda end: end.p)
 
 
-def places(curve: Curve) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
+def places(curve: BranchCurve) -> np.ndarray[tuple[int, int], np.dtype[np.float64]]:
     """(parameter, x) of its ends, by the parameter."""
     return np.array([(end.p, end.x[0]) for end in ends(curve)])
 
 
-def x_of(curve: Curve) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+def x_of(curve: BranchCurve) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
     """Where the jump is, at each sample."""
     return np.array([points[0] for points in curve.points])
 

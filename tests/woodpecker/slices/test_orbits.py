@@ -14,7 +14,7 @@ from woodpecker.base.settings import Settings
 from woodpecker.engine.newton import tangent
 from woodpecker.engine.orbits import Closed, Held
 from woodpecker.maps.formulas import FormulaMap, FormulaPiece, Smooth
-from woodpecker.search.curves import Curve
+from woodpecker.search.curves import BranchCurve
 from woodpecker.search.tasks import Tasks
 from woodpecker.slices.orbits import (
     CYCLE,
@@ -54,7 +54,7 @@ def cycle(x: list[float], p: float) -> Orbit:
     return found
 
 
-def ends(curves: list[Curve]) -> list[tuple[PointKind, float]]:
+def ends(curves: list[BranchCurve]) -> list[tuple[PointKind, float]]:
     return [(end.kind, end.p) for curve in curves for end in curve.ends]
 
 

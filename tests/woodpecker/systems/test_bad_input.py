@@ -13,9 +13,9 @@ from sympy.physics.mechanics import KanesMethod, Particle, Point, ReferenceFrame
 from woodpecker.systems import (
     Contact,
     ContactSystem,
-    Cycle,
     CycleStatus,
     Section,
+    SystemCycle,
     SystemMap,
     continuation,
     from_kane,
@@ -52,8 +52,8 @@ def map_of() -> SystemMap:
     return SystemMap(BALL, SECTION, ["g"], backend="scipy")
 
 
-def no_cycle() -> Cycle:
-    return Cycle(
+def no_cycle() -> SystemCycle:
+    return SystemCycle(
         x=np.zeros((1, 2)), p=np.zeros(1), multipliers=np.zeros(2, dtype=complex), word="",
         residual=np.nan, status=CycleStatus.LOST,
     )  # fmt: skip
