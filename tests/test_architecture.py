@@ -109,6 +109,30 @@ def test_only_drawing_files_import_matplotlib() -> None:
                 assert module.startswith(DRAWING), module
 
 
+SHARED = {  # class names that stand twice, and why
+    "Attractor": "exact in pwmap, counted from orbits in woodpecker",
+    "Certificate": "what `prove` of either package returns",
+    "Image": "of maps of the line, and of R^d",
+    "Jump": "exact in pwmap, numerical in woodpecker",
+    "Network": "of maps of the line, and of R^d",
+    "Node": "of maps of the line, and of R^d",
+    "Orbit": "of maps of the line, and of R^d",
+    "Piece": "exact in pwmap; of maps of the line, and of R^d",
+    "PiecewiseMap": "of maps of the line, and of R^d",
+}
+
+
+def test_a_class_name_stands_for_one_thing() -> None:
+    names = Counter(
+        node.name
+        for package in ("pwmap", "woodpecker")
+        for path in (ROOT / package).rglob("*.py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ClassDef)
+    )
+    assert {name for name, count in names.items() if count > 1} == set(SHARED)
+
+
 # --- Numbers that decide results ------------------------------------------------------------------
 
 WOODPECKER = ROOT / "woodpecker"
