@@ -17,6 +17,7 @@ import matplotlib.pyplot as plt
 import sympy
 
 from pwmap import PointKind
+from pwmap.diagrams.diagram import BranchKind
 from pwmap.plot import plot_diagram
 from studies.common.record import Results, command
 from studies.common.style import WIDTH, grid, keep
@@ -27,7 +28,7 @@ X, Y, V, T = sympy.symbols("x y u_x t")
 W, F, A, C, S, EPS, ZETA = sympy.symbols("w F a c s eps zeta")
 VALUES = {W: 1.8464, F: 1.0679, A: 2.3217, C: -0.4992, S: 0.3154, EPS: 0.7829, ZETA: 0.3255}
 SPAN = 0.18, 0.4  # of s
-SHORTEST = 1e-5  # step: the crossing ends where a third event joins both impacts
+SHORTEST = 1e-5  # step
 
 
 def map_of(backend: str | None = None) -> SystemMap:
@@ -65,7 +66,8 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         ``causes``: what happens there.
     """
     diagram = followed().diagram
-    (border,) = (q for q in diagram.points if q.kind is PointKind.BC)
+    cycles = {each.id for each in diagram.branches if each.kind is BranchKind.FIXED_POINT}
+    (border,) = (q for q in diagram.points if q.kind is PointKind.BC and cycles & {*q.branches})
     kinds = [str(branch.kind.value) for branch in diagram.branches if branch.id in border.branches]
     if out is not None:
         figure, ax = plt.subplots(figsize=(WIDTH, 4.0), layout="constrained")

@@ -123,7 +123,9 @@ class TaylorStep:
 
     def exact(self, t: float) -> tuple[Floats, Floats]:
         """The state and its derivatives."""
-        y = self._coefficients @ t**self._powers
+        y = self._coefficients[:, -1].copy()
+        for column in self._coefficients.T[-2::-1]:  # small terms first, as Horner's rule has it
+            y = y * t + column
         return y[: self._size], y[self._size :].reshape(self._size, -1)
 
 

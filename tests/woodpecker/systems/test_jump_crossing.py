@@ -7,11 +7,15 @@ import pytest
 from needs import NEEDS_HEYOKA
 
 from pwmap import PointKind
-from pwmap.diagrams.diagram import BranchKind
+from pwmap.diagrams.diagram import BranchKind, SpecialPoint
 from studies.systems.crossing import followed, map_of
 from woodpecker.engine.network import Connected
 
 pytestmark = [NEEDS_HEYOKA, pytest.mark.slow]
+
+
+def _parameter(point: SpecialPoint) -> float:
+    return point.parameter
 
 
 @pytest.fixture(scope="module")
@@ -21,7 +25,7 @@ def found() -> Connected:
 
 def test_cycle_and_crossing_meet_where_both_impacts_coincide(found: Connected) -> None:
     diagram = found.diagram
-    (border,) = (q for q in diagram.points if q.kind is PointKind.BC)
+    border, end = sorted((q for q in diagram.points if q.kind is PointKind.BC), key=_parameter)
     assert "the wall" in border.cause
     assert "the floor" in border.cause
     kinds = [branch.kind for branch in diagram.branches if branch.id in border.branches]
@@ -29,6 +33,20 @@ def test_cycle_and_crossing_meet_where_both_impacts_coincide(found: Connected) -
     assert border.note == "fold"
     graph = diagram.graph()
     assert graph.degree(border.id) == 2
+    assert graph.degree(end.id) == 1  # no more branches are asked for
+
+
+def test_the_crossing_ends_at_a_fixed_point_of_the_other_side(found: Connected) -> None:
+    """At either end the point of the border is its own image from one side."""
+    map_, ends = map_of(), [q for q in found.diagram.points if q.kind is PointKind.BC]
+    (jump,) = (b for b in found.diagram.branches if b.kind is BranchKind.JUMP)
+    assert len(ends) == 2
+    for k in (0, -1):
+        x, p = np.array([jump.x[k], jump.columns["u_x"][k]]), jump.parameter[[k]]
+        image = map_.at(x, p)
+        gradient = image.gradients[int(np.abs(image.margins).argmin())]
+        sides = [map_.beside(x, p, sign * gradient).value for sign in (1.0, -1.0)]
+        assert min(np.abs(x - side).max() for side in sides) < 1e-9
 
 
 def test_points_of_the_crossing_lie_between_both_limits(found: Connected) -> None:
