@@ -16,6 +16,7 @@ from hypothesis import HealthCheck, settings
 
 sys.path.append(str(Path(__file__).parents[1]))
 rounding.apply()
+os.environ.pop("COLUMNS", None)  # some workers have one: tables would be as narrow as a terminal
 
 settings.register_profile("same", derandomize=True, database=None, deadline=None)
 settings.register_profile(
