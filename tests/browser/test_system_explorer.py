@@ -19,7 +19,7 @@ DRAWN = "explorer.answer.numbers?.period && !explorer.answer.busy"
 @pytest.fixture(scope="module")
 def server(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Served]:
     """The file that the docs show."""
-    blocks = re.findall(r"```python\n(.*?)```", DOCS.read_text(encoding="utf-8"), re.DOTALL)
+    blocks = re.findall(r"```py\n(.*?)```", DOCS.read_text(encoding="utf-8"), re.DOTALL)
     path = tmp_path_factory.mktemp("system") / "stop.py"
     path.write_text(next(block for block in blocks if "map_ =" in block), encoding="utf-8")
     with served("woodpecker", "explore", str(path), "--stay") as made:

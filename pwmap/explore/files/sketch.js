@@ -63,6 +63,7 @@ const sketch = {
     if (!canvas) {
       canvas = place.appendChild(document.createElement("canvas"));
       canvas.className = "sketch";
+      canvas.ariaLabel = view.model.name + ", while it moves";
     }
     if (canvas.hidden) canvas.hidden = false;
     if (canvas.width !== width || canvas.height !== height) { canvas.width = width; canvas.height = height; }
