@@ -37,7 +37,7 @@ start, window = [-0.53], [(-2.5, 0.11)]
 @pytest.fixture(scope="module")
 def stop(tmp_path_factory: pytest.TempPathFactory) -> str:
     """The file that the docs show."""
-    blocks = re.findall(r"```python\n(.*?)```", DOCS.read_text(encoding="utf-8"), re.DOTALL)
+    blocks = re.findall(r"```py\n(.*?)```", DOCS.read_text(encoding="utf-8"), re.DOTALL)
     path = tmp_path_factory.mktemp("system") / "stop.py"
     path.write_text(next(block for block in blocks if "map_ =" in block), encoding="utf-8")
     return str(path)
