@@ -63,7 +63,17 @@ NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is w
 
 
 class UnclearError(Exception):
-    """A shorter step is needed to tell what lies between two samples."""
+    """A shorter step is needed to tell what lies between two samples.
+
+    Parameters
+    ----------
+    part
+        How much shorter.
+    """
+
+    def __init__(self, part: float = 0.5) -> None:
+        super().__init__(part)
+        self.part = part
 
 
 class Halt(NamedTuple):
@@ -430,8 +440,8 @@ class SolutionCurve:
                 ends = self._ends(last, found, step, starts=len(samples) == 1)
                 if halt.asked is not None:
                     ends = self._asked(last, found, step, ends, halt.asked)
-            except UnclearError:
-                step, grows, given_up = self._shorter(step, 0.5), False, Stop.SHORT
+            except UnclearError as unclear:
+                step, grows, given_up = self._shorter(step, unclear.part), False, Stop.SHORT
                 continue
             end = ends[0] if ends else None
             if step > LOOKED and self._differs_between(last, found if end is None else end.sample):
@@ -718,6 +728,7 @@ class SolutionCurve:
         """
         if step < COARSE * self.settings.min_step:
             return
+        dips = dict[float, list[tuple[int, int, float]]]()
         for i, (one, other) in enumerate(zip(a.orbit.taken, b.orbit.taken, strict=True)):
             falls, rises = step * self._rates(a, i), step * self._rates(b, i)
             for k in np.flatnonzero(0.5 * one.margins + falls < 0.0).tolist():
@@ -731,9 +742,10 @@ class SolutionCurve:
                     continue
                 ends = float(one.margins[k]), float(other.margins[m])
                 rates = float(falls[k]), float(rises[m])
-                dips = ends[1] > 0.0 and rates[1] > 0.0
-                if dips and _least(*ends, *rates) < WORTH * min(ends):
-                    raise UnclearError
+                if ends[1] > 0.0 and rates[1] > 0.0:
+                    part, least = _least(*ends, *rates)
+                    if least < WORTH * min(ends):
+                        dips.setdefault(part, []).append((i, code, WORTH * min(ends)))
                 if rates[1] < 0.0 and ends[1] - ends[0] > STEADY * max(rates):
                     raise UnclearError
             for k in np.flatnonzero(other.margins < rises).tolist():
@@ -741,6 +753,12 @@ class SolutionCurve:
                 inside = other.margins[k] > 0.0 and (i, code) not in self.ignored
                 if inside and one.place(code) < 0:
                     raise UnclearError
+        for part, margins in dips.items():
+            lowest = self.advance(a, part * step)
+            if lowest is None or any(
+                not _margin(lowest.orbit, i, code) >= least for i, code, least in margins
+            ):
+                raise UnclearError
 
     def _rates(self, sample: Sample, i: int) -> Floats:
         """How fast all margins of an image grow along the curve."""
@@ -924,15 +942,25 @@ def _is_neutral_saddle(sample: Sample) -> bool:
     return not any(abs(abs(each) - 1.0) < NEAR for each in pairs)
 
 
-def _least(a: float, b: float, da: float, db: float) -> float:
-    """The least value in (0, 1) of a cubic with values a, b and slopes da < 0 < db at 0 and 1."""
+def _least(a: float, b: float, da: float, db: float) -> tuple[float, float]:
+    """Where in (0, 1) a cubic with values a, b and slopes da < 0 < db is least, and its value."""
     c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
     root = math.sqrt(max(0.0, c2 * c2 - 3.0 * c3 * da))
     s = -da / (c2 + root) if c2 + root > 0.0 else 1.0
-    return a + s * (da + s * (c2 + s * c3)) if 0.0 < s < 1.0 else min(a, b)
+    return (s, a + s * (da + s * (c2 + s * c3))) if 0.0 < s < 1.0 else (0.5, min(a, b))
 
 
-def _part(test: TestFunction, a: Sample, b: Sample) -> float:
-    """About which part of the way from one sample to another a test function vanishes."""
+def _margin(orbit: Orbit, i: int, code: int) -> float:
+    """A margin of an image; nan without it."""
+    return float(OnBorder(i, code).residual(orbit)[0])
+
+
+def _part(test: TestFunction, a: Sample, b: Sample) -> tuple[bool, float]:
+    """About which part of the way from one sample to another a bound is passed, to compare.
+
+    One that has been passed and rises comes last: beyond another border its events may be others,
+    and it has jumped.
+    """
     before, after = test.value(a), test.value(b)
-    return math.inf if math.isnan(before) else before / (before - after)
+    rises = test.rate is not None and test.rate(b) > 0.0
+    return rises, math.inf if math.isnan(before) else before / (before - after)
