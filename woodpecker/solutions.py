@@ -13,6 +13,7 @@ from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, Hit
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, number
 from woodpecker.engine.curves import Stop
+from woodpecker.engine.following import follow
 from woodpecker.mechanics.toy import Toy
 from woodpecker.search.lines import base_of
 from woodpecker.shooting import DEFAULT, PeriodicOrbit, periodic_orbit, shoot
@@ -125,7 +126,7 @@ def _led(map_: ToyPieces, start: Orbit, value: float) -> Orbit | None:
     settings = replace(
         base.settings, spans=(span,), min_step=LEAST * step, step=step, max_step=step
     )
-    arc = replace(base, settings=settings, tests=()).follow(first)
+    arc = follow(replace(base, settings=settings, tests=()), first)
     return of_engine(arc.samples[-1].orbit) if arc.stop is Stop.SPAN else None
 
 

@@ -14,10 +14,6 @@ def _no_bend(curve: Any, a: Any, *_: Any) -> Any:
     return np.zeros(len(a.tangent))
 
 
-def _not_exact(_: Any, test: Any, a: Any, b: Any) -> Any:
-    return test, test.value(a), test.value(b)
-
-
 def _at_once(problem: Any, orbit: Any, step: Any) -> Any:
     return problem.moved(orbit, step), False
 
@@ -26,29 +22,30 @@ def _at_border(near: Any, x: Any, p: Any, _: Any) -> Any:
     return near.piece.at(x, p)
 
 
-CURVES: Final = "engine.curves"  # the file of most of them
+ENDS: Final = "engine.ends"
+FOLLOWING: Final = "engine.following"
 
 MECHANISMS: Final = (
     # --- Following a curve
-    Mechanism(CURVES, "SolutionCurve._bend", _no_bend, "predict along a cubic"),
-    Mechanism(CURVES, "SolutionCurve._to_end", gives(None), "step just to the end of the span"),
-    Mechanism(CURVES, "SolutionCurve._closes", gives(False), "see a closed branch"),
-    Mechanism(CURVES, "SolutionCurve.agrees", gives(True), "ask the map for its piece"),
-    Mechanism(CURVES, "SAME_VALUE", math.inf, "tell two solutions of a piece apart"),
-    Mechanism(CURVES, "KEPT_TURN", 1.0, "keep clear of the largest turn"),
+    Mechanism("engine.curves", "SolutionCurve._bend", _no_bend, "predict along a cubic"),
+    Mechanism(FOLLOWING, "_to_end", gives(None), "step just to the end of the span"),
+    Mechanism(FOLLOWING, "_closes", gives(False), "see a closed branch"),
+    Mechanism(FOLLOWING, "agrees", gives(True), "ask the map for its piece"),
+    Mechanism(FOLLOWING, "SAME_VALUE", math.inf, "tell two solutions of a piece apart"),
+    Mechanism(FOLLOWING, "KEPT_TURN", 1.0, "keep clear of the largest turn"),
     # --- What ends an arc
-    Mechanism(CURVES, "SolutionCurve._strays", gives(False), "refuse samples of other curves"),
-    Mechanism(CURVES, "SolutionCurve._comes_together", gives(False), "keep a cycle doubled"),
-    Mechanism(CURVES, "STEADY", -math.inf, "see a margin that is not the same all along"),
-    Mechanism(CURVES, "pulled_inside", argument(0), "keep guesses inside of a root"),
-    Mechanism(CURVES, "SolutionCurve._differs_between", gives(False), "look halfway"),
-    Mechanism(CURVES, "SolutionCurve._look_for_dips", gives(None), "see a margin that dips"),
-    Mechanism(CURVES, "SolutionCurve._exact", _not_exact, "locate a fold by its multiplier"),
-    Mechanism(CURVES, "SolutionCurve._solved", gives(None), "locate ends by Newton's method"),
-    Mechanism(CURVES, "BEGINS", 0.0, "ignore what a curve begins with"),
-    Mechanism(CURVES, "COARSE", 0.0, "go closer where ends are unclear"),
-    Mechanism(CURVES, "CLOSED_IN", math.inf, "refuse a pole for a zero"),
-    Mechanism(CURVES, "Arc._left", gives(0.0), "say how well a root's end is located"),
+    Mechanism(FOLLOWING, "_strays", gives(False), "refuse samples of other curves"),
+    Mechanism(FOLLOWING, "_comes_together", gives(False), "keep a cycle doubled"),
+    Mechanism(ENDS, "STEADY", -math.inf, "see a margin that is not the same all along"),
+    Mechanism("engine.curves", "pulled_inside", argument(0), "keep guesses inside of a root"),
+    Mechanism(FOLLOWING, "_differs_between", gives(False), "look halfway"),
+    Mechanism(ENDS, "_look_for_dips", gives(None), "see a margin that dips"),
+    Mechanism(ENDS, "_exact", argument(0), "locate a fold by its multiplier"),
+    Mechanism(ENDS, "_solved", gives(None), "locate ends by Newton's method"),
+    Mechanism(ENDS, "BEGINS", 0.0, "ignore what a curve begins with"),
+    Mechanism(ENDS, "COARSE", 0.0, "go closer where ends are unclear"),
+    Mechanism(ENDS, "CLOSED_IN", math.inf, "refuse a pole for a zero"),
+    Mechanism(FOLLOWING, "Arc._left", gives(0.0), "say how well a root's end is located"),
     # --- Newton's method
     Mechanism("engine.newton", "Problem._along_borders", gives(None), "roots along their border"),
     Mechanism("engine.newton", "_towards", _at_once, "halve steps to where there is no map"),

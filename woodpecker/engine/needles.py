@@ -16,7 +16,8 @@ import numpy as np
 from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
+from woodpecker.engine.curves import Sample, SolutionCurve, Stop
+from woodpecker.engine.following import Arc, agrees
 from woodpecker.engine.newton import STEEP, across, solve
 from woodpecker.engine.orbits import Multiplier
 
@@ -42,7 +43,7 @@ def rounded(arc: Arc) -> Arc | None:
         away = CLOSEST * 2.0**doublings
         other = _beside(curve, last, way, away, along)
         along = along if other is None else other.tangent
-        if other is not None and curve.agrees(other.orbit) and _leads_on(curve, other):
+        if other is not None and agrees(curve, other.orbit) and _leads_on(curve, other):
             break
     else:
         return None
@@ -59,7 +60,7 @@ def rounded(arc: Arc) -> Arc | None:
     place = _located(curve, last, way, away, test)
     if curve.problem.step_between(last.orbit, place.orbit) @ last.tangent < 0.0:
         return None
-    if not curve.agrees(place.orbit):
+    if not agrees(curve, place.orbit):
         return None
     samples = arc.samples if place is last else (*arc.samples, place)
     return replace(arc, samples=samples, stop=stop, beyond=other, condition=Multiplier(stop.name))

@@ -83,6 +83,12 @@ class Orbit:
         """Which point an image belongs to: the outer one to the last."""
         return min(i, len(self.x) - 1)
 
+    def margin(self, i: int, code: int) -> float:
+        """A margin of the i-th of :attr:`taken`; nan without it."""
+        image = self.taken[i]
+        k = image.place(code)
+        return float(image.margins[k]) if k >= 0 else math.nan
+
     def gradient(self, i: int, code: int) -> Floats:
         """Derivatives (n d + k + 1,) of a margin of the i-th of :attr:`taken`; nan without it."""
         image = self.taken[i]
@@ -212,9 +218,7 @@ class OnBorder:
 
     def residual(self, orbit: Orbit) -> Floats:
         """(1,) the margin less that; nan if the piece does not have it here."""
-        image = orbit.taken[self.image]
-        k = image.place(self.code)
-        return np.full(1, np.nan) if k < 0 else image.margins[k : k + 1] - self.value
+        return np.array([orbit.margin(self.image, self.code) - self.value])
 
     def rows(self, orbit: Orbit) -> Floats:
         """(1, ...) its derivatives."""

@@ -11,7 +11,8 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import Arc, Halt, Sample, SolutionCurve, Stop
+from woodpecker.engine.curves import Sample, SolutionCurve, Stop
+from woodpecker.engine.following import Arc, Halt, agrees, follow
 from woodpecker.engine.germs import (
     SAME,
     SLOW,
@@ -151,13 +152,13 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
     samples.append(begin.sample)
     changes, at, step, short = list[Change](), begin, math.inf, 0
     for _ in range(MOST_ARCS):
-        arc = at.curve.follow(at.sample, step, halt)
+        arc = follow(at.curve, at.sample, step, halt)
         is_stuck = arc.stop in (Stop.SHORT, Stop.BORDER) and len(arc.samples) == 1
         if is_stuck and at.before is None:
             at = beside(at)
             if at.before is not None:  # it starts with a root
                 samples.append(at.sample)
-                arc = at.curve.follow(at.sample, step, halt)
+                arc = follow(at.curve, at.sample, step, halt)
         if arc.stop in (Stop.SPAN, Stop.WINDOW) and len(arc.samples) == 1 and not changes:
             samples = [begin.sample]  # none of it is inside
         is_bend = arc.stop is Stop.SHORT and _at_flip(at, arc) is None
@@ -376,7 +377,7 @@ def _off_border(
         return None
     margin = OnBorder(i, code, float(guess.images[i].margins[place]))
     found = solve(problem.with_(margin), guess)
-    if not found.converged or not curve.agrees(found.orbit):
+    if not found.converged or not agrees(curve, found.orbit):
         return None
     way = problem.step_between(at, found.orbit)
     sample = curve.start(found.orbit, way)

@@ -14,6 +14,7 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve, Stop
+from woodpecker.engine.following import follow
 from woodpecker.engine.maps import PiecewiseMap
 from woodpecker.engine.newton import Problem, cycles, solve
 from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, Orbit
@@ -112,7 +113,7 @@ def special_curve(
     if not held.converged:
         raise ValueError(f"Newton's method finds no {kind.value} near this cycle at p = {orbit.p}")
     start = curve.start(held.orbit)
-    ahead, behind = (curve.follow(Sample(start.orbit, s * start.tangent)) for s in (1.0, -1.0))
+    ahead, behind = (follow(curve, Sample(start.orbit, s * start.tangent)) for s in (1.0, -1.0))
     samples = (*behind.samples[:0:-1], *ahead.samples)
     stops = behind.stop, ahead.stop
     if ahead.stop is Stop.CLOSED:

@@ -12,7 +12,8 @@ from pwmap.diagrams.diagram import PointKind, PointStatus, SpecialPoint
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.checks import interval
 from woodpecker.base.settings import Settings
-from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
+from woodpecker.engine.curves import Sample, SolutionCurve, Stop
+from woodpecker.engine.following import Arc, follow
 from woodpecker.engine.maps import ACCUMULATE
 from woodpecker.engine.newton import across, uncertainties
 from woodpecker.engine.orbits import Multiplier, OnBorder, Orbit
@@ -172,7 +173,7 @@ def _leg(plane: Plane, start: _Sample, origin: Sample | None) -> tuple[list[_Sam
     for _ in range(LEGS):
         if len(samples) > most:
             break
-        arc = sharpened(plane, at.curve.follow(at.own, step, origin=origin))
+        arc = sharpened(plane, follow(at.curve, at.own, step, origin=origin))
         step = max(arc.step, AGAIN)
         samples += [_Sample(each, at.curve) for each in known(arc)[1:]]
         met, on = _met(plane, replace(samples[-1], arc=arc), arc)

@@ -14,7 +14,8 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.executors import Done
 from woodpecker.base.settings import Settings
 from woodpecker.engine import orbits
-from woodpecker.engine.curves import Halt, Sample, Stop
+from woodpecker.engine.curves import Sample, Stop
+from woodpecker.engine.following import Halt
 from woodpecker.engine.germs import Beginning, beginnings, crossings_at
 from woodpecker.engine.newton import directions, other_direction
 from woodpecker.engine.tracing import APART, Trace, beside, trace

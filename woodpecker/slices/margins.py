@@ -12,7 +12,7 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import jit, part
-from woodpecker.engine.curves import WORTH
+from woodpecker.engine.ends import WORTH
 from woodpecker.maps.pieces import Image
 
 REACH, NEAREST, DEPTH, DIP, FIRST = range(5)  # tasks

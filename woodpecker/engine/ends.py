@@ -1,0 +1,413 @@
+"""What ends an arc between two samples of a curve: bounds, borders, multipliers, curves that cross.
+
+Whatever changes its sign is located, by Newton's method or a bracket; where it is not clear what
+lies between two samples a shorter step is asked for.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+from scipy.optimize import brentq
+
+from woodpecker.base.cubics import zero_of_cubic
+from woodpecker.engine.curves import Sample, SolutionCurve, Stop, TestFunction
+from woodpecker.engine.newton import BLUR, branch_point, solve
+from woodpecker.engine.orbits import AtLimit, Condition, Held, Multiplier, OnBorder, Orbit, held_at
+
+LOCATED = 1e-15  # of a step: a zero of a test function is bracketed as closely as doubles allow
+CLOSED_IN = 2.0**-10  # of its values at both ends: what is left of one that does vanish
+ITERATIONS = 80  # of that: halvings alone take fifty
+ROUNDED_OFF = 2.0**-44  # scaled: a bound that is nearer than this is met
+BEGINS = 2.0**-20  # of a test function after a step: what rounding leaves of one that was zero
+WORTH = 0.25  # part of a margin that is left where it dips: less is worth a look
+PLACES = 8  # parts of a step: a dip is looked at where one of them ends
+STEADY = 0.5  # of the smaller rate at both ends: by how much a margin falls at least in between
+COARSE = 64.0  # least steps: a dip of a margin in a shorter step is left alone
+MOST_BOUNDS = 32  # that are passed in a step, each before the last: more are left to shorter steps
+NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is where it comes from
+
+
+class UnclearError(Exception):
+    """A shorter step is needed to tell what lies between two samples."""
+
+
+class ArcEnd(NamedTuple):
+    """What may end an arc between two samples: at which distance from the first, and where.
+
+    ``width`` is how far the distance may be off.
+    """
+
+    distance: float
+    test: TestFunction
+    sample: Sample
+    width: float = 0.0
+
+
+def ends_between(
+    curve: SolutionCurve, a: Sample, b: Sample, step: float, *, starts: bool
+) -> list[ArcEnd]:
+    """What ends the arc between two samples, by distance; UnclearError if that is not clear."""
+    bound = _bounded(curve, a, b, step)
+    found = _multipliers(curve, a, b, step, starts) + ([] if bound is None else [bound])
+    found.sort(key=lambda end: end.distance)
+    if found and found[0] is not bound and any(True for _ in _borders(curve, found[0].sample)):
+        raise UnclearError  # a margin has vanished before
+    _look_for_dips(curve, a, *((found[0].sample, found[0].distance) if found else (b, step)))
+    return found
+
+
+def asked_before(
+    curve: SolutionCurve,
+    a: Sample,
+    b: Sample,
+    step: float,
+    ends: list[ArcEnd],
+    asked: Callable[[Sample], bool],
+) -> list[ArcEnd]:
+    """Those ends, and before them the place where the curve is asked to end."""
+    last = ends[0].sample if ends else b
+    if not asked(last):
+        return ends
+    low, high, found = 0.0, ends[0].distance if ends else step, last
+    while high - low > LOCATED * step:  # halved each time
+        middle = 0.5 * (low + high)
+        sample = curve.advance(a, middle)
+        if sample is None:
+            raise UnclearError
+        if asked(sample):
+            high, found = middle, sample
+        else:
+            low = middle
+    test = TestFunction(Stop.ASKED, lambda sample: float(asked(sample)))
+    return [ArcEnd(high, test, found, high - low), *ends]
+
+
+def _multipliers(
+    curve: SolutionCurve, a: Sample, b: Sample, step: float, starts: bool
+) -> list[ArcEnd]:
+    """Where multipliers are 1 or -1, or pairs of them on the unit circle, or curves cross."""
+    found = list[ArcEnd]()
+    for test in _special(curve, a.orbit):
+        before, after = test.value(a), test.value(b)
+        if not (before * after < 0.0 or (after == 0.0 and before != 0.0)):
+            continue
+        if max(abs(before), abs(after)) <= test.noise:
+            continue
+        if starts and abs(before) <= BEGINS * abs(after):
+            continue  # the curve begins where it vanishes, but for rounding
+        if test.stop is Stop.LP and found:
+            continue  # where curves cross one of them may turn round
+        if test.stop is Stop.BP:
+            found.append(_crossed(curve, a, b, step, test))
+            continue
+        test = _exact(test, a, b)
+        distance, sample = _located(curve, a, b, step, test)
+        if test.stop is not Stop.NS or not _is_neutral_saddle(sample):
+            left = abs(test.value(sample) / (test.value(b) - test.value(a)))
+            found.append(ArcEnd(distance, test, sample, (LOCATED + left) * step))
+    return found
+
+
+def _special(curve: SolutionCurve, orbit: Orbit) -> Iterator[TestFunction]:
+    """Folds, flips, pairs on the unit circle, branch points, and functions of its own."""
+    yield from curve.own
+    one = len(curve.problem.free) == 1
+    for stop in curve.tests:
+        condition = Multiplier(stop.name) if orbit.outer is None else None
+        if stop is Stop.LP and one:
+            yield TestFunction(stop, lambda sample: sample.ahead, condition)
+        elif stop is Stop.BP:
+            yield TestFunction(stop, partial(_bordered, curve))
+        elif condition is not None and (stop is Stop.PD or orbit.x.shape[1] > 1):
+            yield TestFunction(stop, _of_condition(condition), condition)
+
+
+def _bordered(curve: SolutionCurve, sample: Sample) -> float:
+    """The determinant of the equations bordered with the tangent."""
+    if not math.isnan(sample.bordered):
+        return sample.bordered
+    return float(np.linalg.det(np.vstack([curve.problem.matrix(sample.orbit), sample.tangent])))
+
+
+def _exact(test: TestFunction, a: Sample, b: Sample) -> TestFunction:
+    """A test function that is as exact as there is one.
+
+    Where a curve turns round is not known as well as where a multiplier is 1.
+    """
+    if test.stop is Stop.LP and test.condition is not None:
+        exact = replace(test, value=_of_condition(test.condition))
+        if exact.value(a) * exact.value(b) < 0.0:
+            return exact
+    return test
+
+
+def _crossed(curve: SolutionCurve, a: Sample, b: Sample, step: float, test: TestFunction) -> ArcEnd:
+    """Where another curve crosses between two samples; UnclearError if it is not found.
+
+    There the equations of the curve are singular, but those of the point are not.
+    """
+    before, after = test.value(a), test.value(b)
+    way = curve.problem.step_between(a.orbit, b.orbit)
+    guess = curve.problem.moved(a.orbit, before / (before - after) * way)
+    orbit = branch_point(curve.problem, guess) if guess.is_defined else None
+    if orbit is None:
+        raise UnclearError
+    away = curve.problem.step_between(a.orbit, orbit)
+    distance = float(away @ a.tangent)
+    aside = float(np.linalg.norm(away - distance * a.tangent))
+    if not 0.0 <= distance <= step or aside > curve.settings.max_turn * step:
+        raise UnclearError
+    return ArcEnd(distance, test, Sample(orbit, a.tangent))
+
+
+def _bounded(curve: SolutionCurve, a: Sample, b: Sample, step: float) -> ArcEnd | None:
+    """Where the first bound is passed of those that the second of two samples lies beyond.
+
+    The one that seems first is located, until none has been passed before it.
+    """
+    found = None
+    for _ in range(MOST_BOUNDS):
+        passed = [*_borders(curve, b), *_newly_beyond(curve, a, b)]
+        if not passed:
+            return found
+        test = min(passed, key=lambda each: _part(each, a, b))
+        before = test.value(a)
+        if before <= NEAR and _is_at(a, test, before):
+            if step > COARSE * curve.settings.min_step:
+                raise UnclearError  # a shorter step shows whether the curve leaves right here
+            return ArcEnd(0.0, test, a)
+        if before < 0.0:
+            raise UnclearError
+        distance, sample = _located(curve, a, b, step, test)
+        is_back = test.border is not None and curve.rate(sample, *test.border) > 0.0
+        if is_back or (found is not None and distance >= found.distance):
+            raise UnclearError  # it has vanished before, and is back
+        found = ArcEnd(distance, test, sample)
+        b, step = sample, distance
+    raise UnclearError
+
+
+def _borders(curve: SolutionCurve, sample: Sample) -> Iterator[TestFunction]:
+    """Margins that are negative at a sample, by more than rounding."""
+    orbit = sample.orbit
+    for i, image in enumerate(orbit.taken):
+        negative = image.margins < 0.0
+        if not negative.any():
+            continue
+        negative &= ~image.tied(orbit.x[orbit.place(i)], orbit.p)
+        for code in image.codes[negative].tolist():
+            if (i, code) not in curve.ignored:
+                border, rate = OnBorder(i, code), partial(curve.rate, i=i, code=code)
+                yield TestFunction(Stop.BORDER, _of_condition(border), border, (i, code), rate)
+
+
+def _newly_beyond(curve: SolutionCurve, a: Sample, b: Sample) -> Iterator[TestFunction]:
+    """Those of the bounds that the second sample lies beyond which it has not begun beyond.
+
+    A point that is outside of the window at first may come in.
+    """
+    for test in _bounds(curve, b):
+        if test.stop is not Stop.WINDOW or test.value(a) >= -ROUNDED_OFF:
+            yield test
+
+
+def _bounds(curve: SolutionCurve, sample: Sample) -> Iterator[TestFunction]:
+    """Ends of spans, of the window and of the share that a sample lies beyond."""
+    orbit = sample.orbit
+    columns, low, high, stops = curve.bounds(orbit)
+    at = orbit.unknowns[columns]
+    held = {each.column for each in curve.problem.conditions if isinstance(each, Held)}
+    for k in np.flatnonzero((at < low) | (at > high)).tolist():
+        column = int(columns[k])
+        if column in held:
+            continue
+        end, inward = (low[k], 1.0) if at[k] < low[k] else (high[k], -1.0)
+        condition: Condition = Held(column, float(end))
+        if stops[k] is Stop.SHARE and orbit.x.shape[1] == 1:
+            condition = AtLimit(end > 0.0)
+        yield TestFunction(
+            stops[k], _inside(column, float(end), inward), condition,
+            rate=partial(_rate_of, curve, column=column, inward=inward),
+        )  # fmt: skip
+
+
+def _is_at(a: Sample, test: TestFunction, value: float) -> bool:
+    """Whether a bound holds with equality at a sample, but for rounding."""
+    if test.border is None:
+        return abs(value) <= ROUNDED_OFF
+    i, code = test.border
+    image = a.orbit.taken[i]
+    return bool(image.tied(a.orbit.x[a.orbit.place(i)], a.orbit.p)[image.place(code)])
+
+
+def _look_for_dips(curve: SolutionCurve, a: Sample, b: Sample, step: float) -> None:
+    """UnclearError if a margin that is positive at both ends may be negative in between.
+
+    It is a cubic there, with the values and slopes of both ends; if that dips, the curve is looked
+    at where it does: beside a root, slopes of any size say nothing. A margin that only one end has
+    is taken for linear. One that falls at both ends, but by much less in between, is not the same
+    all the way.
+    """
+    if step < COARSE * curve.settings.min_step:
+        return
+    dips = dict[float, list[tuple[int, int, float]]]()
+    for i, (one, other) in enumerate(zip(a.orbit.taken, b.orbit.taken, strict=True)):
+        falls, rises = step * curve.rates(a, i), step * curve.rates(b, i)
+        for k in np.flatnonzero(0.5 * one.margins + falls < 0.0).tolist():
+            code = int(one.codes[k])
+            if (i, code) in curve.ignored or not one.margins[k] > 0.0:
+                continue
+            m = other.place(code)
+            if m < 0:
+                if one.margins[k] + falls[k] < 0.0:
+                    raise UnclearError
+                continue
+            ends = float(one.margins[k]), float(other.margins[m])
+            rates = float(falls[k]), float(rises[m])
+            if ends[1] > 0.0 and rates[1] > 0.0:
+                part, least = _least(*ends, *rates)
+                if least < WORTH * min(ends):
+                    dips.setdefault(part, []).append((i, code, WORTH * min(ends)))
+            if rates[1] < 0.0 and ends[1] - ends[0] > STEADY * max(rates):
+                raise UnclearError
+        for k in np.flatnonzero(other.margins < rises).tolist():
+            code = int(other.codes[k])
+            inside = other.margins[k] > 0.0 and (i, code) not in curve.ignored
+            if inside and one.place(code) < 0:
+                raise UnclearError
+    for part, margins in dips.items():
+        lowest = curve.advance(a, part * step)
+        if lowest is None or any(
+            not lowest.orbit.margin(i, code) >= least for i, code, least in margins
+        ):
+            raise UnclearError
+
+
+# --- Where it ends --------------------------------------------------------------------------------
+
+
+def _located(
+    curve: SolutionCurve, a: Sample, b: Sample, step: float, test: TestFunction
+) -> tuple[float, Sample]:
+    """Where a test function vanishes between two samples; UnclearError if it is not found."""
+    quick = _solved(curve, a, b, step, test)
+    if quick is not None:
+        return quick
+    before, after = test.value(a), test.value(b)
+    seen = {0.0: (a, before), step: (b, after)}
+
+    def value(distance: float) -> float:
+        if distance not in seen:
+            sample = curve.advance(a, distance)
+            if sample is None:
+                raise ArithmeticError
+            seen[distance] = sample, test.value(sample)
+        return seen[distance][1]
+
+    if math.isnan(before):
+        raise UnclearError  # it was not there: how it came to be negative is not seen
+    try:
+        brentq(value, 0.0, step, xtol=LOCATED * step, maxiter=ITERATIONS)
+    except (ArithmeticError, RuntimeError, ValueError):  # lost, not converged, nan
+        raise UnclearError from None
+    distance = min(seen, key=lambda each: abs(seen[each][1]))
+    sample = seen[distance][0]
+    noise = abs(after - before) * BLUR / step  # orbits are known to BLUR
+    if not abs(test.value(sample)) <= CLOSED_IN * min(abs(before), abs(after)) + noise:
+        raise UnclearError  # it changes its sign without being zero
+    return distance, sample
+
+
+def _solved(
+    curve: SolutionCurve, a: Sample, b: Sample, step: float, test: TestFunction
+) -> tuple[float, Sample] | None:
+    """The same by Newton's method, from where a cubic puts it; None unless it is in between."""
+    if test.condition is None or test.rate is None:
+        return None
+    found = solve(curve.problem.with_(test.condition), _guess(curve, a, b, test))
+    if not found.converged:
+        return None
+    orbit = found.orbit
+    if isinstance(test.condition, Held):
+        orbit = held_at(orbit, test.condition.column, test.condition.value)
+    elif isinstance(test.condition, AtLimit):
+        orbit = replace(orbit, share=float(test.condition.outer))
+    sample = curve.start(orbit, a.tangent)
+    away = curve.problem.step_between(a.orbit, found.orbit)
+    distance = float(away @ a.tangent)
+    aside = float(np.linalg.norm(away - distance * a.tangent))
+    is_there = aside <= curve.settings.max_turn * step and 0.0 <= distance <= step
+    if not (is_there and np.isfinite(sample.tangent).all()):
+        if step > COARSE * curve.settings.min_step:
+            raise UnclearError  # it vanishes elsewhere: in between it need not
+        return None
+    return distance, sample
+
+
+def _guess(curve: SolutionCurve, a: Sample, b: Sample, test: TestFunction) -> Orbit:
+    """Where a test function may vanish, by its values and rates at two samples.
+
+    One that there is at the second only is taken for linear there; if it is level, it predicts
+    nothing, and the second sample is where the search begins.
+    """
+    assert test.rate is not None
+    before, after = test.value(a), test.value(b)
+    if math.isnan(before):
+        rate = test.rate(b)
+        back = min(max(after / rate, 0.0), 1.0) if rate != 0.0 else 0.0
+        return curve.problem.moved(b.orbit, -back * b.tangent)
+    chord = curve.problem.step_between(a.orbit, b.orbit)
+    length = float(np.linalg.norm(chord))
+    part = zero_of_cubic(before, after, length * test.rate(a), length * test.rate(b))
+    first, last = length * a.tangent, length * b.tangent
+    cubic, square = first + last - 2.0 * chord, 3.0 * chord - 2.0 * first - last
+    return curve.problem.moved(a.orbit, part * (first + part * (square + part * cubic)))
+
+
+def _rate_of(curve: SolutionCurve, sample: Sample, column: int, inward: float) -> float:
+    """How fast an unknown grows inwards along the curve."""
+    return inward * float(curve.wide(sample)[column])
+
+
+def _inside(column: int, end: float, inward: float) -> Callable[[Sample], float]:
+    return lambda sample: inward * float(sample.orbit.unknowns[column] - end)
+
+
+def _of_condition(condition: Condition) -> Callable[[Sample], float]:
+    return lambda sample: float(condition.residual(sample.orbit)[0])
+
+
+def _is_neutral_saddle(sample: Sample) -> bool:
+    """Whether no two complex multipliers have the product 1, but two real ones."""
+    multipliers = sample.orbit.multipliers()
+    pairs = [each for each in multipliers if abs(each.imag) > 0.0]
+    return not any(abs(abs(each) - 1.0) < NEAR for each in pairs)
+
+
+def _least(a: float, b: float, da: float, db: float) -> tuple[float, float]:
+    """Where in (0, 1) a cubic with values a, b and slopes da < 0 < db is least, and its value.
+
+    The place is one of a few, so that several margins are looked at together.
+    """
+    c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
+    root = math.sqrt(max(0.0, c2 * c2 - 3.0 * c3 * da))
+    s = -da / (c2 + root) if c2 + root > 0.0 else 1.0
+    least = a + s * (da + s * (c2 + s * c3)) if 0.0 < s < 1.0 else min(a, b)
+    return min(max(round(s * PLACES), 1), PLACES - 1) / PLACES, least
+
+
+def _part(test: TestFunction, a: Sample, b: Sample) -> tuple[bool, float]:
+    """About which part of the way from one sample to another a bound is passed, to compare.
+
+    One that has been passed and rises comes last: beyond another border its events may be others,
+    and it has jumped.
+    """
+    before, after = test.value(a), test.value(b)
+    rises = test.rate is not None and test.rate(b) > 0.0
+    return rises, math.inf if math.isnan(before) else before / (before - after)
