@@ -9,7 +9,8 @@ from needs import NEEDS_NUMBA
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
 from woodpecker.base.settings import Settings
 from woodpecker.continued import continuation
-from woodpecker.engine.tracing import ACCUMULATE, LIMIT_LOST
+from woodpecker.engine.arrivals import LIMIT_LOST
+from woodpecker.engine.maps import ACCUMULATE
 from woodpecker.mechanics.toy import Toy
 from woodpecker.search.accumulations import ENDLESS
 from woodpecker.search.diagrams import connected

@@ -24,7 +24,7 @@ STRAIGHT = 1e-4  # angle between a chord and its tangents that any smooth curve 
 KEPT_TURN = 0.7  # of the largest turn: what the next step is to have, so that few are refused
 SAME_VALUE = 1e-9  # scaled, times slopes: values of a piece that are farther apart are of two
 # solutions of its events, as there are beside a grazing
-FLAT = 1e-7  # a gradient shorter than this does not say how far away its border is
+SHORTEST_ROW = 1e-7  # a gradient shorter than this does not say how far away its border is
 LOOKED = 2.0**-14  # scaled: steps longer than that are looked at halfway
 TOGETHER = 2.0**-8  # of how far apart points of a cycle were a step before
 
@@ -102,7 +102,9 @@ class Arc:
         orbit, problem = self.samples[-1].orbit, self.curve.problem
         image = orbit.taken[self.border[0]]
         k, d = image.place(self.border[1]), orbit.x.shape[1]
-        away = abs(float(image.margins[k])) / max(float(np.linalg.norm(image.gradients[k])), FLAT)
+        away = abs(float(image.margins[k])) / max(
+            float(np.linalg.norm(image.gradients[k])), SHORTEST_ROW
+        )
         steep = float(np.abs(image.jacobian[:, :d]).max())
         if steep < STEEP or not math.isfinite(steep):
             return 0.0

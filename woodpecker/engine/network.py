@@ -19,12 +19,13 @@ from pwmap.diagrams.diagram import (
     Stretch,
 )
 from woodpecker.base.arrays import Floats
+from woodpecker.engine.arrivals import Arrival
 from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve, Stop
 from woodpecker.engine.germs import Beginning, beginnings, judged
 from woodpecker.engine.maps import PiecewiseMap
 from woodpecker.engine.newton import Problem, cycles, directions, other_direction, solve
 from woodpecker.engine.orbits import Held, Orbit, orbit_of
-from woodpecker.engine.tracing import APART, Arrival, Trace, beside, trace
+from woodpecker.engine.tracing import APART, Trace, beside, trace
 
 MULTIPLIERS = (PointKind.LP, PointKind.PD, PointKind.NS, PointKind.BP)
 NODE = 1e-7  # scaled: special points closer than this are one

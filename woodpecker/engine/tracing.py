@@ -9,8 +9,20 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pwmap.diagrams.diagram import PointKind, PointStatus
+from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
+from woodpecker.engine.arrivals import (
+    ASIDE,
+    BESIDE,
+    Arrival,
+    Onward,
+    cause_of,
+    crossing_beyond,
+    given_up,
+    of_cycles,
+    passed_over,
+    round_corner,
+)
 from woodpecker.engine.curves import Sample, SolutionCurve, Stop
 from woodpecker.engine.following import Arc, Halt, agrees, follow
 from woodpecker.engine.germs import (
@@ -19,65 +31,30 @@ from woodpecker.engine.germs import (
     Beginning,
     across,
     beginnings,
-    crossings_at,
     cycle_at_limit,
     cycle_through,
     is_inside,
     joined,
-    lost_beyond,
     once,
 )
-from woodpecker.engine.maps import ACCUMULATE, Image, PiecewiseMap, links
+from woodpecker.engine.maps import ACCUMULATE, Image, links
 from woodpecker.engine.needles import rounded
-from woodpecker.engine.newton import STEEP, Problem, solve, uncertainty
-from woodpecker.engine.orbits import Chained, Closed, Held, Multiplier, OnBorder, Orbit, placed
+from woodpecker.engine.newton import STEEP, solve, uncertainty
+from woodpecker.engine.orbits import Multiplier, OnBorder, Orbit, placed
 
 DOUBLED = 1e-7  # scaled: points that merge at a flip are known to the root of their rounding
 ONE = 1e-12  # the same but for rounding
 KINK = 1e-5  # slopes of a map that differ by more are those of a kink
 ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
-ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
 NEUTRAL = 1e-6  # a multiplier that is closer to 1 or -1 may be on either side
 TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not those of one piece
-BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a start is looked for
-APART = tuple(2.0**-n for n in range(8, 33, 3))  # the same where curves cross, which part slowly
-PASSED = tuple(10.0**-n for n in range(11, 1, -1))  # scaled: how far places are passed over
-CORNER = tuple(10.0**-n for n in range(8, 1, -1))  # scaled: how far from a corner a jump is sought
-LED = 64  # samples before a corner at most beside which a jump is sought
-FASTEST = 10.0  # abs(dx/dp), scaled, of a branch beyond such a place at most
+APART = tuple(2.0**-n for n in range(8, 33, 3))  # as BESIDE, where curves cross: they part slowly
 NEAR = 1e-9  # scaled: a border closer than this to where steps become too short ends them
 FARTHEST = 2.0**-10  # scaled: how far from where it meets a border a branch may leave it at most
 AGAIN = 4.0  # times the last step before a border: the first step beyond
 DENSE = 1e-4  # scaled: arcs shorter than that, some in a row, are those where borders are dense
 MANY_SHORT = 4  # of them
 MOST_ARCS = 2000  # of one branch
-LIMIT_LOST = "a limit of the jump is lost"
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Arrival:
-    """What a branch comes to.
-
-    Attributes
-    ----------
-    kind, note, cause, precision, status
-        As :class:`pwmap.diagrams.diagram.SpecialPoint` has them.
-    orbit
-        The orbit there; of a collision the cycle, run through once.
-    collides
-        Whether a cycle meets a border there, so that others start.
-    onward
-        Where the branch goes on; None if it does not.
-    """
-
-    kind: PointKind
-    orbit: Orbit
-    note: str = ""
-    cause: str = ""
-    precision: float = 0.0
-    status: PointStatus = PointStatus.LOCATED
-    collides: bool = False
-    onward: Beginning | None = None
 
 
 class Change(NamedTuple):
@@ -96,10 +73,6 @@ class Change(NamedTuple):
     sample: int
     cause: str
     smooth: bool
-
-
-Onward = tuple[Beginning, str, bool]
-"""Where a branch goes on, why its word changes, and whether smoothly."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -181,7 +154,7 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
             samples.append(at.sample)
     else:
         arc = replace(arc, stop=Stop.MANY, condition=None)
-        passed = _given_up(at, arc)
+        passed = given_up(at, arc)
     arrived = replace(at, sample=samples[-1], before=None)
     return Trace(begin, tuple(samples), tuple(changes), passed, arc.stop, arrived)
 
@@ -206,16 +179,8 @@ def _met(
     if arc.stop in (Stop.BORDER, Stop.SHARE):
         return _at_crossing(begin, arc, orders, dense=dense)
     if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
-        return _passed_over(begin, arc, ACCUMULATE) or _given_up(begin, arc)
-    return _given_up(begin, arc)
-
-
-def _given_up(begin: Beginning, arc: Arc, note: str = "", cause: str = "") -> Arrival:
-    is_open = arc.stop.is_open or bool(note)
-    return Arrival(
-        PointKind.EP, arc.samples[-1].orbit, note or arc.stop.value, cause or arc.stop.value,
-        arc.precision, PointStatus.OPEN if is_open else PointStatus.LOCATED,
-    )  # fmt: skip
+        return passed_over(begin, arc, ACCUMULATE) or given_up(begin, arc)
+    return given_up(begin, arc)
 
 
 def _at_multiplier(begin: Beginning, arc: Arc) -> Arrival:
@@ -277,19 +242,19 @@ def _settled(arc: Arc) -> tuple[Arc, Image | None]:
 def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
     """What cycles come to at a border, with what the map takes beyond it."""
     orbit, curve = arc.samples[-1].orbit, begin.curve
-    cause = _cause(arc)
+    cause = cause_of(arc)
     cycle = once(orbit, curve.problem)
     if len(cycle.x) < len(once(arc.samples[0].orbit, curve.problem).x):  # it was born there
         return Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
     assert arc.border is not None
     image = orbit.images[arc.border[0]]
     if outer.reason:
-        beyond = _passed_over(begin, arc, cause)
+        beyond = passed_over(begin, arc, cause)
         if beyond is not None:
             return beyond
         if outer.reason != ACCUMULATE:
             return Arrival(PointKind.FALL, orbit, outer.reason, cause, arc.precision)
-        return _given_up(begin, arc, ACCUMULATE, cause)
+        return given_up(begin, arc, ACCUMULATE, cause)
     collision = Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
     smooth = bool(np.abs(outer.jacobian - image.jacobian).max() <= KINK)
     ahead, doubles = _straight_on(begin, arc, outer, smooth=smooth), False
@@ -307,7 +272,7 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
             return collision
         there = others[0] if others else _hugging(begin, arc, outer) or ahead
     if there is None:
-        return _passed_over(begin, arc, cause, outer) or collision
+        return passed_over(begin, arc, cause, outer) or collision
     folds = there.ahead * arc.samples[-1].tangent[orbit.x.size] < 0.0
     before, after = (each.orbit.monodromy for each in (arc.samples[-1], there.sample))
     if folds or doubles or _changes_stability(before, after):
@@ -495,180 +460,6 @@ def _at_nearest(arc: Arc) -> Arc:
     return replace(arc, samples=samples, stop=Stop.BORDER, border=best[1], condition=on)
 
 
-def _passed_over(
-    begin: Beginning, arc: Arc, cause: str, outer: Image | None = None
-) -> Arrival | Onward | None:
-    """The branch beyond a place where borders accumulate, the nearest there is.
-
-    It is looked for along the tangent, ever farther, with the pieces that the map takes there.
-    """
-    end, curve = arc.samples[-1], begin.curve
-    if begin.is_crossing:
-        return _crossing_beyond(begin, arc, cause)
-    (column,), problem = curve.problem.free, curve.problem
-    size = end.orbit.x.size
-    rate = end.tangent[size]
-    low, high = curve.settings.spans[0]
-    if rate == 0.0:
-        return None
-    for away in PASSED:
-        p = end.orbit.p.copy()
-        p[column] = min(
-            max(p[column] + math.copysign(away, rate) * problem.p_scale[column], low), high
-        )
-        if p[column] == end.orbit.p[column]:
-            return None
-        along = (p[column] - end.orbit.p[column]) / problem.p_scale[column] / rate
-        x = end.orbit.x + (along * end.tangent[:size]).reshape(end.orbit.x.shape) * problem.x_scale
-        images = [curve.map.at(point, p) for point in x]
-        if outer is not None and arc.border is not None:
-            images[arc.border[0]] = outer.piece.at(x[arc.border[0]], p)
-        if any(image.reason for image in images):
-            continue
-        if away == PASSED[0] and _jumps_unseen(end.orbit, x, p, images, problem):
-            return None
-        held = problem.with_(Held(size + column, float(p[column])))
-        found = solve(held, Orbit(x, p, 0.0, tuple(images)))
-        if not found.converged or not problem.same(found.orbit.x, end.orbit.x, FASTEST * away):
-            continue
-        sample = curve.start(found.orbit, np.eye(size + 1)[-1] * rate)
-        if all(
-            curve.map.at(point, p).piece.key == image.piece.key
-            for point, image in zip(found.orbit.x, found.orbit.images, strict=True)
-        ):
-            return Beginning(begin.order, curve, sample, end), _passed(cause), True
-    return None
-
-
-def _jumps_unseen(
-    orbit: Orbit, x: Floats, p: Floats, images: list[Image], problem: Problem
-) -> bool:
-    """Whether a map jumps right ahead of an orbit, though no margin of its pieces vanishes."""
-    for i, image in enumerate(images):
-        own = orbit.images[i].piece.at(x[i], p)
-        if own.reason or own.piece.key == image.piece.key or own.tied(x[i], p).any():
-            continue
-        steepest = max(1.0, float(np.abs(own.jacobian).max()), float(np.abs(image.jacobian).max()))
-        if not problem.same(own.value, image.value, ASIDE * steepest):
-            return True
-    return False
-
-
-def _passed(cause: str) -> str:
-    return cause if cause == ACCUMULATE else f"{cause}: {ACCUMULATE}"
-
-
-def _crossing_beyond(
-    begin: Beginning, arc: Arc, cause: str, distances: Sequence[float] = PASSED
-) -> Arrival | Onward | None:
-    """The jump crossing beyond such a place: on the same border, between the limits there."""
-    end, curve = arc.samples[-1], begin.curve
-    problem, size = curve.problem, end.orbit.x.size
-    (column,), rate = problem.free, end.tangent[size]
-    if rate == 0.0 or end.orbit.x.shape[1] > 1:  # only in R^1 does the border alone say where it is
-        return None
-    head = replace(end.orbit, outer=None, share=0.0)
-    base = _of_cycles(curve)
-    low, high = curve.settings.spans[0]
-    for away in distances:
-        to = float(end.orbit.p[column]) + math.copysign(away, rate) * problem.p_scale[column]
-        if min(max(to, low), high) == end.orbit.p[column]:
-            return None
-        held = Held(size + column, min(max(to, low), high))
-        border = replace(problem, conditions=(Chained(), *problem.conditions[1:], held))
-        found = solve(border, head)
-        if not found.converged:
-            continue
-        there = found.orbit
-        for each in crossings_at(base, there.x, there.p, begin.order):
-            sample = each.curve.start(each.sample.orbit, np.eye(size + 1)[size] * rate)
-            if len(each.sample.orbit.x) == len(end.orbit.x):
-                return replace(each, sample=sample, before=end), _passed(cause), True
-        reason = lost_beyond(base.map, there.x[-1], there.p, begin.order - len(there.x))
-        if reason:
-            p = float(there.p[column])
-            return Arrival(
-                PointKind.FALL, end.orbit, reason, LIMIT_LOST,
-                abs(p - float(end.orbit.p[column])),
-            )  # fmt: skip
-    return None
-
-
-def _round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
-    """The jump crossing on another border that leaves the place where its own one ends.
-
-    Many margins may vanish there, and steep ones: it is looked for at a distance, ahead, and beside
-    the samples that led there, where the piece between two jumps has come to its end.
-    """
-    end, problem = arc.samples[-1], begin.curve.problem
-    (n, d), (column,) = end.orbit.x.shape, problem.free
-    if d > 1 or end.tangent[n] == 0.0:
-        return None
-    p, x = float(end.orbit.p[column]), float(end.orbit.x[-1, 0])
-    places = list[tuple[float, float, float]]()  # parameter, and an interval of the border point
-    for away in CORNER:
-        step, width = math.copysign(away, end.tangent[n]), FASTEST * away * problem.x_scale[0]
-        places.append((p + step * problem.p_scale[column], x - width, x + width))
-    for sample in arc.samples[-2 : -2 - LED : -1]:
-        back, at = float(sample.orbit.p[column]), float(sample.orbit.x[-1, 0])
-        close = BESIDE[-1] * problem.x_scale[0]
-        for width in (each * problem.x_scale[0] for each in CORNER):
-            places += [(back, at + close, at + width), (back, at - width, at - close)]
-    for to, low, high in places:
-        found = _passing(begin, end, to, low, high)
-        if found is not None:
-            sample = found.curve.start(found.sample.orbit, np.eye(n + 1)[-1] * (to - p))
-            return replace(found, sample=sample, before=end), cause, False
-    return None
-
-
-def _passing(begin: Beginning, end: Sample, to: float, low: float, high: float) -> Beginning | None:
-    """The jump crossing at a parameter whose border point lies in an interval."""
-    problem, n = begin.curve.problem, len(end.orbit.x)
-    (column,), base, p = problem.free, _of_cycles(begin.curve), end.orbit.p.copy()
-    p[column] = to
-    x = _halved(base.map, end.orbit, p, begin.order, low, high)
-    if x is None:
-        return None
-    held = Held(n - 1, x), Held(n + column, to)
-    start = replace(end.orbit, outer=None, share=0.0)
-    head = solve(replace(problem, conditions=(Chained(), *held)), start)
-    found = crossings_at(base, head.orbit.x, p, begin.order) if head.converged else []
-    return next((each for each in found if len(each.sample.orbit.x) == n), None)
-
-
-def _halved(
-    map_: PiecewiseMap, orbit: Orbit, p: Floats, order: int, low: float, high: float
-) -> float | None:
-    """Where the last image of a border point passes by the first point; None if nowhere.
-
-    Halved down to neighbouring doubles.
-    """
-    n = len(orbit.x)
-
-    def side(at: float) -> float:
-        point = np.array([at])
-        for _ in range(order - n + 1):
-            image = map_.at(point, p)
-            if image.reason:
-                return math.nan
-            point = image.value
-        return float(point[0]) - (at if n == 1 else float(orbit.x[0, 0]))
-
-    below = side(low)
-    if not below * side(high) < 0.0:
-        return None
-    while low < (middle := 0.5 * (low + high)) < high:
-        value = side(middle)
-        if math.isnan(value):
-            return None
-        if below * value > 0.0:
-            low = middle
-        else:
-            high = middle
-    return middle
-
-
 # --- Crossings ------------------------------------------------------------------------------------
 
 
@@ -680,11 +471,11 @@ def _at_crossing(
     Where its limits change their words again and again within a short way some are passed over:
     where the border is does not depend on them.
     """
-    orbit, curve, cause = arc.samples[-1].orbit, begin.curve, _cause(arc)
+    orbit, curve, cause = arc.samples[-1].orbit, begin.curve, cause_of(arc)
     if arc.stop is Stop.SHARE:
         cycle = cycle_at_limit(orbit, curve.problem)
         return Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
-    over = _crossing_beyond(begin, arc, cause, (DENSE,)) if dense else None
+    over = crossing_beyond(begin, arc, cause, (DENSE,)) if dense else None
     if isinstance(over, tuple):
         return over
     beyond = _one_side_beyond(begin, arc)
@@ -693,22 +484,16 @@ def _at_crossing(
     through = cycle_through(curve.map, orbit.x[0], orbit.p, orders, curve.problem)
     if through is not None:
         return Arrival(PointKind.BC, through, "", cause, arc.precision, collides=True)
-    starts = beginnings(_of_cycles(curve), orbit.x[:1], orbit.p, (begin.order,))
+    starts = beginnings(of_cycles(curve), orbit.x[:1], orbit.p, (begin.order,))
     arrived = replace(begin, sample=arc.samples[-1]).key
     others = [each for each in starts if each.is_crossing and each.key != arrived]
     if len(others) == 1:
         return others[0], cause, True
     return (
-        _crossing_beyond(begin, arc, cause)
-        or _round_corner(begin, arc, cause)
-        or _given_up(begin, arc, "the jump ends", cause)
+        crossing_beyond(begin, arc, cause)
+        or round_corner(begin, arc, cause)
+        or given_up(begin, arc, "the jump ends", cause)
     )
-
-
-def _of_cycles(curve: SolutionCurve) -> SolutionCurve:
-    """Curves of cycles, of the map whose jump crossings a curve is of."""
-    problem = replace(curve.problem, conditions=(Closed(),))
-    return replace(curve, problem=problem, ignored=frozenset())
 
 
 def _one_side_beyond(begin: Beginning, arc: Arc) -> Beginning | None:
@@ -735,7 +520,7 @@ def _one_side_beyond(begin: Beginning, arc: Arc) -> Beginning | None:
         return None
     own[at] = other
     there = joined(
-        _of_cycles(curve), orbit.images[:last], (limits[0], limits[1]), orbit.x, p, orbit.share
+        of_cycles(curve), orbit.images[:last], (limits[0], limits[1]), orbit.x, p, orbit.share
     )
     if there is None:
         return None
@@ -756,9 +541,3 @@ def _arriving(
         way = np.append(image.jacobian @ way, way[d:])
         point = image.value
     return point, way
-
-
-def _cause(arc: Arc) -> str:
-    """What happens where an arc ends at a border."""
-    image, code = arc.border or min(arc.curve.ignored)
-    return arc.samples[-1].orbit.taken[image].piece.cause(code)

@@ -10,12 +10,13 @@ import numpy as np
 from pwmap.diagrams.diagram import BranchKind, PointKind
 from woodpecker.base.settings import Settings
 from woodpecker.engine import orbits
+from woodpecker.engine.arrivals import Arrival
 from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve
 from woodpecker.engine.germs import Beginning, beginnings, judged, shared
 from woodpecker.engine.line import LineMap
 from woodpecker.engine.maps import length_of
 from woodpecker.engine.newton import Problem
-from woodpecker.engine.tracing import Arrival, Change
+from woodpecker.engine.tracing import Change
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.search import curves
 from woodpecker.search.ends import Collision, End

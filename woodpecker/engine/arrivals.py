@@ -1,0 +1,255 @@
+"""What a branch comes to, and how it passes places where borders accumulate.
+
+At such a place a map takes ever thinner pieces, and has no germ: what lies beyond is looked for at
+distances, the nearest first. So are crossings beyond a corner of their border.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from pwmap.diagrams.diagram import PointKind, PointStatus
+from woodpecker.base.arrays import Floats
+from woodpecker.engine.curves import Sample, SolutionCurve
+from woodpecker.engine.following import Arc
+from woodpecker.engine.germs import Beginning, crossings_at, lost_beyond
+from woodpecker.engine.maps import ACCUMULATE, Image, PiecewiseMap
+from woodpecker.engine.newton import Problem, solve
+from woodpecker.engine.orbits import Chained, Closed, Held, Orbit
+
+ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
+BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a start is looked for
+PASSED = tuple(10.0**-n for n in range(11, 1, -1))  # scaled: how far places are passed over
+CORNER = tuple(10.0**-n for n in range(8, 1, -1))  # scaled: how far from a corner a jump is sought
+LED = 64  # samples before a corner at most beside which a jump is sought
+FASTEST = 10.0  # abs(dx/dp), scaled, of a branch beyond such a place at most
+LIMIT_LOST = "a limit of the jump is lost"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arrival:
+    """What a branch comes to.
+
+    Attributes
+    ----------
+    kind, note, cause, precision, status
+        As :class:`pwmap.diagrams.diagram.SpecialPoint` has them.
+    orbit
+        The orbit there; of a collision the cycle, run through once.
+    collides
+        Whether a cycle meets a border there, so that others start.
+    onward
+        Where the branch goes on; None if it does not.
+    """
+
+    kind: PointKind
+    orbit: Orbit
+    note: str = ""
+    cause: str = ""
+    precision: float = 0.0
+    status: PointStatus = PointStatus.LOCATED
+    collides: bool = False
+    onward: Beginning | None = None
+
+
+Onward = tuple[Beginning, str, bool]
+"""Where a branch goes on, why its word changes, and whether smoothly."""
+
+
+def given_up(begin: Beginning, arc: Arc, note: str = "", cause: str = "") -> Arrival:
+    """The end of a branch at the end of an arc, and why, if nothing starts there."""
+    is_open = arc.stop.is_open or bool(note)
+    return Arrival(
+        PointKind.EP, arc.samples[-1].orbit, note or arc.stop.value, cause or arc.stop.value,
+        arc.precision, PointStatus.OPEN if is_open else PointStatus.LOCATED,
+    )  # fmt: skip
+
+
+def cause_of(arc: Arc) -> str:
+    """What happens where an arc ends at a border."""
+    image, code = arc.border or min(arc.curve.ignored)
+    return arc.samples[-1].orbit.taken[image].piece.cause(code)
+
+
+def of_cycles(curve: SolutionCurve) -> SolutionCurve:
+    """Curves of cycles, of the map whose jump crossings a curve is of."""
+    problem = replace(curve.problem, conditions=(Closed(),))
+    return replace(curve, problem=problem, ignored=frozenset())
+
+
+def passed_over(
+    begin: Beginning, arc: Arc, cause: str, outer: Image | None = None
+) -> Arrival | Onward | None:
+    """The branch beyond a place where borders accumulate, the nearest there is.
+
+    It is looked for along the tangent, ever farther, with the pieces that the map takes there.
+    """
+    end, curve = arc.samples[-1], begin.curve
+    if begin.is_crossing:
+        return crossing_beyond(begin, arc, cause)
+    (column,), problem = curve.problem.free, curve.problem
+    size = end.orbit.x.size
+    rate = end.tangent[size]
+    low, high = curve.settings.spans[0]
+    if rate == 0.0:
+        return None
+    for away in PASSED:
+        p = end.orbit.p.copy()
+        p[column] = min(
+            max(p[column] + math.copysign(away, rate) * problem.p_scale[column], low), high
+        )
+        if p[column] == end.orbit.p[column]:
+            return None
+        along = (p[column] - end.orbit.p[column]) / problem.p_scale[column] / rate
+        x = end.orbit.x + (along * end.tangent[:size]).reshape(end.orbit.x.shape) * problem.x_scale
+        images = [curve.map.at(point, p) for point in x]
+        if outer is not None and arc.border is not None:
+            images[arc.border[0]] = outer.piece.at(x[arc.border[0]], p)
+        if any(image.reason for image in images):
+            continue
+        if away == PASSED[0] and _jumps_unseen(end.orbit, x, p, images, problem):
+            return None
+        held = problem.with_(Held(size + column, float(p[column])))
+        found = solve(held, Orbit(x, p, 0.0, tuple(images)))
+        if not found.converged or not problem.same(found.orbit.x, end.orbit.x, FASTEST * away):
+            continue
+        sample = curve.start(found.orbit, np.eye(size + 1)[-1] * rate)
+        if all(
+            curve.map.at(point, p).piece.key == image.piece.key
+            for point, image in zip(found.orbit.x, found.orbit.images, strict=True)
+        ):
+            return Beginning(begin.order, curve, sample, end), _passed(cause), True
+    return None
+
+
+def _jumps_unseen(
+    orbit: Orbit, x: Floats, p: Floats, images: list[Image], problem: Problem
+) -> bool:
+    """Whether a map jumps right ahead of an orbit, though no margin of its pieces vanishes."""
+    for i, image in enumerate(images):
+        own = orbit.images[i].piece.at(x[i], p)
+        if own.reason or own.piece.key == image.piece.key or own.tied(x[i], p).any():
+            continue
+        steepest = max(1.0, float(np.abs(own.jacobian).max()), float(np.abs(image.jacobian).max()))
+        if not problem.same(own.value, image.value, ASIDE * steepest):
+            return True
+    return False
+
+
+def _passed(cause: str) -> str:
+    return cause if cause == ACCUMULATE else f"{cause}: {ACCUMULATE}"
+
+
+def crossing_beyond(
+    begin: Beginning, arc: Arc, cause: str, distances: Sequence[float] = PASSED
+) -> Arrival | Onward | None:
+    """The jump crossing beyond such a place: on the same border, between the limits there."""
+    end, curve = arc.samples[-1], begin.curve
+    problem, size = curve.problem, end.orbit.x.size
+    (column,), rate = problem.free, end.tangent[size]
+    if rate == 0.0 or end.orbit.x.shape[1] > 1:  # only in R^1 does the border alone say where it is
+        return None
+    head = replace(end.orbit, outer=None, share=0.0)
+    base = of_cycles(curve)
+    low, high = curve.settings.spans[0]
+    for away in distances:
+        to = float(end.orbit.p[column]) + math.copysign(away, rate) * problem.p_scale[column]
+        if min(max(to, low), high) == end.orbit.p[column]:
+            return None
+        held = Held(size + column, min(max(to, low), high))
+        border = replace(problem, conditions=(Chained(), *problem.conditions[1:], held))
+        found = solve(border, head)
+        if not found.converged:
+            continue
+        there = found.orbit
+        for each in crossings_at(base, there.x, there.p, begin.order):
+            sample = each.curve.start(each.sample.orbit, np.eye(size + 1)[size] * rate)
+            if len(each.sample.orbit.x) == len(end.orbit.x):
+                return replace(each, sample=sample, before=end), _passed(cause), True
+        reason = lost_beyond(base.map, there.x[-1], there.p, begin.order - len(there.x))
+        if reason:
+            p = float(there.p[column])
+            return Arrival(
+                PointKind.FALL, end.orbit, reason, LIMIT_LOST,
+                abs(p - float(end.orbit.p[column])),
+            )  # fmt: skip
+    return None
+
+
+def round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
+    """The jump crossing on another border that leaves the place where its own one ends.
+
+    Many margins may vanish there, and steep ones: it is looked for at a distance, ahead, and beside
+    the samples that led there, where the piece between two jumps has come to its end.
+    """
+    end, problem = arc.samples[-1], begin.curve.problem
+    (n, d), (column,) = end.orbit.x.shape, problem.free
+    if d > 1 or end.tangent[n] == 0.0:
+        return None
+    p, x = float(end.orbit.p[column]), float(end.orbit.x[-1, 0])
+    places = list[tuple[float, float, float]]()  # parameter, and an interval of the border point
+    for away in CORNER:
+        step, width = math.copysign(away, end.tangent[n]), FASTEST * away * problem.x_scale[0]
+        places.append((p + step * problem.p_scale[column], x - width, x + width))
+    for sample in arc.samples[-2 : -2 - LED : -1]:
+        back, at = float(sample.orbit.p[column]), float(sample.orbit.x[-1, 0])
+        close = BESIDE[-1] * problem.x_scale[0]
+        for width in (each * problem.x_scale[0] for each in CORNER):
+            places += [(back, at + close, at + width), (back, at - width, at - close)]
+    for to, low, high in places:
+        found = _passing(begin, end, to, low, high)
+        if found is not None:
+            sample = found.curve.start(found.sample.orbit, np.eye(n + 1)[-1] * (to - p))
+            return replace(found, sample=sample, before=end), cause, False
+    return None
+
+
+def _passing(begin: Beginning, end: Sample, to: float, low: float, high: float) -> Beginning | None:
+    """The jump crossing at a parameter whose border point lies in an interval."""
+    problem, n = begin.curve.problem, len(end.orbit.x)
+    (column,), base, p = problem.free, of_cycles(begin.curve), end.orbit.p.copy()
+    p[column] = to
+    x = _halved(base.map, end.orbit, p, begin.order, low, high)
+    if x is None:
+        return None
+    held = Held(n - 1, x), Held(n + column, to)
+    start = replace(end.orbit, outer=None, share=0.0)
+    head = solve(replace(problem, conditions=(Chained(), *held)), start)
+    found = crossings_at(base, head.orbit.x, p, begin.order) if head.converged else []
+    return next((each for each in found if len(each.sample.orbit.x) == n), None)
+
+
+def _halved(
+    map_: PiecewiseMap, orbit: Orbit, p: Floats, order: int, low: float, high: float
+) -> float | None:
+    """Where the last image of a border point passes by the first point; None if nowhere.
+
+    Halved down to neighbouring doubles.
+    """
+    n = len(orbit.x)
+
+    def side(at: float) -> float:
+        point = np.array([at])
+        for _ in range(order - n + 1):
+            image = map_.at(point, p)
+            if image.reason:
+                return math.nan
+            point = image.value
+        return float(point[0]) - (at if n == 1 else float(orbit.x[0, 0]))
+
+    below = side(low)
+    if not below * side(high) < 0.0:
+        return None
+    while low < (middle := 0.5 * (low + high)) < high:
+        value = side(middle)
+        if math.isnan(value):
+            return None
+        if below * value > 0.0:
+            low = middle
+        else:
+            high = middle
+    return middle
