@@ -145,36 +145,6 @@ class Settings:
         """The unit of the parameter."""
         return _unit(*self.span)
 
-    def rounded_x(self, x: float) -> float:
-        """How far rounding of a map may move a point.
-
-        Parameters
-        ----------
-        x
-            The point.
-
-        Returns
-        -------
-        float
-            ``converged`` of its magnitude, or of the unit of x if that is larger.
-        """
-        return self.converged * max(self.x_scale, abs(x))
-
-    def rounded_p(self, p: float) -> float:
-        """How far rounding of a map may move a parameter.
-
-        Parameters
-        ----------
-        p
-            The parameter.
-
-        Returns
-        -------
-        float
-            ``converged`` of its magnitude, or of its unit if that is larger.
-        """
-        return self.converged * max(self.p_scale, abs(p))
-
     def of_branch(self, order: int) -> int:
         """How many evaluations a branch may take, from one special point to the next.
 

@@ -116,24 +116,6 @@ class Image(NamedTuple):
         """
         return -1 if self.gradient(code)[0] > 0.0 else 1
 
-    def without(self, code: int) -> Image:
-        """The same but for one margin.
-
-        Parameters
-        ----------
-        code
-            The code of the margin, one of ``causes``.
-
-        Returns
-        -------
-        Image
-            The image without that margin.
-        """
-        kept = self.causes != code
-        return self._replace(
-            margins=self.margins[kept], gradients=self.gradients[kept], causes=self.causes[kept]
-        )
-
     def _place(self, code: int) -> int:
         k = int(np.searchsorted(self.causes, code))
         return k if k < len(self.causes) and self.causes[k] == code else -1
