@@ -58,7 +58,8 @@ def ends_between(
     found.sort(key=lambda end: end.distance)
     if found and found[0] is not bound and any(True for _ in _borders(curve, found[0].sample)):
         raise UnclearError  # a margin has vanished before
-    _look_for_dips(curve, a, *((found[0].sample, found[0].distance) if found else (b, step)))
+    last, distance = (found[0].sample, found[0].distance) if found else (b, step)
+    _look_for_dips(curve, a, last, distance, starts=starts)
     return found
 
 
@@ -246,13 +247,15 @@ def _is_at(a: Sample, test: TestFunction, value: float) -> bool:
     return bool(image.tied(a.orbit.x[a.orbit.place(i)], a.orbit.p)[image.place(code)])
 
 
-def _look_for_dips(curve: SolutionCurve, a: Sample, b: Sample, step: float) -> None:
+def _look_for_dips(
+    curve: SolutionCurve, a: Sample, b: Sample, step: float, *, starts: bool
+) -> None:
     """UnclearError if a margin that is positive at both ends may be negative in between.
 
-    It is a cubic there, with the values and slopes of both ends; if that dips, the curve is looked
-    at where it does: beside a root, slopes of any size say nothing. A margin that only one end has
-    is taken for linear. One that falls at both ends, but by much less in between, is not the same
-    all the way.
+    It is a cubic there, with the values and slopes of both ends. Where an arc starts it may do so
+    at a root, of which slopes say nothing: if the cubic dips, the curve is looked at where it does.
+    A margin that only one end has is taken for linear. One that falls at both ends, but by much
+    less in between, is not the same all the way.
     """
     if step < COARSE * curve.settings.min_step:
         return
@@ -273,6 +276,8 @@ def _look_for_dips(curve: SolutionCurve, a: Sample, b: Sample, step: float) -> N
             if ends[1] > 0.0 and rates[1] > 0.0:
                 part, least = _least(*ends, *rates)
                 if least < WORTH * min(ends):
+                    if not starts:
+                        raise UnclearError
                     dips.setdefault(part, []).append((i, code, WORTH * min(ends)))
             if rates[1] < 0.0 and ends[1] - ends[0] > STEADY * max(rates):
                 raise UnclearError
