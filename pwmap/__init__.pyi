@@ -2,8 +2,6 @@
 
 from .algebra.assumptions import UndecidedError as UndecidedError
 from .algebra.roots import RealRoot as RealRoot
-from .certificates import Certificate as Certificate
-from .certificates import prove as prove
 from .checking import Refused as Refused
 from .checking import check_certificate as check_certificate
 from .diagrams.data import Branch as Branch
@@ -21,7 +19,6 @@ from .diagrams.graph import write_graph as write_graph
 from .longrun.attractors import Bands as Bands
 from .longrun.bands import with_attractors as with_attractors
 from .longrun.basins import WholeBasin as WholeBasin
-from .longrun.constant import constant_entropy as constant_entropy
 from .longrun.crises.diagram import AttractorCell as AttractorCell
 from .longrun.crises.diagram import AttractorDiagram as AttractorDiagram
 from .longrun.crises.diagram import Crisis as Crisis
@@ -40,11 +37,12 @@ from .longrun.dynamics import FoundAttractors as FoundAttractors
 from .longrun.dynamics import Kneading as Kneading
 from .longrun.dynamics import MinMax as MinMax
 from .longrun.dynamics import dynamics as dynamics
-from .longrun.entropies import ConstantEntropy as ConstantEntropy
-from .longrun.entropies import Entropy as Entropy
-from .longrun.entropies import EntropyGap as EntropyGap
-from .longrun.entropies import EntropyIntervals as EntropyIntervals
-from .longrun.entropies import GapCause as GapCause
+from .longrun.entropy.constant import constant_entropy as constant_entropy
+from .longrun.entropy.entropies import ConstantEntropy as ConstantEntropy
+from .longrun.entropy.entropies import Entropy as Entropy
+from .longrun.entropy.entropies import EntropyGap as EntropyGap
+from .longrun.entropy.entropies import EntropyIntervals as EntropyIntervals
+from .longrun.entropy.entropies import GapCause as GapCause
 from .longrun.fates import AttractingCycle as AttractingCycle
 from .longrun.neutral import NeutralIntervals as NeutralIntervals
 from .maps.budget import Advance as Advance
@@ -74,6 +72,8 @@ from .plane.rasters import PlaneRaster as PlaneRaster
 from .plane.rasters import plane_raster as plane_raster
 from .plane.regions import PlaneRegion as PlaneRegion
 from .plane.strips import Strip as Strip
+from .proofs.certificates import Certificate as Certificate
+from .proofs.certificates import prove as prove
 from .rotations.centres import CentreKind as CentreKind
 from .rotations.centres import OrganisingCentre as OrganisingCentre
 from .rotations.centres import organising_centre as organising_centre

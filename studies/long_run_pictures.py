@@ -22,7 +22,7 @@ from pwmap import (
     bifurcation_diagram,
     dynamics,
 )
-from pwmap.plot_longrun import plot_density, plot_kneading, plot_long_run
+from pwmap.plot import plot_density, plot_kneading, plot_long_run
 from studies.common.record import Results, command
 from studies.common.style import WIDTH, canvas, grid, keep, small
 

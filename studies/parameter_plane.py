@@ -20,7 +20,7 @@ from pwmap import (
     plane_raster,
     with_crises,
 )
-from pwmap.plot_plane import plot_plane
+from pwmap.plot import plot_plane
 from studies.common.clocks import timed
 from studies.common.record import Results, command
 from studies.common.style import canvas, keep, small

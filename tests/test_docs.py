@@ -16,7 +16,7 @@ from pages import DOCS, ROOT
 
 import pwmap
 import woodpecker
-from pwmap.cli import app as pwmap_app
+from pwmap.cli.app import app as pwmap_app
 from woodpecker.cli.app import app as woodpecker_app
 
 PAGES = pages.written()

@@ -15,9 +15,6 @@ from pages import OPTIONS
 mpl.use("Agg")
 import pwmap
 import pwmap.plot
-import pwmap.plot_drawn
-import pwmap.plot_longrun
-import pwmap.plot_plane
 import woodpecker
 import woodpecker.plot.drawing
 import woodpecker.plot.figures
@@ -26,7 +23,6 @@ import woodpecker.plot.plane
 import woodpecker.plot.regions
 
 DRAWING = (
-    *(pwmap.plot, pwmap.plot_drawn, pwmap.plot_longrun, pwmap.plot_plane),
     *(woodpecker.plot.drawing, woodpecker.plot.figures, woodpecker.plot.motions),
     *(woodpecker.plot.plane, woodpecker.plot.regions),
 )
@@ -34,9 +30,9 @@ PICTURES = [
     (module, name)
     for module in DRAWING
     for name, value in vars(module).items()
-    if re.match(r"plot_|draw_toy|draw_frames|animate|Drawn", name)
+    if re.match(r"plot_|draw_toy|draw_frames|animate", name)
     and getattr(value, "__module__", "") == module.__name__
-]
+] + [(pwmap.plot, name) for name in pwmap.plot.__all__ if name == "Drawn" or "plot_" in name]
 NAMES = [
     (package, name)
     for package in (pwmap, woodpecker)

@@ -45,7 +45,7 @@ ENGINE = {
     "woodpecker.toy_map._ThreadRoom": "what threads do not share",
 }
 # Methods whose one sentence says what they take and give.
-SHORT = {"pwmap.certificates"}
+SHORT = {"pwmap.proofs.certificates"}
 POINT = {"x", "p"}  # of a map that is asked for its image: a point and a parameter
 
 

@@ -23,9 +23,9 @@ from pwmap.longrun.attractors import (
 )
 from pwmap.longrun.basins import Basin, WholeBasin, basin_of, staying, whole_basin
 from pwmap.longrun.densities import Density, density_of
-from pwmap.longrun.entropies import ORDERS, Entropy, entropy_of, lap_numbers
+from pwmap.longrun.entropy.entropies import ORDERS, Entropy, entropy_of, lap_numbers
+from pwmap.longrun.entropy.itineraries import STEPS, Ending, itinerary_of
 from pwmap.longrun.fates import AttractingCycle, Fate, GermOrbit
-from pwmap.longrun.itineraries import STEPS, Ending, itinerary_of
 from pwmap.longrun.line import Germ, Interval, MapLine, line_of
 from pwmap.longrun.neutral import NeutralIntervals
 from pwmap.longrun.numbers import exact_to_sympy, sign

@@ -15,7 +15,7 @@ from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, bounds, spread
 from pwmap.diagrams.data import FloatArray
 from pwmap.longrun.attractors import attractors_of
-from pwmap.longrun.entropies import entropy_of
+from pwmap.longrun.entropy.entropies import entropy_of
 from pwmap.longrun.line import MapLine, line_of
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.kinds import check_kind

@@ -36,7 +36,7 @@ from pwmap import (
 from pwmap.diagrams import files, tables
 from pwmap.diagrams.encoding import to_plain
 from pwmap.diagrams.tables import FILES
-from pwmap.longrun.entropies import GapCause
+from pwmap.longrun.entropy.entropies import GapCause
 from pwmap.maps.budget import cost
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.cells import Cell, aside, close, with_cells

@@ -16,7 +16,7 @@ from enum import Enum
 from sympy import QQ
 
 from pwmap.algebra.roots import Real
-from pwmap.longrun.entropies import growth_of
+from pwmap.longrun.entropy.entropies import growth_of
 from pwmap.longrun.line import Germ, MapLine
 from pwmap.longrun.numbers import Exact, sign, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered

@@ -13,11 +13,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pwmap.cli_certificates import check_files, prove_map
-from pwmap.cli_explore import explore
-from pwmap.cli_plane import draw_plane
-from pwmap.cli_reading import assignments, exact, exact_span, map_of, orders_of
-from pwmap.cli_screen import (
+from pwmap.cli.certificates import check_files, prove_map
+from pwmap.cli.explore import explore
+from pwmap.cli.plane import draw_plane
+from pwmap.cli.reading import assignments, exact, exact_span, map_of, orders_of
+from pwmap.cli.screen import (
     Formats,
     bar_on,
     complain,
@@ -34,7 +34,7 @@ from pwmap.maps.budget import BUDGET, Budget, Progress
 if TYPE_CHECKING:  # help and refusals come before what computes is loaded
     from rich.progress import Progress as Bar
 
-    from pwmap.cli_longrun import LongRun
+    from pwmap.cli.longrun import LongRun
     from pwmap.diagrams.diagram import Diagram
     from pwmap.diagrams.files import PictureFormat
     from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -151,7 +151,7 @@ def analyse(
     }  # fmt: skip
     kept = _Kept({"map": formula, "set": set_ or []})
     with _told_in_a_sentence(kept):
-        from pwmap.cli_longrun import LongRun
+        from pwmap.cli.longrun import LongRun
         from pwmap.diagrams.record import keep_record
 
         form = picture_format(picture)
@@ -285,7 +285,7 @@ def _written(kept: _Kept, more: LongRun, out: Path) -> list[str]:
 
 def _tell(map_: PiecewiseLinearMap, found: Diagram, more: LongRun) -> None:
     """All tables for a person; before them, if they hold in a part of what was assumed only."""
-    from pwmap.cli_given import in_a_part_only
+    from pwmap.cli.given import in_a_part_only
     from pwmap.diagrams.tables import table_of_branches, table_of_points
 
     if part := in_a_part_only(map_, found):

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pwmap.cli_reading import assignments, exact, map_of, orders_of
-from pwmap.cli_screen import (
+from pwmap.cli.reading import assignments, exact, map_of, orders_of
+from pwmap.cli.screen import (
     Formats,
     bar_on,
     complain,
@@ -165,7 +165,7 @@ def _draw(
 ) -> None:
     """The picture."""
     from pwmap.diagrams.files import write_figure
-    from pwmap.plot_plane import plot_plane
+    from pwmap.plot.plane import plot_plane
 
     drawn = plot_plane(found, raster=seen, colours=colours or Colours.PERIOD)
     write_figure(path, drawn.figure)

@@ -7,8 +7,8 @@ from typing import Annotated, NoReturn
 
 import typer
 
-from pwmap.cli_reading import assignments, exact_span, map_of, orders_of
-from pwmap.cli_screen import complain, in_words, say
+from pwmap.cli.reading import assignments, exact_span, map_of, orders_of
+from pwmap.cli.screen import complain, in_words, say
 
 INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C has ended
 

@@ -7,8 +7,8 @@ from typing import Annotated
 
 import typer
 
-from pwmap.cli_reading import assignments
-from pwmap.cli_screen import complain, in_words, say
+from pwmap.cli.reading import assignments
+from pwmap.cli.screen import complain, in_words, say
 
 MISSING = 'the explorer needs Bokeh: pip install "woodpecker-toy[explore]"'
 
