@@ -100,6 +100,17 @@ def test_an_unknown_name_is_an_attribute_error(package: object) -> None:
         package.no_such_name  # type: ignore[attr-defined]  # noqa: B018
 
 
+def test_a_name_that_moved_into_a_room_says_where_it_is() -> None:
+    """For one release."""
+    rooms = ("diagrams", "longrun", "maps", "plane", "proofs", "rotations")
+    moved = [(room, name) for room in rooms for name in getattr(pwmap, room).__all__
+             if name not in pwmap.__all__]  # fmt: skip
+    assert len(moved) == 58
+    for room, name in moved:
+        with pytest.warns(DeprecationWarning, match=rf"use pwmap\.{room}\.{name}$"):
+            assert getattr(pwmap, name) is getattr(getattr(pwmap, room), name)
+
+
 def test_a_function_is_not_hidden_by_the_file_it_is_in() -> None:
     """``solutions`` is in ``woodpecker/solutions.py``, which others import."""
     import_module("woodpecker.solutions")

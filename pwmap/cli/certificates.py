@@ -39,7 +39,8 @@ def prove_map(
     Example: pwmap prove "Piecewise((r - 2, x <= 0), (r - a*x, True))" --set a=5/4 --set r=1
     --order 4
     """
-    from pwmap import Certificate, bifurcation_diagram, prove
+    from pwmap import bifurcation_diagram, prove
+    from pwmap.proofs import Certificate
 
     try:
         if out.exists():
@@ -68,7 +69,7 @@ def check_files(
 
     All files are read; the exit status is 1 if one is refused.
     """
-    from pwmap import Refused, check_certificate
+    from pwmap.checking import Refused, check_certificate
 
     refused = 0
     for file in files:

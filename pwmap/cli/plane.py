@@ -86,8 +86,9 @@ def draw_plane(
     Example: pwmap plane "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))" --across a --along b
     --across-span 1/10 11/10 --along-span -5 -1/2 --orders 1,2,3 --colours bands
     """
-    from pwmap import parameter_plane, plane_raster, with_crises
+    from pwmap import parameter_plane
     from pwmap.diagrams.record import keep_record, record_of
+    from pwmap.plane import plane_raster, with_crises
     from pwmap.plane.crisiscurves import SEARCH
     from pwmap.plane.rasters import RASTER
 

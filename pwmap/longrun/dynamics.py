@@ -39,7 +39,7 @@ class Extremum(Enum):
 
     Examples
     --------
-    >>> from pwmap import Extremum
+    >>> from pwmap.longrun import Extremum
     >>> [(kind.name, kind.value) for kind in Extremum]
     [('MAXIMUM', 'M'), ('MINIMUM', 'm'), ('CONSTANT', 'c')]
     """

@@ -82,7 +82,8 @@ def with_crises(
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_plane, with_crises
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane
+    >>> from pwmap.plane import with_crises
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
     >>> plane = parameter_plane(skew, "a", "b", ("19/20", 1), ("-17/10", "-8/5"), orders=(1,))
     >>> more = with_crises(plane, order=1, columns=1)

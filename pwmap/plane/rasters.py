@@ -48,7 +48,8 @@ class PlaneRaster:
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_plane, plane_raster
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane
+    >>> from pwmap.plane import plane_raster
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
     >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
     >>> raster = plane_raster(plane, 3, 2)
@@ -106,7 +107,8 @@ def plane_raster(
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_plane, plane_raster
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane
+    >>> from pwmap.plane import plane_raster
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
     >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
     >>> plane_raster(plane, 3, 2).bands

@@ -10,8 +10,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from pwmap import Attractor, Dynamics, PiecewiseLinearMap, dynamics
+from pwmap import PiecewiseLinearMap, dynamics
 from pwmap.algebra.exact import pair
+from pwmap.longrun import Attractor, Dynamics
 
 MAP = PiecewiseLinearMap.from_sympy("Piecewise((b*x + r - 2, x <= 0), (r - a*x, True))")
 PLACES = 200

@@ -11,16 +11,9 @@ import sympy
 from sympy import QQ, Rational, log, sqrt
 from sympy.polys.rings import PolyElement
 
-from pwmap import (
-    Budget,
-    ConstantEntropy,
-    EntropyIntervals,
-    GapCause,
-    PiecewiseLinearMap,
-    constant_entropy,
-    dynamics,
-)
+from pwmap import Budget, PiecewiseLinearMap, constant_entropy, dynamics
 from pwmap.algebra.roots import Real, most_roots, real_to_sympy, simplest_between
+from pwmap.longrun import ConstantEntropy, EntropyIntervals, GapCause
 from pwmap.longrun.entropy import constant
 from pwmap.longrun.entropy.entropies import lap_numbers
 from pwmap.longrun.entropy.itineraries import Ending, growth_at, itinerary_of

@@ -11,20 +11,14 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from pwmap import (
-    PiecewiseLinearMap,
-    Refused,
-    bifurcation_diagram,
-    check_certificate,
-    cli,
-    prove,
-)
+from pwmap import PiecewiseLinearMap, bifurcation_diagram, check_certificate, cli, prove
 from pwmap.checking import polynomials
 from pwmap.checking.__main__ import main
 from pwmap.checking.certificate import check, seal_of, statement_of
 from pwmap.checking.places import between
 from pwmap.checking.reading import number
 from pwmap.checking.refusing import Effort
+from pwmap.proofs import Refused
 
 Content = dict[str, Any]
 P1L = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")

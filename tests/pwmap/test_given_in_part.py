@@ -8,6 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from pwmap import PiecewiseLinearMap, bifurcation_diagram
+from pwmap.cli.app import app
 from pwmap.cli.given import in_a_part_only
 
 P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"

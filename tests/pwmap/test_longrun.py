@@ -14,8 +14,9 @@ import pytest
 import sympy
 from sympy import QQ, Interval, Rational, log, sqrt
 
-from pwmap import Attractor, Budget, Extremum, PiecewiseLinearMap, RealRoot, dynamics
+from pwmap import Budget, PiecewiseLinearMap, RealRoot, dynamics
 from pwmap.algebra.exact import pair
+from pwmap.longrun import Attractor, Extremum
 from pwmap.longrun.line import AffinePiece, MapLine, line_of
 from pwmap.longrun.numbers import (
     Element,

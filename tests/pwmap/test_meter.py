@@ -16,11 +16,9 @@ from sympy import Rational
 from test_pwmap_cli import run
 
 from pwmap import (
-    Advance,
     Budget,
     BudgetError,
     Diagram,
-    Meter,
     PiecewiseLinearMap,
     attractor_diagram,
     bifurcation_diagram,
@@ -29,7 +27,6 @@ from pwmap import (
     cycles,
     load_diagram,
     parameter_plane,
-    plane_raster,
     tongues,
     word_family,
 )
@@ -37,9 +34,11 @@ from pwmap.diagrams import files, tables
 from pwmap.diagrams.encoding import to_plain
 from pwmap.diagrams.tables import FILES
 from pwmap.longrun.entropy.entropies import GapCause
+from pwmap.maps import Advance, Meter
 from pwmap.maps.budget import cost
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.cells import Cell, aside, close, with_cells
+from pwmap.plane import plane_raster
 
 SKEW = PiecewiseLinearMap([("a*x + 1", "x <= 0"), ("b*x + 1", "x > 0")])
 SPANS = ("1/4", "3/2"), (-5, "-1/2")

@@ -16,10 +16,10 @@ from pwmap import (
     PiecewiseLinearMap,
     PointKind,
     SpecialPoint,
-    Stretch,
     bifurcation_diagram,
     parameter_plane,
 )
+from pwmap.diagrams import Stretch
 from pwmap.plot import INK, Drawn, plot_cobweb, plot_diagram, plot_map
 from pwmap.plot.labels import Labels
 from pwmap.plot.palette import NOTHING, of_period

@@ -18,8 +18,9 @@ import pytest
 from exact_orbits import Course, End, RandomMap, course, random_map
 from sympy import QQ
 
-from pwmap import AttractingCycle, Attractor, Bands, Dynamics, PiecewiseLinearMap, dynamics
+from pwmap import PiecewiseLinearMap, dynamics
 from pwmap.algebra.exact import pair
+from pwmap.longrun import AttractingCycle, Attractor, Bands, Dynamics
 from pwmap.longrun.numbers import Exact
 
 Part = tuple[Fraction, Fraction]

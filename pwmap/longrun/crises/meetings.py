@@ -27,7 +27,8 @@ class Meeting(NamedTuple):
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, attractor_diagram, meeting_curve
+    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
+    >>> from pwmap.longrun import meeting_curve
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
     >>> crisis, = attractor_diagram(tent, "a", ("4/3", "3/2"), 1).crises
     >>> meeting = crisis.meetings[0]
@@ -68,7 +69,8 @@ def meeting_curve(map_: PiecewiseLinearMap, image: str, cycle: str, number: int 
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, meeting_curve
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from pwmap.longrun import meeting_curve
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
     >>> meeting_curve(skew, "LRL", "R")
     a*b**2 - a + b

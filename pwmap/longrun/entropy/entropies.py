@@ -363,7 +363,7 @@ class GapCause(Enum):
 
     Examples
     --------
-    >>> from pwmap import GapCause
+    >>> from pwmap.longrun import GapCause
     >>> GapCause.NARROW.value
     'it is narrower than the tolerance'
     """
