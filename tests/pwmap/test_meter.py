@@ -22,7 +22,6 @@ from pwmap import (
     PiecewiseLinearMap,
     attractor_diagram,
     bifurcation_diagram,
-    cli_longrun,
     constant_entropy,
     cycles,
     load_diagram,
@@ -30,6 +29,7 @@ from pwmap import (
     tongues,
     word_family,
 )
+from pwmap.cli import longrun
 from pwmap.diagrams import files, tables
 from pwmap.diagrams.encoding import to_plain
 from pwmap.diagrams.tables import FILES
@@ -226,7 +226,7 @@ def test_the_command_keeps_the_diagram_if_the_long_run_is_interrupted(
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli_longrun, "attractor_diagram", interrupted)
+    monkeypatch.setattr(longrun, "attractor_diagram", interrupted)
     text = "Piecewise((m*x, x <= 1/2), (m - m*x, True))"
     code, _ = run(text, "--parameter", "m", "--span", "0", "2", "--attractors", out=tmp_path)
     assert code == 130
