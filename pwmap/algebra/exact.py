@@ -65,6 +65,70 @@ def sign(number: Number) -> int:
     return int(number > 0) - int(number < 0)
 
 
+class Infinite:
+    """What grows without bound: it compares with all numbers, and a map takes it to its limit.
+
+    Attributes
+    ----------
+    side
+        -1 or +1.
+    """
+
+    __slots__ = ("side",)
+
+    def __init__(self, side: int) -> None:
+        self.side = side
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Infinite) and self.side == other.side
+
+    def __hash__(self) -> int:
+        return hash((Infinite, self.side))
+
+    def __lt__(self, other: Any) -> bool:
+        return self.side < side_of(other)
+
+    def __le__(self, other: Any) -> bool:
+        return self.side <= side_of(other)
+
+    def __gt__(self, other: Any) -> bool:
+        return self.side > side_of(other)
+
+    def __ge__(self, other: Any) -> bool:
+        return self.side >= side_of(other)
+
+    def __neg__(self) -> Infinite:
+        return Infinite(-self.side)
+
+    def __add__(self, other: Any) -> Infinite:
+        return self
+
+    __radd__ = __sub__ = __add__
+
+    def __rsub__(self, other: Any) -> Infinite:
+        return -self
+
+    def __mul__(self, other: Any) -> Any:
+        """Zero times what is infinite is zero: a flat piece has its value everywhere."""
+        return Infinite(self.side * sign(other)) if other else QQ.zero
+
+    __rmul__ = __truediv__ = __mul__
+
+    def __float__(self) -> float:
+        return self.side * math.inf
+
+    def __repr__(self) -> str:
+        return "oo" if self.side > 0 else "-oo"
+
+
+def side_of(x: Any) -> int:
+    """-1 or 1 for what is infinite, 0 for a number."""
+    return x.side if isinstance(x, Infinite) else 0
+
+
+LOWEST, HIGHEST = Infinite(-1), Infinite(1)
+
+
 def pair(number: Number) -> tuple[int, int]:
     """Numerator and denominator of an element of ``QQ``, as integers of Python.
 

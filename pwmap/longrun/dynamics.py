@@ -11,6 +11,7 @@ from typing import Any
 import sympy
 
 from pwmap.algebra.arithmetic import rational
+from pwmap.algebra.exact import sign
 from pwmap.algebra.terms import shortened
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.attractors import (
@@ -21,14 +22,14 @@ from pwmap.longrun.attractors import (
     common_period,
     share,
 )
-from pwmap.longrun.basins import Basin, WholeBasin, basin_of, staying, whole_basin
+from pwmap.longrun.basins import WholeBasin, basin_of, staying, whole_basin
 from pwmap.longrun.densities import Density, density_of
 from pwmap.longrun.entropy.entropies import ORDERS, Entropy, entropy_of, lap_numbers
 from pwmap.longrun.entropy.itineraries import STEPS, Ending, itinerary_of
 from pwmap.longrun.fates import AttractingCycle, Fate, GermOrbit
 from pwmap.longrun.line import Germ, Interval, MapLine, line_of
 from pwmap.longrun.neutral import NeutralIntervals
-from pwmap.longrun.numbers import exact_to_sympy, sign
+from pwmap.longrun.numbers import exact_to_sympy
 from pwmap.longrun.pointsets import PointSet, open_intervals, part_to_sympy
 from pwmap.maps.budget import BUDGET, Budget, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
@@ -202,8 +203,7 @@ class Attractor:
         core = self.core
         if not isinstance(core, NeutralIntervals):
             return ()
-        parts = sorted(core.parts, key=lambda part: (part[0] is not None, part[0]))
-        return tuple(map(part_to_sympy, parts))
+        return tuple(map(part_to_sympy, sorted(core.parts)))
 
     @cached_property
     def period(self) -> int:
@@ -259,34 +259,21 @@ class Attractor:
     def _core(self) -> PointSet:
         """What stays at it, or is known to be drawn in."""
         core = self.core
-        if isinstance(core, NeutralIntervals):
-            return core.region
-        if isinstance(core, Bands):
-            return staying(self.line, core.intervals)
-        return open_intervals(
-            (None, None) if reach is None else (x - reach, x + reach)
-            for x, reach in zip(core.points, core.reach, strict=True)
-        )
+        return staying(self.line, core.intervals) if isinstance(core, Bands) else core.region
 
     @cached_property
-    def _basin(self) -> Basin:
+    def _basin(self) -> tuple[Interval, ...]:
         return basin_of(self.line, self._core.interior, self.budget)
 
     @property
     def basin(self) -> tuple[sympy.Interval, ...]:
         """The immediate basin: open intervals, whose orbits come here but for repelling cycles."""
-        return tuple(
-            sympy.Interval.open(
-                -sympy.oo if low is None else exact_to_sympy(low),
-                sympy.oo if high is None else exact_to_sympy(high),
-            )
-            for low, high in self._basin.intervals
-        )
+        return open_intervals(self._basin).to_sympy()
 
     @property
     def basin_is_complete(self) -> bool:
         """Whether it is proved that nothing comes here from elsewhere, but for its ends."""
-        whole, known = self.whole_basin, open_intervals(self._basin.intervals)
+        whole, known = self.whole_basin, open_intervals(self._basin)
         return whole.complete and known.closure.has(whole.region)
 
     @cached_property
@@ -317,7 +304,7 @@ class Attractor:
         low, high = (rational(end) for end in window)
         if not low < high:
             raise ValueError(f"a window must be an interval (low, high), got {window!r}")
-        return exact_to_sympy(share(self._basin.within((low, high)), (low, high)))
+        return exact_to_sympy(share(self._basin, (low, high)))
 
     def __str__(self) -> str:
         """Its kind, and where it is."""

@@ -18,11 +18,11 @@ import sympy
 from sympy import QQ
 from sympy.polys.densearith import dup_add, dup_mul, dup_neg, dup_sub
 
-from pwmap.algebra.exact import Number, bits, pair, to_float
+from pwmap.algebra.exact import Infinite, Number, bits, pair, to_float
 from pwmap.algebra.roots import Dense, Real, RealRoot, bounds, integers, real_roots
 from pwmap.maps.budget import cost
 
-Exact = Any  # an element of QQ, or an Element
+Exact = Any  # an element of QQ, or an Element; an end of an interval may be Infinite
 
 
 @total_ordering
@@ -48,7 +48,7 @@ class Element:
             return other.value
         if isinstance(other, (int, Fraction)):
             other = QQ(other) if isinstance(other, int) else QQ(other.numerator, other.denominator)
-        return None if isinstance(other, float) else ((other,) if other else ())
+        return None if isinstance(other, (float, Infinite)) else ((other,) if other else ())
 
     def _made(self, value: list[Number]) -> Element:
         return Element(self.root, self.root.reduced(tuple(value)))
@@ -103,6 +103,8 @@ class Element:
         return hash((self.root, self.value))
 
     def __lt__(self, other: object) -> bool:
+        if isinstance(other, Infinite):
+            return NotImplemented
         return self.root.sign_of(integers((self - other).value)) < 0
 
     def __float__(self) -> float:
@@ -119,15 +121,12 @@ def key(x: Exact) -> Hashable:
 
 def work_of(x: Exact) -> int:
     """The work of one operation with a number, as :class:`pwmap.Budget` counts it."""
+    if isinstance(x, Infinite):
+        return 0
     if isinstance(x, Element):
         longest = max(map(bits, x.value), default=0)
         return len(x.root.polynomial) ** 2 * cost(longest + 2 * max(map(bits, x.root.polynomial)))
     return cost(bits(x))
-
-
-def sign(x: Exact) -> int:
-    """The sign of a number."""
-    return int(x > 0) - int(x < 0)
 
 
 def in_order(numbers: Iterable[Exact]) -> list[Exact]:
@@ -144,11 +143,13 @@ def in_order(numbers: Iterable[Exact]) -> list[Exact]:
 
 def to_double(x: Exact) -> float:
     """The double nearest to a number, but for the last bit."""
-    return float(x) if isinstance(x, Element) else to_float(x)
+    return float(x) if isinstance(x, (Element, Infinite)) else to_float(x)
 
 
 def exact_to_sympy(x: Exact) -> sympy.Expr:
     """A number as an expression."""
+    if isinstance(x, Infinite):
+        return x.side * sympy.oo
     if isinstance(x, Element):
         return x.root.element_to_sympy(x.value)
     return QQ.to_sympy(x)

@@ -433,8 +433,7 @@ def _preimage(branch: AffinePiece, x: Exact, y: Exact) -> tuple[Exact, Exact] | 
     low, high = sorted(
         ((x - branch.intercept) / branch.slope, (y - branch.intercept) / branch.slope)
     )
-    low = low if branch.lower is None else max(low, branch.lower)
-    high = high if branch.upper is None else min(high, branch.upper)
+    low, high = max(low, branch.lower), min(high, branch.upper)
     return (low, high) if low < high else None
 
 

@@ -26,7 +26,7 @@ from heapq import heappop, heappush
 from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
-from pwmap.algebra.exact import Number, dense
+from pwmap.algebra.exact import Number, dense, sign
 from pwmap.algebra.roots import (
     Dense,
     Real,
@@ -58,7 +58,7 @@ from pwmap.longrun.entropy.kneading import cofactors, growth_by_kneading
 from pwmap.longrun.entropy.matching import family_of, growth_of_pairs, matched
 from pwmap.longrun.fates import AttractingCycle, Fates
 from pwmap.longrun.line import MapLine, line_at
-from pwmap.longrun.numbers import sign, to_double
+from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.kinds import check_map
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order

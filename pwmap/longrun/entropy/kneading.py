@@ -19,10 +19,10 @@ from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
 from sympy.polys.rings import PolyElement, ring
 
+from pwmap.algebra.exact import sign
 from pwmap.algebra.roots import Real, real_roots
 from pwmap.longrun.entropy.itineraries import Itinerary
 from pwmap.longrun.line import MapLine
-from pwmap.longrun.numbers import sign
 
 LARGEST = 400  # degree of a determinant whose roots are looked for
 RING, T = ring("t", QQ)
