@@ -9,6 +9,7 @@ from functools import cached_property
 from typing import Any
 
 import sympy
+from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import sign
@@ -185,11 +186,7 @@ class Attractor:
     def multiplier(self) -> sympy.Expr | None:
         """Of a cycle; of neutral intervals 1, or -1 if they are turned; None for bands."""
         core = self.core
-        if isinstance(core, Bands):
-            return None
-        if isinstance(core, NeutralIntervals):
-            return sympy.Integer(core.multiplier)
-        return exact_to_sympy(core.multiplier)
+        return None if isinstance(core, Bands) else exact_to_sympy(QQ.one * core.multiplier)
 
     @property
     def bands(self) -> tuple[sympy.Interval, ...]:
@@ -212,9 +209,7 @@ class Attractor:
         For bands it is the greatest common divisor of the times of return: some iterate of that
         order, and none of a lower one, mixes in each part [Block1980].
         """
-        if isinstance(self.core, AttractingCycle):
-            return len(self.core.points)
-        if isinstance(self.core, NeutralIntervals):
+        if not isinstance(self.core, Bands):
             return self.core.period
         density = self.density
         if density is not None and density.exact:

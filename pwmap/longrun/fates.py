@@ -60,6 +60,11 @@ class AttractingCycle:
     multiplier: Exact
     reach: tuple[Exact, ...]
 
+    @property
+    def period(self) -> int:
+        """How many points it has."""
+        return len(self.points)
+
     def draws(self, x: Exact) -> bool:
         """Whether an orbit that comes to a point is known to be drawn in.
 

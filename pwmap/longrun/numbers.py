@@ -8,7 +8,7 @@ they are.
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable
 from fractions import Fraction
 from functools import total_ordering
 from typing import Any
@@ -50,36 +50,31 @@ class Element:
             other = QQ(other) if isinstance(other, int) else QQ(other.numerator, other.denominator)
         return None if isinstance(other, (float, Infinite)) else ((other,) if other else ())
 
-    def _made(self, value: list[Number]) -> Element:
-        return Element(self.root, self.root.reduced(tuple(value)))
-
-    def __add__(self, other: object) -> Element:
+    def _with(self, other: object, operation: Callable[..., list[Number]]) -> Element:
         right = self._dense(other)
         if right is None:
-            return NotImplemented
-        return Element(self.root, tuple(dup_add(list(self.value), list(right), QQ)))
+            return NotImplemented  # type: ignore[no-any-return]
+        return Element(self.root, tuple(operation(list(self.value), list(right), QQ)))
 
-    __radd__ = __add__
+    def _product(self, one: list[Number], other: list[Number], domain: Any) -> list[Number]:
+        return [*self.root.reduced(tuple(dup_mul(one, other, domain)))]
+
+    def __add__(self, other: object) -> Element:
+        return self._with(other, dup_add)
 
     def __neg__(self) -> Element:
         return Element(self.root, tuple(dup_neg(list(self.value), QQ)))
 
     def __sub__(self, other: object) -> Element:
-        right = self._dense(other)
-        if right is None:
-            return NotImplemented
-        return Element(self.root, tuple(dup_sub(list(self.value), list(right), QQ)))
+        return self._with(other, dup_sub)
 
     def __rsub__(self, other: object) -> Element:
         return -self + other
 
     def __mul__(self, other: object) -> Element:
-        right = self._dense(other)
-        if right is None:
-            return NotImplemented
-        return self._made(dup_mul(list(self.value), list(right), QQ))
+        return self._with(other, self._product)
 
-    __rmul__ = __mul__
+    __radd__, __rmul__ = __add__, __mul__
 
     def __truediv__(self, other: object) -> Element:
         right = self._dense(other)

@@ -18,7 +18,7 @@ from collections import Counter
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from math import lcm, prod
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from sympy.polys.rings import PolyElement
 
@@ -37,6 +37,7 @@ from pwmap.algebra.exact import (
 from pwmap.maps.budget import cost
 
 Word = tuple[int, ...]
+Letters = TypeVar("Letters", Word, str)
 
 
 class Layout(NamedTuple):
@@ -161,6 +162,11 @@ class Offset(NamedTuple):
 Decision = CriticalOrbit | OrbitReturn | Slope | MultiplierSign | Offset
 
 
+def first_turn(word: Letters, step: int = 1) -> Letters:
+    """The first of the words of a cycle in the alphabet; it may begin at multiples of a step."""
+    return min(word[i:] + word[:i] for i in range(0, len(word), step))
+
+
 class Orbits:
     """Affine forms of words and orbits of breaks, each computed once.
 
@@ -267,6 +273,11 @@ class Orbits:
         """The x with A_word(x) = x, as numerator and denominator."""
         slope, intercept = self.affine(word)
         return intercept, self.power(len(word)) - slope
+
+    def meeting(self, k: int, word: Word, cycle: Word) -> Number:
+        """What is zero where A_word(b_k) is the fixed point of a cycle's word."""
+        (a, b), (c, d) = self.value(k, word), self.fixed_point(cycle)
+        return a * d - c * b
 
     def polynomial(self, decision: Decision) -> Number:
         """The number whose sign makes a decision."""
