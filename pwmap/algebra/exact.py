@@ -205,6 +205,11 @@ def _dense(polynomial: PolyElement, index: int) -> tuple[Number, ...]:
     return tuple(terms.get(i, QQ.zero) for i in range(max(terms, default=-1), -1, -1))
 
 
+def degree_in(polynomial: Number, index: int) -> int:
+    """Degree of a polynomial in one generator; 0 for zero."""
+    return max(0, int(polynomial.degree(index))) if polynomial else 0
+
+
 def is_constant(number: Number) -> bool:
     """Whether no parameter occurs."""
     return not isinstance(number, PolyElement) or number.is_ground

@@ -15,24 +15,20 @@ import sympy
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.bivariate import (
-    at_value,
-    coefficients_in,
-    degree_in,
-    dense_in,
-    normalised,
-    resultant,
-)
+from pwmap.algebra.bivariate import coefficients_in, normalised, resultant
 from pwmap.algebra.exact import (
     Number,
     Packed,
     Ring,
+    degree_in,
+    dense,
     factored_to_sympy,
     packed,
     polynomial_ring,
     to_sympy,
     unpacked,
 )
+from pwmap.algebra.inequalities import along
 from pwmap.algebra.roots import Dense, Real, RealRoot, portable, real_roots, restored, sign_at
 
 
@@ -145,11 +141,11 @@ class Column:
 
     def at_sample(self, polynomial: PolyElement) -> Dense:
         """A polynomial at the sample, in the parameter of roots."""
-        return at_value(polynomial, 1 - self.along, self.sample)
+        return along(polynomial, (self.sample, self.sample), self.along)
 
     def across(self, polynomial: PolyElement) -> Dense:
         """Coefficients of a polynomial in the other parameter alone."""
-        return dense_in(polynomial, 1 - self.along)
+        return dense(polynomial, 1 - self.along)
 
     def values(self, values: Mapping[str, Number]) -> tuple[Number | None, Number | None]:
         """Of some values by name that of the other parameter, and that of the one of roots."""
@@ -182,7 +178,7 @@ class Column:
         """A root at another value of the other parameter; None if that lies outside."""
         if not self.holds(value):
             return None
-        return real_roots(at_value(root.factor, 1 - self.along, value))[root.number]
+        return real_roots(along(root.factor, (value, value), self.along))[root.number]
 
 
 def _column(symbols: Any, along: int, low: Any, high: Any, sample: Any) -> Column:

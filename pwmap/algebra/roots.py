@@ -85,7 +85,7 @@ class RealRoot:
                 "expected an irreducible polynomial of degree two or more, got "
                 f"{_poly(polynomial).as_expr()}"
             )
-        if sign(_value_at(polynomial, low)) * sign(_value_at(polynomial, high)) >= 0:
+        if sign(value_at(polynomial, low)) * sign(value_at(polynomial, high)) >= 0:
             raise ValueError(
                 f"expected ends on both sides of one root of {_poly(polynomial).as_expr()}, got "
                 f"{low} and {high}"
@@ -440,14 +440,6 @@ def _real_roots(dense: Dense) -> tuple[Real, ...]:
             ends = QQ.from_sympy(low), QQ.from_sympy(high)
             found.append(RealRoot.of_factor(monic, index, *ends))
     return tuple(sorted(found))
-
-
-def _value_at(dense: Dense, x: Number) -> Number:
-    """The value of a polynomial."""
-    value = QQ.zero
-    for coefficient in dense:
-        value = value * x + coefficient
-    return value
 
 
 def _poly(dense: Sequence[Number]) -> sympy.Poly:
