@@ -7,7 +7,8 @@ polynomial ring over them. sympy expressions are taken and given at the edge onl
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -28,36 +29,56 @@ def polynomial_ring(symbols: Sequence[sympy.Symbol]) -> Ring:
 
 
 class Packed(NamedTuple):
-    """Numbers without their ring, whose elements sympy does not pickle.
-
-    They can be read where sympy has other ground types.
-    """
+    """A rational, polynomial or ring without the types that sympy has for it here."""
 
     symbols: tuple[sympy.Symbol, ...]
-    numbers: tuple[Any, ...]  # pairs of integers, or terms (exponents, pair) of the ring
+    content: Any = None  # a pair of integers, or terms (exponents, pair); None for the ring
 
 
-def packed(ring: Ring, numbers: Sequence[Number]) -> Packed:
-    """Numbers of one ring, or of ``QQ``, to be pickled."""
-    if ring is None:
-        return Packed((), tuple(map(pair, numbers)))
-    terms = (tuple((monom, pair(c)) for monom, c in number.terms()) for number in numbers)
-    return Packed(tuple(ring.symbols), tuple(terms))
+def portable(value: Any) -> Any:
+    """A value with all numbers packed, to be pickled, and read where sympy has other types."""
+    match value:
+        case PolyElement():
+            terms = tuple((exponents, pair(c)) for exponents, c in value.terms())
+            return Packed(value.ring.symbols, terms)
+        case PolyRing():
+            return Packed(value.symbols)
+        case QQ.dtype():
+            return Packed((), pair(value))
+        case tuple():
+            return _like(value, map(portable, value))
+    return value
 
 
-def unpacked(kept: Packed) -> tuple[Ring, tuple[Number, ...]]:
-    """The ring, and the numbers in it; undoes :func:`packed`."""
+def restored(kept: Any) -> Any:
+    """What :func:`portable` took apart."""
+    if not isinstance(kept, Packed):
+        return _like(kept, map(restored, kept)) if isinstance(kept, tuple) else kept
+    if not kept.symbols:
+        return QQ(*kept.content)
     ring = polynomial_ring(kept.symbols)
-    if ring is None:
-        return None, tuple(QQ(*number) for number in kept.numbers)
-    return ring, tuple(
-        ring.from_dict({monom: QQ(*number) for monom, number in terms}) for terms in kept.numbers
-    )
+    if kept.content is None:
+        return ring
+    return ring.from_dict({exponents: QQ(*number) for exponents, number in kept.content})
 
 
-def ring_of(number: Number) -> Ring:
-    """The ring of an element, or None for an element of ``QQ``."""
-    return number.ring if isinstance(number, PolyElement) else None
+def _like(value: tuple[Any, ...], parts: Iterable[Any]) -> tuple[Any, ...]:
+    """A tuple of the same kind, named or not."""
+    return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
+
+
+class Portable:
+    """A dataclass that is pickled field by field, with its numbers packed."""
+
+    __slots__ = ()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        own: Any = self
+        return _remade, (type(self), *(portable(getattr(self, each.name)) for each in fields(own)))
+
+
+def _remade(kind: type, *kept: Any) -> Any:
+    return kind(*map(restored, kept))
 
 
 def sign(number: Number) -> int:

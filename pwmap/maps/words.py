@@ -22,18 +22,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.exact import (
-    Fraction_,
-    Number,
-    Packed,
-    bits,
-    constant,
-    is_constant,
-    packed,
-    pair,
-    ring_of,
-    unpacked,
-)
+from pwmap.algebra.exact import Fraction_, Number, Portable, bits, constant, is_constant, pair
 from pwmap.maps.budget import cost
 
 Word = tuple[int, ...]
@@ -52,7 +41,7 @@ class Layout(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class Table(Portable):
     """Coefficients of one or more maps: slope and intercept by letter, breaks by index.
 
     All of them are numerators over one ``denominator``, which is positive under the assumptions.
@@ -90,10 +79,6 @@ class Table:
         """All of its numbers: slopes, intercepts, breaks, one and the denominator."""
         return (*self.slopes, *self.intercepts, *self.breaks, self.one, self.denominator)
 
-    def __reduce__(self) -> tuple[Callable[..., Table], tuple[object, ...]]:
-        packed_ = packed(ring_of(self.one), self.numbers())
-        return _table, (packed_, len(self.slopes), self.layouts)
-
 
 def _bits(number: Number) -> int:
     """Of the longest coefficient."""
@@ -114,12 +99,6 @@ def over_one_denominator(tables: Sequence[Table]) -> list[Table]:
         slopes, intercepts, breaks = (tuple(scale * n for n in group) for group in numbers)
         scaled.append(Table(slopes, intercepts, breaks, table.layouts, table.one, common))
     return scaled
-
-
-def _table(kept: Packed, letters: int, layouts: tuple[Layout, ...]) -> Table:
-    numbers = unpacked(kept)[1]
-    slopes, intercepts = numbers[:letters], numbers[letters : 2 * letters]
-    return Table(slopes, intercepts, numbers[2 * letters : -2], layouts, *numbers[-2:])
 
 
 class CriticalOrbit(NamedTuple):
