@@ -254,7 +254,6 @@ class PiecewiseLinearMap:
             If j is no integer of at least 1.
         """
         order = checked_order(j)
-        order = checked_order(j)
         checked_size(order, len(self.chain))
         return self.of(self._map.with_chain(self.chain * order))
 
