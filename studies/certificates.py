@@ -13,7 +13,8 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
-from pwmap import Certificate, PiecewiseLinearMap, bifurcation_diagram, check_certificate, prove
+from pwmap import PiecewiseLinearMap, bifurcation_diagram, check_certificate, prove
+from pwmap.proofs import Certificate
 from studies.common.clocks import timed
 from studies.common.record import Results, command
 

@@ -15,7 +15,8 @@ from pathlib import Path
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pwmap import Budget, PiecewiseLinearMap, Progress, cycles, dynamics
+from pwmap import Budget, PiecewiseLinearMap, cycles, dynamics
+from pwmap.maps import Progress
 from studies.common.clocks import timed
 from studies.common.record import Results, command
 from studies.common.style import JUMP, STABLE, UNSTABLE, VIOLET, canvas, keep, small

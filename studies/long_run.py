@@ -27,7 +27,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from sympy import Rational
 
-from pwmap import Density, Dynamics, PiecewiseLinearMap, attractor_diagram, dynamics
+from pwmap import PiecewiseLinearMap, attractor_diagram, dynamics
+from pwmap.longrun import Density, Dynamics
 from pwmap.longrun.numbers import to_double
 from studies.common.clocks import timed
 from studies.common.record import Results, command

@@ -14,15 +14,9 @@ import matplotlib.pyplot as plt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from pwmap import (
-    AttractorDiagram,
-    Diagram,
-    PiecewiseLinearMap,
-    attractor_diagram,
-    bifurcation_diagram,
-    dynamics,
-)
-from pwmap.plot_longrun import plot_density, plot_kneading, plot_long_run
+from pwmap import Diagram, PiecewiseLinearMap, attractor_diagram, bifurcation_diagram, dynamics
+from pwmap.longrun import AttractorDiagram
+from pwmap.plot import plot_density, plot_kneading, plot_long_run
 from studies.common.record import Results, command
 from studies.common.style import WIDTH, canvas, grid, keep, small
 

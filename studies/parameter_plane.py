@@ -11,16 +11,9 @@ from pathlib import Path
 
 from matplotlib.figure import Figure
 
-from pwmap import (
-    Colours,
-    ParameterPlane,
-    PiecewiseLinearMap,
-    PlaneRaster,
-    parameter_plane,
-    plane_raster,
-    with_crises,
-)
-from pwmap.plot_plane import plot_plane
+from pwmap import PiecewiseLinearMap, parameter_plane
+from pwmap.plane import Colours, ParameterPlane, PlaneRaster, plane_raster, with_crises
+from pwmap.plot import plot_plane
 from studies.common.clocks import timed
 from studies.common.record import Results, command
 from studies.common.style import canvas, keep, small

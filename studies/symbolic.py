@@ -21,9 +21,8 @@ from matplotlib.figure import Figure
 from sympy import Rational
 
 from pwmap import Diagram, PiecewiseLinearMap, PointKind, bifurcation_diagram, parameter_plane
-from pwmap.plot import plot_cobweb, plot_diagram
-from pwmap.plot_drawn import below
-from pwmap.plot_plane import plot_plane
+from pwmap.plot import plot_cobweb, plot_diagram, plot_plane
+from pwmap.plot.drawn import below
 from studies.common.clocks import Seconds, Timing, clocked, ratio, summary
 from studies.common.record import Results, command
 from studies.common.style import STABLE, UNSTABLE, canvas, keep, small

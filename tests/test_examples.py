@@ -4,6 +4,7 @@ import doctest
 import inspect
 import re
 from importlib.util import find_spec
+from inspect import ismodule
 from pathlib import Path
 
 import matplotlib as mpl
@@ -15,9 +16,6 @@ from pages import OPTIONS
 mpl.use("Agg")
 import pwmap
 import pwmap.plot
-import pwmap.plot_drawn
-import pwmap.plot_longrun
-import pwmap.plot_plane
 import woodpecker
 import woodpecker.plot.drawing
 import woodpecker.plot.figures
@@ -26,23 +24,24 @@ import woodpecker.plot.plane
 import woodpecker.plot.regions
 
 DRAWING = (
-    *(pwmap.plot, pwmap.plot_drawn, pwmap.plot_longrun, pwmap.plot_plane),
     *(woodpecker.plot.drawing, woodpecker.plot.figures, woodpecker.plot.motions),
     *(woodpecker.plot.plane, woodpecker.plot.regions),
 )
+ROOMS = [each for name in pwmap.__all__ if ismodule(each := getattr(pwmap, name))]
 PICTURES = [
     (module, name)
     for module in DRAWING
     for name, value in vars(module).items()
-    if re.match(r"plot_|draw_toy|draw_frames|animate|Drawn", name)
+    if re.match(r"plot_|draw_toy|draw_frames|animate", name)
     and getattr(value, "__module__", "") == module.__name__
-]
-NAMES = [
-    (package, name)
-    for package in (pwmap, woodpecker)
+] + [(pwmap.plot, name) for name in pwmap.plot.__all__ if name == "Drawn" or "plot_" in name]
+PUBLIC = {  # once each, from where a user takes it
+    id(getattr(package, name)): (package, name)
+    for package in (*ROOMS, pwmap, woodpecker)
     for name in package.__all__
-    if name != "__version__"
-] + PICTURES
+    if name != "__version__" and not ismodule(getattr(package, name))
+}
+NAMES = [*PUBLIC.values(), *PICTURES]
 COMPUTES = re.compile(  # thousands of returns of the toy
     r"\b(continuation|bifurcation_diagram|find_all|robustness|parameter_regions)\((Toy\(|toy\b)"
 )

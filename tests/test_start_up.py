@@ -64,7 +64,7 @@ def test_help_loads_nothing_that_computes_or_draws(
     package: str, command: str, arguments: list[str]
 ) -> None:
     words = [package, *(each.format(command=command) for each in arguments)]
-    module = "pwmap.cli" if package == "pwmap" else "woodpecker.cli.app"
+    module = "pwmap.cli.app" if package == "pwmap" else "woodpecker.cli.app"
     code = f"""
 import sys
 from {module} import run
@@ -98,6 +98,17 @@ def test_every_name_is_there_and_is_itself(package: object) -> None:
 def test_an_unknown_name_is_an_attribute_error(package: object) -> None:
     with pytest.raises(AttributeError, match="no_such_name"):
         package.no_such_name  # type: ignore[attr-defined]  # noqa: B018
+
+
+def test_a_name_that_moved_into_a_room_says_where_it_is() -> None:
+    """For one release."""
+    rooms = ("diagrams", "longrun", "maps", "plane", "proofs", "rotations")
+    moved = [(room, name) for room in rooms for name in getattr(pwmap, room).__all__
+             if name not in pwmap.__all__]  # fmt: skip
+    assert len(moved) == 58
+    for room, name in moved:
+        with pytest.warns(DeprecationWarning, match=rf"use pwmap\.{room}\.{name}$"):
+            assert getattr(pwmap, name) is getattr(getattr(pwmap, room), name)
 
 
 def test_a_function_is_not_hidden_by_the_file_it_is_in() -> None:

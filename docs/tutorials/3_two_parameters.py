@@ -15,7 +15,7 @@ polynomials, and ``pwmap`` finds them; for any other map they are followed in do
 import matplotlib.pyplot as plt
 
 from pwmap import PiecewiseLinearMap, parameter_plane
-from pwmap.plot_plane import plot_plane
+from pwmap.plot import plot_plane
 
 tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
 plane = parameter_plane(tent, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2, 3))

@@ -17,6 +17,7 @@ from sympy import QQ
 from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.exact import Fraction_, Number, Ring, cancelled, constant, is_constant
+from pwmap.algebra.exact import bits as bits_of
 from pwmap.algebra.parsing import shown, term_of
 from pwmap.algebra.terms import CONDITIONS, MAX_BITS, Operation, Term, plain_name
 
@@ -175,7 +176,7 @@ class Arithmetic:
         if number is not None:
             if number in (0, 1, -1):
                 exponent = min(exponent, 2 - exponent % 2)
-            self._check(_bits(number) * exponent, 0)
+            self._check(bits_of(number) * exponent, 0)
             return self.constant(number**exponent)
         self._check(0, exponent)
         result = self.constant(QQ.one)
@@ -241,10 +242,6 @@ def _trimmed(top: list[Number], bottom: Number) -> Quotient:
     return Quotient(tuple(top), bottom)
 
 
-def _bits(number: Number) -> int:
-    return int(QQ.numer(number)).bit_length() + int(QQ.denom(number)).bit_length()
-
-
 def _words(bits: int, more_bits: int) -> int:
     """How much longer a product or sum of two rationals takes than with short ones."""
     return 1 + (bits + more_bits) // 64 + bits * more_bits // 2048
@@ -253,10 +250,10 @@ def _words(bits: int, more_bits: int) -> int:
 def _size(number: Number) -> tuple[int, int, int]:
     """Terms, bits of the longest coefficient and total degree of a coefficient."""
     if not isinstance(number, PolyElement):
-        return 1, _bits(number), 0
+        return 1, bits_of(number), 0
     return (
         1 + len(number),
-        max(map(_bits, number.values()), default=0),
+        max(map(bits_of, number.values()), default=0),
         max(map(sum, number), default=0),
     )
 

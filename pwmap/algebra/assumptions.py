@@ -6,7 +6,7 @@ admit, or reported as undecided: a sample decides nothing by itself.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
@@ -17,16 +17,14 @@ from sympy.core.relational import Relational
 from pwmap.algebra.arithmetic import Arithmetic, WorkLimit, worked_out
 from pwmap.algebra.exact import (
     Number,
-    Packed,
+    Portable,
     Ring,
     cancelled,
     constant,
     evaluate,
     is_constant,
-    packed,
     sign,
     to_sympy,
-    unpacked,
 )
 from pwmap.algebra.inequalities import Constraint, shown, variables
 from pwmap.algebra.ranks import ranked
@@ -62,7 +60,7 @@ class UndecidedError(ValueError):
 
 
 @dataclass(frozen=True)
-class AssumedRegion:
+class AssumedRegion(Portable):
     """All parameter values that satisfy some inequalities.
 
     Parameters
@@ -75,10 +73,6 @@ class AssumedRegion:
 
     ring: Ring
     constraints: tuple[Constraint, ...] = ()
-
-    def __reduce__(self) -> tuple[Callable[..., AssumedRegion], tuple[object, ...]]:
-        kept = packed(self.ring, [constraint.polynomial for constraint in self.constraints])
-        return _region, (kept, tuple(constraint.strict for constraint in self.constraints))
 
     @cached_property
     def sample(self) -> dict[str, Number]:
@@ -152,11 +146,6 @@ class AssumedRegion:
     def __str__(self) -> str:
         """The inequalities, or "no assumption"; the middle is left out if they are long."""
         return shortened(shown(self.constraints))
-
-
-def _region(kept: Packed, strict: tuple[bool, ...]) -> AssumedRegion:
-    ring, polynomials = unpacked(kept)
-    return AssumedRegion(ring, tuple(map(Constraint, polynomials, strict)))
 
 
 def read_constraints(given: Iterable[Term], ring: Ring) -> tuple[Constraint, ...]:

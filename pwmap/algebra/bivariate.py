@@ -9,16 +9,9 @@ from __future__ import annotations
 
 from functools import lru_cache
 
-from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.exact import Number, factored, is_constant, polynomial_ring
-from pwmap.algebra.roots import Dense, trimmed
-
-
-def degree_in(polynomial: PolyElement, index: int) -> int:
-    """Degree in one of the parameters; 0 for zero."""
-    return max(0, int(polynomial.degree(index))) if polynomial else 0
+from pwmap.algebra.exact import Number, degree_in, factored, is_constant, polynomial_ring
 
 
 def coefficients_in(polynomial: PolyElement, index: int) -> list[PolyElement]:
@@ -36,23 +29,6 @@ def coefficients_in(polynomial: PolyElement, index: int) -> list[PolyElement]:
 def leading_in(polynomial: PolyElement, index: int) -> PolyElement:
     """The coefficient of the highest power of one parameter."""
     return coefficients_in(polynomial, index)[-1]
-
-
-def at_value(polynomial: PolyElement, index: int, value: Number) -> Dense:
-    """A polynomial in the other parameter, for a rational value of one."""
-    other = 1 - index
-    found = [QQ.zero] * (degree_in(polynomial, other) + 1)
-    for exponents, coefficient in polynomial.terms():
-        found[-1 - exponents[other]] += coefficient * value ** exponents[index]
-    return trimmed(found)
-
-
-def dense_in(polynomial: PolyElement, index: int) -> Dense:
-    """Coefficients of a polynomial in which no other parameter occurs, highest power first."""
-    found = [QQ.zero] * (degree_in(polynomial, index) + 1)
-    for exponents, coefficient in polynomial.terms():
-        found[-1 - exponents[index]] = coefficient
-    return trimmed(found)
 
 
 def irreducible_factors(polynomial: PolyElement) -> tuple[PolyElement, ...]:

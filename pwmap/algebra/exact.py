@@ -7,7 +7,8 @@ polynomial ring over them. sympy expressions are taken and given at the edge onl
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import fields
 from functools import lru_cache
 from typing import Any, NamedTuple
 
@@ -28,41 +29,125 @@ def polynomial_ring(symbols: Sequence[sympy.Symbol]) -> Ring:
 
 
 class Packed(NamedTuple):
-    """Numbers without their ring, whose elements sympy does not pickle.
-
-    They can be read where sympy has other ground types.
-    """
+    """A rational, polynomial or ring without the types that sympy has for it here."""
 
     symbols: tuple[sympy.Symbol, ...]
-    numbers: tuple[Any, ...]  # pairs of integers, or terms (exponents, pair) of the ring
+    content: Any = None  # a pair of integers, or terms (exponents, pair); None for the ring
 
 
-def packed(ring: Ring, numbers: Sequence[Number]) -> Packed:
-    """Numbers of one ring, or of ``QQ``, to be pickled."""
-    if ring is None:
-        return Packed((), tuple(map(pair, numbers)))
-    terms = (tuple((monom, pair(c)) for monom, c in number.terms()) for number in numbers)
-    return Packed(tuple(ring.symbols), tuple(terms))
+def portable(value: Any) -> Any:
+    """A value with all numbers packed, to be pickled, and read where sympy has other types."""
+    match value:
+        case PolyElement():
+            terms = tuple((exponents, pair(c)) for exponents, c in value.terms())
+            return Packed(value.ring.symbols, terms)
+        case PolyRing():
+            return Packed(value.symbols)
+        case QQ.dtype():
+            return Packed((), pair(value))
+        case tuple():
+            return _like(value, map(portable, value))
+    return value
 
 
-def unpacked(kept: Packed) -> tuple[Ring, tuple[Number, ...]]:
-    """The ring, and the numbers in it; undoes :func:`packed`."""
+def restored(kept: Any) -> Any:
+    """What :func:`portable` took apart."""
+    if not isinstance(kept, Packed):
+        return _like(kept, map(restored, kept)) if isinstance(kept, tuple) else kept
+    if not kept.symbols:
+        return QQ(*kept.content)
     ring = polynomial_ring(kept.symbols)
-    if ring is None:
-        return None, tuple(QQ(*number) for number in kept.numbers)
-    return ring, tuple(
-        ring.from_dict({monom: QQ(*number) for monom, number in terms}) for terms in kept.numbers
-    )
+    if kept.content is None:
+        return ring
+    return ring.from_dict({exponents: QQ(*number) for exponents, number in kept.content})
 
 
-def ring_of(number: Number) -> Ring:
-    """The ring of an element, or None for an element of ``QQ``."""
-    return number.ring if isinstance(number, PolyElement) else None
+def _like(value: tuple[Any, ...], parts: Iterable[Any]) -> tuple[Any, ...]:
+    """A tuple of the same kind, named or not."""
+    return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
+
+
+class Portable:
+    """A dataclass that is pickled field by field, with its numbers packed."""
+
+    __slots__ = ()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        own: Any = self
+        return _remade, (type(self), *(portable(getattr(self, each.name)) for each in fields(own)))
+
+
+def _remade(kind: type, *kept: Any) -> Any:
+    return kind(*map(restored, kept))
 
 
 def sign(number: Number) -> int:
     """Sign of an element of ``QQ``."""
     return int(number > 0) - int(number < 0)
+
+
+class Infinite:
+    """What grows without bound: it compares with all numbers, and a map takes it to its limit.
+
+    Attributes
+    ----------
+    side
+        -1 or +1.
+    """
+
+    __slots__ = ("side",)
+
+    def __init__(self, side: int) -> None:
+        self.side = side
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Infinite) and self.side == other.side
+
+    def __hash__(self) -> int:
+        return hash((Infinite, self.side))
+
+    def __lt__(self, other: Any) -> bool:
+        return self.side < side_of(other)
+
+    def __le__(self, other: Any) -> bool:
+        return self.side <= side_of(other)
+
+    def __gt__(self, other: Any) -> bool:
+        return self.side > side_of(other)
+
+    def __ge__(self, other: Any) -> bool:
+        return self.side >= side_of(other)
+
+    def __neg__(self) -> Infinite:
+        return Infinite(-self.side)
+
+    def __add__(self, other: Any) -> Infinite:
+        return self
+
+    __radd__ = __sub__ = __add__
+
+    def __rsub__(self, other: Any) -> Infinite:
+        return -self
+
+    def __mul__(self, other: Any) -> Any:
+        """Zero times what is infinite is zero: a flat piece has its value everywhere."""
+        return Infinite(self.side * sign(other)) if other else QQ.zero
+
+    __rmul__ = __truediv__ = __mul__
+
+    def __float__(self) -> float:
+        return self.side * math.inf
+
+    def __repr__(self) -> str:
+        return "oo" if self.side > 0 else "-oo"
+
+
+def side_of(x: Any) -> int:
+    """-1 or 1 for what is infinite, 0 for a number."""
+    return x.side if isinstance(x, Infinite) else 0
+
+
+LOWEST, HIGHEST = Infinite(-1), Infinite(1)
 
 
 def pair(number: Number) -> tuple[int, int]:
@@ -139,6 +224,11 @@ def dense(polynomial: Number, index: int = 0) -> tuple[Number, ...]:
 def _dense(polynomial: PolyElement, index: int) -> tuple[Number, ...]:
     terms = {exponents[index]: coefficient for exponents, coefficient in polynomial.terms()}
     return tuple(terms.get(i, QQ.zero) for i in range(max(terms, default=-1), -1, -1))
+
+
+def degree_in(polynomial: Number, index: int) -> int:
+    """Degree of a polynomial in one generator; 0 for zero."""
+    return max(0, int(polynomial.degree(index))) if polynomial else 0
 
 
 def is_constant(number: Number) -> bool:

@@ -14,7 +14,7 @@ from sympy import QQ
 from sympy.core.relational import Relational
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.exact import Number, constant, dense, sign, to_sympy
+from pwmap.algebra.exact import Number, constant, sign, to_sympy
 from pwmap.algebra.roots import Dense
 from pwmap.algebra.terms import shortened
 
@@ -85,11 +85,6 @@ def total_degree(polynomial: PolyElement) -> int:
     return max((sum(exponents) for exponents in polynomial.monoms()), default=0)
 
 
-def degree(polynomial: PolyElement, variable: int) -> int:
-    """Degree in one generator; 0 for zero."""
-    return max(0, int(polynomial.degree(variable))) if polynomial else 0
-
-
 def affine(polynomial: PolyElement, variable: int) -> tuple[PolyElement, PolyElement]:
     """Coefficients of a polynomial that is affine in one generator: slope and rest."""
     return polynomial.diff(variable), polynomial.subs(variable, 0)
@@ -117,11 +112,6 @@ def value_at(polynomial: PolyElement, values: Sequence[Number]) -> Number:
                 coefficient = coefficient * value**exponent
         total += coefficient
     return total
-
-
-def dense_in(polynomial: PolyElement, variable: int) -> Dense:
-    """Coefficients of a polynomial in this one generator only."""
-    return dense(polynomial, variable)
 
 
 @cache

@@ -12,16 +12,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.exact import Number, is_constant, polynomial_ring
-from pwmap.algebra.inequalities import (
-    Constraint,
-    along,
-    degree,
-    factors,
-    total_degree,
-    value_at,
-    variables,
-)
+from pwmap.algebra.bivariate import leading_in
+from pwmap.algebra.exact import Number, degree_in, is_constant, polynomial_ring
+from pwmap.algebra.inequalities import Constraint, along, factors, total_degree, value_at, variables
 from pwmap.algebra.roots import gaps_and_roots, real_roots, simplest_between
 
 
@@ -56,7 +49,7 @@ def _cost(polynomials: Iterable[PolyElement], variable: int) -> tuple[int, int, 
     """How much work it is to eliminate a parameter: its degree, and how often it occurs."""
     own = [p for p in polynomials if variable in variables(p)]
     return (
-        max((degree(p, variable) for p in own), default=0),
+        max((degree_in(p, variable) for p in own), default=0),
         max((total_degree(p) for p in own), default=0),
         len(own),
     )
@@ -66,19 +59,12 @@ def _projected(polynomials: Iterable[PolyElement], variable: int) -> Iterator[Po
     """Where the order of real roots can change: leading coefficients, resultants, discriminants."""
     own = list(polynomials)
     for i, p in enumerate(own):
-        found = [_leading(p, variable), *(_resultant(p, q, variable) for q in own[:i])]
-        if degree(p, variable) > 1:
+        found = [leading_in(p, variable), *(_resultant(p, q, variable) for q in own[:i])]
+        if degree_in(p, variable) > 1:
             found.append(_resultant(p, p.diff(variable), variable))
         for polynomial in found:
             if not is_constant(polynomial):
                 yield from (factor for factor, _ in factors(polynomial)[1])
-
-
-def _leading(polynomial: PolyElement, variable: int) -> PolyElement:
-    top = degree(polynomial, variable)
-    terms = polynomial.terms()
-    chosen = {(*m[:variable], 0, *m[variable + 1 :]): n for m, n in terms if m[variable] == top}
-    return polynomial.ring.from_dict(chosen)
 
 
 def _resultant(first: PolyElement, second: PolyElement, variable: int) -> PolyElement:

@@ -6,7 +6,7 @@ which neither leading coefficients nor discriminants are zero, they are continuo
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import total_ordering
 from typing import Any
@@ -15,25 +15,19 @@ import sympy
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.bivariate import (
-    at_value,
-    coefficients_in,
-    degree_in,
-    dense_in,
-    normalised,
-    resultant,
-)
+from pwmap.algebra.bivariate import coefficients_in, normalised, resultant
 from pwmap.algebra.exact import (
     Number,
-    Packed,
+    Portable,
     Ring,
+    degree_in,
+    dense,
     factored_to_sympy,
-    packed,
     polynomial_ring,
     to_sympy,
-    unpacked,
 )
-from pwmap.algebra.roots import Dense, Real, RealRoot, portable, real_roots, restored, sign_at
+from pwmap.algebra.inequalities import along
+from pwmap.algebra.roots import Dense, Real, RealRoot, real_roots, sign_at
 
 
 class RealRootOf(sympy.Function):  # type: ignore[misc]
@@ -57,7 +51,7 @@ class RealRootOf(sympy.Function):  # type: ignore[misc]
 
 @total_ordering
 @dataclass(frozen=True, slots=True, eq=False)
-class Root:
+class Root(Portable):
     """A value of one parameter that solves an equation, and so depends on the other one.
 
     Two are equal if their values at the sample are; :func:`identical` says whether they stay so.
@@ -99,17 +93,9 @@ class Root:
         root = sympy.sqrt(sympy.factor(linear**2 - 4 * square * rest))
         return (-linear + side * root) / (2 * square)
 
-    def __reduce__(self) -> tuple[Callable[..., Root], tuple[object, ...]]:
-        kept = packed(self.factor.ring, [self.factor])
-        return _root, (portable(self.value), kept, self.number)
-
-
-def _root(value: Any, kept: Packed, number: int) -> Root:
-    return Root(restored(value), unpacked(kept)[1][0], number)
-
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class Column(Portable):
     """An open interval of one of two parameters; an end that is None is infinite.
 
     Attributes
@@ -130,10 +116,6 @@ class Column:
     high: Real | None
     sample: Number
 
-    def __reduce__(self) -> tuple[Callable[..., Column], tuple[object, ...]]:
-        ends = portable(self.low), portable(self.high), portable(self.sample)
-        return _column, (self.symbols, self.along, *ends)
-
     @property
     def ring(self) -> Ring:
         """Of polynomials in both parameters."""
@@ -145,11 +127,11 @@ class Column:
 
     def at_sample(self, polynomial: PolyElement) -> Dense:
         """A polynomial at the sample, in the parameter of roots."""
-        return at_value(polynomial, 1 - self.along, self.sample)
+        return along(polynomial, (self.sample, self.sample), self.along)
 
     def across(self, polynomial: PolyElement) -> Dense:
         """Coefficients of a polynomial in the other parameter alone."""
-        return dense_in(polynomial, 1 - self.along)
+        return dense(polynomial, 1 - self.along)
 
     def values(self, values: Mapping[str, Number]) -> tuple[Number | None, Number | None]:
         """Of some values by name that of the other parameter, and that of the one of roots."""
@@ -182,11 +164,7 @@ class Column:
         """A root at another value of the other parameter; None if that lies outside."""
         if not self.holds(value):
             return None
-        return real_roots(at_value(root.factor, 1 - self.along, value))[root.number]
-
-
-def _column(symbols: Any, along: int, low: Any, high: Any, sample: Any) -> Column:
-    return Column(symbols, along, restored(low), restored(high), restored(sample))
+        return real_roots(along(root.factor, (value, value), self.along))[root.number]
 
 
 def minimal_polynomial(ring: Ring, index: int, value: Real) -> PolyElement:

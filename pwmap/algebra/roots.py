@@ -6,17 +6,18 @@ that isolates one of its roots, refined only as far as a comparison asks for.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Iterable, Sequence
 from functools import cache, total_ordering
 from itertools import pairwise
 from math import lcm
+from typing import Any
 
 import sympy
 from sympy import QQ
 from sympy.polys.densearith import dup_mul, dup_rem, dup_sub
 from sympy.polys.euclidtools import dup_invert
 
-from pwmap.algebra.exact import Number, floor, pair, sign, to_float
+from pwmap.algebra.exact import Number, floor, pair, portable, restored, sign, to_float
 
 Dense = tuple[Number, ...]  # coefficients in QQ, highest power first, no leading zero
 _T = sympy.Symbol("t")
@@ -85,7 +86,7 @@ class RealRoot:
                 "expected an irreducible polynomial of degree two or more, got "
                 f"{_poly(polynomial).as_expr()}"
             )
-        if sign(_value_at(polynomial, low)) * sign(_value_at(polynomial, high)) >= 0:
+        if sign(value_at(polynomial, low)) * sign(value_at(polynomial, high)) >= 0:
             raise ValueError(
                 f"expected ends on both sides of one root of {_poly(polynomial).as_expr()}, got "
                 f"{low} and {high}"
@@ -120,13 +121,8 @@ class RealRoot:
         while not self._isolate(low, high):  # the ends are rational, and the root is not
             self._bits *= 2
 
-    def __reduce__(self) -> tuple[Callable[..., RealRoot], tuple[object, ...]]:
-        return _root, (
-            tuple(map(pair, self.polynomial)),
-            self.index,
-            pair(self.low),
-            pair(self.high),
-        )
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _root, portable((self.polynomial, self.index, self.low, self.high))
 
     def _isolate(self, low: Number, high: Number) -> bool:
         """Find the step of the present size that holds the root; False if it sticks out."""
@@ -340,10 +336,8 @@ class RealRoot:
         return f"RealRoot({self.to_sympy()})"
 
 
-def _root(
-    polynomial: Sequence[tuple[int, int]], index: int, low: tuple[int, int], high: tuple[int, int]
-) -> RealRoot:
-    return RealRoot.of_factor(tuple(QQ(*c) for c in polynomial), index, QQ(*low), QQ(*high))
+def _root(*kept: Any) -> RealRoot:
+    return RealRoot.of_factor(*restored(kept))
 
 
 @cache
@@ -352,16 +346,6 @@ def _root_to_sympy(polynomial: Dense, index: int) -> sympy.Expr:
 
 
 Real = Number | RealRoot
-
-
-def portable(x: Real | None) -> RealRoot | tuple[int, int] | None:
-    """A number without the type that rationals have here, to be pickled; see :func:`restored`."""
-    return x if x is None or isinstance(x, RealRoot) else pair(x)
-
-
-def restored(kept: RealRoot | tuple[int, int] | None) -> Real | None:
-    """The number that :func:`portable` took apart."""
-    return QQ(*kept) if isinstance(kept, tuple) else kept
 
 
 def real_to_sympy(x: Real) -> sympy.Expr:
@@ -440,14 +424,6 @@ def _real_roots(dense: Dense) -> tuple[Real, ...]:
             ends = QQ.from_sympy(low), QQ.from_sympy(high)
             found.append(RealRoot.of_factor(monic, index, *ends))
     return tuple(sorted(found))
-
-
-def _value_at(dense: Dense, x: Number) -> Number:
-    """The value of a polynomial."""
-    value = QQ.zero
-    for coefficient in dense:
-        value = value * x + coefficient
-    return value
 
 
 def _poly(dense: Sequence[Number]) -> sympy.Poly:

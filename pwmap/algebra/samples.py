@@ -19,13 +19,12 @@ from typing import Any
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.exact import Number, Ring, constant, is_constant, sign
+from pwmap.algebra.exact import Number, Ring, constant, degree_in, is_constant, sign
 from pwmap.algebra.inequalities import (
     Constraint,
     affine,
     along,
     connected,
-    degree,
     factors,
     shown,
     total_degree,
@@ -225,7 +224,7 @@ def _solutions(factor: PolyElement, order: Sequence[int]) -> tuple[list[Solved],
     """Ways to solve an equation for one parameter, and whether they hold all its points."""
     found = []
     for variable in order:
-        if degree(factor, variable) == 1:
+        if degree_in(factor, variable) == 1:
             slope, rest = affine(factor, variable)
             if is_constant(slope):
                 return [Solved(variable, -rest, slope)], True
@@ -246,7 +245,7 @@ def _peaks(factor: PolyElement, order: Sequence[int]) -> Iterator[Solved]:
 def _substituted(constraint: Constraint, solved: Solved) -> Constraint:
     """An inequality with a solution put for its parameter, times an even power of the bottom."""
     polynomial, variable = constraint.polynomial, solved.variable
-    power = degree(polynomial, variable)
+    power = degree_in(polynomial, variable)
     power += power % 2
     total, rest, numerator = polynomial.ring.zero, polynomial, polynomial.ring.one
     for _ in range(power + 1):

@@ -16,15 +16,13 @@ from itertools import chain, combinations, combinations_with_replacement, islice
 
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.exact import Number, Ring, constant, is_constant, sign
+from pwmap.algebra.exact import Number, Ring, constant, degree_in, dense, is_constant, sign
 from pwmap.algebra.inequalities import (
     ANY,
     Constraint,
     Signs,
     affine,
     connected,
-    degree,
-    dense_in,
     factors,
     proportion,
     total_degree,
@@ -105,7 +103,7 @@ def _bounded(factor: PolyElement, constraints: Constraints) -> Signs:
     if len(signs) > 1 and total_degree(factor) == 1:
         signs &= _linear_signs(factor, constraints)
     for variable in own:
-        if len(signs) > 1 and not linear and degree(factor, variable) == 1:
+        if len(signs) > 1 and not linear and degree_in(factor, variable) == 1:
             signs &= _signs_by_elimination(factor, constraints, variable)
     return signs
 
@@ -116,8 +114,8 @@ def _bounded(factor: PolyElement, constraints: Constraints) -> Signs:
 def _univariate_signs(factor: PolyElement, constraints: Constraints, variable: int) -> Signs:
     """Complete: try each gap between the real roots of all polynomials in this parameter."""
     limits = [c for c in constraints if variables(c.polynomial) == {variable}]
-    admitted = [(dense_in(c.polynomial, variable), c) for c in limits]
-    polynomial = dense_in(factor, variable)
+    admitted = [(dense(c.polynomial, variable), c) for c in limits]
+    polynomial = dense(factor, variable)
     roots = {x for p in (polynomial, *(p for p, _ in admitted)) for x in real_roots(p)}
     found = set()
     for piece in gaps_and_roots(sorted(roots)):
@@ -221,7 +219,7 @@ Bound = tuple[int, PolyElement, PolyElement, bool]  # sign of the slope, slope, 
 def _bounds(constraints: Constraints, others: Constraints, variable: int) -> Iterator[Bound]:
     """Inequalities that bound a parameter below (sign +1) or above (-1)."""
     for constraint in constraints:
-        if degree(constraint.polynomial, variable) == 1:
+        if degree_in(constraint.polynomial, variable) == 1:
             gain, shift = affine(constraint.polynomial, variable)
             sides = _bounded_signs(gain, others)
             if sides in ({1}, {-1}):

@@ -26,7 +26,8 @@ class Refused(ValueError):  # noqa: N818  it is no error of the program
     Examples
     --------
     >>> import json, pathlib
-    >>> from pwmap import PiecewiseLinearMap, Refused, check_certificate, prove
+    >>> from pwmap import PiecewiseLinearMap, check_certificate, prove
+    >>> from pwmap.proofs import Refused
     >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
     >>> path = pathlib.Path(prove(p1).save("certificate.json"))
     >>> changed = path.write_text(path.read_text().replace("5/4", "3/4"))

@@ -1,1 +1,8 @@
-"""Branches and special points, their graph, tables and files: of both packages."""
+"""Diagrams as data, with their queries, graphs, tables and files.
+
+A name is loaded with what it needs when it is first used.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

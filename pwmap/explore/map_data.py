@@ -22,7 +22,7 @@ from pwmap import (
 from pwmap.explore.diagrams import Shown, shown
 from pwmap.explore.map_state import MapState
 from pwmap.plane.rasters import arc_arrays
-from pwmap.plot_plane import LINES
+from pwmap.plot.plane import LINES
 
 BUDGET = Budget(pieces=30_000, work=8_000_000)
 PERIODS = 6  # of cycles that are listed

@@ -1,1 +1,8 @@
-"""What a map does in the long run, exactly: attractors, entropy, densities, crises."""
+"""What orbits do in the long run: attractors, basins, densities, entropy, and how they change.
+
+A name is loaded with what it needs when it is first used.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

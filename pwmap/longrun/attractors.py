@@ -402,10 +402,7 @@ class _Growth:
         return (
             any(self.fates.is_lost(end) for end in part)
             or any(cycle.draws(end) for cycle in self.fates.cycles for end in part)
-            or any(
-                (low is None or low < part[1]) and (high is None or part[0] < high)
-                for low, high in self.neutral
-            )
+            or any(low < part[1] and part[0] < high for low, high in self.neutral)
         )
 
     def rounded(self, x: Exact) -> Exact:

@@ -54,7 +54,7 @@ def with_attractors(diagram: Diagram, found: AttractorDiagram) -> Diagram:
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, attractor_diagram, bifurcation_diagram
-    >>> from pwmap import with_attractors
+    >>> from pwmap.longrun import with_attractors
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
     >>> diagram = bifurcation_diagram(tent, "a", ("4/3", "3/2"), orders=(1,))
     >>> both = with_attractors(diagram, attractor_diagram(tent, "a", ("4/3", "3/2"), 1))

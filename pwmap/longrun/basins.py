@@ -20,7 +20,8 @@ from dataclasses import dataclass
 import sympy
 from sympy import QQ
 
-from pwmap.longrun.line import Germ, Interval, MapLine
+from pwmap.algebra.exact import HIGHEST, Infinite
+from pwmap.longrun.line import Germ, Interval, MapLine, joined
 from pwmap.longrun.numbers import Exact, work_of
 from pwmap.longrun.pointsets import (
     Part,
@@ -40,31 +41,7 @@ MOST = 16  # intervals of which iterates are looked at until all have come back
 FEW = 4  # iterates that are looked at beside an end of a preimage
 LONGEST = 60  # work of one operation with an end: beside thousands of bits nothing is sought
 STEP = 20  # operations of one step of an iterate, with what is asked about it
-End = Exact | None
-Open = tuple[End, End]  # an interval; None is infinite
-Reaching = tuple[Exact, Exact, End]  # slope and intercept of a piece, and how far it reaches
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Basin:
-    """The immediate basin of an attractor.
-
-    Attributes
-    ----------
-    intervals
-        Open, from left to right; an end that is None is infinite.
-    """
-
-    intervals: tuple[tuple[End, End], ...]
-
-    def within(self, window: Interval) -> list[Interval]:
-        """The parts inside a window."""
-        low, high = window
-        parts = [
-            (low if a is None else max(a, low), high if b is None else min(b, high))
-            for a, b in self.intervals
-        ]
-        return [(a, b) for a, b in parts if a < b]
+Reaching = tuple[Exact, Exact, Exact]  # slope and intercept of a piece, and how far it reaches
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -112,7 +89,7 @@ class WholeBasin:
 
 
 def whole_basin(
-    line: MapLine, core: PointSet, immediate: Basin, budget: Budget | Meter = BUDGET
+    line: MapLine, core: PointSet, immediate: Sequence[Interval], budget: Budget | Meter = BUDGET
 ) -> WholeBasin:
     """All that comes to an attractor.
 
@@ -123,12 +100,12 @@ def whole_basin(
     core
         Points that stay at the attractor, or are known to be drawn in.
     immediate
-        Its immediate basin.
+        Its immediate basin: open intervals.
     budget
         If it is used up what was collected is not complete.
     """
     meter = metered(budget)
-    found = [core | open_intervals(immediate.intervals)]
+    found = [core | open_intervals(immediate)]
     complete = False
     with meter.keeping(found):
         comes = {x: _comes(line, core, x, meter) for x in line.breaks}
@@ -161,7 +138,7 @@ def _with_more(line: MapLine, known: PointSet, longer: PointSet, meter: Meter) -
 
 def _work(part: Part) -> int:
     """To find what is mapped into a part."""
-    return STEP + 3 * sum(work_of(cut[0]) for cut in part if cut is not None)
+    return STEP + 3 * sum(work_of(x) for x, _ in part)
 
 
 def staying(line: MapLine, intervals: Sequence[Interval]) -> PointSet:
@@ -193,8 +170,10 @@ def _comes(line: MapLine, core: PointSet, x: Exact, meter: Meter) -> bool | None
     return None
 
 
-def basin_of(line: MapLine, start: Sequence[Open], budget: Budget | Meter = BUDGET) -> Basin:
-    """The immediate basin of an attractor.
+def basin_of(
+    line: MapLine, start: Sequence[Interval], budget: Budget | Meter = BUDGET
+) -> tuple[Interval, ...]:
+    """The immediate basin of an attractor: open intervals, from left to right.
 
     Iterates are looked at until all ends may have come back, twice: what is mapped to the other
     side of a repelling point comes back the second time.
@@ -217,33 +196,33 @@ def basin_of(line: MapLine, start: Sequence[Open], budget: Budget | Meter = BUDG
             for k in range(len(known)):
                 for side in (-1, 1):
                     known[k] = _extended(line, known, k, side, orders, meter)
-            known[:] = _joined(known)
+            known[:] = joined(known)
             if known == before:
                 break
-    return Basin(tuple(_joined(known)))
+    return tuple(joined(known))
 
 
 def _extended(
-    line: MapLine, known: Sequence[Open], k: int, side: int, orders: int, meter: Meter
-) -> Open:
+    line: MapLine, known: Sequence[Interval], k: int, side: int, orders: int, meter: Meter
+) -> Interval:
     """An interval with what lies beside it, on one piece of the map, and is mapped into the known.
 
     Iterates up to some order are looked at.
     """
     end = known[k][side > 0]
-    if end is None or work_of(end) > LONGEST:
+    if isinstance(end, Infinite) or work_of(end) > LONGEST:
         return known[k]
-    best: End = end
+    best = end
     for piece in _pieces(line, end, side, orders, meter):
         found = _reach(piece, known, end, side)
-        if found is None or (found - best) * side > 0:
+        if (found - best) * side > 0:
             best = found
-            if best is None:
+            if isinstance(best, Infinite):
                 break
     return (known[k][0], best) if side > 0 else (best, known[k][1])
 
 
-def _reach(piece: Reaching, known: Sequence[Open], end: Exact, side: int) -> End:
+def _reach(piece: Reaching, known: Sequence[Interval], end: Exact, side: int) -> Exact:
     """How far beside an end points are mapped into known intervals, or ever farther from its image.
 
     The end itself if none is.
@@ -257,33 +236,27 @@ def _reach(piece: Reaching, known: Sequence[Open], end: Exact, side: int) -> End
     if number is None:
         return end
     target = known[number][way > 0]
-    if target is None:
-        return limit
     if slope > 0 and target == end:  # points beside the end come closer to it, and are inside then
         if image == end:
             return limit if slope < 1 else end
-        fixed = intercept / (1 - slope) if slope > 1 else None
-        return limit if fixed is None else _nearer(fixed, limit, side)
+        return _nearer(intercept / (1 - slope), limit, side) if slope > 1 else limit
     found = (target - intercept) / slope
     return _nearer(found, limit, side) if (found - end) * side > 0 else end
 
 
-def _nearer(x: Exact, limit: End, side: int) -> Exact:
-    if limit is None:
-        return x
+def _nearer(x: Exact, limit: Exact, side: int) -> Exact:
     return min(x, limit) if side > 0 else max(x, limit)
 
 
 def _pieces(line: MapLine, end: Exact, side: int, orders: int, meter: Meter) -> Iterator[Reaching]:
     """Slope, intercept and farthest end of the pieces of iterates beside a point, by order."""
-    slope, intercept, limit = QQ.one, QQ.zero, None
+    slope, intercept, limit = QQ.one, QQ.zero, side * HIGHEST
     germ = Germ(end, side)
     for _ in range(orders):
         meter.spend(STEP + 3 * work_of(germ.x))
         branch = line.beside(germ)
         stop = branch.upper if germ.side > 0 else branch.lower
-        if stop is not None:
-            limit = _nearer((stop - intercept) / slope, limit, side)
+        limit = _nearer((stop - intercept) / slope, limit, side)
         slope, intercept = branch.slope * slope, branch.slope * intercept + branch.intercept
         germ = line.image(germ)
         yield slope, intercept, limit
@@ -291,27 +264,13 @@ def _pieces(line: MapLine, end: Exact, side: int, orders: int, meter: Meter) -> 
             return
 
 
-def _holder(known: Sequence[Open], x: Exact, way: int) -> int | None:
+def _holder(known: Sequence[Interval], x: Exact, way: int) -> int | None:
     """The known interval, of such from left to right, that holds what lies beside a point."""
-    last = bisect_right(known, (True, x), key=lambda each: (each[0] is not None, each[0]))
+    last = bisect_right(known, x, key=lambda each: each[0])
     for k in (last - 1, last - 2):
         if k < 0:
             break
         low, high = known[k]
-        over = low is None or low < x or (low == x and way > 0)
-        under = high is None or x < high or (high == x and way < 0)
-        if over and under:
+        if (low < x or (low == x and way > 0)) and (x < high or (high == x and way < 0)):
             return k
     return None
-
-
-def _joined(intervals: Sequence[Open]) -> list[Open]:
-    """The same set as intervals apart, but for points at which they touch."""
-    found = list[Open]()
-    for low, high in intervals:
-        if found and (low is None or found[-1][1] is None or low <= found[-1][1]):
-            last = found[-1][1]
-            found[-1] = found[-1][0], None if high is None or last is None else max(last, high)
-        else:
-            found.append((low, high))
-    return found

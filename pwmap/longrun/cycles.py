@@ -18,10 +18,11 @@ from typing import Any, NamedTuple
 import sympy
 from sympy import QQ
 
+from pwmap.algebra.exact import HIGHEST, LOWEST, sign
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.fates import abs_
-from pwmap.longrun.line import AffinePiece, Germ, MapLine, Owner, line_of
-from pwmap.longrun.numbers import Exact, exact_to_sympy, key, sign, work_of
+from pwmap.longrun.line import AffinePiece, Germ, Interval, MapLine, Owner, line_of
+from pwmap.longrun.numbers import Exact, exact_to_sympy, key, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, Progress, Report, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 
@@ -154,8 +155,8 @@ class _StartSet(NamedTuple):
     word: tuple[int, ...]
     slope: Exact
     intercept: Exact
-    low: Exact | None
-    high: Exact | None
+    low: Exact
+    high: Exact
 
 
 def cycles(
@@ -251,7 +252,7 @@ def closed_words(
 
 def _levels(line: MapLine, meter: Meter) -> Iterator[list[_StartSet]]:
     """All words of one letter, of two, and so on, until there are none."""
-    level = [_StartSet((), QQ.one, QQ.zero, None, None)]
+    level = [_StartSet((), QQ.one, QQ.zero, LOWEST, HIGHEST)]
     while level := [longer for start in level for longer in _longer(line, start, meter)]:
         yield level
 
@@ -268,32 +269,26 @@ def _longer(line: MapLine, start: _StartSet, meter: Meter) -> Iterator[_StartSet
         yield _StartSet((*start.word, k), slope, intercept, *cut)
 
 
-def _mapped_into(start: _StartSet, branch: AffinePiece) -> tuple[Exact | None, Exact | None] | None:
+def _mapped_into(start: _StartSet, branch: AffinePiece) -> Interval | None:
     """The points of a start whose last image lies in a branch, and not left of themselves."""
     low, high = start.low, start.high
     for end, side in ((branch.lower, 1), (branch.upper, -1)):
-        if end is not None:
-            cut = _cut(side * start.slope, side * (start.intercept - end), low, high)
-            if cut is None:
-                return None
-            low, high = cut
+        cut = _cut(side * start.slope, side * (start.intercept - end), low, high)
+        if cut is None:
+            return None
+        low, high = cut
     if start.word:
         return _cut(start.slope - 1, start.intercept, low, high)
     return low, high
 
 
-def _cut(
-    slope: Exact, intercept: Exact, low: Exact | None, high: Exact | None
-) -> tuple[Exact | None, Exact | None] | None:
+def _cut(slope: Exact, intercept: Exact, low: Exact, high: Exact) -> Interval | None:
     """The part of an interval in which slope x + intercept is positive; None if there is none."""
     if not slope:
         return (low, high) if intercept > 0 else None
     zero = -intercept / slope
-    if slope > 0:
-        low = zero if low is None or low < zero else low
-    else:
-        high = zero if high is None or zero < high else high
-    return None if low is not None and high is not None and not low < high else (low, high)
+    low, high = (max(low, zero), high) if slope > 0 else (low, min(high, zero))
+    return (low, high) if low < high else None
 
 
 def _closed(start: _StartSet) -> Exact | None:
@@ -301,8 +296,7 @@ def _closed(start: _StartSet) -> Exact | None:
     if start.slope == 1:
         return None
     x = start.intercept / (1 - start.slope)
-    above = start.low is None or start.low < x
-    return x if above and (start.high is None or x < start.high) else None
+    return x if start.low < x < start.high else None
 
 
 def _spelled(line: MapLine, word: tuple[int, ...]) -> str:

@@ -9,8 +9,10 @@ from functools import cached_property
 from typing import Any
 
 import sympy
+from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
+from pwmap.algebra.exact import sign
 from pwmap.algebra.terms import shortened
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.attractors import (
@@ -21,14 +23,14 @@ from pwmap.longrun.attractors import (
     common_period,
     share,
 )
-from pwmap.longrun.basins import Basin, WholeBasin, basin_of, staying, whole_basin
+from pwmap.longrun.basins import WholeBasin, basin_of, staying, whole_basin
 from pwmap.longrun.densities import Density, density_of
-from pwmap.longrun.entropies import ORDERS, Entropy, entropy_of, lap_numbers
+from pwmap.longrun.entropy.entropies import ORDERS, Entropy, entropy_of, lap_numbers
+from pwmap.longrun.entropy.itineraries import STEPS, Ending, itinerary_of
 from pwmap.longrun.fates import AttractingCycle, Fate, GermOrbit
-from pwmap.longrun.itineraries import STEPS, Ending, itinerary_of
 from pwmap.longrun.line import Germ, Interval, MapLine, line_of
 from pwmap.longrun.neutral import NeutralIntervals
-from pwmap.longrun.numbers import exact_to_sympy, sign
+from pwmap.longrun.numbers import exact_to_sympy
 from pwmap.longrun.pointsets import PointSet, open_intervals, part_to_sympy
 from pwmap.maps.budget import BUDGET, Budget, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
@@ -39,7 +41,7 @@ class Extremum(Enum):
 
     Examples
     --------
-    >>> from pwmap import Extremum
+    >>> from pwmap.longrun import Extremum
     >>> [(kind.name, kind.value) for kind in Extremum]
     [('MAXIMUM', 'M'), ('MINIMUM', 'm'), ('CONSTANT', 'c')]
     """
@@ -184,11 +186,7 @@ class Attractor:
     def multiplier(self) -> sympy.Expr | None:
         """Of a cycle; of neutral intervals 1, or -1 if they are turned; None for bands."""
         core = self.core
-        if isinstance(core, Bands):
-            return None
-        if isinstance(core, NeutralIntervals):
-            return sympy.Integer(core.multiplier)
-        return exact_to_sympy(core.multiplier)
+        return None if isinstance(core, Bands) else exact_to_sympy(QQ.one * core.multiplier)
 
     @property
     def bands(self) -> tuple[sympy.Interval, ...]:
@@ -202,8 +200,7 @@ class Attractor:
         core = self.core
         if not isinstance(core, NeutralIntervals):
             return ()
-        parts = sorted(core.parts, key=lambda part: (part[0] is not None, part[0]))
-        return tuple(map(part_to_sympy, parts))
+        return tuple(map(part_to_sympy, sorted(core.parts)))
 
     @cached_property
     def period(self) -> int:
@@ -212,9 +209,7 @@ class Attractor:
         For bands it is the greatest common divisor of the times of return: some iterate of that
         order, and none of a lower one, mixes in each part [Block1980].
         """
-        if isinstance(self.core, AttractingCycle):
-            return len(self.core.points)
-        if isinstance(self.core, NeutralIntervals):
+        if not isinstance(self.core, Bands):
             return self.core.period
         density = self.density
         if density is not None and density.exact:
@@ -259,34 +254,21 @@ class Attractor:
     def _core(self) -> PointSet:
         """What stays at it, or is known to be drawn in."""
         core = self.core
-        if isinstance(core, NeutralIntervals):
-            return core.region
-        if isinstance(core, Bands):
-            return staying(self.line, core.intervals)
-        return open_intervals(
-            (None, None) if reach is None else (x - reach, x + reach)
-            for x, reach in zip(core.points, core.reach, strict=True)
-        )
+        return staying(self.line, core.intervals) if isinstance(core, Bands) else core.region
 
     @cached_property
-    def _basin(self) -> Basin:
+    def _basin(self) -> tuple[Interval, ...]:
         return basin_of(self.line, self._core.interior, self.budget)
 
     @property
     def basin(self) -> tuple[sympy.Interval, ...]:
         """The immediate basin: open intervals, whose orbits come here but for repelling cycles."""
-        return tuple(
-            sympy.Interval.open(
-                -sympy.oo if low is None else exact_to_sympy(low),
-                sympy.oo if high is None else exact_to_sympy(high),
-            )
-            for low, high in self._basin.intervals
-        )
+        return open_intervals(self._basin).to_sympy()
 
     @property
     def basin_is_complete(self) -> bool:
         """Whether it is proved that nothing comes here from elsewhere, but for its ends."""
-        whole, known = self.whole_basin, open_intervals(self._basin.intervals)
+        whole, known = self.whole_basin, open_intervals(self._basin)
         return whole.complete and known.closure.has(whole.region)
 
     @cached_property
@@ -317,7 +299,7 @@ class Attractor:
         low, high = (rational(end) for end in window)
         if not low < high:
             raise ValueError(f"a window must be an interval (low, high), got {window!r}")
-        return exact_to_sympy(share(self._basin.within((low, high)), (low, high)))
+        return exact_to_sympy(share(self._basin, (low, high)))
 
     def __str__(self) -> str:
         """Its kind, and where it is."""

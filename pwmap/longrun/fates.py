@@ -10,8 +10,10 @@ from functools import cached_property
 
 from sympy import QQ
 
+from pwmap.algebra.exact import HIGHEST, sign
 from pwmap.longrun.line import AffinePiece, Germ, Interval, MapLine
-from pwmap.longrun.numbers import Exact, key, sign, work_of
+from pwmap.longrun.numbers import Exact, key, work_of
+from pwmap.longrun.pointsets import PointSet, open_intervals
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
 REPEATS = 3  # of a word, before its cycle is asked whether it draws the orbit in
@@ -42,7 +44,7 @@ class AttractingCycle:
     multiplier
         Product of the slopes; its size is less than one.
     reach
-        How close an orbit must come to each point to be drawn in; None if any distance will do.
+        How close an orbit must come to each point to be drawn in; infinite if it need not be close.
 
     Examples
     --------
@@ -56,7 +58,12 @@ class AttractingCycle:
     points: tuple[Exact, ...]
     word: str
     multiplier: Exact
-    reach: tuple[Exact | None, ...]
+    reach: tuple[Exact, ...]
+
+    @property
+    def period(self) -> int:
+        """How many points it has."""
+        return len(self.points)
 
     def draws(self, x: Exact) -> bool:
         """Whether an orbit that comes to a point is known to be drawn in.
@@ -71,24 +78,19 @@ class AttractingCycle:
         bool
             False also where it is not known.
         """
-        if None in self.reach:
-            return True
         k = bisect_left(self.drawn_in, x, key=lambda each: each[1])
         return k < len(self.drawn_in) and bool(self.drawn_in[k][0] < x < self.drawn_in[k][1])
 
     @cached_property
     def drawn_in(self) -> tuple[Interval, ...]:
-        """Open intervals within its reach, joined, from left to right; none if it is the line."""
-        if None in self.reach:
-            return ()
-        found = list[Interval]()
-        ends = ((x - r, x + r) for x, r in zip(self.points, self.reach, strict=True))
-        for low, high in sorted(ends):
-            if found and low < found[-1][1]:
-                found[-1] = found[-1][0], max(high, found[-1][1])
-            else:
-                found.append((low, high))
-        return tuple(found)
+        """Open intervals within its reach, joined, from left to right."""
+        return self.region.interior
+
+    @property
+    def region(self) -> PointSet:
+        """All that is known to be drawn in at once."""
+        reach = zip(self.points, self.reach, strict=True)
+        return open_intervals((x - near, x + near) for x, near in reach)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -153,9 +155,7 @@ class Fates:
 
     def is_lost(self, x: Exact) -> bool:
         """Whether the orbit of a point is known to tend to infinity."""
-        return (self.lost_below is not None and x < self.lost_below) or (
-            self.lost_above is not None and x > self.lost_above
-        )
+        return bool(x < self.lost_below or x > self.lost_above)
 
     def orbit(self, germ: Germ) -> GermOrbit:
         """The orbit of a germ until its fate is known."""
@@ -240,19 +240,18 @@ class Fates:
         reach = self._reach(points, slopes)
         return AttractingCycle(tuple(points), "".join(word), multiplier, reach)
 
-    def _reach(self, points: Sequence[Exact], slopes: Sequence[Exact]) -> tuple[Exact | None, ...]:
+    def _reach(self, points: Sequence[Exact], slopes: Sequence[Exact]) -> tuple[Exact, ...]:
         """How close to each point of a cycle orbits follow it once round.
 
         As close as the nearest break, and as the reach of the next point allows. That follows from
         the last point back, twice: a second turn asks for less than the first, which is smaller by
         the multiplier.
         """
-        away = [min((abs_(x - at) for at in self.line.breaks), default=None) for x in points]
-        found: list[Exact | None] = [None] * len(points)
-        after: Exact | None = None
+        away = [min((abs_(x - at) for at in self.line.breaks), default=HIGHEST) for x in points]
+        found, after = list[Exact](away), HIGHEST
         for k in [*reversed(range(len(points)))] * 2:
-            near = after / abs_(slopes[k]) if after is not None and slopes[k] else None
-            after = found[k] = min((x for x in (away[k], near) if x is not None), default=None)
+            near = after / abs_(slopes[k]) if slopes[k] else HIGHEST
+            after = found[k] = min(away[k], near)
         return tuple(found)
 
 
@@ -261,8 +260,8 @@ def abs_(x: Exact) -> Exact:
     return -x if x < 0 else x
 
 
-def escapes(line: MapLine) -> tuple[Exact | None, Exact | None]:
-    """Ends beyond which orbits tend to infinity, below and above; None where they do not.
+def escapes(line: MapLine) -> Interval:
+    """Ends beyond which orbits tend to infinity, below and above; infinite where they do not.
 
     Where both outer pieces rise each side is for itself; a falling one maps its far end to the
     other side, and two falling ones map both to each other.
@@ -272,35 +271,26 @@ def escapes(line: MapLine) -> tuple[Exact | None, Exact | None]:
     turns = sign(left.slope), sign(right.slope)
     if len(line.branches) == 1:
         return below, above
-    if turns[0] < 0 and above is not None:
-        below = _least(left.upper, (above - left.intercept) / left.slope)
-    if turns[1] < 0 and below is not None:
-        above = _most(right.lower, (below - right.intercept) / right.slope)
+    if turns[0] < 0:
+        below = min(left.upper, (above - left.intercept) / left.slope)
+    if turns[1] < 0:
+        above = max(right.lower, (below - right.intercept) / right.slope)
     if turns == (-1, -1) and left.slope * right.slope > 1:
         return _swapped(left, right)
     return below, above
 
 
-def _own(branch: AffinePiece, side: int) -> Exact | None:
+def _own(branch: AffinePiece, side: int) -> Exact:
     """Beyond which point of an outer piece that rises orbits run away on its own side."""
     end = branch.upper if side < 0 else branch.lower
     if branch.slope > 1:
-        fixed = branch.intercept / (1 - branch.slope)
-        return fixed if end is None else (min if side < 0 else max)(fixed, end)
+        return (min if side < 0 else max)(branch.intercept / (1 - branch.slope), end)
     if branch.slope == 1 and side * sign(branch.intercept) > 0:
         return end
-    return None
+    return side * HIGHEST
 
 
-def _least(end: Exact | None, x: Exact) -> Exact:
-    return x if end is None else min(end, x)
-
-
-def _most(end: Exact | None, x: Exact) -> Exact:
-    return x if end is None else max(end, x)
-
-
-def _swapped(left: AffinePiece, right: AffinePiece) -> tuple[Exact | None, Exact | None]:
+def _swapped(left: AffinePiece, right: AffinePiece) -> Interval:
     """The ends where two falling pieces map what lies beyond to each other's side.
 
     Twice, each is an affine map that runs away from its fixed point, a 2-cycle of the two pieces;

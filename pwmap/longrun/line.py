@@ -17,10 +17,10 @@ from typing import Any, NamedTuple
 import sympy
 from sympy import QQ
 
-from pwmap.algebra.exact import dense
+from pwmap.algebra.exact import HIGHEST, LOWEST, dense, sign
 from pwmap.algebra.roots import Real, RealRoot, real_to_sympy, value_at
 from pwmap.algebra.terms import own_name
-from pwmap.longrun.numbers import Element, Exact, algebraic, sign
+from pwmap.longrun.numbers import Element, Exact, algebraic
 from pwmap.maps.kinds import check_map
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
@@ -35,12 +35,12 @@ class Germ(NamedTuple):
 
 
 class AffinePiece(NamedTuple):
-    """One affine piece on an open interval: slope x + intercept between two ends, None infinite."""
+    """One affine piece on an open interval: slope x + intercept between two ends."""
 
     slope: Exact
     intercept: Exact
-    lower: Exact | None
-    upper: Exact | None
+    lower: Exact
+    upper: Exact
     letter: str
 
     def __call__(self, x: Exact) -> Exact:
@@ -127,11 +127,14 @@ class MapLine:
 
     def parts(self, interval: Interval) -> Iterator[tuple[AffinePiece, Interval]]:
         """An interval, longer than a point, cut at the breaks inside it."""
+        for k, part in self.cut(interval):
+            yield self.branches[k], part
+
+    def cut(self, interval: Interval) -> Iterator[tuple[int, Interval]]:
+        """The same with numbers of pieces."""
         low, high = interval
         first, last = bisect_right(self.breaks, low), bisect_left(self.breaks, high)
-        cuts = (low, *self.breaks[first:last], high)
-        for k, part in enumerate(pairwise(cuts), start=first):
-            yield self.branches[k], part
+        return enumerate(pairwise((low, *self.breaks[first:last], high)), start=first)
 
     def images(self, intervals: Iterable[Interval]) -> list[Interval]:
         """The closures of the images of intervals, joined; a point maps to its value."""
@@ -237,7 +240,7 @@ def _of_pieces(map_: PiecewiseLinearMap) -> MapLine:
     def quotient(fraction: tuple[Any, Any]) -> Exact:
         return fraction[0] / fraction[1]
 
-    last: Exact | None = None
+    last: Exact = LOWEST
     for cylinder in map_.cylinders:
         slope, intercept = (
             quotient(orbits.slope(cylinder.word)),
@@ -245,12 +248,12 @@ def _of_pieces(map_: PiecewiseLinearMap) -> MapLine:
         )
         upper = cylinder.upper
         end = (
-            None
+            HIGHEST
             if upper is None
             else quotient(orbits.preimage(upper.k, cylinder.word[: upper.steps]))
         )
         letter = map_.spelled(cylinder.word)
-        if cylinder.is_point or (last is not None and cylinder.lower_closed):
+        if cylinder.is_point or (last != LOWEST and cylinder.lower_closed):
             values.append(slope * last + intercept)
             owners.append(Owner(letter, None if cylinder.is_point else slope))
         if cylinder.is_point:
@@ -292,7 +295,7 @@ def line_at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
         for group in (table.slopes, table.intercepts, table.breaks)
     )
     layout = table.layouts[map_.chain[0]]
-    cuts = [None, *(breaks[k] for k in layout.breaks), None]
+    cuts = [LOWEST, *(breaks[k] for k in layout.breaks), HIGHEST]
     branches = tuple(
         AffinePiece(slopes[letter], intercepts[letter], cuts[i], cuts[i + 1], map_.letters[letter])
         for i, letter in enumerate(layout.slots[::2])

@@ -10,16 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from typing import Any
 
 from sympy import QQ
 
+from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite
 from pwmap.longrun.fates import Fate, GermOrbit, abs_
-from pwmap.longrun.line import Germ, MapLine
+from pwmap.longrun.line import Germ, Interval, MapLine
 from pwmap.longrun.numbers import Exact
 from pwmap.longrun.pointsets import Part, PointSet, point_set
-
-End = Exact | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -31,8 +29,7 @@ class NeutralIntervals:
     Attributes
     ----------
     intervals
-        The ends of each, an infinite one as None, in the order in which they are visited, from the
-        leftmost on.
+        The ends of each, in the order in which they are visited, from the leftmost on.
     parts
         The same with the ends that belong to them.
     word
@@ -52,7 +49,7 @@ class NeutralIntervals:
     [('1', '2')]
     """
 
-    intervals: tuple[tuple[End, End], ...]
+    intervals: tuple[Interval, ...]
     parts: tuple[Part, ...]
     word: str
     multiplier: int
@@ -82,12 +79,12 @@ def neutral_intervals(line: MapLine, orbits: Iterable[GermOrbit]) -> tuple[Neutr
     """
     if not line.breaks:
         return _of_one_piece(line)
-    found = dict[tuple[End, End], NeutralIntervals]()
+    found = dict[Interval, NeutralIntervals]()
     for orbit in orbits:
         if is_neutral(line, orbit):
             each = _around(line, orbit.germs[orbit.start :])
             found.setdefault(each.intervals[0], each)
-    return tuple(sorted(found.values(), key=lambda each: _leftmost(each.intervals[0])))
+    return tuple(sorted(found.values(), key=lambda each: each.intervals[0]))
 
 
 def is_neutral(line: MapLine, orbit: GermOrbit) -> bool:
@@ -103,19 +100,16 @@ def is_neutral(line: MapLine, orbit: GermOrbit) -> bool:
 def _around(line: MapLine, germs: tuple[Germ, ...]) -> NeutralIntervals:
     """The intervals beside the points of a cycle of germs of slope 1 that follow them."""
     ahead, behind = (_room(line, germs, way) for way in (1, -1))
-    visited, letters, scale = list[tuple[End, End]](), list[str](), QQ.one
+    visited, letters, scale = list[Interval](), list[str](), QQ.one
     for germ in germs:
-        far, back = (
-            None if room is None else germ.x + way * germ.side * scale * room
-            for way, room in ((1, ahead), (-1, behind))
-        )
+        far, back = germ.x + germ.side * scale * ahead, germ.x - germ.side * scale * behind
         part = (back, far) if germ.side > 0 else (far, back)
         if part in visited:
             break
         visited.append(part)
         letters.append(line.letter(germ))
         scale = scale * abs_(line.beside(germ).slope)
-    first = min(range(len(visited)), key=lambda k: _leftmost(visited[k]))
+    first = min(range(len(visited)), key=visited.__getitem__)
     intervals = tuple(visited[first:] + visited[:first])
     return NeutralIntervals(
         intervals=intervals,
@@ -125,26 +119,23 @@ def _around(line: MapLine, germs: tuple[Germ, ...]) -> NeutralIntervals:
     )
 
 
-def _room(line: MapLine, germs: tuple[Germ, ...], way: int) -> End:
+def _room(line: MapLine, germs: tuple[Germ, ...], way: int) -> Exact:
     """How far beside the first germ points follow all of them, on its side or on the other one."""
-    found: End = None
-    scale = QQ.one
+    found, scale = HIGHEST, QQ.one
     for germ in germs:
         branch = line.beside(germ)
         end = branch.upper if way * germ.side > 0 else branch.lower
-        if end is not None:
-            room = abs_(end - germ.x) / scale
-            found = room if found is None else min(found, room)
+        found = min(found, abs_(end - germ.x) / scale)
         scale = scale * abs_(branch.slope)
     return found
 
 
-def _with_ends(
-    line: MapLine, intervals: tuple[tuple[End, End], ...], period: int
-) -> tuple[Part, ...]:
+def _with_ends(line: MapLine, intervals: Iterable[Interval], period: int) -> tuple[Part, ...]:
     """Intervals with those ends that follow the same pieces as points beside them."""
 
     def belongs(x: Exact, side: int) -> bool:
+        if isinstance(x, Infinite):
+            return False
         germ = Germ(x, side)
         for _ in range(period):
             if line.piece(germ.x).letter != line.letter(germ):
@@ -153,21 +144,15 @@ def _with_ends(
         return True
 
     return tuple(
-        (None if low is None else (low, -1 if belongs(low, 1) else 1),
-         None if high is None else (high, 1 if belongs(high, -1) else -1))
+        ((low, -1 if belongs(low, 1) else 1), (high, 1 if belongs(high, -1) else -1))
         for low, high in intervals
-    )  # fmt: skip
+    )
 
 
 def _of_one_piece(line: MapLine) -> tuple[NeutralIntervals, ...]:
     """The whole line, if one affine map takes all of it back at once, or turns it."""
     (branch,) = line.branches
     if branch.slope == -1 or (branch.slope == 1 and not branch.intercept):
-        whole = ((None, None),)
-        return (NeutralIntervals(whole, whole, branch.letter, int(branch.slope)),)
+        parts = (((LOWEST, 1), (HIGHEST, -1)),)
+        return (NeutralIntervals(((LOWEST, HIGHEST),), parts, branch.letter, int(branch.slope)),)
     return ()
-
-
-def _leftmost(part: tuple[End, End]) -> tuple[bool, Any]:
-    """A key by which intervals come from left to right; an infinite end is first."""
-    return part[0] is not None, part[0]

@@ -8,7 +8,7 @@ they are.
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Iterable
+from collections.abc import Callable, Hashable, Iterable
 from fractions import Fraction
 from functools import total_ordering
 from typing import Any
@@ -18,11 +18,11 @@ import sympy
 from sympy import QQ
 from sympy.polys.densearith import dup_add, dup_mul, dup_neg, dup_sub
 
-from pwmap.algebra.exact import Number, bits, pair, to_float
+from pwmap.algebra.exact import Infinite, Number, bits, pair, to_float
 from pwmap.algebra.roots import Dense, Real, RealRoot, bounds, integers, real_roots
 from pwmap.maps.budget import cost
 
-Exact = Any  # an element of QQ, or an Element
+Exact = Any  # an element of QQ, or an Element; an end of an interval may be Infinite
 
 
 @total_ordering
@@ -48,38 +48,33 @@ class Element:
             return other.value
         if isinstance(other, (int, Fraction)):
             other = QQ(other) if isinstance(other, int) else QQ(other.numerator, other.denominator)
-        return None if isinstance(other, float) else ((other,) if other else ())
+        return None if isinstance(other, (float, Infinite)) else ((other,) if other else ())
 
-    def _made(self, value: list[Number]) -> Element:
-        return Element(self.root, self.root.reduced(tuple(value)))
-
-    def __add__(self, other: object) -> Element:
+    def _with(self, other: object, operation: Callable[..., list[Number]]) -> Element:
         right = self._dense(other)
         if right is None:
-            return NotImplemented
-        return Element(self.root, tuple(dup_add(list(self.value), list(right), QQ)))
+            return NotImplemented  # type: ignore[no-any-return]
+        return Element(self.root, tuple(operation(list(self.value), list(right), QQ)))
 
-    __radd__ = __add__
+    def _product(self, one: list[Number], other: list[Number], domain: Any) -> list[Number]:
+        return [*self.root.reduced(tuple(dup_mul(one, other, domain)))]
+
+    def __add__(self, other: object) -> Element:
+        return self._with(other, dup_add)
 
     def __neg__(self) -> Element:
         return Element(self.root, tuple(dup_neg(list(self.value), QQ)))
 
     def __sub__(self, other: object) -> Element:
-        right = self._dense(other)
-        if right is None:
-            return NotImplemented
-        return Element(self.root, tuple(dup_sub(list(self.value), list(right), QQ)))
+        return self._with(other, dup_sub)
 
     def __rsub__(self, other: object) -> Element:
         return -self + other
 
     def __mul__(self, other: object) -> Element:
-        right = self._dense(other)
-        if right is None:
-            return NotImplemented
-        return self._made(dup_mul(list(self.value), list(right), QQ))
+        return self._with(other, self._product)
 
-    __rmul__ = __mul__
+    __radd__, __rmul__ = __add__, __mul__
 
     def __truediv__(self, other: object) -> Element:
         right = self._dense(other)
@@ -103,6 +98,8 @@ class Element:
         return hash((self.root, self.value))
 
     def __lt__(self, other: object) -> bool:
+        if isinstance(other, Infinite):
+            return NotImplemented
         return self.root.sign_of(integers((self - other).value)) < 0
 
     def __float__(self) -> float:
@@ -119,15 +116,12 @@ def key(x: Exact) -> Hashable:
 
 def work_of(x: Exact) -> int:
     """The work of one operation with a number, as :class:`pwmap.Budget` counts it."""
+    if isinstance(x, Infinite):
+        return 0
     if isinstance(x, Element):
         longest = max(map(bits, x.value), default=0)
         return len(x.root.polynomial) ** 2 * cost(longest + 2 * max(map(bits, x.root.polynomial)))
     return cost(bits(x))
-
-
-def sign(x: Exact) -> int:
-    """The sign of a number."""
-    return int(x > 0) - int(x < 0)
 
 
 def in_order(numbers: Iterable[Exact]) -> list[Exact]:
@@ -144,11 +138,13 @@ def in_order(numbers: Iterable[Exact]) -> list[Exact]:
 
 def to_double(x: Exact) -> float:
     """The double nearest to a number, but for the last bit."""
-    return float(x) if isinstance(x, Element) else to_float(x)
+    return float(x) if isinstance(x, (Element, Infinite)) else to_float(x)
 
 
 def exact_to_sympy(x: Exact) -> sympy.Expr:
     """A number as an expression."""
+    if isinstance(x, Infinite):
+        return x.side * sympy.oo
     if isinstance(x, Element):
         return x.root.element_to_sympy(x.value)
     return QQ.to_sympy(x)

@@ -1,1 +1,8 @@
-"""Words, pieces and the maps themselves."""
+"""Maps as words, pieces and cylinders; what a computation may take.
+
+A name is loaded with what it needs when it is first used.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

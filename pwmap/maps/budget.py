@@ -167,7 +167,8 @@ class Meter:
 
     Examples
     --------
-    >>> from pwmap import Budget, Meter
+    >>> from pwmap import Budget
+    >>> from pwmap.maps import Meter
     >>> meter, squares = Meter(Budget(work=10)), []
     >>> with meter.keeping(squares):
     ...     for n in meter.each(range(100), "squares"):

@@ -12,14 +12,8 @@ from dataclasses import dataclass, field
 import sympy
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.bivariate import (
-    degree_in,
-    discriminant,
-    divides,
-    irreducible_factors,
-    leading_in,
-)
-from pwmap.algebra.exact import Number
+from pwmap.algebra.bivariate import discriminant, divides, irreducible_factors, leading_in
+from pwmap.algebra.exact import Number, degree_in
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import real_roots, sign_at, simplest_between
 from pwmap.maps.scopes import CellScope, Orders, between

@@ -21,7 +21,7 @@ from pwmap.maps.diagonal import FixedInterval, FixedPoint, Jump, JumpCrossing
 from pwmap.maps.pieces import Piece, columns_of, latex_of, lines_of
 from pwmap.maps.reading import Definition, read, read_formula
 from pwmap.maps.scopes import Scope
-from pwmap.maps.words import Orbits, SignOracle, Word
+from pwmap.maps.words import Orbits, SignOracle, Word, first_turn
 
 
 class PiecewiseLinearMap:
@@ -254,7 +254,6 @@ class PiecewiseLinearMap:
             If j is no integer of at least 1.
         """
         order = checked_order(j)
-        order = checked_order(j)
         checked_size(order, len(self.chain))
         return self.of(self._map.with_chain(self.chain * order))
 
@@ -399,9 +398,7 @@ class PiecewiseLinearMap:
         """
         found = self.iterate(period).fixed_points()
         words = [p.word for p in found if p.period // math.gcd(p.period, self.order) == period]
-        step = self.order
-        first = {min(w[i:] + w[:i] for i in range(0, len(w), step)) for w in words}
-        return tuple(self.cycle(word) for word in sorted(first))
+        return tuple(map(self.cycle, sorted({first_turn(w, self.order) for w in words})))
 
     def cycle(self, word: str) -> Cycle:
         """The cycle that visits the pieces a word names, with its conditions of existence.

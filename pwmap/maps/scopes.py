@@ -9,9 +9,9 @@ from __future__ import annotations
 
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Protocol
 
 import sympy
 
@@ -19,27 +19,17 @@ from pwmap.algebra.assumptions import AssumedRegion, UndecidedError
 from pwmap.algebra.exact import (
     Fraction_,
     Number,
-    Packed,
+    Portable,
     constant,
     dense,
     fraction_to_sympy,
     is_constant,
     names_of,
-    packed,
     sign,
     to_sympy,
-    unpacked,
 )
 from pwmap.algebra.inequalities import Constraint
-from pwmap.algebra.roots import (
-    Real,
-    portable,
-    real_roots,
-    real_to_sympy,
-    restored,
-    sign_at,
-    simplest_between,
-)
+from pwmap.algebra.roots import Real, real_roots, real_to_sympy, sign_at, simplest_between
 
 Orders = tuple[int, ...]
 
@@ -58,7 +48,7 @@ class Scope(Protocol):
         """What some values break, as far as they are given, or None."""
 
 
-class CellScope(ABC):
+class CellScope(Portable, ABC):
     """A cell, or an edge of cells: a sign is known at one place of it, maybe everywhere.
 
     Attributes
@@ -112,9 +102,6 @@ class NumberCell(CellScope):
     high: Real | None
     orders: Orders = field(compare=False)
 
-    def __reduce__(self) -> tuple[Callable[..., NumberCell], tuple[object, ...]]:
-        return _number_cell, (self.symbol, portable(self.low), portable(self.high), self.orders)
-
     @property
     def is_edge(self) -> bool:
         """Whether it is one value."""
@@ -141,10 +128,6 @@ class NumberCell(CellScope):
     def __str__(self) -> str:
         low, high = (None if end is None else real_to_sympy(end) for end in (self.low, self.high))
         return f"{self.symbol} = {low}" if self.is_edge else between(low, self.symbol, high)
-
-
-def _number_cell(symbol: sympy.Symbol, low: Any, high: Any, orders: Orders) -> NumberCell:
-    return NumberCell(symbol, restored(low), restored(high), orders)
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,10 +178,6 @@ class SymbolicEdge(CellScope):
     region: AssumedRegion
     orders: Orders = field(compare=False)
 
-    def __reduce__(self) -> tuple[Callable[..., SymbolicEdge], tuple[object, ...]]:
-        kept = packed(self.region.ring, self.value)
-        return _symbolic_edge, (self.symbol, kept, self.region, self.orders)
-
     @property
     def is_edge(self) -> bool:
         """It is one value, whatever those of the others."""
@@ -232,13 +211,6 @@ class SymbolicEdge(CellScope):
 
     def __str__(self) -> str:
         return f"{self.symbol} = {fraction_to_sympy(self.value)}"
-
-
-def _symbolic_edge(
-    symbol: sympy.Symbol, kept: Packed, region: AssumedRegion, orders: Orders
-) -> SymbolicEdge:
-    top, bottom = unpacked(kept)[1]
-    return SymbolicEdge(symbol, (top, bottom), region, orders)
 
 
 def _sign_in(region: AssumedRegion, polynomial: Number) -> int | None:

@@ -18,25 +18,15 @@ from collections import Counter
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
 from math import lcm, prod
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.exact import (
-    Fraction_,
-    Number,
-    Packed,
-    bits,
-    constant,
-    is_constant,
-    packed,
-    pair,
-    ring_of,
-    unpacked,
-)
+from pwmap.algebra.exact import Fraction_, Number, Portable, bits, constant, is_constant, pair
 from pwmap.maps.budget import cost
 
 Word = tuple[int, ...]
+Letters = TypeVar("Letters", Word, str)
 
 
 class Layout(NamedTuple):
@@ -51,7 +41,7 @@ class Layout(NamedTuple):
 
 
 @dataclass(frozen=True, slots=True)
-class Table:
+class Table(Portable):
     """Coefficients of one or more maps: slope and intercept by letter, breaks by index.
 
     All of them are numerators over one ``denominator``, which is positive under the assumptions.
@@ -89,10 +79,6 @@ class Table:
         """All of its numbers: slopes, intercepts, breaks, one and the denominator."""
         return (*self.slopes, *self.intercepts, *self.breaks, self.one, self.denominator)
 
-    def __reduce__(self) -> tuple[Callable[..., Table], tuple[object, ...]]:
-        packed_ = packed(ring_of(self.one), self.numbers())
-        return _table, (packed_, len(self.slopes), self.layouts)
-
 
 def _bits(number: Number) -> int:
     """Of the longest coefficient."""
@@ -113,12 +99,6 @@ def over_one_denominator(tables: Sequence[Table]) -> list[Table]:
         slopes, intercepts, breaks = (tuple(scale * n for n in group) for group in numbers)
         scaled.append(Table(slopes, intercepts, breaks, table.layouts, table.one, common))
     return scaled
-
-
-def _table(kept: Packed, letters: int, layouts: tuple[Layout, ...]) -> Table:
-    numbers = unpacked(kept)[1]
-    slopes, intercepts = numbers[:letters], numbers[letters : 2 * letters]
-    return Table(slopes, intercepts, numbers[2 * letters : -2], layouts, *numbers[-2:])
 
 
 class CriticalOrbit(NamedTuple):
@@ -159,6 +139,11 @@ class Offset(NamedTuple):
 
 
 Decision = CriticalOrbit | OrbitReturn | Slope | MultiplierSign | Offset
+
+
+def first_turn(word: Letters, step: int = 1) -> Letters:
+    """The first of the words of a cycle in the alphabet; it may begin at multiples of a step."""
+    return min(word[i:] + word[:i] for i in range(0, len(word), step))
 
 
 class Orbits:
@@ -267,6 +252,11 @@ class Orbits:
         """The x with A_word(x) = x, as numerator and denominator."""
         slope, intercept = self.affine(word)
         return intercept, self.power(len(word)) - slope
+
+    def meeting(self, k: int, word: Word, cycle: Word) -> Number:
+        """What is zero where A_word(b_k) is the fixed point of a cycle's word."""
+        (a, b), (c, d) = self.value(k, word), self.fixed_point(cycle)
+        return a * d - c * b
 
     def polynomial(self, decision: Decision) -> Number:
         """The number whose sign makes a decision."""

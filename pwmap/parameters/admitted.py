@@ -11,8 +11,8 @@ from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.assumptions import AssumedRegion
-from pwmap.algebra.exact import Number, is_constant
-from pwmap.algebra.inequalities import Constraint, degree
+from pwmap.algebra.exact import Number, degree_in, is_constant
+from pwmap.algebra.inequalities import Constraint
 from pwmap.algebra.samples import EmptyRegionError
 from pwmap.algebra.terms import own_name
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -153,7 +153,7 @@ def _over(region: AssumedRegion, name: str, span: Span) -> AssumedRegion:
     index = [str(symbol) for symbol in region.ring.symbols].index(name)
     constraints: list[Constraint] = []
     for constraint in region.constraints:
-        if not degree(constraint.polynomial, index):
+        if not degree_in(constraint.polynomial, index):
             constraints.append(constraint)
             continue
         values = [constraint.polynomial.subs(index, end) for end in span]

@@ -25,6 +25,7 @@ from pwmap.algebra.bivariate import divides
 from pwmap.algebra.exact import (
     Fraction_,
     Number,
+    degree_in,
     dense,
     evaluate,
     names_of,
@@ -45,6 +46,7 @@ from pwmap.algebra.roots import (
     sign_at,
     simplest_between,
     spread,
+    value_at,
 )
 from pwmap.maps.reading import Definition
 from pwmap.maps.scopes import NumberCell, Scope, SymbolicEdge, SymbolicInterval
@@ -227,7 +229,7 @@ class Axis(ABC):
         value = self.real(place)
         if isinstance(value, RealRoot):
             return SignOracle(self._orbits_here, SignAt(value))
-        table = self._orbits_here.table.mapped(lambda number: _at(dense(number), value))
+        table = self._orbits_here.table.mapped(lambda number: value_at(dense(number), value))
         return SignOracle(IntegerOrbits(table), sign)
 
     def sign(self, polynomial: Number, place: Any) -> int:
@@ -240,7 +242,7 @@ class Axis(ABC):
         value = self.real(place)
         if isinstance(value, RealRoot):
             return value.to_float(top, bottom)
-        return to_float(_at(top, value) / _at(bottom, value))
+        return to_float(value_at(top, value) / value_at(bottom, value))
 
     def compare_values(self, first: Any, second: Any, place: Any) -> int:
         """Sign of the difference of two values, as :meth:`value` returned them for a place.
@@ -301,7 +303,7 @@ class Axis(ABC):
 
     def degree(self, number: Number) -> int:
         """Degree of a polynomial in the parameter of the axis; 0 for zero."""
-        return max(0, int(number.degree(self.index))) if number else 0
+        return degree_in(number, self.index)
 
 
 @dataclass(frozen=True, slots=True)
@@ -423,12 +425,4 @@ def quotient_at(top: Dense, bottom: Dense, value: Real) -> Any:
     """A quotient of polynomials at a number, in canonical form."""
     if isinstance(value, RealRoot):
         return value.quotient(top, bottom)
-    return _at(top, value) / _at(bottom, value)
-
-
-def _at(polynomial: Dense, value: Number) -> Number:
-    """The value of a polynomial at a rational number."""
-    total = QQ.zero
-    for coefficient in polynomial:
-        total = total * value + coefficient
-    return total
+    return value_at(top, value) / value_at(bottom, value)

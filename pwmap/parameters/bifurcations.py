@@ -17,7 +17,7 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.assumptions import UndecidedError
-from pwmap.algebra.exact import fraction_to_sympy, quotient_to_sympy
+from pwmap.algebra.exact import Infinite, fraction_to_sympy, quotient_to_sympy
 from pwmap.algebra.roots import ceiling, whole_part
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import Diagram
@@ -45,7 +45,6 @@ from pwmap.parameters.segments import (
     LEFT,
     RIGHT,
     BranchKey,
-    Infinite,
     Junction,
     KnownValues,
     Segment,

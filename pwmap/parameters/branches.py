@@ -16,7 +16,7 @@ from itertools import pairwise
 from math import inf
 from typing import Any
 
-from pwmap.algebra.exact import Fraction_, is_constant
+from pwmap.algebra.exact import Fraction_, Infinite, is_constant, side_of
 from pwmap.diagrams.data import BranchKind
 from pwmap.maps.cylinders import Cut, Cylinder, Inclusion, StudiedIterate, minimal_period
 from pwmap.maps.words import Orbits, SignOracle, Word
@@ -27,7 +27,6 @@ from pwmap.parameters.segments import (
     LEFT,
     RIGHT,
     BranchKey,
-    Infinite,
     Junction,
     KnownValues,
     Location,
@@ -362,8 +361,8 @@ class Continuation:
         if place != second.place:
             return -1 if place < second.place else 1
         values = first.value, second.value
-        sides = [value.side if isinstance(value, Infinite) else 0 for value in values]
-        return sides[0] - sides[1] if any(sides) else self.axis.compare_values(*values, place)
+        one, other = map(side_of, values)
+        return one - other if one or other else self.axis.compare_values(*values, place)
 
     def ends(self, segment: Segment) -> tuple[SegmentEnd, SegmentEnd]:
         """Both ends of a segment."""

@@ -19,7 +19,6 @@ from sympy.polys.rings import PolyElement
 from pwmap.algebra.bivariate import (
     at_root_of,
     coefficients_in,
-    degree_in,
     discriminant,
     divides,
     irreducible_factors,
@@ -30,6 +29,7 @@ from pwmap.algebra.bivariate import (
 from pwmap.algebra.exact import (
     Fraction_,
     Number,
+    degree_in,
     fraction_to_sympy,
     is_constant,
     to_float,

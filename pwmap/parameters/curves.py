@@ -13,7 +13,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from pwmap.parameters.segments import ALONG, Infinite, Junction, Segment, SegmentEnd
+from pwmap.algebra.exact import Infinite
+from pwmap.parameters.segments import ALONG, Junction, Segment, SegmentEnd
 
 Tip = tuple[Segment, int]  # one end of a segment: 0 or 1, the first or the last
 

@@ -47,13 +47,6 @@ class BranchKey:
         return cancelled(orbits.preimage(self.cut.k, self.word[: self.cut.steps]))
 
 
-@dataclass(frozen=True, slots=True)
-class Infinite:
-    """An x that grows without bound, to the side -1 or +1."""
-
-    side: int
-
-
 class Location(NamedTuple):
     """How a fixed point lies in its cylinder, and whether it attracts there."""
 

@@ -1,1 +1,8 @@
-"""Two parameters of a map: cells, curves of bifurcations, and the points in which they meet."""
+"""A plane of two parameters, cut by exact curves.
+
+A name is loaded with what it needs when it is first used.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

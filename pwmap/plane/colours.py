@@ -10,7 +10,7 @@ class Colours(StrEnum):
 
     Examples
     --------
-    >>> from pwmap import Colours
+    >>> from pwmap.plane import Colours
     >>> [(colours.name, colours.value) for colours in Colours]
     [('PERIOD', 'period'), ('ENTROPY', 'entropy'), ('BANDS', 'bands')]
     """

@@ -15,8 +15,9 @@ from itertools import pairwise
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.bivariate import at_value, degree_in, irreducible_factors
-from pwmap.algebra.exact import Number, to_sympy
+from pwmap.algebra.bivariate import irreducible_factors
+from pwmap.algebra.exact import Number, degree_in, to_sympy
+from pwmap.algebra.inequalities import along
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, real_roots
 from pwmap.diagrams.data import PointKind
@@ -82,7 +83,8 @@ def with_crises(
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_plane, with_crises
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane
+    >>> from pwmap.plane import with_crises
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
     >>> plane = parameter_plane(skew, "a", "b", ("19/20", 1), ("-17/10", "-8/5"), orders=(1,))
     >>> more = with_crises(plane, order=1, columns=1)
@@ -158,7 +160,7 @@ class _Search:
                     yield factor
 
     def _roots(self, polynomial: PolyElement, value: Number) -> tuple[Real, ...]:
-        return real_roots(at_value(polynomial, 1 - self.index, value))
+        return real_roots(along(polynomial, (value, value), self.index))
 
     def arcs(self, family: _Family, values: list[Number]) -> Iterator[PlaneArc]:
         """Where a crisis happens on a curve, from one value of the parameter across to another."""

@@ -10,7 +10,7 @@ class PlaneKind(StrEnum):
 
     Examples
     --------
-    >>> from pwmap import PlaneKind
+    >>> from pwmap.plane import PlaneKind
     >>> print(PlaneKind.FLIP_BORDER, PlaneKind.FLIP_BORDER.label)
     PDB flip-border collision
     >>> PlaneKind("JC") is PlaneKind.JUMP_CLOSES

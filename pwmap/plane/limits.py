@@ -7,7 +7,9 @@ from itertools import pairwise
 
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.bivariate import at_value, dense_in, resultant
+from pwmap.algebra.bivariate import resultant
+from pwmap.algebra.exact import dense
+from pwmap.algebra.inequalities import along
 from pwmap.algebra.rootfunctions import Column, Root, minimal_polynomial
 from pwmap.algebra.roots import Real, RealRoot, real_roots, simplest_between
 
@@ -26,7 +28,7 @@ def limit_of(root: Root, column: Column, end: Real) -> Real | None:
     walls.append(found[-1] + 1 if not isinstance(found[-1], RealRoot) else found[-1].high + 1)
     near: Real = column.sample
     for wall in walls:
-        for crossing in real_roots(at_value(root.factor, column.along, wall)):
+        for crossing in real_roots(along(root.factor, (wall, wall), 1 - column.along)):
             if near < crossing < end or end < crossing < near:
                 near = crossing
     between = simplest_between(*sorted((near, end)))
@@ -36,9 +38,9 @@ def limit_of(root: Root, column: Column, end: Real) -> Real | None:
     return found[place - 1] if 0 < place < len(walls) else None
 
 
-def _candidates(factor: PolyElement, along: int, end: Real) -> tuple[Real, ...]:
+def _candidates(factor: PolyElement, index: int, end: Real) -> tuple[Real, ...]:
     """Numbers among which all roots of a polynomial at a value of the other parameter are."""
     if not isinstance(end, RealRoot):
-        return real_roots(at_value(factor, 1 - along, end))
-    minimal = minimal_polynomial(factor.ring, 1 - along, end)
-    return real_roots(dense_in(resultant(factor, minimal, 1 - along), along))
+        return real_roots(along(factor, (end, end), index))
+    minimal = minimal_polynomial(factor.ring, 1 - index, end)
+    return real_roots(dense(resultant(factor, minimal, 1 - index), index))

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from pwmap.diagrams.data import PointKind
 from pwmap.maps.cylinders import minimal_period
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.maps.words import Word
+from pwmap.maps.words import first_turn
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.bifurcations import classify, lowest
 from pwmap.parameters.branches import Continuation
@@ -61,7 +61,7 @@ def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[Plane
             continue
         kind, note = classify(junction, at_span_end=False)
         own = _own(junction)
-        words = {_first_turn(end.segment.key.word, step) for end in own if not _doubles(end, step)}
+        words = {first_turn(end.segment.key.word, step) for end in own if not _doubles(end, step)}
         says_more = any(_doubles(end, step) and end.segment.band is not None for end in own)
         if kind is not PointKind.EP and words and not says_more:
             spelled = tuple(sorted(map(map_.spelled, words)))
@@ -90,8 +90,3 @@ def _doubles(end: SegmentEnd, step: int) -> bool:
     """Whether points of a branch have twice the period of a point whose multiplier is -1."""
     word = end.segment.key.word
     return step * minimal_period(word, step) < len(word)
-
-
-def _first_turn(word: Word, step: int) -> Word:
-    """The first of the words of a cycle in the alphabet."""
-    return min(word[i:] + word[:i] for i in range(0, len(word), step))

@@ -9,26 +9,19 @@ are one curve; everything else that meets is a point of codimension two.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import sympy
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.arithmetic import rational
-from pwmap.algebra.exact import Packed, packed, to_sympy, unpacked
+from pwmap.algebra.exact import Portable, to_sympy
 from pwmap.algebra.rootfunctions import Column, Root, minimal_polynomial
-from pwmap.algebra.roots import (
-    Real,
-    portable,
-    real_to_sympy,
-    restored,
-    sign_at,
-    simplest_between,
-)
+from pwmap.algebra.roots import Real, real_to_sympy, sign_at, simplest_between
 from pwmap.diagrams.data import PointKind
 from pwmap.plane.kinds import PlaneKind
 from pwmap.plane.limits import limit_of
@@ -39,7 +32,7 @@ Node = tuple[Real, Real]  # values of both parameters
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class PlaneArc:
+class PlaneArc(Portable):
     """A part of a curve that is a function of one of the parameters.
 
     Attributes
@@ -59,18 +52,6 @@ class PlaneArc:
     ends: tuple[Node, Node]
     column: Column | None = None
     root: Root | None = None
-
-    def __reduce__(self) -> tuple[Callable[..., PlaneArc], tuple[object, ...]]:
-        kept = packed(self.polynomial.ring, [self.polynomial])
-        ends = tuple(tuple(map(portable, node)) for node in self.ends)
-        return _arc, (self.event, kept, ends, self.column, self.root)
-
-
-def _arc(
-    event: PlaneEvent, kept: Packed, ends: Any, column: Column | None, root: Root | None
-) -> PlaneArc:
-    first, last = ((restored(across), restored(along)) for across, along in ends)
-    return PlaneArc(event, unpacked(kept)[1][0], (first, last), column, root)
 
 
 class Tip(NamedTuple):

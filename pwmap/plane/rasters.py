@@ -15,7 +15,7 @@ from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, bounds, spread
 from pwmap.diagrams.data import FloatArray
 from pwmap.longrun.attractors import attractors_of
-from pwmap.longrun.entropies import entropy_of
+from pwmap.longrun.entropy.entropies import entropy_of
 from pwmap.longrun.line import MapLine, line_of
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.kinds import check_kind
@@ -48,7 +48,8 @@ class PlaneRaster:
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_plane, plane_raster
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane
+    >>> from pwmap.plane import plane_raster
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
     >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
     >>> raster = plane_raster(plane, 3, 2)
@@ -106,7 +107,8 @@ def plane_raster(
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_plane, plane_raster
+    >>> from pwmap import PiecewiseLinearMap, parameter_plane
+    >>> from pwmap.plane import plane_raster
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
     >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
     >>> plane_raster(plane, 3, 2).bands

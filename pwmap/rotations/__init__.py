@@ -1,1 +1,8 @@
-"""Maps of two pieces with a jump: rotation numbers, tongues, families of words, their centres."""
+"""Cycles by their words: rotations, tongues, families, and where they begin.
+
+A name is loaded with what it needs when it is first used.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

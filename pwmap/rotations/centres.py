@@ -50,7 +50,8 @@ class CentreKind(Enum):
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, CentreKind, organising_centre
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from pwmap.rotations import CentreKind, organising_centre
     >>> jump = PiecewiseLinearMap([("x/2 + r", "x < 1"), ("-x/3 + a", "x >= 1")])
     >>> organising_centre(jump, "r", "a").kind is CentreKind.INCREMENTING
     True
@@ -88,7 +89,8 @@ class OrganisingCentre:
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, organising_centre
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from pwmap.rotations import organising_centre
     >>> jump = PiecewiseLinearMap([("x/2 + r", "x < 1"), ("-x/3 + a", "x >= 1")])
     >>> centre = organising_centre(jump, "r", "a")
     >>> centre.values, centre.x, centre.slopes
@@ -132,7 +134,8 @@ def organising_centre(map_: PiecewiseLinearMap, across: object, along: object) -
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, organising_centre
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from pwmap.rotations import organising_centre
     >>> jump = PiecewiseLinearMap([("x/2 + r", "x < 1"), ("-x/3 + a", "x >= 1")])
     >>> organising_centre(jump, "r", "a").values
     (1/2, 4/3)
@@ -165,7 +168,8 @@ def organising_centres(
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, organising_centres
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from pwmap.rotations import organising_centres
     >>> jump = PiecewiseLinearMap([("x/2 + r", "x < 1"), ("-x/3 + a", "x >= 1")])
     >>> [(centre.values, centre.kind.name) for centre in organising_centres(jump, "r", "a")]
     [((1/2, 4/3), 'INCREMENTING')]

@@ -43,7 +43,8 @@ class RotationNumber:
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, rotation_number_at
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from pwmap.rotations import rotation_number_at
     >>> circle = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
     >>> number = rotation_number_at(circle.at({"d": "5/7"}))
     >>> number.lower, number.upper, number.exact
@@ -66,7 +67,8 @@ class RotationInterval:
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, rotation_interval
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from pwmap.rotations import rotation_interval
     >>> circle = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
     >>> found = rotation_interval(circle.at({"d": "5/7"}))
     >>> found.least.lower, found.greatest.upper
@@ -123,7 +125,8 @@ def rotation_number_at(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Ro
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, rotation_number_at
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from pwmap.rotations import rotation_number_at
     >>> circle = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
     >>> rotation_number_at(circle.at({"d": "3/5"})).lower
     Fraction(1, 3)
@@ -165,7 +168,8 @@ def rotation_interval(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Rot
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, rotation_interval
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from pwmap.rotations import rotation_interval
     >>> circle = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
     >>> least = rotation_interval(circle.at({"d": "3/5"})).least
     >>> least.lower, least.exact

@@ -161,9 +161,9 @@ def tongues(
 
     Returns
     -------
-    One tongue for each fraction of :func:`pwmap.farey`, in its order. A tongue may be empty. Where
-    the slope of a word is 1 for all values of the parameters it has no isolated cycle: these are
-    left out.
+    One tongue for each fraction of :func:`pwmap.rotations.farey`, in its order. A tongue may be
+    empty. Where the slope of a word is 1 for all values of the parameters it has no isolated cycle:
+    these are left out.
 
     Raises
     ------

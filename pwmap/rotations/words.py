@@ -35,7 +35,7 @@ def farey(q_max: int) -> tuple[Fraction, ...]:
 
     Examples
     --------
-    >>> from pwmap import farey
+    >>> from pwmap.rotations import farey
     >>> print(*farey(4))
     0 1/4 1/3 1/2 2/3 3/4 1
     """
@@ -78,7 +78,7 @@ def rotational_word(rotation: object, letters: str = "LR") -> str:
     Examples
     --------
     >>> from fractions import Fraction
-    >>> from pwmap import rotational_word
+    >>> from pwmap.rotations import rotational_word
     >>> rotational_word(Fraction(2, 5)), rotational_word(Fraction(1, 3), letters="ab")
     ('LLRLR', 'aab')
     """
@@ -111,7 +111,7 @@ def rotation_number(word: str, letters: str = "LR") -> Fraction:
 
     Examples
     --------
-    >>> from pwmap import rotation_number
+    >>> from pwmap.rotations import rotation_number
     >>> rotation_number("LLRLR")
     Fraction(2, 5)
     """

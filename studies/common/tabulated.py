@@ -19,7 +19,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pwmap import BranchKind, Diagram, Hit
+from pwmap import BranchKind, Diagram
+from pwmap.diagrams import Hit
 from studies.common.record import Results
 from woodpecker import PeriodicOrbit, Toy, return_map, solutions
 from woodpecker.base.arrays import Floats

@@ -10,7 +10,8 @@ from typing import Any
 import sympy
 from independent import Number, Poly, Root, trimmed, value
 
-from pwmap import Branch, BranchKind, Stretch
+from pwmap import Branch, BranchKind
+from pwmap.diagrams import Stretch
 
 P = sympy.Symbol("p")
 DIGITS = 60  # of algebraic numbers that are only compared

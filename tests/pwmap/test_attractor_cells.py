@@ -12,19 +12,18 @@ import sympy
 from sympy import QQ, Rational
 
 from pwmap import (
-    AttractorCell,
-    AttractorDiagram,
     Budget,
     BudgetError,
-    Meter,
     PiecewiseLinearMap,
     PointKind,
     attractor_diagram,
     dynamics,
 )
+from pwmap.longrun import AttractorCell, AttractorDiagram
 from pwmap.longrun.crises.changes import Onset
 from pwmap.longrun.crises.cuts import Cuts
 from pwmap.longrun.crises.samples import Samples
+from pwmap.maps import Meter
 from pwmap.parameters.axes import axis_of
 
 SKEW = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")

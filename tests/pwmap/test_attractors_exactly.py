@@ -10,8 +10,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from pwmap import Attractor, Dynamics, PiecewiseLinearMap, dynamics
+from pwmap import PiecewiseLinearMap, dynamics
 from pwmap.algebra.exact import pair
+from pwmap.longrun import Attractor, Dynamics
 
 MAP = PiecewiseLinearMap.from_sympy("Piecewise((b*x + r - 2, x <= 0), (r - a*x, True))")
 PLACES = 200
@@ -188,7 +189,7 @@ def is_lost(map_: Paper, x: Fraction) -> bool:
 def holds(map_: Paper, each: Attractor, x: Fraction) -> bool:
     """Whether a point lies in bands, or follows a word of what attracts twice from some letter on.
 
-    What does so is drawn into a cycle, see :mod:`pwmap.longrun.itineraries`, or is neutral.
+    What does so is drawn into a cycle, see :mod:`pwmap.longrun.entropy.itineraries`, or is neutral.
     """
     if each.is_chaotic:
         return any(low <= x <= high for low, high in bands_of(each))

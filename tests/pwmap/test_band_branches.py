@@ -17,9 +17,9 @@ from pwmap import (
     attractor_diagram,
     bifurcation_diagram,
     read_graph,
-    with_attractors,
     write_graph,
 )
+from pwmap.longrun import with_attractors
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
 SKEW = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")

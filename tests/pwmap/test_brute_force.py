@@ -25,11 +25,11 @@ from pwmap import (
     PiecewiseLinearMap,
     PointKind,
     SpecialPoint,
-    Stretch,
     UndecidedError,
     bifurcation_diagram,
     parameter_cells,
 )
+from pwmap.diagrams import Stretch
 
 Record = tuple[Any, ...]
 

@@ -8,16 +8,10 @@ import pytest
 from test_pwmap_cli import run
 
 import pwmap
-from pwmap import (
-    Budget,
-    BudgetError,
-    PiecewiseLinearMap,
-    Progress,
-    bifurcation_diagram,
-    parameter_cells,
-)
+from pwmap import Budget, BudgetError, PiecewiseLinearMap, bifurcation_diagram, parameter_cells
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.tables import LONGEST, short
+from pwmap.maps import Progress
 from pwmap.maps.cylinders import WHOLE_LINE, refined
 
 TENT = "Piecewise((m*x, x <= 1/2), (m - m*x, True))"

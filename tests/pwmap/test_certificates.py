@@ -20,9 +20,10 @@ from certified import at, canonical, changed, followed, paths, random_map, repla
 from families import Draw
 
 import pwmap
-from pwmap import Certificate, PiecewiseLinearMap, Refused, bifurcation_diagram, prove
+from pwmap import PiecewiseLinearMap, bifurcation_diagram, prove
 from pwmap.checking import check, check_certificate
 from pwmap.checking.certificate import FIXED_POINTS, FORMAT, seal_of, statement_of
+from pwmap.proofs import Certificate, Refused
 
 P1L = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"])
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((s*x, x <= 1/2), (s*(1 - x), True))")

@@ -12,11 +12,12 @@ from typing import Any
 
 import pytest
 
-from pwmap import Refused, check_certificate
+from pwmap import check_certificate
 from pwmap.checking import branches, lists, polynomials, refusing
 from pwmap.checking.certificate import FORMAT, seal_of, statement_of
 from pwmap.checking.reading import quotient
 from pwmap.checking.refusing import WORK, Effort
+from pwmap.proofs import Refused
 
 KEPT = Path(__file__).parents[2] / "studies" / "results" / "certificates"
 TOO_MUCH = "this takes more work than a check may"

@@ -11,22 +11,14 @@ import sympy
 from sympy import QQ, Rational, log, sqrt
 from sympy.polys.rings import PolyElement
 
-from pwmap import (
-    Budget,
-    ConstantEntropy,
-    EntropyIntervals,
-    GapCause,
-    PiecewiseLinearMap,
-    constant_entropy,
-    dynamics,
-)
+from pwmap import Budget, PiecewiseLinearMap, constant_entropy, dynamics
 from pwmap.algebra.roots import Real, most_roots, real_to_sympy, simplest_between
-from pwmap.longrun import constant
-from pwmap.longrun.entropies import lap_numbers
-from pwmap.longrun.itineraries import Ending, growth_at, itinerary_of
-from pwmap.longrun.kneading import RING, T, growth_by_kneading
-from pwmap.longrun.line import MapLine, line_of
-from pwmap.longrun.matching import (
+from pwmap.longrun import ConstantEntropy, EntropyIntervals, GapCause
+from pwmap.longrun.entropy import constant
+from pwmap.longrun.entropy.entropies import lap_numbers
+from pwmap.longrun.entropy.itineraries import Ending, growth_at, itinerary_of
+from pwmap.longrun.entropy.kneading import RING, T, growth_by_kneading
+from pwmap.longrun.entropy.matching import (
     TOGETHER,
     PairStep,
     _growth,
@@ -34,6 +26,7 @@ from pwmap.longrun.matching import (
     growth_of_pairs,
     matched,
 )
+from pwmap.longrun.line import MapLine, line_of
 from pwmap.maps.budget import metered
 from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, OrbitReturn, Orbits
 

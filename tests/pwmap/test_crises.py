@@ -6,7 +6,8 @@ import pytest
 import sympy
 from sympy import Rational, root, sqrt
 
-from pwmap import PiecewiseLinearMap, PointKind, attractor_diagram, dynamics, meeting_curve
+from pwmap import PiecewiseLinearMap, PointKind, attractor_diagram, dynamics
+from pwmap.longrun import meeting_curve
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
 PAPER = PiecewiseLinearMap.from_sympy("Piecewise((r - 2 + b*x, x <= 0), (r - a*x, True))")

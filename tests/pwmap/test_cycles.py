@@ -10,7 +10,8 @@ import pytest
 import sympy
 from sympy import Rational, divisors, mobius, sqrt
 
-from pwmap import Budget, PiecewiseLinearMap, Progress, cycles, word_family
+from pwmap import Budget, PiecewiseLinearMap, cycles, word_family
+from pwmap.maps import Progress
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
 P1L = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - a*x, True))")

@@ -11,20 +11,15 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
-from pwmap import (
-    PiecewiseLinearMap,
-    Refused,
-    bifurcation_diagram,
-    check_certificate,
-    cli,
-    prove,
-)
+from pwmap import PiecewiseLinearMap, bifurcation_diagram, check_certificate, prove
 from pwmap.checking import polynomials
 from pwmap.checking.__main__ import main
 from pwmap.checking.certificate import check, seal_of, statement_of
 from pwmap.checking.places import between
 from pwmap.checking.reading import number
 from pwmap.checking.refusing import Effort
+from pwmap.cli.app import app
+from pwmap.proofs import Refused
 
 Content = dict[str, Any]
 P1L = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
@@ -300,14 +295,14 @@ def files(tmp_path: Path) -> list[str]:
 
 
 def test_the_command_names_each_file_and_goes_on(files: list[str]) -> None:
-    done = CliRunner().invoke(cli.app, ["check", *files])
+    done = CliRunner().invoke(app, ["check", *files])
     assert done.exit_code == 1
     assert done.stdout.startswith(
         f"{files[1]}: For the map with the pieces A: 1/2 x for all x, all"
     )
     assert f"{files[0]} is refused: the seal is not that of the content" in done.stderr
     assert f"{files[2]} is refused: cannot read the file" in done.stderr
-    assert CliRunner().invoke(cli.app, ["check", files[1]]).exit_code == 0
+    assert CliRunner().invoke(app, ["check", files[1]]).exit_code == 0
 
 
 def test_the_program_names_each_file_and_goes_on(

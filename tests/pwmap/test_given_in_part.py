@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from pwmap import PiecewiseLinearMap, bifurcation_diagram, cli
-from pwmap.cli_given import in_a_part_only
+from pwmap import PiecewiseLinearMap, bifurcation_diagram
+from pwmap.cli.app import app
+from pwmap.cli.given import in_a_part_only
 
 P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
 
@@ -44,6 +45,6 @@ def test_without_symbols_nothing_is_said() -> None:
 
 def test_the_command_says_it_first(tmp_path: Path) -> None:
     arguments = ["analyse", P1L, "--parameter", "r", "--given", "a > 1", "--out", str(tmp_path)]
-    found = CliRunner().invoke(cli.app, arguments)
+    found = CliRunner().invoke(app, arguments)
     assert found.exit_code == 0
     assert found.stdout.startswith("This holds for a > 5/3 only")

@@ -14,8 +14,9 @@ import pytest
 import sympy
 from sympy import QQ, Interval, Rational, log, sqrt
 
-from pwmap import Attractor, Budget, Extremum, PiecewiseLinearMap, RealRoot, dynamics
+from pwmap import Budget, PiecewiseLinearMap, RealRoot, dynamics
 from pwmap.algebra.exact import pair
+from pwmap.longrun import Attractor, Extremum
 from pwmap.longrun.line import AffinePiece, MapLine, line_of
 from pwmap.longrun.numbers import (
     Element,
@@ -432,8 +433,7 @@ def _preimage(branch: AffinePiece, x: Exact, y: Exact) -> tuple[Exact, Exact] | 
     low, high = sorted(
         ((x - branch.intercept) / branch.slope, (y - branch.intercept) / branch.slope)
     )
-    low = low if branch.lower is None else max(low, branch.lower)
-    high = high if branch.upper is None else min(high, branch.upper)
+    low, high = max(low, branch.lower), min(high, branch.upper)
     return (low, high) if low < high else None
 
 

@@ -16,30 +16,29 @@ from sympy import Rational
 from test_pwmap_cli import run
 
 from pwmap import (
-    Advance,
     Budget,
     BudgetError,
     Diagram,
-    Meter,
     PiecewiseLinearMap,
     attractor_diagram,
     bifurcation_diagram,
-    cli_longrun,
     constant_entropy,
     cycles,
     load_diagram,
     parameter_plane,
-    plane_raster,
     tongues,
     word_family,
 )
+from pwmap.cli import longrun
 from pwmap.diagrams import files, tables
 from pwmap.diagrams.encoding import to_plain
 from pwmap.diagrams.tables import FILES
-from pwmap.longrun.entropies import GapCause
+from pwmap.longrun.entropy.entropies import GapCause
+from pwmap.maps import Advance, Meter
 from pwmap.maps.budget import cost
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.cells import Cell, aside, close, with_cells
+from pwmap.plane import plane_raster
 
 SKEW = PiecewiseLinearMap([("a*x + 1", "x <= 0"), ("b*x + 1", "x > 0")])
 SPANS = ("1/4", "3/2"), (-5, "-1/2")
@@ -227,7 +226,7 @@ def test_the_command_keeps_the_diagram_if_the_long_run_is_interrupted(
     def interrupted(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(cli_longrun, "attractor_diagram", interrupted)
+    monkeypatch.setattr(longrun, "attractor_diagram", interrupted)
     text = "Piecewise((m*x, x <= 1/2), (m - m*x, True))"
     code, _ = run(text, "--parameter", "m", "--span", "0", "2", "--attractors", out=tmp_path)
     assert code == 130

@@ -12,16 +12,14 @@ import pytest
 import sympy
 from sympy import Rational, sqrt
 
-from pwmap import (
+from pwmap import PiecewiseLinearMap, UndecidedError, word_family
+from pwmap.rotations import (
     CentreKind,
-    PiecewiseLinearMap,
-    UndecidedError,
     farey,
     organising_centre,
     organising_centres,
     rotation_number,
     rotational_word,
-    word_family,
 )
 
 U, V = sympy.symbols("u v")

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
-from pwmap.plot_palette import CHAOS, NOTHING, PERIODS, QUIET, named, of_period
+from pwmap.plot.palette import CHAOS, NOTHING, PERIODS, QUIET, named, of_period
 
 Floats = npt.NDArray[np.float64]
 

@@ -11,16 +11,8 @@ import sympy
 from sympy import Rational, sqrt
 
 import pwmap
-from pwmap import (
-    ParameterPlane,
-    PiecewiseLinearMap,
-    PlaneKind,
-    PointKind,
-    bifurcation_diagram,
-    parameter_plane,
-    plane_raster,
-    with_crises,
-)
+from pwmap import PiecewiseLinearMap, PointKind, bifurcation_diagram, parameter_plane
+from pwmap.plane import ParameterPlane, PlaneKind, plane_raster, with_crises
 
 SKEW = PiecewiseLinearMap([("a*x + 1", "x <= 0"), ("b*x + 1", "x > 0")])
 P1L = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")])

@@ -5,7 +5,8 @@ from __future__ import annotations
 import pytest
 import sympy
 
-from pwmap import ParameterPlane, PiecewiseLinearMap, PlaneRegion, parameter_plane, plane_raster
+from pwmap import PiecewiseLinearMap, parameter_plane
+from pwmap.plane import ParameterPlane, PlaneRegion, plane_raster
 
 A = sympy.Symbol("a")
 SKEW = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")

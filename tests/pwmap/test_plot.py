@@ -16,15 +16,14 @@ from pwmap import (
     PiecewiseLinearMap,
     PointKind,
     SpecialPoint,
-    Stretch,
     bifurcation_diagram,
     parameter_plane,
 )
-from pwmap.plot import INK, plot_cobweb, plot_diagram, plot_map
-from pwmap.plot_drawn import Drawn
-from pwmap.plot_labels import Labels
-from pwmap.plot_palette import NOTHING, of_period
-from pwmap.plot_plane import _face, plot_plane
+from pwmap.diagrams import Stretch
+from pwmap.plot import INK, Drawn, plot_cobweb, plot_diagram, plot_map
+from pwmap.plot.labels import Labels
+from pwmap.plot.palette import NOTHING, of_period
+from pwmap.plot.plane import _face, plot_plane
 
 P1L = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
 AT_ONE = P1L.at({"a": Rational(5, 4), "r": 1})

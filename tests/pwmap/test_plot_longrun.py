@@ -12,7 +12,7 @@ from matplotlib.collections import PathCollection, PolyCollection
 from matplotlib.patches import Rectangle, StepPatch
 
 from pwmap import PiecewiseLinearMap, attractor_diagram, bifurcation_diagram, dynamics
-from pwmap.plot_longrun import (
+from pwmap.plot import (
     plot_attractors,
     plot_density,
     plot_entropy,

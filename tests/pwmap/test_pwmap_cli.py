@@ -8,14 +8,15 @@ import pytest
 from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
-from pwmap import cli, read_graph
+from pwmap import read_graph
+from pwmap.cli.app import app
 from pwmap.diagrams import files
 
 P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
 
 
 def run(*arguments: str, out: Path) -> tuple[int, str]:
-    found = CliRunner().invoke(cli.app, ["analyse", *arguments, "--out", str(out)])
+    found = CliRunner().invoke(app, ["analyse", *arguments, "--out", str(out)])
     return found.exit_code, found.output
 
 
@@ -225,7 +226,7 @@ SKEW = "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))"
 
 
 def run_plane(*arguments: str, out: Path) -> tuple[int, str]:
-    found = CliRunner().invoke(cli.app, ["plane", SKEW, *arguments, "--out", str(out)])
+    found = CliRunner().invoke(app, ["plane", SKEW, *arguments, "--out", str(out)])
     return found.exit_code, found.output
 
 

@@ -18,8 +18,9 @@ import pytest
 from exact_orbits import Course, End, RandomMap, course, random_map
 from sympy import QQ
 
-from pwmap import AttractingCycle, Attractor, Bands, Dynamics, PiecewiseLinearMap, dynamics
-from pwmap.algebra.exact import pair
+from pwmap import PiecewiseLinearMap, dynamics
+from pwmap.algebra.exact import Infinite, pair
+from pwmap.longrun import AttractingCycle, Attractor, Bands, Dynamics
 from pwmap.longrun.numbers import Exact
 
 Part = tuple[Fraction, Fraction]
@@ -48,8 +49,8 @@ def _cases(rng: random.Random) -> Iterator[Case]:
         starts = {Fraction(rng.randint(-960, 960), rng.choice((60, 64, 77)))
                   for _ in range(STARTS)} | set(map_.breaks)  # fmt: skip
         for each in found.attractors:
-            cuts = [cut for part in each.whole_basin.region.parts[:4] for cut in part if cut]
-            starts |= {fraction(x) for x, _ in cuts}
+            cuts = [cut for part in each.whole_basin.region.parts[:4] for cut in part]
+            starts |= {fraction(x) for x, _ in cuts if not isinstance(x, Infinite)}
         short = sorted(x for x in starts if x.denominator.bit_length() < SHORT)
         yield Case(map_, found, tuple(course(map_, x, STEPS) for x in short))
 

@@ -15,10 +15,10 @@ from pwmap import (
     PiecewiseLinearMap,
     UndecidedError,
     bifurcation_diagram,
-    cli,
     parameter_cells,
     parameter_plane,
 )
+from pwmap.cli.app import app
 
 A, B, R, X = symbols("a b r x")
 read = PiecewiseLinearMap.from_sympy
@@ -120,7 +120,7 @@ def test_text_that_is_no_formula_is_refused_everywhere(text: str) -> None:
     ],
 )
 def test_nor_is_it_executed_on_the_command_line(arguments: tuple[str, ...]) -> None:
-    found = CliRunner().invoke(cli.app, ["analyse", *arguments])
+    found = CliRunner().invoke(app, ["analyse", *arguments])
     assert found.exit_code == 2
     assert found.output.startswith("Error: ")
     assert len(found.output.strip().splitlines()) == 1

@@ -32,11 +32,11 @@ from pwmap import (
     attractor_diagram,
     bifurcation_diagram,
     load_diagram,
-    with_attractors,
 )
 from pwmap.algebra.rootfunctions import RealRootOf
 from pwmap.diagrams import formulas
 from pwmap.diagrams.tables import FILES, write_results
+from pwmap.longrun import with_attractors
 
 A, R, X = sympy.symbols("a r x")
 P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"

@@ -13,16 +13,14 @@ import pytest
 import sympy
 from sympy import Interval, Rational
 
-from pwmap import (
-    PiecewiseLinearMap,
+from pwmap import PiecewiseLinearMap, parameter_cells, tongues
+from pwmap.rotations import (
     Tongue,
     farey,
-    parameter_cells,
     rotation_interval,
     rotation_number,
     rotation_number_at,
     rotational_word,
-    tongues,
 )
 
 ROTATION = PiecewiseLinearMap(

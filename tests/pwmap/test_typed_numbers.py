@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pwmap.cli_reading import assignments, exact, exact_span
+from pwmap.cli.reading import assignments, exact, exact_span
 
 
 @pytest.mark.parametrize(

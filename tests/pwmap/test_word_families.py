@@ -10,7 +10,8 @@ import pytest
 import sympy
 from sympy import Rational
 
-from pwmap import PiecewiseLinearMap, UndecidedError, WordFamily, word_family
+from pwmap import PiecewiseLinearMap, UndecidedError, word_family
+from pwmap.rotations import WordFamily
 
 A, R, X = sympy.symbols("a r x")
 PAPER = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])

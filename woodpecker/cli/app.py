@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from pwmap.cli_screen import say
+from pwmap.cli.screen import say
 from woodpecker.cli.curves import curves
 from woodpecker.cli.diagram import diagram
 from woodpecker.cli.explore import explore

@@ -7,7 +7,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
-from pwmap.cli_screen import Formats, picture_format, say, show
+from pwmap.cli.screen import Formats, picture_format, say, show
 from pwmap.diagrams.files import PictureFormat
 from pwmap.diagrams.shown import counted
 from woodpecker.base.lost import WorkerLostError

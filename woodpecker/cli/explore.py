@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from pwmap.cli_screen import say
+from pwmap.cli.screen import say
 from woodpecker.cli.help import option
 from woodpecker.cli.options import CommandError
 from woodpecker.mechanics.toy import Toy

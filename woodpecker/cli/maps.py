@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli_screen import Formats, picture_format, say, show
+from pwmap.cli.screen import Formats, picture_format, say, show
 from pwmap.diagrams.files import in_format, rows_as_text, write_whole
 from woodpecker.cli.help import option
 from woodpecker.cli.options import Out, Window, progress

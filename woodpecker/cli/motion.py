@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli_screen import Formats, picture_format, say, show
+from pwmap.cli.screen import Formats, picture_format, say, show
 from pwmap.diagrams.files import in_format
 from woodpecker.cli.help import option
 from woodpecker.cli.options import (

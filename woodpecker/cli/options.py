@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 from rich.markup import escape
 
-from pwmap.cli_screen import bar_on, complain, in_words, picture_format, screen
+from pwmap.cli.screen import bar_on, complain, in_words, picture_format, screen
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.help import option
 from woodpecker.cli.interrupts import heard

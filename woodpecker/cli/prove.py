@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pwmap.cli_screen import complain, in_words, say
+from pwmap.cli.screen import complain, in_words, say
 from woodpecker.cli.diagram import PAPER, places_of
 from woodpecker.cli.help import option
 from woodpecker.cli.interrupts import heard

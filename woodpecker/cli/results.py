@@ -15,7 +15,7 @@ from typing import Any
 
 import typer
 
-from pwmap.cli_screen import complain, tell_replaced, tell_written
+from pwmap.cli.screen import complain, tell_replaced, tell_written
 from woodpecker.cli.interrupts import finished, heard, held
 
 INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C or SIGTERM has ended

@@ -6,7 +6,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli_screen import TableFormat, picture_format, show
+from pwmap.cli.screen import TableFormat, picture_format, show
 from woodpecker.cli.help import option
 from woodpecker.cli.options import GUESS, Out, motion
 from woodpecker.cli.results import results_in

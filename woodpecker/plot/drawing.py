@@ -26,7 +26,7 @@ from scipy.interpolate import CubicSpline
 
 from pwmap.diagrams.files import write_whole
 from pwmap.plot import UNSTABLE
-from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, new_axes, styled
 from woodpecker.base.arrays import Floats
 from woodpecker.mechanics.modes import ContactState, mode_states
 from woodpecker.mechanics.toy import Toy

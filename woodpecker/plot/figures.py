@@ -15,7 +15,7 @@ from matplotlib.lines import Line2D
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, runs_of
 from pwmap.plot import JUMP, MARKERS, STABLE, STAR, UNSTABLE, place_legend, plot_diagram
-from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, new_axes, styled
 from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.mechanics.toy import Toy
 from woodpecker.plot.curve import Link, MapSamples, refined

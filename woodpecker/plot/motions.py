@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from pwmap.plot import JUMP, STABLE, UNSTABLE
-from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, new_axes, styled
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.simulation.trajectory import Trajectory
 from woodpecker.simulation.words import EventKind

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from pwmap.plot_drawn import Artists, Drawn, Styles, new_axes, styled
-from pwmap.plot_palette import CHAOS, PERIODS, named, of_period
+from pwmap.plot.drawn import Artists, Drawn, Styles, new_axes, styled
+from pwmap.plot.palette import CHAOS, PERIODS, named, of_period
 from woodpecker.base.checks import instance
 from woodpecker.slices.attracting import OrbitDiagram
 

@@ -11,9 +11,9 @@ from matplotlib.lines import Line2D
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from pwmap.plane.kinds import PlaneKind
-from pwmap.plot_drawn import Artists, Drawn, Styles, add, below, new_axes, styled
-from pwmap.plot_labels import LabelledCurve as Named
-from pwmap.plot_labels import Labels, Name
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, below, new_axes, styled
+from pwmap.plot.labels import LabelledCurve as Named
+from pwmap.plot.labels import Labels, Name
 from woodpecker.mechanics.toy import description, parameters
 from woodpecker.plane.curve import Curve, PlanePoint
 

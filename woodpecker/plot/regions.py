@@ -13,8 +13,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 
-from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
-from pwmap.plot_palette import of_period
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot.palette import of_period
 from woodpecker.plane.census import Census
 from woodpecker.plane.regions import Region, Regions
 from woodpecker.plot.plane import draw_curve, label, line_handles

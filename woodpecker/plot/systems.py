@@ -13,7 +13,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 
 from pwmap.plot import JUMP, STABLE, UNSTABLE, place_legend
-from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, new_axes, styled
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, whole
 from woodpecker.plot.curve import Detail, refined

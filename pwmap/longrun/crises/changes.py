@@ -306,13 +306,9 @@ class Changes:
                     if one * other > 0.0 and abs(one) > size and abs(other) > size:
                         continue
                     image, cycle = earliest(end.word, word[i:] + word[:i])
-                    polynomial = self._difference(BreakImage(end.k, image), cycle)
+                    polynomial = dense(self.orbits.meeting(end.k, image, cycle))
                     for root in self._crossings(polynomial, low, high):
                         yield root, ((BreakImage(end.k, image), cycle),)
-
-    def _difference(self, image: BreakImage, cycle: Word) -> tuple[Number, ...]:
-        value, fixed = self.orbits.value(image.k, image.word), self.orbits.fixed_point(cycle)
-        return dense(value[0] * fixed[1] - fixed[0] * value[1])
 
     def _crossings(
         self, polynomial: tuple[Number, ...], low: Number, high: Number

@@ -15,9 +15,12 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any, NamedTuple
 
+from pwmap.algebra.exact import Number, dense, to_float
 from pwmap.longrun.line import MapLine
 from pwmap.longrun.numbers import to_double
+from pwmap.maps.words import Layout, Table
 
 STEPS = 24  # images of what grows that are looked at
 PARTS = 24  # of it, at most
@@ -57,6 +60,36 @@ class DoubleMap:
             one, other = min(one, other) + slack, max(one, other) - slack
             if one < other:
                 yield one, other
+
+
+class DoubleFamily(NamedTuple):
+    """A map over one parameter: coefficients in doubles, from the highest degree on."""
+
+    denominator: Sequence[float]
+    slopes: Sequence[Sequence[float]]
+    intercepts: Sequence[Sequence[float]]
+    breaks: Sequence[Sequence[float]]
+
+    def at(self, place: Any) -> DoubleMap:
+        """The map at a place, or at all places of an array."""
+        bottom = value_at(self.denominator, place)
+        groups = ([value_at(each, place) / bottom for each in group] for group in self[1:])
+        return DoubleMap(*groups)
+
+
+def family_of(table: Table, layout: Layout) -> DoubleFamily:
+    """The same map in doubles."""
+
+    def doubles(number: Number) -> Sequence[float]:
+        return [to_float(c) for c in dense(number)] or [0.0]
+
+    letters = layout.slots[::2]
+    return DoubleFamily(
+        doubles(table.denominator),
+        [doubles(table.slopes[k]) for k in letters],
+        [doubles(table.intercepts[k]) for k in letters],
+        [doubles(table.breaks[k]) for k in layout.breaks],
+    )
 
 
 def doubles_of(line: MapLine) -> DoubleMap:
@@ -151,9 +184,9 @@ def single_root(polynomial: Sequence[float], low: float, high: float) -> float:
     return 0.5 * (low + high)
 
 
-def value_at(polynomial: Iterable[float], x: float) -> float:
-    """A polynomial at a place; coefficients from the highest degree on."""
-    value = 0.0
+def value_at(polynomial: Iterable[float], x: Any) -> Any:
+    """A polynomial at a place, or at all of an array; coefficients from the highest degree on."""
+    value = 0.0 * x
     for coefficient in polynomial:
         value = value * x + coefficient
     return value

@@ -7,7 +7,7 @@ that period begins or ends, but for those whose multiplier passes through one.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache, cached_property
 from itertools import pairwise
@@ -22,7 +22,7 @@ from pwmap.algebra.roots import (
     real_roots,
     roots_between,
 )
-from pwmap.longrun.crises.covering import DoubleMap, is_covered, single_root, value_at
+from pwmap.longrun.crises.covering import DoubleMap, family_of, is_covered, single_root, value_at
 from pwmap.longrun.crises.samples import BreakImage, Samples
 from pwmap.longrun.cycles import closed_words
 from pwmap.longrun.line import line_at
@@ -54,6 +54,7 @@ class Cuts:
         self.axis, self.orbits, self.order = samples.axis, samples.axis.orbits, order
         self.map, self.meter = samples.map, samples.meter
         self.layout, self.letters, self.germs = samples.layout, samples.letters, samples.germs
+        self._family = family_of(self.orbits.table, self.layout)
         self._returns = set[Real]()  # places at which a break comes back to itself
 
     def between(self, low: Real, high: Real) -> dict[Real, bool]:
@@ -204,35 +205,10 @@ class Cuts:
     @cache  # noqa: B019  as long as the cuts live
     def _difference(self, image: BreakImage, cycle: Word) -> tuple[Dense, tuple[float, ...]]:
         """An image minus the point of a cycle, but for what does not vanish; exactly and not."""
-        value, fixed = self.orbits.value(image.k, image.word), self.orbits.fixed_point(cycle)
-        exact = dense(value[0] * fixed[1] - fixed[0] * value[1])
+        exact = dense(self.orbits.meeting(image.k, image.word, cycle))
         return exact, tuple(map(to_float, exact))
 
     @cache  # noqa: B019  as long as the cuts live
     def _doubles(self, place: float) -> DoubleMap:
         """The map at a place, in doubles."""
-        table = self._table
-        bottom = value_at(table[0], place)
-        slopes, intercepts, breaks = (
-            [value_at(number, place) / bottom for number in group] for group in table[1:]
-        )
-        return DoubleMap(slopes, intercepts, breaks)
-
-    @cached_property
-    def _table(
-        self,
-    ) -> tuple[
-        Sequence[float], list[Sequence[float]], list[Sequence[float]], list[Sequence[float]]
-    ]:
-        """Coefficients of the denominator, and of all slopes, intercepts and breaks."""
-        table = self.orbits.table
-
-        def doubles(numbers: Iterable[Number]) -> list[Sequence[float]]:
-            return [tuple(map(to_float, dense(number))) for number in numbers]
-
-        return (
-            doubles([table.denominator])[0],
-            doubles(table.slopes[k] for k in self.letters),
-            doubles(table.intercepts[k] for k in self.letters),
-            doubles(table.breaks[k] for k in self.layout.breaks),
-        )
+        return self._family.at(place)

@@ -28,7 +28,7 @@ from pwmap.longrun.crises.changes import Changes, Onset
 from pwmap.longrun.crises.cuts import Cuts
 from pwmap.longrun.crises.glimpses import Glimpses
 from pwmap.longrun.crises.kinds import kind_of
-from pwmap.longrun.crises.meetings import Meeting, first_turn
+from pwmap.longrun.crises.meetings import Meeting
 from pwmap.longrun.crises.samples import Attracted, Samples
 from pwmap.longrun.dynamics import Dynamics
 from pwmap.longrun.line import MapLine, line_at
@@ -36,6 +36,7 @@ from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.kinds import check_map
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
+from pwmap.maps.words import first_turn
 from pwmap.parameters.cells import only_axis
 
 PARTS = 16  # of an interval, in each of which something is asked, and which are finished in turn

@@ -6,13 +6,12 @@ exact sample is taken, which says what attracts; so doubles choose places, and d
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 import numpy.typing as npt
 
-from pwmap.algebra.exact import Number, dense, floor, to_float
+from pwmap.algebra.exact import Number, floor, to_float
 from pwmap.algebra.roots import Real, bounds, simplest_between
+from pwmap.longrun.crises.covering import family_of
 from pwmap.longrun.crises.samples import Samples
 
 PLACES = 256  # in the whole interval
@@ -39,18 +38,13 @@ class Glimpses:
     """
 
     def __init__(self, samples: Samples, low: Number, high: Number, order: int) -> None:
-        table, layout = samples.axis.orbits.table, samples.layout
-        self._bottom = _doubles(table.denominator)
-        self._pieces = [
-            (_doubles(table.slopes[k]), _doubles(table.intercepts[k])) for k in samples.letters
-        ]
-        self._breaks = [_doubles(table.breaks[k]) for k in layout.breaks]
+        self._family = family_of(samples.axis.orbits.table, samples.layout)
         self._order = order
         self._low, self._step = low, (high - low) / PLACES
         self._places = [low + self._step * (2 * k + 1) / 2 for k in range(PLACES)]
-        samples.meter.spend(len(self._breaks) * (SETTLED + SEEN))
+        samples.meter.spend(len(self._family.breaks) * (SETTLED + SEEN))
         places = np.array([to_float(x) for x in self._places])
-        self._kinds = self.kinds(places) if self._breaks else [(0,)] * PLACES
+        self._kinds = self.kinds(places) if self._family.breaks else [(0,)] * PLACES
 
     def between(self, low: Real, high: Real, place: Number) -> list[Number]:
         """Simple places of an interval where orbits look otherwise than at the place of a sample.
@@ -76,12 +70,8 @@ class Glimpses:
 
         As 1 + the number of points of a cycle, as minus the number of bands, as 0 what is lost.
         """
-        bottom = np.polyval(self._bottom, places)
-        slopes, intercepts = (
-            np.array([np.polyval(piece[i], places) / bottom for piece in self._pieces])
-            for i in (0, 1)
-        )
-        breaks = np.array([np.polyval(each, places) / bottom for each in self._breaks])
+        line = self._family.at(places)
+        slopes, intercepts, breaks = map(np.array, (line.slopes, line.intercepts, line.breaks))
         sides = [(b, k) for b in range(len(breaks)) for k in (b, b + 1)]
         x = np.array([slopes[k] * breaks[b] + intercepts[k] for b, k in sides])
         far = FAR * (1.0 + np.abs(breaks).max() + np.abs(x).max())
@@ -103,7 +93,3 @@ def _counted(points: Floats, far: float) -> npt.NDArray[np.int64]:
     bands = 1 + (steps > GAP * span / SEEN).sum(axis=0)
     lost = np.abs(points[-1]) + np.abs(points[0]) >= far
     return np.where(lost, 0, np.where(cycle < SEEN // 4, 1 + cycle, -bands))
-
-
-def _doubles(number: Number) -> Sequence[float]:
-    return [to_float(c) for c in dense(number)] or [0.0]

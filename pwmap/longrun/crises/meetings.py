@@ -27,7 +27,8 @@ class Meeting(NamedTuple):
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, attractor_diagram, meeting_curve
+    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
+    >>> from pwmap.longrun import meeting_curve
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
     >>> crisis, = attractor_diagram(tent, "a", ("4/3", "3/2"), 1).crises
     >>> meeting = crisis.meetings[0]
@@ -68,7 +69,8 @@ def meeting_curve(map_: PiecewiseLinearMap, image: str, cycle: str, number: int 
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, meeting_curve
+    >>> from pwmap import PiecewiseLinearMap
+    >>> from pwmap.longrun import meeting_curve
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
     >>> meeting_curve(skew, "LRL", "R")
     a*b**2 - a + b
@@ -85,9 +87,7 @@ def meeting_polynomial(map_: PiecewiseLinearMap, meeting: Meeting) -> Number:
     if not 0 <= number < len(breaks):
         raise ValueError(f"number must name one of {len(breaks)} breaks, from 0 on, got {number}")
     along, around = (numbers_of(map_, word) for word in (meeting.image, meeting.cycle))
-    value = map_.orbits.value(breaks[number], along)
-    fixed = map_.orbits.fixed_point(around)
-    return value[0] * fixed[1] - fixed[0] * value[1]
+    return map_.orbits.meeting(breaks[number], along, around)
 
 
 def meeting_x(map_: PiecewiseLinearMap, meeting: Meeting) -> sympy.Expr:
@@ -113,11 +113,6 @@ def _numbers(map_: PiecewiseLinearMap, word: str) -> Iterator[int]:
         if letter not in map_.letters:
             raise ValueError(f"{letter!r} is no piece of this map, it has {map_.letters}")
         yield map_.letters.index(letter)
-
-
-def first_turn(word: str) -> str:
-    """The first of the words of a cycle in the alphabet."""
-    return min(word[i:] + word[:i] for i in range(len(word)))
 
 
 def earliest(image: Word, cycle: Word) -> tuple[Word, Word]:

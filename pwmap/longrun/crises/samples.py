@@ -8,13 +8,12 @@ from dataclasses import dataclass
 from pwmap.algebra.exact import Number
 from pwmap.algebra.roots import Real, bounds, simplest_between
 from pwmap.longrun.attractors import Attractors, attractors_of
-from pwmap.longrun.crises.meetings import first_turn
 from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import MapLine, line_at
 from pwmap.longrun.numbers import key
 from pwmap.maps.budget import BUDGET, Budget, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.maps.words import CriticalOrbit, OrbitReturn, Word
+from pwmap.maps.words import CriticalOrbit, OrbitReturn, Word, first_turn
 from pwmap.parameters.axis import Axis
 
 THIRDS = ((0, 3), (0, 1), (2, 3), (1, 2))  # of an interval in which a sample is looked for, in turn

@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 
 import woodpecker
 from pwmap import read_graph
-from pwmap.cli import app as pwmap_app
+from pwmap.cli.app import app as pwmap_app
 from woodpecker.cli.app import app
 from woodpecker.mechanics.toy import ExpansionFriction, Toy, description, parameters
 from woodpecker.plot import figures as plot

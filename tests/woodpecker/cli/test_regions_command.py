@@ -9,7 +9,7 @@ import pytest
 from needs import NEEDS_NUMBA
 from typer.testing import CliRunner
 
-from pwmap.plot_palette import of_period
+from pwmap.plot.palette import of_period
 from woodpecker import Count
 from woodpecker.cli.app import app
 from woodpecker.cli.regions import PICTURE, TABLES

@@ -12,7 +12,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from pwmap import cli as pwmap_cli
+from pwmap.cli import app as pwmap_cli
 from pwmap.diagrams import files
 from woodpecker import Toy, return_map
 from woodpecker.cli.app import app

@@ -12,7 +12,7 @@ from needs import NEEDS_NUMBA
 mpl.use("Agg")
 import matplotlib.pyplot as plt
 
-from pwmap.plot_drawn import Drawn
+from pwmap.plot.drawn import Drawn
 from woodpecker import Toy, Trajectory, return_map, simulate
 from woodpecker.plot.figures import plot_return_map
 from woodpecker.plot.motions import plot_phase_portrait, plot_phase_portraits, plot_time_history

@@ -10,7 +10,7 @@ import sympy
 
 mpl.use("Agg")
 
-from pwmap.plot_labels import Labels
+from pwmap.plot.labels import Labels
 from woodpecker import Curve, Settings, connected, curve_through, family_from_sympy
 from woodpecker.plot.plane import plot_curves
 

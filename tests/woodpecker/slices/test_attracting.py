@@ -13,7 +13,7 @@ from sympy import Piecewise, sqrt, symbols, sympify
 
 from pwmap import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.plot import plot_diagram
-from pwmap.plot_palette import of_period
+from pwmap.plot.palette import of_period
 from woodpecker import (
     Search,
     Sweep,

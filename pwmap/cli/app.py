@@ -13,28 +13,30 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pwmap.cli_certificates import check_files, prove_map
-from pwmap.cli_explore import explore
-from pwmap.cli_plane import draw_plane
-from pwmap.cli_reading import assignments, exact, exact_span, map_of, orders_of
-from pwmap.cli_screen import (
+from pwmap.cli.certificates import check_files, prove_map
+from pwmap.cli.explore import explore
+from pwmap.cli.options import Formula, Given, Orders, Out, Values, Variable
+from pwmap.cli.plane import draw_plane
+from pwmap.cli.reading import assignments, exact, exact_span, map_of, orders_of
+from pwmap.cli.screen import (
+    INTERRUPTED,
     Formats,
     bar_on,
     complain,
-    in_words,
     picture_format,
     say,
     screen,
     show,
     tell_replaced,
     tell_written,
+    told,
 )
 from pwmap.maps.budget import BUDGET, Budget, Progress
 
 if TYPE_CHECKING:  # help and refusals come before what computes is loaded
     from rich.progress import Progress as Bar
 
-    from pwmap.cli_longrun import LongRun
+    from pwmap.cli.longrun import LongRun
     from pwmap.diagrams.diagram import Diagram
     from pwmap.diagrams.files import PictureFormat
     from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -46,7 +48,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C has ended
 
 
 def _tell_version(asked: bool) -> None:
@@ -70,23 +71,13 @@ def _before(
     os.environ["MPLBACKEND"] = "Agg"  # draw into files only, said before matplotlib is loaded
 
 
-Formula = Annotated[str, typer.Argument(help="The map, as the text of a sympy Piecewise.")]
 Varied = Annotated[str, typer.Option(help="The parameter to vary.")]
-Values = Annotated[
-    list[str] | None,
-    typer.Option("--set", help="Value of another parameter, such as a=5/4 or a=1.25; repeatable."),
-]
-Orders = Annotated[str, typer.Option(help="Iterates to look at, such as 1,2,3.")]
 Ends = Annotated[
     tuple[str, str] | None,
     typer.Option(
         help="Two rationals, such as 0 5/2 or 0 2.5; by default all that happens.",
         show_default=False,
     ),
-]
-Given = Annotated[
-    list[str] | None,
-    typer.Option(help="An assumption on parameters that stay symbolic, such as 'a > 1'."),
 ]
 Sample = Annotated[
     list[str] | None,
@@ -95,7 +86,6 @@ Sample = Annotated[
         "it; repeatable, once for each such parameter. By default one that is admitted."
     ),
 ]
-Variable = Annotated[str, typer.Option(help="The variable of the map.")]
 Pieces = Annotated[
     int, typer.Option(help="How many pieces of all iterates may be computed.", min=1)
 ]
@@ -106,12 +96,6 @@ Entropy = Annotated[bool, typer.Option("--entropy", help="Bounds of the topologi
 Density = Annotated[
     list[str] | None,
     typer.Option(help="A value of the parameter whose invariant density is drawn; repeatable."),
-]
-Out = Annotated[
-    Path,
-    typer.Option(
-        help="Folder for the results, made if missing; about_<command>.json says what made them."
-    ),
 ]
 
 
@@ -150,8 +134,8 @@ def analyse(
         "density": density or [], "format": picture or [],
     }  # fmt: skip
     kept = _Kept({"map": formula, "set": set_ or []})
-    with _told_in_a_sentence(kept):
-        from pwmap.cli_longrun import LongRun
+    with told(lambda: kept.lost):
+        from pwmap.cli.longrun import LongRun
         from pwmap.diagrams.record import keep_record
 
         form = picture_format(picture)
@@ -232,19 +216,6 @@ class _Kept:
         return "there is nothing to keep yet" if self._now is None else "files may be missing"
 
 
-@contextmanager
-def _told_in_a_sentence(kept: _Kept) -> Iterator[None]:
-    """What ends the command is told in a sentence."""
-    try:
-        yield
-    except KeyboardInterrupt:
-        complain(f"Interrupted: {kept.lost}")
-        raise typer.Exit(INTERRUPTED) from None
-    except (ValueError, TypeError, OSError) as error:
-        complain(f"Error: {in_words(error)}")
-        raise typer.Exit(2) from None
-
-
 def _computed(
     map_: PiecewiseLinearMap,
     parameter: str,
@@ -285,7 +256,7 @@ def _written(kept: _Kept, more: LongRun, out: Path) -> list[str]:
 
 def _tell(map_: PiecewiseLinearMap, found: Diagram, more: LongRun) -> None:
     """All tables for a person; before them, if they hold in a part of what was assumed only."""
-    from pwmap.cli_given import in_a_part_only
+    from pwmap.cli.given import in_a_part_only
     from pwmap.diagrams.tables import table_of_branches, table_of_points
 
     if part := in_a_part_only(map_, found):

@@ -13,10 +13,10 @@ from rich.table import Table
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import PictureFormat, write_figure, write_table
 from pwmap.longrun.bands import with_attractors
-from pwmap.longrun.constant import constant_entropy
 from pwmap.longrun.crises.diagram import AttractorDiagram, attractor_diagram
 from pwmap.longrun.dynamics import Dynamics, dynamics
-from pwmap.longrun.entropies import EntropyIntervals
+from pwmap.longrun.entropy.constant import constant_entropy
+from pwmap.longrun.entropy.entropies import EntropyIntervals
 from pwmap.maps.budget import Budget
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
@@ -117,7 +117,7 @@ class LongRun:
 
     def drawn(self, diagram: Diagram) -> Any:
         """A diagram over the attractors that were found."""
-        from pwmap.plot_longrun import plot_long_run
+        from pwmap.plot.longrun import plot_long_run
 
         assert self.found is not None
         return plot_long_run(diagram, self.found, self._map)
@@ -136,7 +136,7 @@ class LongRun:
 
     def draw(self, folder: Path, picture: PictureFormat) -> Iterator[str]:
         """Draw pictures of what was found into a folder, and name each when it is there."""
-        from pwmap.plot_longrun import plot_density, plot_entropy
+        from pwmap.plot.longrun import plot_density, plot_entropy
 
         if self.constant is not None and self._span is not None:
             drawn = plot_entropy(self._map, self._parameter, self._span, intervals=self.constant)

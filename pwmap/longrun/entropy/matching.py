@@ -29,12 +29,12 @@ from typing import NamedTuple
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.exact import Number, dense, floor, is_constant
+from pwmap.algebra.exact import Number, dense, floor, is_constant, sign
 from pwmap.algebra.roots import Real, RealRoot, bounds, value_at
-from pwmap.longrun.itineraries import Itinerary
-from pwmap.longrun.kneading import RING, T, growth_from
+from pwmap.longrun.entropy.itineraries import Itinerary
+from pwmap.longrun.entropy.kneading import RING, T, growth_from
 from pwmap.longrun.line import Germ, MapLine
-from pwmap.longrun.numbers import sign, work_of
+from pwmap.longrun.numbers import work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 

@@ -15,10 +15,11 @@ from enum import Enum
 
 from sympy import QQ
 
+from pwmap.algebra.exact import sign
 from pwmap.algebra.roots import Real
-from pwmap.longrun.entropies import growth_of
+from pwmap.longrun.entropy.entropies import growth_of
 from pwmap.longrun.line import Germ, MapLine
-from pwmap.longrun.numbers import Exact, sign, work_of
+from pwmap.longrun.numbers import Exact, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
 WORK = 10  # operations of one step for each step before it, which may begin a word that draws in
@@ -133,9 +134,7 @@ def _follows(line: MapLine, x: Exact, word: Sequence[int]) -> bool:
     """Whether a point follows a word in the closures of its pieces."""
     for k in word:
         branch = line.branches[k]
-        if (branch.lower is not None and x < branch.lower) or (
-            branch.upper is not None and x > branch.upper
-        ):
+        if not branch.lower <= x <= branch.upper:
             return False
         x = branch(x)
     return True

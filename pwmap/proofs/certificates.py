@@ -27,12 +27,14 @@ from pwmap.algebra.roots import (
     trimmed,
 )
 from pwmap.checking import branches, certificate, points
+from pwmap.checking import check_certificate as check_certificate
 from pwmap.checking.iterates import CheckedIterate, Map
 from pwmap.checking.places import Number as CheckedNumber
 from pwmap.checking.places import Place
 from pwmap.checking.polynomials import Poly, primitive
 from pwmap.checking.reading import number, read_map
-from pwmap.checking.refusing import Effort, Refused
+from pwmap.checking.refusing import Effort
+from pwmap.checking.refusing import Refused as Refused
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import write_whole

@@ -8,7 +8,7 @@ count the preimages of breaks, and the growth of laps is one over the least root
 the determinant that they make [MilnorThurston1988].
 
 A difference is a polynomial where both orbits *match*: after as many steps they are at one place,
-with slopes of one sign; see :mod:`pwmap.longrun.matching`.
+with slopes of one sign; see :mod:`pwmap.longrun.entropy.matching`.
 """
 
 from __future__ import annotations
@@ -19,10 +19,10 @@ from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
 from sympy.polys.rings import PolyElement, ring
 
+from pwmap.algebra.exact import sign
 from pwmap.algebra.roots import Real, real_roots
-from pwmap.longrun.itineraries import Itinerary
+from pwmap.longrun.entropy.itineraries import Itinerary
 from pwmap.longrun.line import MapLine
-from pwmap.longrun.numbers import sign
 
 LARGEST = 400  # degree of a determinant whose roots are looked for
 RING, T = ring("t", QQ)

@@ -21,10 +21,10 @@ from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.rasters import PlaneRaster, arc_arrays, root_array
 from pwmap.plane.regions import attracting
 from pwmap.plane.strips import Strip
-from pwmap.plot import NAMES, axis_label
-from pwmap.plot_drawn import Artists, Drawn, Styles, add, below, new_axes, styled
-from pwmap.plot_labels import LabelledCurve, Labels, Name
-from pwmap.plot_palette import CHAOS, NOTHING, PERIODS, QUIET, of_period
+from pwmap.plot.diagrams import NAMES, axis_label
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, below, new_axes, styled
+from pwmap.plot.labels import LabelledCurve, Labels, Name
+from pwmap.plot.palette import CHAOS, NOTHING, PERIODS, QUIET, of_period
 
 NEAR = QQ(1, 10**6)  # of a strip: so close to its ends borders are drawn
 POINTS = "of codimension two"
@@ -82,7 +82,7 @@ def plot_plane(
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, parameter_plane
-    >>> from pwmap.plot_plane import plot_plane
+    >>> from pwmap.plot import plot_plane
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
     >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
     >>> list(plot_plane(plane, samples=20).artists)

@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
-from pwmap.cli_reading import assignments
-from pwmap.cli_screen import complain, in_words, say
+from pwmap.cli.options import Given, Values
+from pwmap.cli.reading import assignments
+from pwmap.cli.screen import complain, in_words, say
 
 MISSING = 'the explorer needs Bokeh: pip install "woodpecker-toy[explore]"'
 
@@ -17,13 +18,8 @@ def explore(
     formula: Annotated[
         str | None, typer.Argument(help="The map, as the text of a sympy Piecewise in x.")
     ] = None,
-    set_: Annotated[
-        list[str] | None,
-        typer.Option("--set", help="Value of a parameter, such as a=5/4; repeatable."),
-    ] = None,
-    given: Annotated[
-        list[str] | None, typer.Option(help="An assumption on the parameters, such as 'a > 1'.")
-    ] = None,
+    set_: Values = None,
+    given: Given = None,
     port: Annotated[
         int | None, typer.Option(help="Port at 127.0.0.1; by default a free one.", min=1, max=65535)
     ] = None,

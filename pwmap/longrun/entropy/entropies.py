@@ -12,14 +12,13 @@ order. What is drawn into a cycle or runs away has no further laps, and is cut o
 from __future__ import annotations
 
 import math
-from bisect import bisect_left, bisect_right
+from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
 from itertools import islice
 
-import mpmath
 import networkx as nx
 import numpy as np
 import numpy.typing as npt
@@ -27,15 +26,15 @@ import sympy
 from sympy import QQ, ZZ
 from sympy.polys.matrices import DomainMatrix
 
+from pwmap.algebra.exact import HIGHEST, LOWEST
 from pwmap.algebra.roots import Real, RealRoot, real_roots, real_to_sympy
 from pwmap.longrun.attractors import Attractors
 from pwmap.longrun.fates import escapes
-from pwmap.longrun.line import MapLine
+from pwmap.longrun.line import Interval, MapLine
 from pwmap.longrun.numbers import Element, Exact, log_bounds, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
-Part = tuple[Exact | None, Exact | None]  # an open interval, an end that is None is infinite
-Node = tuple[int, Exact | None, Exact | None]  # the number of a piece, and a part of its interval
+Node = tuple[int, Exact, Exact]  # the number of a piece, and a part of its interval
 LARGEST = 48  # matrix whose characteristic polynomial is factored
 SHARP = 2**52  # rounding of the vector that bounds a spectral radius
 ROUNDS = 4000  # of multiplying that vector, at most
@@ -155,57 +154,39 @@ def laps_of(line: MapLine, found: Attractors, order: int, budget: Budget | Meter
 
 def _work(node: Node) -> int:
     """To find where the ways from a node lead."""
-    return STEP + 3 * sum(work_of(end) for end in node[1:] if end is not None)
+    return STEP + 3 * sum(map(work_of, node[1:]))
 
 
-def _without_laps(line: MapLine, found: Attractors) -> list[Part]:
+def _without_laps(line: MapLine, found: Attractors) -> list[Interval]:
     """Where the iterates have no further laps, sorted: what is lost, and what cycles draw in."""
     below, above = escapes(line)
     parts = sorted(part for cycle in found.cycles for part in cycle.drawn_in)
-    return [
-        *([(None, below)] if below is not None else []),
-        *parts,
-        *([(above, None)] if above is not None else []),
-    ]
+    return [part for part in ((LOWEST, below), *parts, (above, HIGHEST)) if part[0] < part[1]]
 
 
-def _clipped(part: Part, cut_off: Sequence[Part]) -> Iterator[Part]:
+def _clipped(part: Interval, cut_off: Sequence[Interval]) -> Iterator[Interval]:
     """The parts of an interval outside of others, which are sorted and apart."""
     low, high = part
-    last = len(cut_off) - (bool(cut_off) and cut_off[-1][1] is None)  # its upper end is infinite
-    first = 0 if low is None else bisect_right(cut_off, low, hi=last, key=lambda each: each[1])
+    first = bisect_right(cut_off, low, key=lambda each: each[1])
     for start, stop in islice(cut_off, first, None):
-        if high is not None and start is not None and start >= high:
+        if start >= high:
             break
-        if start is not None and (low is None or low < start):
+        if low < start:
             yield low, start
-        if stop is None or (high is not None and stop >= high):
+        if stop >= high:
             return
         low = stop
     yield low, high
 
 
-def _onward(line: MapLine, node: Node, cut_off: Sequence[Part]) -> Iterator[Node]:
+def _onward(line: MapLine, node: Node, cut_off: Sequence[Interval]) -> Iterator[Node]:
     """Where the ways from a node lead."""
     k, low, high = node
     branch = line.branches[k]
     if not branch.slope:
         return
-    ends = [None if x is None else branch(x) for x in (low, high)]
-    if branch.slope < 0:
-        ends.reverse()
-    for a, b in _clipped((ends[0], ends[1]), cut_off):
-        yield from _cut(line, a, b)
-
-
-def _cut(line: MapLine, low: Exact | None, high: Exact | None) -> Iterator[Node]:
-    """An open interval cut at the breaks inside it."""
-    breaks = line.breaks
-    first = 0 if low is None else bisect_right(breaks, low)
-    last = len(breaks) if high is None else bisect_left(breaks, high)
-    cuts = [low, *breaks[first:last], high]
-    for k in range(len(cuts) - 1):
-        yield first + k, cuts[k], cuts[k + 1]
+    for image in _clipped(branch.over((low, high)), cut_off):
+        yield from ((number, *part) for number, part in line.cut(image))
 
 
 def entropy_of(
@@ -256,10 +237,7 @@ def _number(x: Real) -> Exact:
 
 def _log(x: Fraction) -> tuple[float, float]:
     """Doubles below and above the logarithm of a fraction, or 0 if it is less than one."""
-    if x <= 1:
-        return 0.0, 0.0
-    found = mpmath.iv.log(mpmath.iv.mpf(x.numerator) / mpmath.iv.mpf(x.denominator))
-    return math.nextafter(float(found.a), 0.0), math.nextafter(float(found.b), math.inf)
+    return log_bounds(QQ(x.numerator, x.denominator)) if x > 1 else (0.0, 0.0)
 
 
 def _components(ways: Sequence[Sequence[int]]) -> list[list[int]]:
@@ -363,7 +341,7 @@ class GapCause(Enum):
 
     Examples
     --------
-    >>> from pwmap import GapCause
+    >>> from pwmap.longrun import GapCause
     >>> GapCause.NARROW.value
     'it is narrower than the tolerance'
     """

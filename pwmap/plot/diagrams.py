@@ -22,10 +22,10 @@ from pwmap.diagrams.data import Branch, BranchKind, FloatArray, PointKind, Speci
 from pwmap.diagrams.diagram import Diagram
 from pwmap.maps.kinds import check_kind, check_map
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
-from pwmap.plot_labels import LabelledCurve, Labels, Name
-from pwmap.plot_palette import named as period_named
-from pwmap.plot_palette import of_period
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot.labels import LabelledCurve, Labels, Name
+from pwmap.plot.palette import named as period_named
+from pwmap.plot.palette import of_period
 
 STABLE, UNSTABLE, JUMP, WORD = of_period(1), "#d95f0e", "#238b45", "#737373"
 INK, GREY, VIOLET = "#252525", "#969696", "#6a51a3"

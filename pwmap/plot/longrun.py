@@ -17,15 +17,23 @@ from sympy import QQ
 from pwmap.algebra.roots import simplest_between
 from pwmap.diagrams.data import FloatArray, PointKind
 from pwmap.diagrams.diagram import Diagram
-from pwmap.longrun.constant import constant_entropy
 from pwmap.longrun.crises.diagram import AttractorDiagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
-from pwmap.longrun.entropies import EntropyIntervals
+from pwmap.longrun.entropy.constant import constant_entropy
+from pwmap.longrun.entropy.entropies import EntropyIntervals
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.plot import BAND, MARKERS, NAMES, STABLE, axis_label, draw_branches, order_samples
-from pwmap.plot_drawn import Artists, Drawn, Styles, add, below, new_axes, styled
-from pwmap.plot_palette import PERIODS, named, of_period
+from pwmap.plot.diagrams import (
+    BAND,
+    MARKERS,
+    NAMES,
+    STABLE,
+    axis_label,
+    draw_branches,
+    order_samples,
+)
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, below, new_axes, styled
+from pwmap.plot.palette import PERIODS, named, of_period
 
 STEP, POINTS, CRISIS = STABLE, "#c6dbef", "#cb181d"
 LETTERS = ("#9ecae1", "#fdae6b", "#a1d99b", "#bcbddc", "#fde08b", "#d9d9d9")  # in turn
@@ -111,7 +119,7 @@ def plot_long_run(
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, attractor_diagram, bifurcation_diagram
-    >>> from pwmap.plot_longrun import plot_long_run
+    >>> from pwmap.plot import plot_long_run
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
     >>> found = attractor_diagram(tent, "a", ("5/4", "3/2"), 1)
     >>> branches = bifurcation_diagram(tent, "a", ("5/4", "3/2"), (1,))
@@ -169,7 +177,7 @@ def plot_attractors(
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, attractor_diagram
-    >>> from pwmap.plot_longrun import plot_attractors
+    >>> from pwmap.plot import plot_attractors
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
     >>> found = attractor_diagram(tent, "a", ("5/4", "3/2"), 1)
     >>> sorted(plot_attractors(found, tent, steps=8).artists)
@@ -353,7 +361,7 @@ def plot_kneading(
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, dynamics
-    >>> from pwmap.plot_longrun import plot_kneading
+    >>> from pwmap.plot import plot_kneading
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
     >>> drawn = plot_kneading(dynamics(tent, {"a": 2}), steps=4)
     >>> [text.get_text() for text in drawn.ax.get_yticklabels()]
@@ -459,7 +467,7 @@ def plot_entropy(
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap
-    >>> from pwmap.plot_longrun import plot_entropy
+    >>> from pwmap.plot import plot_entropy
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
     >>> drawn = plot_entropy(tent, "a", ("3/2", 2), steps=4, orders=(4,))
     >>> drawn.ax.get_ylabel()
@@ -534,7 +542,7 @@ def plot_density(
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, dynamics
-    >>> from pwmap.plot_longrun import plot_density
+    >>> from pwmap.plot import plot_density
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
     >>> drawn = plot_density(dynamics(tent, {"a": 2}), points=1000)
     >>> [step.get_label() for step in drawn.artists["densities"]]

@@ -10,7 +10,8 @@ from __future__ import annotations
 import csv
 import json
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from contextvars import ContextVar
 from enum import StrEnum
 from pathlib import Path
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress
     from rich.table import Table
 
+INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C has ended
 WIDE = 100_000  # characters of a line that nothing breaks
 COLUMNS = "COLUMNS"  # the variable of an environment that says how wide lines are
 
@@ -149,6 +151,19 @@ def bar_on(console: Console) -> Progress:
         TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn(),
         console=console, transient=True, disable=not console.is_terminal,
     )  # fmt: skip
+
+
+@contextmanager
+def told(lost: Callable[[], str]) -> Iterator[None]:
+    """What ends a command is told in a sentence; after Ctrl-C that what is lost."""
+    try:
+        yield
+    except KeyboardInterrupt:
+        complain(f"Interrupted: {lost()}")
+        raise typer.Exit(INTERRUPTED) from None
+    except (ValueError, TypeError, OSError) as error:
+        complain(f"Error: {in_words(error)}")
+        raise typer.Exit(2) from None
 
 
 def in_words(error: Exception) -> str:

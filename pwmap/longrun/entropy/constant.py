@@ -5,7 +5,7 @@ end. What was decided on the way is the sign of finitely many polynomials in the
 long as these keep their signs the itineraries are the same, so that the graph of laps is, and its
 growth. Where the orbits of both sides of a break match they need not be followed any farther, and
 next to such an interval one proof may hold for many of them, and for all places between: see
-:mod:`pwmap.longrun.matching`.
+:mod:`pwmap.longrun.entropy.matching`.
 
 The nearest roots on both sides of the sample are the ends of an interval of one entropy. An
 interval is swept with such samples, the widest gap first. Two intervals that touch are joined if
@@ -26,7 +26,7 @@ from heapq import heappop, heappush
 from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
-from pwmap.algebra.exact import Number, dense
+from pwmap.algebra.exact import Number, dense, sign
 from pwmap.algebra.roots import (
     Dense,
     Real,
@@ -39,19 +39,26 @@ from pwmap.algebra.roots import (
     sign_at,
     simplest_between,
 )
-from pwmap.longrun.entropies import (
+from pwmap.longrun.entropy.entropies import (
     ConstantEntropy,
     EntropyGap,
     EntropyIntervals,
     GapCause,
     exact_entropy,
 )
+from pwmap.longrun.entropy.itineraries import (
+    STEPS,
+    Ending,
+    Itinerary,
+    drawn_to,
+    growth_at,
+    itinerary_of,
+)
+from pwmap.longrun.entropy.kneading import cofactors, growth_by_kneading
+from pwmap.longrun.entropy.matching import family_of, growth_of_pairs, matched
 from pwmap.longrun.fates import AttractingCycle, Fates
-from pwmap.longrun.itineraries import STEPS, Ending, Itinerary, drawn_to, growth_at, itinerary_of
-from pwmap.longrun.kneading import cofactors, growth_by_kneading
 from pwmap.longrun.line import MapLine, line_at
-from pwmap.longrun.matching import family_of, growth_of_pairs, matched
-from pwmap.longrun.numbers import sign, to_double
+from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.kinds import check_map
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
@@ -227,7 +234,7 @@ class _Study:
         """A proof for all places from one to another, though orbits of one break need not match.
 
         What orbits of all other breaks do must be the same everywhere. See
-        :mod:`pwmap.longrun.matching`.
+        :mod:`pwmap.longrun.entropy.matching`.
         """
         if isinstance(low, RealRoot) or isinstance(high, RealRoot):
             return None

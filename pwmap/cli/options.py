@@ -1,0 +1,23 @@
+"""Options that several commands have."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Formula = Annotated[str, typer.Argument(help="The map, as the text of a sympy Piecewise.")]
+Values = Annotated[
+    list[str] | None,
+    typer.Option("--set", help="Value of a parameter, such as a=5/4 or a=1.25; repeatable."),
+]
+Orders = Annotated[str, typer.Option(help="Iterates to look at, such as 1,2,3.")]
+Given = Annotated[
+    list[str] | None, typer.Option(help="An assumption on the parameters, such as 'a > 1'.")
+]
+Variable = Annotated[str, typer.Option(help="The variable of the map.")]
+Out = Annotated[
+    Path,
+    typer.Option(
+        help="Folder for the results, made if missing; about_<command>.json says what made them."
+    ),
+]

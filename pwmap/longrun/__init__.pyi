@@ -1,0 +1,31 @@
+"""What orbits do in the long run: attractors, basins, densities, entropy, and how they change."""
+
+from .attractors import Bands as Bands
+from .bands import with_attractors as with_attractors
+from .basins import WholeBasin as WholeBasin
+from .crises.diagram import AttractorCell as AttractorCell
+from .crises.diagram import AttractorDiagram as AttractorDiagram
+from .crises.diagram import Crisis as Crisis
+from .crises.diagram import attractor_diagram as attractor_diagram
+from .crises.meetings import Meeting as Meeting
+from .crises.meetings import meeting_curve as meeting_curve
+from .cycles import FoundCycle as FoundCycle
+from .cycles import FoundCycles as FoundCycles
+from .cycles import cycles as cycles
+from .densities import Density as Density
+from .densities import Enclosure as Enclosure
+from .dynamics import Attractor as Attractor
+from .dynamics import Dynamics as Dynamics
+from .dynamics import Extremum as Extremum
+from .dynamics import FoundAttractors as FoundAttractors
+from .dynamics import Kneading as Kneading
+from .dynamics import MinMax as MinMax
+from .dynamics import dynamics as dynamics
+from .entropy.constant import constant_entropy as constant_entropy
+from .entropy.entropies import ConstantEntropy as ConstantEntropy
+from .entropy.entropies import Entropy as Entropy
+from .entropy.entropies import EntropyGap as EntropyGap
+from .entropy.entropies import EntropyIntervals as EntropyIntervals
+from .entropy.entropies import GapCause as GapCause
+from .fates import AttractingCycle as AttractingCycle
+from .neutral import NeutralIntervals as NeutralIntervals

@@ -1,0 +1,1 @@
+"""How fast laps grow: topological entropy, and where it is constant."""

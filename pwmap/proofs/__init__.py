@@ -1,0 +1,8 @@
+"""Certificates of what pwmap found, and who checks them.
+
+A name is loaded with what it needs when it is first used.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
