@@ -1,6 +1,6 @@
 """Contact problems over a box: one solution by strict inequalities, every other one refuted.
 
-The same problems as in :mod:`woodpecker.mechanics.impacts` and
+The same problems as in :mod:`woodpecker.mechanics.contact_problems` and
 :mod:`woodpecker.simulation.settling`, but the answer holds for every start and parameter of a box,
 or there is none.
 """

@@ -9,7 +9,7 @@ pytest.importorskip("flint")
 from flint import arb
 from mpmath import mp, mpf
 
-from woodpecker.checking import forms, motion
+from woodpecker.checking import forms, guards
 from woodpecker.checking.intervals import Extent, I, T, unit
 from woodpecker.proofs.balls import fraction
 from woodpecker.proofs.forms import Frame, precision, start, varying
@@ -87,15 +87,15 @@ def test_of_the_checker(expected: list[Fraction]) -> None:
         kappa = I.of(KAPPA)
 
         def at(t: forms.F | I, order: int = 0) -> forms.F | I:
-            return motion.combined(coefficients, forms.waves(kappa, t, box), t, kappa, order)
+            return guards.combined(coefficients, forms.waves(kappa, t, box), t, kappa, order)
 
         def over(t: I, order: int = 0) -> I:
-            found = motion.combined(ranges, forms.waves(kappa, t, box), t, kappa, order)
+            found = guards.combined(ranges, forms.waves(kappa, t, box), t, kappa, order)
             assert isinstance(found, I)
             return found
 
         bracket = I.of(Fraction(GUESS) - Fraction(1, 20), Fraction(GUESS) + Fraction(1, 20))
-        time = motion.root(at, over, bracket, box)
+        time = guards.root(at, over, bracket, box)
         units = Fraction(1, 2**160)
         found = [time.value, *(time.part(order) for order in ORDERS[1:])]
         assert_held([(each.a * units, each.b * units) for each in found], expected)

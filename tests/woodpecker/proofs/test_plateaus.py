@@ -12,8 +12,9 @@ from mpmath import mp, mpf
 from needs import NEEDS_NUMBA
 
 from woodpecker import Toy, Undecided, shoot
-from woodpecker.checking.certificate import Rejected, check
+from woodpecker.checking.certificate import check
 from woodpecker.checking.intervals import Context, I
+from woodpecker.checking.pieces import Rejected
 from woodpecker.checking.plateaus import Landing
 from woodpecker.proofs.balls import fraction
 from woodpecker.proofs.branches import March, ProvedBranch, marched
