@@ -61,7 +61,7 @@ MARKS = 12
 
 
 @part
-def _mark(first: int, second: int, expands: bool, floor: float) -> int:
+def mark(first: int, second: int, expands: bool, floor: float) -> int:
     """What the compression and the expansion did at one contact, as a number below MARKS."""
     compression = 2 if first // 3 == FREE else (1 if first % 3 == HOLD else 0)
     if not expands:
@@ -237,7 +237,7 @@ def _decide_single(model: Floats, i: int, z: Floats, choice: Ints, marks: Ints) 
         choice[2] = second
         if status != SOLVED:
             return status
-    marks[0] = _mark(first, second, floor > 0.0, floor)
+    marks[0] = mark(first, second, floor > 0.0, floor)
     return SOLVED
 
 
@@ -354,7 +354,7 @@ def _decide_double(
             return status
         choice[2] = second[0, 0] + 6 * second[0, 1]
     for k in range(2):
-        marks[k] = _mark(first[0, k], second[0, k], expands, floor[k])
+        marks[k] = mark(first[0, k], second[0, k], expands, floor[k])
         if outcome == INDETERMINATE:  # tells the two ends of the segment apart
             marks[k] = first[k, 0] % 3 + 3 * (first[k, 1] % 3)
     return outcome

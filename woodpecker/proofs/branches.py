@@ -23,9 +23,9 @@ from flint import arb, arb_poly, arb_series
 
 from woodpecker.mechanics.toy import Toy
 from woodpecker.not_proved import Undecided
-from woodpecker.proofs.balls import ZERO, decimal, fraction, number
+from woodpecker.proofs.balls import ZERO, decimal, fraction, number, rounded
 from woodpecker.proofs.following import follow
-from woodpecker.proofs.forms import VALUE, Frame, sign
+from woodpecker.proofs.forms import VALUE, sign
 from woodpecker.proofs.model import BallToy
 from woodpecker.proofs.pieces import (
     Fractions,
@@ -38,10 +38,12 @@ from woodpecker.proofs.pieces import (
     proved,
     value_of,
 )
+from woodpecker.proofs.taylor import Frame
 from woodpecker.shooting import shoot
 
 Progress = Callable[[float], object]
 CURVE = 24  # decimals of points of curves [rad]
+PLACES = 15  # decimals of ends of pieces
 WIDENED = 16  # times that tubes are widened: once or twice is usual
 BISECTIONS = 14  # of a line, to see where the multiplier passes -1 on it
 WIDEST = Fraction(1, 1000)  # rad: no tube is made wider than that
@@ -233,7 +235,7 @@ class _Pieces:
         if self.gaps and self.gaps[-1].p.high == low:  # nothing was proved since
             last = self.gaps.pop()
             low, gap = last.p.low, 2 * last.p.length
-        high = _rounded(low + gap)
+        high = rounded(low + gap, PLACES)
         if gap > self._march.leap or high >= self._span.high:
             raise Undecided(
                 f"the branch could be followed to {self._parameter} = {float(low):.12g} only: "
@@ -287,7 +289,7 @@ class _Pieces:
 
     def _plain(self, step: Fraction) -> Route:
         """A line over a step, or a little more where the span ends there."""
-        high = min(self._span.high, _rounded(self.at + step))
+        high = min(self._span.high, rounded(self.at + step, PLACES))
         if self._span.high - high < step / 4:
             high = self._span.high
         return Route.over(Fractions(self.at, high))
@@ -374,7 +376,7 @@ class _Pieces:
 
     def _side(self, line: Route, tau: Fraction) -> int | None:
         """On which side of -1 the multiplier is at one place of a line."""
-        here = Route((_rounded(line.at(tau), 30),), Fraction(0))
+        here = Route((rounded(line.at(tau), 30),), Fraction(0))
         tubes = [Tube(curve, self._march.radius) for curve in self._near(here, 1)]
         return sign(proved(self._toy, self._parameter, here, tubes).multiplier + 1)
 
@@ -510,13 +512,9 @@ def _trimmed(curve: Sequence[Fraction], half: Fraction) -> tuple[Fraction, ...]:
         places = 0
         while reach > Fraction(10) ** (places - CURVE):  # as many as it has digits
             places += 1
-        found.append(Fraction(round(c * 10**places), 10**places))
+        found.append(rounded(c, places))
         reach *= half
     return tuple(found)
-
-
-def _rounded(x: Fraction, digits: int = 15) -> Fraction:
-    return Fraction(round(x * 10**digits), 10**digits)
 
 
 def _above(x: Any) -> Fraction:

@@ -7,14 +7,13 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Any, NamedTuple
 
-from woodpecker.mechanics.modes import ANGLE, SECTION
+from woodpecker.mechanics.modes import ANGLE
 from woodpecker.proofs.balls import ZERO
 from woodpecker.proofs.forms import Form
 from woodpecker.proofs.model import BallToy, Mode, State
-from woodpecker.proofs.oscillator import stumpff
+from woodpecker.proofs.oscillator import Fired, stumpff
 
 NO_GUARD = -1
-KINDS = ("gap", "normal", "cone+", "cone-", "slip", "section")
 
 
 class ForkKind(Enum):
@@ -41,28 +40,6 @@ class OpenDecision(NamedTuple):
     kind: ForkKind
     comparator: Form
     contacts: tuple[int, ...]
-
-
-class Fired(NamedTuple):
-    """The guard that ended a phase, the duration of the phase, and a bracket of it.
-
-    In the bracket the guard falls, from every start in the box, and passes zero. At a plateau the
-    phase is taken to end in its middle; the contact strikes after that (1) or before (-1), and has
-    come to stay within the bracket.
-    """
-
-    guard: int
-    duration: Form
-    bracket: Any
-    plateau: int = 0
-
-    @property
-    def name(self) -> str:
-        """The guard as text, such as ``"gap 2"`` or ``"plateau+ 2"``."""
-        name = name_of(self.guard)
-        if self.plateau:
-            return name.replace("gap", "plateau+" if self.plateau == 1 else "plateau-")
-        return name
 
 
 class Way(NamedTuple):
@@ -167,9 +144,3 @@ def hold(model: BallToy, motion: BallState, i: int) -> None:
     """Make the slip of a contact exactly zero through the velocity of the sleeve."""
     _, w_m, w_s = model.tangents[i]
     motion.u[0] = -(w_m * motion.u[1] + w_s * motion.u[2])
-
-
-def name_of(guard: int) -> str:
-    """A guard as text, such as ``"gap 2"``."""
-    kind = KINDS[guard // 3]
-    return kind if guard == SECTION else f"{kind} {guard % 3 + 1}"

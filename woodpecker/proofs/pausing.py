@@ -8,22 +8,16 @@ from typing import Any, NamedTuple
 from flint import arb
 
 from woodpecker.mechanics.cases import REST
+from woodpecker.mechanics.contact_problems import UNSOLVED
+from woodpecker.mechanics.impacts import mark
 from woodpecker.mechanics.modes import ANGLE, NORMAL, OPEN, SIGN, SLIP_NEGATIVE, SLIP_POSITIVE
 from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, ball
-from woodpecker.proofs.contacts import impulses_of, mark
+from woodpecker.proofs.contacts import impulses_of
 from woodpecker.proofs.forms import VALUE, Form, box, sign
 from woodpecker.proofs.model import BallToy, State, sum_of
-from woodpecker.proofs.motions import (
-    NO_GUARD,
-    BallState,
-    Fired,
-    ForkKind,
-    OpenDecision,
-    flown,
-    touch,
-)
-from woodpecker.proofs.oscillator import Guard
+from woodpecker.proofs.motions import NO_GUARD, BallState, ForkKind, OpenDecision, flown, touch
+from woodpecker.proofs.oscillator import Fired, Guard
 from woodpecker.proofs.plateaus import Landed, Plateau, effect
 from woodpecker.simulation.codes import DETACH, IMPACT
 
@@ -225,4 +219,4 @@ def _stopped(slide: _Slide, u: Sequence[Any], j: int) -> list[Any]:
 def _mark(model: BallToy, slide: _Slide, i: int) -> int:
     """What the impact does, see `impacts.MARKS`."""
     case = impulses_of(model, [i], [ZERO, arb(slide.direction)], None, True).cases[0]
-    return mark(case, None, ZERO)
+    return mark(case, UNSOLVED, False, 0.0)

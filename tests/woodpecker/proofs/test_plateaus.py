@@ -20,10 +20,11 @@ from woodpecker.proofs.balls import fraction
 from woodpecker.proofs.branches import March, ProvedBranch, marched
 from woodpecker.proofs.certificates import of_branch, sealed
 from woodpecker.proofs.following import follow
-from woodpecker.proofs.forms import VALUE, Frame, S, precision
+from woodpecker.proofs.forms import VALUE, S, precision
 from woodpecker.proofs.model import BallToy
 from woodpecker.proofs.pieces import Fractions
 from woodpecker.proofs.plateaus import Plateau
+from woodpecker.proofs.taylor import Frame
 
 KAPPA, SLIDING, TURN = -209800, -57000, 31000  # 1/s^2, near those of the toy
 SIGMAS = (2e-5, 3e-4)  # s
