@@ -51,8 +51,10 @@ from woodpecker.proofs.motions import (
     ForkKind,
     OpenDecision,
     Way,
+    direction_of_slip,
     flown,
     hold,
+    slip,
     touch,
 )
 from woodpecker.proofs.oscillator import Fired, Guard, crossing, name_of
@@ -338,10 +340,7 @@ def _strike(model: BallToy, motion: BallState, contacts: list[int]) -> list[Ball
         j = ANGLE[i]
         rate = model.levers[i] * int(SIGN[i])
         free.append(u[j] * rate if i == striking else ZERO)
-        still = motion.states[i] == STICK
-        free.append(
-            ZERO if still else sum_of(w * v for w, v in zip(model.tangents[i], u, strict=True))
-        )
+        free.append(ZERO if motion.states[i] == STICK else slip(model, i, u))
     visible = sign(free[2 * contacts.index(striking)]) == -1
     approaches = not visible and motion.lands == striking and len(contacts) == 1
     if not visible and not approaches:
@@ -408,7 +407,7 @@ def _settled(
     Every combination of states of the contacts that touch and stay is tried: each guard of theirs
     must be positive right after now, by its first derivative that is not exactly zero.
     """
-    slips = {i: 0 if i in motion.held else _slip(model, motion, i) for i in closed}
+    slips = {i: 0 if i in motion.held else direction_of_slip(model, i, motion.u) for i in closed}
     options = [[OPEN] if i not in closed else _options(slips[i]) for i in range(3)]
     trials = [_state(trial) for trial in product(*options) if _moves_as_one(trial)]
     verdicts = {trial: _admissible(model, motion, closed, trial) for trial in trials}
@@ -447,14 +446,6 @@ def _stays_or_leaves(
             )
         )
     return found
-
-
-def _slip(model: BallToy, motion: BallState, i: int) -> int:
-    """The direction of slip."""
-    s = sign(sum_of(w * v for w, v in zip(model.tangents[i], motion.u, strict=True)))
-    if not s:
-        raise Undecided(f"contact {i + 1} may slip or not")
-    return s
 
 
 def _options(slip: int) -> list[int]:

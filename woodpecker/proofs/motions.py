@@ -8,9 +8,10 @@ from enum import Enum
 from typing import Any, NamedTuple
 
 from woodpecker.mechanics.modes import ANGLE
+from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO
-from woodpecker.proofs.forms import Form
-from woodpecker.proofs.model import BallToy, Mode, State
+from woodpecker.proofs.forms import Form, sign
+from woodpecker.proofs.model import BallToy, Mode, State, sum_of
 from woodpecker.proofs.oscillator import Fired, stumpff
 
 NO_GUARD = -1
@@ -144,3 +145,16 @@ def hold(model: BallToy, motion: BallState, i: int) -> None:
     """Make the slip of a contact exactly zero through the velocity of the sleeve."""
     _, w_m, w_s = model.tangents[i]
     motion.u[0] = -(w_m * motion.u[1] + w_s * motion.u[2])
+
+
+def slip(model: BallToy, i: int, u: Sequence[Any]) -> Any:
+    """Tangential velocity of a contact."""
+    return sum_of(w * v for w, v in zip(model.tangents[i], u, strict=True))
+
+
+def direction_of_slip(model: BallToy, i: int, u: Sequence[Any]) -> int:
+    """Its sign; Undecided where it may slip or not."""
+    found = sign(slip(model, i, u))
+    if not found:
+        raise Undecided(f"contact {i + 1} may slip or not")
+    return found

@@ -16,7 +16,6 @@ from woodpecker.mechanics.toy import Toy
 from woodpecker.not_proved import Undecided
 from woodpecker.proofs import certificates
 from woodpecker.proofs.branches import (
-    March,
     PieceEnd,
     Progress,
     ProvedBranch,
@@ -121,7 +120,7 @@ Task = tuple[Toy, str, Fractions, tuple[float, ...]]
 def _march(task: Task, progress: Progress) -> ProvedBranch:
     toy, parameter, span, points = task
     with precision(BITS["branch"]):
-        return marched(toy, parameter, span, points, March(), progress)
+        return marched(toy, parameter, span, points, progress)
 
 
 class BranchPart(NamedTuple):

@@ -69,7 +69,7 @@ def test_of_the_proofs(expected: list[Fraction]) -> None:
         frame = Frame(ball, ball, terms=4, depth=6)
         x, y = start(frame, [arb(3) / 10, arb(2), arb(1)]), varying(frame, [arb(-1), arb(-0.5)])
         guard = Guard(0, (x, y, x * y, x + arb(2)), 0, arb(KAPPA))
-        time = crossing(guard, GUESS).time
+        time = crossing(guard, GUESS).duration
         balls = [time.box, *(time.range(k) for k in range(1, 6))]
         assert_held([(fraction(b.lower()), fraction(b.upper())) for b in balls], expected)
 

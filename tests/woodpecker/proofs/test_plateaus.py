@@ -17,7 +17,7 @@ from woodpecker.checking.intervals import Context, I
 from woodpecker.checking.pieces import Rejected
 from woodpecker.checking.plateaus import Landing
 from woodpecker.proofs.balls import fraction
-from woodpecker.proofs.branches import March, ProvedBranch, marched
+from woodpecker.proofs.branches import ProvedBranch, marched
 from woodpecker.proofs.certificates import of_branch, sealed
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import VALUE, S, precision
@@ -165,7 +165,7 @@ def through_a_plateau() -> ProvedBranch:
     x = shoot(Toy(eps_n1=float(low)), -0.68242).phi_s
     with precision(128):
         return marched(
-            Toy(), "eps_n1", Fractions(low, Fraction("0.2143448")), [x], March(), lambda done: None
+            Toy(), "eps_n1", Fractions(low, Fraction("0.2143448")), [x], lambda done: None
         )
 
 
