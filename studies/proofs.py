@@ -32,8 +32,9 @@ from woodpecker.checking.certificate import check
 from woodpecker.proofs.balls import fraction
 from woodpecker.proofs.certificates import Certificate
 from woodpecker.proofs.following import follow
-from woodpecker.proofs.forms import Frame, precision
+from woodpecker.proofs.forms import precision
 from woodpecker.proofs.model import BallToy
+from woodpecker.proofs.taylor import Frame
 
 X1, X2 = -0.884773, -0.757787  # where two gaps close at once
 Law = Literal["summed", "separate"]

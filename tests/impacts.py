@@ -10,7 +10,8 @@ import pytest
 
 from woodpecker.base.compiled import jit
 from woodpecker.mechanics import equations as mechanics
-from woodpecker.mechanics.impacts import INDETERMINATE, SOLVED, carry_out_along, decide, make_pair
+from woodpecker.mechanics.contact_problems import INDETERMINATE, SOLVED, make_pair
+from woodpecker.mechanics.impacts import carry_out_along, decide
 from woodpecker.mechanics.modes import ANGLE, FIXED, SIGN, model
 from woodpecker.mechanics.toy import ExpansionFriction, Toy
 

@@ -113,7 +113,7 @@ def check_certificate(path: str | os.PathLike[str]) -> str:
     Raises
     ------
     ValueError
-        If the certificate does not hold (``woodpecker.checking.certificate.Refused``); the sentence
+        If the certificate does not hold (``woodpecker.checking.pieces.Rejected``); the sentence
         says why.
 
     Examples

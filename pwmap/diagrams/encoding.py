@@ -1,17 +1,20 @@
 """Frozen records as plain data of JSON, and back, as their types say.
 
-A record is a dataclass whose fields are numbers, text, enums, arrays of floats, formulas of sympy,
-other records, and tuples or mappings of these. JSON writes a float as the shortest text that reads
-back as the same double; nan and the infinities, which it lacks, are the texts ``"nan"``, ``"inf"``
-and ``"-inf"`` in an array, and objects such as ``{"$numberDouble": "inf"}`` elsewhere.
+A record is a dataclass or a NamedTuple whose fields are numbers, text, bytes, enums, arrays of
+floats, formulas of sympy, other records, and tuples, sets or mappings of these. JSON writes a float
+as the shortest text that reads back as the same double; nan and the infinities, which it lacks, are
+the texts ``"nan"``, ``"inf"`` and ``"-inf"`` in an array, and objects such as
+``{"$numberDouble": "inf"}`` elsewhere. Lists in a field of type ``Hashable`` are read as tuples.
 """
 
 from __future__ import annotations
 
+import base64
 import dataclasses
+import json
 import math
 import types
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from enum import Enum
 from functools import lru_cache
 from typing import Any, Union, get_args, get_origin, get_type_hints
@@ -23,6 +26,7 @@ from pwmap.diagrams import formulas
 
 FORMULA = "$formula"  # the key of an object that stands for one
 NUMBER = "$numberDouble"  # likewise for a number that JSON lacks, as in MongoDB's Extended JSON
+BYTES, SET = "$bytes", "$set"  # likewise
 
 
 def to_plain(value: Any) -> Any:
@@ -33,6 +37,9 @@ def to_plain(value: Any) -> Any:
     TypeError
         If it holds what a record may not hold.
     """
+    kind: Any = type(value)
+    if _is_record(kind):
+        return {name: to_plain(getattr(value, name)) for name in _fields(kind)}
     match value:
         case Enum():
             return value.value
@@ -46,13 +53,14 @@ def to_plain(value: Any) -> Any:
             return [each if math.isfinite(each) else repr(each) for each in value.tolist()]
         case sympy.Basic():
             return {FORMULA: formulas.to_plain(value)}
+        case bytes():
+            return {BYTES: base64.b64encode(value).decode()}
+        case frozenset():
+            return {SET: sorted(map(to_plain, value), key=json.dumps)}
         case tuple() | list():
             return [to_plain(each) for each in value]
         case Mapping():
             return {name: to_plain(each) for name, each in value.items()}
-    if dataclasses.is_dataclass(value):
-        kind: Any = type(value)
-        return {name: to_plain(getattr(value, name)) for name in _fields(kind)}
     raise TypeError(f"expected a number, text or formula to save, got {value!r}")
 
 
@@ -64,7 +72,7 @@ def from_plain(data: Any, kind: Any) -> Any:
     ValueError, TypeError, LookupError
         If the data are not those of such a value.
     """
-    if dataclasses.is_dataclass(kind):
+    if _is_record(kind):
         return _record(data, kind)
     origin, inner = get_origin(kind), get_args(kind)
     if origin in (Union, types.UnionType):
@@ -80,23 +88,35 @@ def from_plain(data: Any, kind: Any) -> Any:
         return {name: from_plain(each, inner[1]) for name, each in _checked(data, dict).items()}
     if kind is object or kind is Any:
         return _untyped(data)
+    if kind is Hashable:
+        found = _untyped(data, tuple)
+        hash(found)  # raises a TypeError of what is none
+        return found
     if kind is float:
         return _float(data[NUMBER] if isinstance(data, dict) else data)
     return kind(data) if issubclass(kind, Enum) else _checked(data, kind)
 
 
-def _untyped(data: Any) -> Any:
-    """What JSON says itself, but for formulas and the numbers that it lacks."""
+def _untyped(data: Any, rows: type = list) -> Any:
+    """What JSON says itself, but for formulas and the values that it lacks."""
     match data:
         case {"$formula": formula}:
             return formulas.from_plain(formula)
         case {"$numberDouble": number}:
             return float(number)
+        case {"$bytes": encoded}:
+            return base64.b64decode(encoded, validate=True)
+        case {"$set": members}:
+            return frozenset(_untyped(each, tuple) for each in members)
         case dict():
-            return {name: _untyped(each) for name, each in data.items()}
+            return {name: _untyped(each, rows) for name, each in data.items()}
         case list():
-            return [_untyped(each) for each in data]
+            return rows(_untyped(each, rows) for each in data)
     return data
+
+
+def _is_record(kind: Any) -> bool:
+    return dataclasses.is_dataclass(kind) or hasattr(kind, "_fields")  # as a NamedTuple has
 
 
 def _record(data: Any, kind: Any) -> Any:
@@ -110,11 +130,14 @@ def _record(data: Any, kind: Any) -> Any:
 def _fields(kind: Any) -> dict[str, Any]:
     """Fields that a record is made of, with their types."""
     hints = get_type_hints(kind)
+    if not dataclasses.is_dataclass(kind):
+        return hints
     return {each.name: hints[each.name] for each in dataclasses.fields(kind) if each.init}
 
 
 def _float(data: Any) -> float:
-    if isinstance(data, bool) or not isinstance(data, int | float | str):
+    known = isinstance(data, int | float) or data in ("nan", "inf", "-inf")
+    if isinstance(data, bool) or not known:
         raise TypeError(f"expected a number, got {data!r}")
     return float(data)
 

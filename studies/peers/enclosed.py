@@ -14,8 +14,9 @@ from flint import arb
 from studies.peers.peer import LostError
 from woodpecker import Toy, Undecided, prove, shoot
 from woodpecker.proofs.following import follow
-from woodpecker.proofs.forms import Frame, precision
+from woodpecker.proofs.forms import precision
 from woodpecker.proofs.model import BallToy
+from woodpecker.proofs.taylor import Frame
 
 
 class Enclosed(NamedTuple):

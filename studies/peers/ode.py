@@ -24,7 +24,7 @@ from scipy.integrate import solve_ivp
 from studies.peers.peer import LostError, PeerReturn
 from woodpecker import Toy
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.mechanics.impacts import SOLVED
+from woodpecker.mechanics.contact_problems import SOLVED
 from woodpecker.mechanics.modes import (
     ALPHA,
     ANGLE,

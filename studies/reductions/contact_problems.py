@@ -15,7 +15,7 @@ from studies.reductions.plan import Plan
 from woodpecker import Toy
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import jit
-from woodpecker.mechanics.impacts import PAIR_ROOM, one_contact, two_contacts
+from woodpecker.mechanics.contact_problems import PAIR_ROOM, one_contact, two_contacts
 from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.mechanics.modes import fill_pair, model
 

@@ -15,19 +15,15 @@ from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus, SpecialPoint
 from woodpecker.base.checkpoint import line_of
-from woodpecker.base.executors import Serial
 from woodpecker.base.settings import Settings
 from woodpecker.continued import continuation
 from woodpecker.mechanics.toy import Toy
 from woodpecker.runs import DEFAULT, about, saved_diagram, settings_of
-from woodpecker.search.checkpoint import Record, check_entry, read_record
-from woodpecker.search.diagrams import cycle_near
-from woodpecker.search.explorer import Explorer, Stage
+from woodpecker.search.checkpoint import Record, entry_of, read_record
+from woodpecker.search.explorer import Stage
 from woodpecker.search.search import Search
-from woodpecker.search.tasks import Worker
 from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.simulation.returns import first_return
-from woodpecker.toy_map import ToyPieces
 from woodpecker.window import WINDOW
 
 FIXED, JUMP = BranchKind.FIXED_POINT, BranchKind.JUMP
@@ -405,51 +401,10 @@ def test_only_the_same_run_goes_on(
         continuation(Toy(), motion, span=SPAN, settings=varied, run=path, resume=True)
     # more collisions are done than were met
     other, header = tmp_path / "other.jsonl", path.read_bytes().splitlines(keepends=True)[0]
-    done = line_of(read_record(path)[1][-1], json.loads(header)["digest"])
+    done = line_of(entry_of(read_record(path)[1][-1]), json.loads(header)["digest"])
     other.write_bytes(header + done)
     with pytest.raises(ValueError, match=r"line 2: nothing is left to follow at 0\."):
         saved_diagram(other)
-
-
-def entry_of(motion: PeriodicOrbit, path: Path) -> dict[str, Any]:
-    """The first curves of a short run, as they are written."""
-    settings = Settings(span=(0.49, 0.51), window=WINDOW)
-    map_ = ToyPieces(Toy())
-    record = Record(path, {"parameter": "eps_n1"})
-    explorer = Explorer(map_, Serial(Worker(map_, settings)), settings, (1,), recorder=record)
-    explorer.follow(cycle_near(map_, motion.points, 0.5, settings))
-    record.close()
-    _, (entry, *_) = read_record(path)
-    return entry
-
-
-@pytest.mark.parametrize(
-    ("place", "value"),
-    [
-        (("kind",), "curve"), (("order",), 1.5), (("order",), True), (("parameter",), [0.5]),
-        (("parameter",), ["0.5"]), (("points",), []), (("words", 0, 0), "0"),
-        (("words", 0, 2), {"bytes": "not base 64!"}), (("words", 0, 2), {"list": []}),
-        (("words", 0), [0, "J2"]), (("ends", 0, "kind"), "XX"), (("ends", 0, "p"), None),
-        (("ends", 0, "status"), "found"), (("ends", 0, "note"), 1), (("ends",), []),
-        (("ends", 0, "collision"), {"x": [0.5]}), (("marks",), [[1, "a cause", "BREAK"]]),
-    ],
-)  # fmt: skip
-def test_lines_that_are_refused(
-    place: tuple[Any, ...], value: object, motion: PeriodicOrbit, tmp_path: Path
-) -> None:
-    path = tmp_path / "run.jsonl"
-    entry = entry_of(motion, path)
-    check_entry(entry)
-    inner = entry["curves"][0]
-    for step in place[:-1]:
-        inner = inner[step]
-    inner[place[-1]] = value
-    header = path.read_text(encoding="utf-8").splitlines()[0]
-    path.write_bytes(f"{header}\n".encode() + line_of(entry, json.loads(header)["digest"]))
-    before = path.read_bytes()
-    with pytest.raises(ValueError, match=r"run\.jsonl, line 2: expected an entry of a run, got "):
-        saved_diagram(path)
-    assert path.read_bytes() == before
 
 
 def test_a_run_keeps_all_of_its_settings(tmp_path: Path) -> None:
@@ -471,12 +426,3 @@ def test_a_run_with_settings_that_are_gone_is_refused(tmp_path: Path) -> None:
     resumed = r"cannot resume .*: there newton of settings is 12, now there is none"
     with pytest.raises(ValueError, match=resumed):
         Record(path, about(Toy(), "eps_n1", settings, SPAN), resume=True)
-
-
-def test_a_run_of_something_else_is_refused(tmp_path: Path, motion: PeriodicOrbit) -> None:
-    path = tmp_path / "run.jsonl"
-    entry_of(motion, path)
-    with pytest.raises(ValueError, match=r"line 1: expected a run of the toy, got one of \['param"):
-        saved_diagram(path)
-    with pytest.raises(ValueError, match="there is no saved run"):
-        saved_diagram(tmp_path / "none.jsonl")

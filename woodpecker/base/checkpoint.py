@@ -12,14 +12,14 @@ import hashlib
 import json
 import os
 import re
+import sys
+import time
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TextIO
+from typing import Any, TextIO
 
 from pwmap.diagrams.files import write_whole
-
-if TYPE_CHECKING:
-    from filelock import FileLock
 
 Entry = dict[str, Any]
 RUN, START = "run", "start"  # what is searched; the points from which it sets out
@@ -32,7 +32,7 @@ WAIT = 3.0  # s: as long as the workers of a killed run may take to notice, and 
 class Checkpoint:
     """Lines of JSON, each written through before the search goes on.
 
-    Nobody else can write the file meanwhile: a lock of the system, on ``<name>.lock``.
+    Nobody else can write the file meanwhile: the system locks it.
 
     Parameters
     ----------
@@ -43,8 +43,8 @@ class Checkpoint:
         are the same if they differ by 1e-9 at most: other machines round in other ways.
     version
         Of the lines; raised when older code would misread them.
-    check
-        Raises an error of a lookup, a TypeError or a ValueError unless an entry is a good one.
+    parsed
+        What an entry stands for; an error of a lookup, a TypeError or a ValueError if nothing.
     resume
         Go on with the run in the file.
 
@@ -56,21 +56,21 @@ class Checkpoint:
 
     def __init__(
         self, path: str | os.PathLike[str], run: Entry, *, version: int,
-        check: Callable[[Entry], object], resume: bool = False,
+        parsed: Callable[[Entry], Any], resume: bool = False,
     ) -> None:  # fmt: skip
         self.path = Path(path)
-        self.entries: list[Entry] = []
+        self.entries: list[Any] = []
         run = json.loads(json.dumps(run))
         if resume:
             _existing(self.path)
         self._file: TextIO = self.path.open("a", encoding="utf-8", newline="\n")
-        self._lock: FileLock | None = None
+        self._release: Callable[[], object] = _nothing
         try:
-            self._lock = _lock(self.path)
+            self._release = _locked(self._file, self.path)
             old, self._digest = self.path.read_bytes(), ""
             first = {RUN: run, "version": version}
             if resume and not line_of(first, "").startswith(old):  # it has begun
-                header, self.entries = read(self.path, version=version, check=check)
+                header, self.entries = read(self.path, version=version, parsed=parsed)
                 _compare(header, run, self.path)
                 whole = old[: _whole(old)]
                 self._digest = _digest_of(whole.splitlines()[-1])
@@ -94,25 +94,51 @@ class Checkpoint:
 
     def close(self) -> None:
         """Close the file, and let others write it."""
+        self._release()
+        self._release = _nothing
         self._file.close()
-        if self._lock is not None:
-            self._lock.release()
 
 
-def _lock(path: Path) -> FileLock | None:
-    """Keep others from writing a file, until the lock is released or this process ends."""
-    from filelock import FileLock, Timeout  # it loads asyncio: only where a run is kept
+def _nothing() -> None:
+    """Nothing is locked."""
 
-    lock = FileLock(f"{path}.lock", timeout=WAIT)
+
+def _locked(file: TextIO, path: Path) -> Callable[[], object]:
+    """Keep others from writing a file; what lets them again. So does the end of this process."""
+    take = _taken_beside if sys.platform == "win32" else _taken
+    due = time.monotonic() + WAIT
+    while True:
+        try:
+            return take(file, path)
+        except (BlockingIOError, TimeoutError):
+            if time.monotonic() > due:
+                raise ValueError(
+                    f"another run is writing {path}: wait until it ends, or choose another file"
+                ) from None
+        time.sleep(WAIT / 100)
+
+
+def _taken(file: TextIO, _: Path) -> Callable[[], object]:
+    """Lock a file itself, which keeps nobody from reading it, and leaves nothing behind."""
+    import fcntl
+
     try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise
+    except OSError:  # a file system without locks
+        return _nothing
+    return lambda: fcntl.flock(file, fcntl.LOCK_UN)  # also for copies of this process
+
+
+def _taken_beside(_: TextIO, path: Path) -> Callable[[], object]:
+    """Lock ``<name>.lock`` where locks keep others from reading, too; Windows then removes it."""
+    from filelock import FileLock
+
+    lock = FileLock(f"{path}.lock", timeout=0)
+    with suppress(NotImplementedError):  # a file system without locks
         lock.acquire()
-    except Timeout:
-        raise ValueError(
-            f"another run is writing {path}: wait until it ends, or choose another file"
-        ) from None
-    except NotImplementedError:  # a file system without locks
-        return None
-    return lock
+    return lock.release
 
 
 def version_of(path: str | os.PathLike[str]) -> object:
@@ -126,9 +152,9 @@ def version_of(path: str | os.PathLike[str]) -> object:
 
 
 def read(
-    path: str | os.PathLike[str], *, version: int, check: Callable[[Entry], object]
-) -> tuple[Entry, list[Entry]]:
-    """What a checkpoint says of its run, and its entries so far.
+    path: str | os.PathLike[str], *, version: int, parsed: Callable[[Entry], Any]
+) -> tuple[Entry, list[Any]]:
+    """What a checkpoint says of its run, and what its entries so far stand for.
 
     Raises
     ------
@@ -150,10 +176,11 @@ def read(
             "anew"
         )
     _check_digests(lines, path)
-    entries = [_read(line, n, path) for n, line in enumerate(lines[1:], 2)]
-    for n, entry in enumerate(entries, 2):
+    entries = list[Any]()
+    for n, line in enumerate(lines[1:], 2):
+        entry = _read(line, n, path)
         try:
-            check(entry)
+            entries.append(parsed(entry))
         except (ArithmeticError, AttributeError, LookupError, TypeError, ValueError):
             raise ValueError(
                 f"{path}, line {n}: expected an entry of a run, got {_short(entry)}"
@@ -210,19 +237,6 @@ def _read(line: bytes, n: int, path: Path) -> Entry:
 def _short(value: object) -> str:
     text = json.dumps(value)
     return text if len(text) <= 60 else text[:57] + "..."
-
-
-def checked_type(value: object, kind: type | tuple[type, ...]) -> None:
-    """Raise a TypeError unless a value is of a type; a bool is no number."""
-    if not isinstance(value, kind) or (isinstance(value, bool) and kind is not bool):
-        raise TypeError(f"expected {kind}")
-
-
-def checked_number(value: object) -> float:
-    """A number as it was written."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise TypeError("expected a number")
-    return float(value)
 
 
 def _whole(data: bytes) -> int:

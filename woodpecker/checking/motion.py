@@ -8,20 +8,18 @@ with its comparator, which is positive where this way is the one.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import pairwise, product
+from itertools import product
 from typing import Any
 
-from woodpecker.checking.forms import Box, F, constant, shapes, waves
-from woodpecker.checking.intervals import I, NotSeparated, T, inverse
+from woodpecker.checking.forms import Box, F, constant, waves
+from woodpecker.checking.guards import Guard, GuardValue, named
+from woodpecker.checking.impacts import marked, rest_is_possible, solve_impact, verdict
+from woodpecker.checking.intervals import I, NotSeparated
 from woodpecker.checking.pausing import Flight, pause
 from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, STICK, UP, Coasting, ExactToy
-
-Guard = tuple[str, int]
-HALVINGS = 36
-PARTS = 5000  # of a phase at most: certificates of what is proved take some hundred
 
 
 @dataclass
@@ -91,6 +89,15 @@ class Tracker:
         if self.states == (OPEN, STICK, OPEN):
             yield ("section", 0)
 
+    def curves(self) -> dict[Guard, GuardValue]:
+        """The guards of the mode over the phase that begins now."""
+        kappa, found = I.of(self.toy.mode(self.states).kappa), {}
+        for guard in self.watched():
+            jet, zeros = self.jet(guard, self.states)
+            known = guard in self.at_least_zero
+            found[guard] = GuardValue(self.box, guard, kappa, jet, zeros, known)
+        return found
+
     def jet(self, guard: Guard, states: tuple[int, int, int]) -> tuple[list[F | I], int]:
         """Value and three derivatives of a guard where a phase begins, and how many are zero."""
         kind, i = guard
@@ -149,15 +156,14 @@ class Tracker:
             raise NotSeparated("a gap has a pause only where the sleeve has just let go")
         if self.restitution(i).sign() != 0:
             raise NotSeparated("only a contact without restitution lands at a plateau")
-        kappa = I.of(self.toy.mode(self.states).kappa)
-        curves = {g: GuardValue(self, g, kappa) for g in self.watched()}
+        curves = self.curves()
         own = curves.pop(gap)
 
         def lasts(end: I) -> bool:
             return all(curve.lasts(end, None) for curve in curves.values())
 
         def slides(free: list[F], direction: int) -> bool:
-            solution = self.solve_impact([i], free, [constant(self.box, I.of(0))], False, True)
+            solution = solve_impact(self.toy, [i], free, [constant(self.box, I.of(0))], False, True)
             return solution.rests[0] and solution.slips[0] == direction
 
         late = kind == "plateau+"
@@ -191,7 +197,7 @@ class Tracker:
         """Verify that a guard ends the phase within a bracket, and go there."""
         m = self.toy.mode(self.states)
         kappa = I.of(m.kappa)
-        curves = {g: GuardValue(self, g, kappa) for g in self.watched()}
+        curves = self.curves()
         if guard not in curves:
             raise NotSeparated(f"{named(guard)} is no guard of the mode")
         own = curves[guard]
@@ -290,14 +296,14 @@ class Tracker:
         if known and (self.lands != striking or len(contacts) > 1):
             raise NotSeparated("a contact may graze")
         none = [constant(self.box, I.of(0))] * len(contacts)
-        first = self.solve_impact(contacts, free, none, False, known)
+        first = solve_impact(self.toy, contacts, free, none, False, known)
         floors = [self.floor(i, first.impulses[2 * k]) for k, i in enumerate(contacts)]
         signs = [floor.value.sign() for floor in floors]
         second = None
         if any(s != 0 for s in signs):
             if any(s not in (0, 1) for s in signs):
                 raise NotSeparated("an impact may store no impulse")
-            second = self.solve_impact(contacts, first.velocities, floors, True, False)
+            second = solve_impact(self.toy, contacts, first.velocities, floors, True, False)
         last = second or first
         for k, i in enumerate(contacts):
             for n in range(2):
@@ -335,110 +341,6 @@ class Tracker:
         if impulse.value.sign() == 0 or self.restitution(i).sign() == 0:
             return constant(self.box, I.of(0))
         return impulse * eps
-
-    def solve_impact(
-        self, contacts: list[int], free: list[F], floors: list[F], expands: bool, known: bool
-    ) -> ImpactSolution:
-        """The only solution of one phase of an impact."""
-        coupled = expands and self.toy.summed and len(contacts) > 1
-        kept: ImpactSolution | None = None
-        for rests in product((True, False), repeat=len(contacts)):
-            for slips in product((0, 1, -1), repeat=len(contacts)):
-                table = self.toy.case(tuple(contacts), rests, slips, coupled)
-                if table is None:
-                    if not (all(rests) and not any(slips) and len(contacts) == 2):
-                        raise NotSeparated("an impact is degenerate")
-                    if self.rest_is_possible(contacts[1], self.momentum(contacts, free), floors,
-                                             coupled) is not False:  # fmt: skip
-                        raise NotSeparated("the impulses of an impact may not be unique")
-                    continue
-                holds, solution = self.combination(
-                    contacts, free, floors, (rests, slips), table, coupled, known
-                )
-                if holds is False:
-                    continue
-                if holds is None or kept is not None:
-                    raise NotSeparated("an impact is not decided")
-                kept = solution
-        if kept is None:
-            raise NotSeparated("an impact has no solution")
-        return kept
-
-    def combination(
-        self, contacts: list[int], free: list[F], floors: list[F],
-        case: tuple[tuple[bool, ...], tuple[int, ...]], table: list[list[Fraction]],
-        coupled: bool, known: bool,
-    ) -> tuple[bool | None, ImpactSolution | None]:  # fmt: skip
-        """Whether an index combination holds: by ranges, then by forms."""
-        rests, slips = case
-        given = [*free, *floors]
-        for ranges in (True, False):
-            p = [total(row, given, ranges) for row in table]
-            conditions: list[Any] = []
-            v: list[Any] = []
-            at = [2 * i + k for i in contacts for k in (0, 1)]
-            for k in range(len(contacts)):
-                for n, zero in ((0, rests[k]), (1, slips[k] == 0)):
-                    row = [self.toy.g[at[2 * k + n]][j] for j in at]
-                    start = free[2 * k + n].value if ranges else free[2 * k + n]
-                    none = I.of(0) if ranges else constant(self.box, I.of(0))
-                    v.append(none if zero else start + total(row, p, False))
-            for k, i in enumerate(contacts):
-                normal = p[2 * k] - (floors[k].value if ranges else floors[k])
-                if known:
-                    # v_N before is negative or zero: a slipping contact at rest has an impulse of
-                    # the sign of its stiffness, a free one would still approach
-                    stiffness = (
-                        self.toy.g[2 * i][2 * i]
-                        - slips[k] * self.toy.mu[i] * self.toy.g[2 * i][2 * i + 1]
-                    )
-                    if not rests[k]:
-                        return False, None
-                    conditions.append(I.of(1) if slips[k] and stiffness > 0 else normal)
-                else:
-                    conditions.append(normal if rests[k] else v[2 * k])
-                most = p[2 * k] + p[2 - 2 * k] if coupled else p[2 * k]
-                bound = most * I.of(self.toy.mu[i])
-                if slips[k] == 0:
-                    conditions += [bound - p[2 * k + 1], bound + p[2 * k + 1]]
-                else:
-                    conditions.append(v[2 * k + 1] if slips[k] == 1 else -v[2 * k + 1])
-            holds = verdict(conditions)
-            if ranges and holds is False:
-                return False, None
-        return holds, ImpactSolution(rests, slips, p, v)
-
-    def momentum(self, contacts: list[int], free: list[F]) -> list[F]:
-        """-M u, from the velocities of the beak and a contact of the sleeve."""
-        k = contacts[1]
-        u_s = free[0] * I.of(-1 / self.toy.lever[0])
-        u_m = free[2] * I.of(SIDE[k] / self.toy.lever[k])
-        u_y = free[3] - u_m * I.of(self.toy.tangent[k][1])
-        return [-total(row, [u_y, u_m, u_s], False) for row in self.toy.mass]
-
-    def rest_is_possible(
-        self, k: int, load: list[F], floors: list[F], coupled: bool
-    ) -> bool | None:
-        """Whether W lambda = load has a solution in both cones: linear in s = lambda_T1."""
-        toy = self.toy
-        (_, l_m, arm), r_m = toy.tangent[0], toy.tangent[k][1]
-        hs, hk = toy.lever[0], SIDE[k] * toy.lever[k]
-        beak = (-load[2] * I.of(1 / hs), arm / hs)
-        sleeve = ((load[1] - load[0] * I.of(r_m)) * I.of(1 / hk), (r_m - l_m) / hk)
-        along = [(constant(self.box, I.of(0)), Fraction(1)), (load[0], Fraction(-1))]
-        lines = [(beak[0] - floors[0], beak[1]), (sleeve[0] - floors[1], sleeve[1])]
-        for i, own, (c, rate) in ((0, beak, along[0]), (k, sleeve, along[1])):
-            most = (beak[0] + sleeve[0], beak[1] + sleeve[1]) if coupled else own
-            mu = toy.mu[i]
-            lines.append((most[0] * I.of(mu) + c, most[1] * mu + rate))
-            lines.append((most[0] * I.of(mu) - c, most[1] * mu - rate))
-        for c, rate in lines:
-            if rate == 0 and c.value.sign() == -1:
-                return False
-            for c2, rate2 in lines:
-                if rate > 0 > rate2 and (c2 * I.of(rate) - c * I.of(rate2)).value.sign() == -1:
-                    return False
-        return None
 
     def settle(self, closed: set[int], plastic: bool, following: Guard) -> None:
         """The contact problem on acceleration level, and the symbols of what changes."""
@@ -497,7 +399,11 @@ class Tracker:
                 for x, y in zip(self.toy.at_rest, self.toy.per_stretch, strict=True)
             ]
             none = [constant(self.box, I.of(0))] * 2
-            return False if self.rest_is_possible(max(closed), load, none, False) is False else None
+            return (
+                False
+                if rest_is_possible(self.toy, max(closed), load, none, False) is False
+                else None
+            )
         conditions: list[Any] = []
         for i in closed:
             state = states[i]
@@ -532,53 +438,6 @@ class Tracker:
         self.states = after
 
 
-def named(guard: Guard) -> str:
-    """A guard as certificates have it, with contacts from 1 on."""
-    kind, i = guard
-    return kind if kind == "section" else f"{kind} {i + 1}"
-
-
-@dataclass
-class ImpactSolution:
-    """One phase of an impact: its index combination, impulses and velocities."""
-
-    rests: tuple[bool, ...]
-    slips: tuple[int, ...]
-    impulses: list[F]
-    velocities: list[F]
-
-
-def marked(first: ImpactSolution, second: ImpactSolution | None, k: int, stores: int | None) -> str:
-    """Letters of a contact in an impact: s sticks, f separates; after - expansion, r unusual."""
-    letters = "f" if not first.rests[k] else ("s" if first.slips[k] == 0 else "")
-    if second is None:
-        return letters
-    unusual = second.rests[k] == (stores == 1)
-    tail = ("r" if unusual else "") + ("s" if second.slips[k] == 0 else "")
-    return letters + (f"-{tail}" if tail else "")
-
-
-def verdict(conditions: Sequence[Any]) -> bool | None:
-    """Whether all are positive; False if one is negative."""
-    signs = [(c.value if isinstance(c, F) else c).sign() for c in conditions]
-    if -1 in signs:
-        return False
-    return True if all(s == 1 for s in signs) else None
-
-
-def total(row: Sequence[Fraction], x: Sequence[Any], ranges: bool) -> Any:
-    """A linear combination of forms, of intervals, or of the ranges of forms."""
-    found = None
-    for c, y in zip(row, x, strict=True):
-        if c == 0:
-            continue
-        term = (y.value if ranges else y) * I.of(c)
-        found = term if found is None else found + term
-    if found is None:
-        return I.of(0) if ranges or isinstance(x[0], I) else constant(x[0].box, I.of(0))
-    return found
-
-
 def force(toy: ExactToy, m: Coasting, kind: str, i: int) -> tuple[I, I]:
     """A guard p + r d on contact forces."""
     n0, n1, t0, t1 = m.forces[i]
@@ -586,230 +445,3 @@ def force(toy: ExactToy, m: Coasting, kind: str, i: int) -> tuple[I, I]:
         return I.of(n0), I.of(n1)
     side = 1 if kind == "cone+" else -1
     return I.of(toy.mu[i] * n0 - side * t0), I.of(toy.mu[i] * n1 - side * t1)
-
-
-class GuardValue:
-    """A guard over a phase: f0 + f1 t + f2 s_2(t) + f3 s_3(t)."""
-
-    def __init__(self, motion: Tracker, guard: Guard, kappa: I) -> None:
-        self.box, self.guard, self.kappa = motion.box, guard, kappa
-        self.jet, self.zeros = motion.jet(guard, motion.states)
-        self.ranges = [f.value if isinstance(f, F) else f for f in self.jet]
-        self.known = guard in motion.at_least_zero
-
-    def at(self, t: F | I, order: int = 0) -> F | I:
-        """The guard or a derivative at a time."""
-        return combined(self.jet, waves(self.kappa, t, self.box), t, self.kappa, order)
-
-    def over(self, t: I, order: int = 0) -> I:
-        """Range over an interval of times and the box."""
-        found = combined(self.ranges, waves(self.kappa, t, self.box), t, self.kappa, order)
-        assert isinstance(found, I)
-        return found
-
-    def value(self, t: I) -> I:
-        """Range at one time over the box."""
-        found = self.at(t)
-        return found.value if isinstance(found, F) else found
-
-    def lasts(self, end: I, falling: I | None) -> bool:
-        """Whether the guard does not fire in (0, end], or until it falls on an interval."""
-        if self.guard[0] == "section":
-            return end.sign() != 1 or self.turns_not(end)
-        if end.sign() != 1:
-            return falling is not None and self.over(I.of(0).hull(falling), 1).sign() == -1
-        first = self.begin(end)
-        if first is None:
-            return False
-        todo, parts = [(first, end, 0)], 0
-        while todo:
-            a, b, depth = todo.pop()
-            parts += 1
-            if not a.less(b):
-                continue
-            t = a.hull(b)
-            if self.over(t).sign() == 1:
-                continue
-            slope = self.over(t, 1).sign()
-            if slope and self.value(a if slope == 1 else b).sign() == 1:
-                continue
-            middle = t.mid
-            if depth == HALVINGS or parts == PARTS or self.value(middle).sign() == -1:
-                return False
-            todo += [(middle, b, depth + 1), (a, middle, depth + 1)]
-        return True
-
-    def begin(self, end: I) -> I | None:
-        """A time until which the guard grows from its zero."""
-        sign = self.ranges[self.zeros].sign()
-        if self.zeros == 0 and sign == 1:
-            return I.of(0)
-        order = self.zeros
-        if sign != 1:
-            if not self.known:
-                return None
-            order += 1
-        for k in range(HALVINGS):
-            t = end * I.of(Fraction(1, 2**k))
-            if self.over(I.of(0).hull(t), order).sign() == 1:
-                return t.low
-        return None
-
-    def turns_not(self, end: I) -> bool:
-        """Whether the bird's velocity does not rise through zero in (0, end]."""
-        todo, parts = [(I.of(0), end, 0)], 0
-        while todo:
-            a, b, depth = todo.pop()
-            parts += 1
-            t = a.hull(b)
-            slope = self.over(t, 1).sign()
-            if self.over(t).sign() or slope == -1:
-                continue
-            starts = a.sign() == 0 and self.zeros == 1
-            if slope == 1 and (starts or self.value(b).sign() == -1):
-                continue
-            if depth == HALVINGS or parts == PARTS:
-                return False
-            middle = t.mid
-            todo += [(a, middle, depth + 1), (middle, b, depth + 1)]
-        return True
-
-    def crossing(self, bracket: I, direction: int) -> F:
-        """When the guard crosses zero: once, inside the bracket."""
-        if self.over(bracket, 1).sign() != direction:
-            raise NotSeparated(f"{named(self.guard)} may turn where it fires")
-        return root(self.at, self.over, bracket, self.box)
-
-    def landing(self, bracket: I) -> F | None:
-        """When a flight that began at rest ends: f = t^2 h, h falls through zero; None if not so.
-
-        Then f' = t^2 h' and f'' = t (4 h' + t h'') are negative where it lands.
-        """
-        jet, ranges = self.jet, self.ranges
-        if ranges[3].sign() != -1:
-            return None
-        kappa = self.kappa
-
-        def at(t: F | I, order: int = 0) -> F | I:
-            return height(jet, kappa, t, order)
-
-        def over_(t: I, order: int = 0) -> I:
-            found = height(ranges, kappa, t, order)
-            assert isinstance(found, I)
-            return found
-
-        try:
-            end = bracket.size
-            steps = [I.of(0), *[end * I.of(Fraction(k, 16)) for k in range(1, 17)]]
-            parts = [a.hull(b) for a, b in pairwise(steps)]
-            if any(over_(part, 1).sign() != -1 for part in (bracket, *parts)):
-                return None
-            four = I.of(4)
-            if (over_(bracket, 1) * four + bracket * over_(bracket, 2)).sign() != -1:
-                return None
-            return root(at, over_, bracket, self.box)
-        except NotSeparated:
-            return None
-
-
-def combined(f: Sequence[Any], s: Sequence[Any], t: Any, kappa: I, order: int) -> F | I:
-    """A derivative of f0 + f1 t + f2 s_2 + f3 s_3."""
-    terms: list[tuple[Any, Any]]
-    match order:
-        case 0:
-            terms = [(f[0], None), (f[1], t), (f[2], s[2]), (f[3], s[3])]
-        case 1:
-            terms = [(f[1], None), (f[2], s[1]), (f[3], s[2])]
-        case 2:
-            terms = [(f[2], s[0]), (f[3], s[1])]
-        case 3:
-            terms = [(f[3], s[0]), (f[2], s[1] * kappa)]
-        case _:
-            terms = [(f[2], s[0] * kappa), (f[3], s[1] * kappa)]
-    found: Any = None
-    for x, y in terms:
-        term = x if y is None else times(x, y)
-        found = term if found is None else plus(found, term)
-    return found  # type: ignore[no-any-return]
-
-
-def times(x: Any, y: Any) -> Any:
-    """A product of forms or numbers."""
-    if isinstance(x, I) and isinstance(y, F):
-        return y * x
-    return x * y
-
-
-def plus(x: Any, y: Any) -> Any:
-    """A sum of forms or numbers."""
-    if isinstance(x, F) and isinstance(y, I):
-        return x.plus(y)
-    if isinstance(x, I) and isinstance(y, F):
-        return y.plus(x)
-    return x + y
-
-
-def height(f: Sequence[Any], kappa: I, t: Any, order: int) -> F | I:
-    """H = f2 c_2 + f3 t c_3 and its derivatives; d c_k / dt = kappa t (c_(k+1) - k c_(k+2))."""
-    square = t * t
-    x = square * kappa
-    c = shapes(x, 7)
-
-    def less(k: int, n: int) -> Any:
-        first: Any = c[k]
-        return first - c[k + 1] * I.of(n)
-
-    second, third = less(3, 2), less(4, 3)
-    if order == 0:
-        return plus(times(f[2], c[2]), times(f[3], c[3] * t))  # type: ignore[no-any-return]
-    if order == 1:
-        a, b = second * t * kappa, third * x + c[3]
-    else:
-        bend_2 = third - less(5, 4) * I.of(2)
-        bend_3 = less(5, 4) - less(6, 5) * I.of(3)
-        a = (bend_2 * x + second) * kappa
-        b = (bend_3 * x + third * I.of(3)) * t * kappa
-    return plus(times(f[2], a), times(f[3], b))  # type: ignore[no-any-return]
-
-
-def root(at: Callable[..., Any], range_: Callable[..., I], bracket: I, box: Box) -> F:
-    """The zero of a function that is monotone on a bracket, as a form inside it.
-
-    From a polynomial t near the zero it is at most |f(t) / f'| away, with f' over the bracket; if
-    all places so near are in the bracket, f changes its sign between them.
-    """
-    span = box.span
-    t = constant(box, bracket.mid)
-    for k in range(40):
-        value, speed = at(t), at(t, 1)
-        step = thin(value.parts[0]) * inverse(thin(speed.parts[0]))
-        moved = thin(t.parts[0] - thin(step))
-        t = F(box, [moved, *t.parts[1:]])
-        if k > 3 and abs(float(step.first)) < 1e-25 and 2 ** (k - 3) >= span.terms:
-            break
-    slope = range_(bracket, 1)
-    value = at(t)
-    reach = (value.value / slope).size
-    reach = (reach + reach * I.of(Fraction(1, 2)) + I.of(Fraction(1, 10**28))).ball
-    whole = t.parts[0].wider(reach)
-    if not whole.range.within(bracket):
-        raise NotSeparated("an event lies outside its bracket")
-    fixed = F(box, [whole, *t.parts[1:]])
-    value, speed = at(fixed), at(fixed, 1)
-    down = inverse(speed.all[0])
-    curve = t.parts[0].wider(-(at(t).parts[0].range / slope))
-    found = [curve]
-    for n in range(1, box.depth):
-        part = value.parts[n]
-        if n > 2:
-            i, j = {3: (1, 1), 4: (1, 2), 5: (2, 2)}[n]
-            bend = at(fixed, 2).all[0]
-            part = part + speed.parts[i] * found[j] + speed.parts[j] * found[i]
-            part = part + bend * found[i] * found[j]
-        found.append(-(part * down))
-    return F(box, found)
-
-
-def thin(f: T) -> T:
-    """A polynomial near a Taylor model."""
-    return T(f.span, f.c)

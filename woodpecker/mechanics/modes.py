@@ -152,7 +152,7 @@ def change(toy: Toy, parameter: str) -> Floats:
     """Derivative of the numbers of :func:`model` in a parameter of the toy, shape CHANGE.
 
     Index combinations of pairs are left out: they follow from the rest
-    (:func:`woodpecker.mechanics.impacts.impact`).
+    (:mod:`woodpecker.mechanics.impacts`).
     """
     numbers, rates = np.full(SHAPE, np.nan), np.zeros(CHANGE)
     with np.errstate(all="ignore"):

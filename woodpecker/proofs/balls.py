@@ -27,6 +27,11 @@ def fraction(exact: Any) -> Fraction:
     return Fraction(int(mantissa)) * Fraction(2) ** int(exponent)
 
 
+def rounded(x: Fraction, digits: int) -> Fraction:
+    """A rational number, rounded to so many decimals."""
+    return Fraction(round(x * 10**digits), 10**digits)
+
+
 def decimal(x: Any, digits: int = DIGITS) -> Fraction:
     """The middle of a ball, rounded to so many decimals."""
-    return Fraction(round(fraction(x.mid()) * 10**digits), 10**digits)
+    return rounded(fraction(x.mid()), digits)

@@ -23,9 +23,9 @@ from flint import arb, arb_poly, arb_series
 
 from woodpecker.mechanics.toy import Toy
 from woodpecker.not_proved import Undecided
-from woodpecker.proofs.balls import ZERO, decimal, fraction, number
+from woodpecker.proofs.balls import ZERO, decimal, fraction, number, rounded
 from woodpecker.proofs.following import follow
-from woodpecker.proofs.forms import VALUE, Frame, sign
+from woodpecker.proofs.forms import VALUE, sign
 from woodpecker.proofs.model import BallToy
 from woodpecker.proofs.pieces import (
     Fractions,
@@ -38,57 +38,29 @@ from woodpecker.proofs.pieces import (
     proved,
     value_of,
 )
+from woodpecker.proofs.taylor import Frame
 from woodpecker.shooting import shoot
 
 Progress = Callable[[float], object]
 CURVE = 24  # decimals of points of curves [rad]
+PLACES = 15  # decimals of ends of pieces
 WIDENED = 16  # times that tubes are widened: once or twice is usual
 BISECTIONS = 14  # of a line, to see where the multiplier passes -1 on it
 WIDEST = Fraction(1, 1000)  # rad: no tube is made wider than that
 
-
-@dataclass(frozen=True)
-class March:
-    """How a branch is cut into pieces. No number here decides what is proved, only what it costs.
-
-    Attributes
-    ----------
-    terms
-        Coefficients along the branch.
-    part
-        Length of the first piece that is tried, in radii of convergence as the coefficients say;
-        later ones are tried a little longer than the last one that held.
-    longest
-        Of the interval, the longest piece.
-    pause
-        A piece that would be shorter takes landings near a plateau together, if there is one.
-    shortest, leap
-        The piece at which it is given up, and the longest gap over which it is taken up again, in
-        units of the parameter.
-    smooth
-        A radius of convergence above which the parameter runs evenly.
-    radius
-        First radius of the tubes [rad]: near the rounding of what is computed.
-    margin
-        How much wider than what was found in it a tube is made, if it was too narrow.
-    """
-
-    terms: int = 8
-    part: float = 0.5
-    longest: float = 0.05
-    pause: float = 3e-7
-    shortest: float = 1e-10
-    leap: float = 1e-6
-    smooth: float = 0.003
-    radius: Fraction = Fraction(1, 10**18)
-    margin: int = 2
-
-
-class Gap(NamedTuple):
-    """An interval of the parameter in which nothing is proved, and why."""
-
-    p: Fractions
-    reason: str
+# How a branch is cut into pieces. No number here decides what is proved, only what it costs.
+TERMS = 8  # coefficients along the branch
+PART = 0.5  # length of the first piece that is tried, in radii of convergence as the coefficients
+# say; later ones are tried a little longer than the last one that held
+LONGEST = 0.05  # piece, as a part of the interval
+PAUSE = Fraction(3, 10**7)  # a shorter piece takes landings near a plateau together, if any is
+SHORTEST = Fraction(1, 10**10)  # piece, in units of the parameter: then it is given up
+LEAP = Fraction(1, 10**6)  # the longest gap over which it is taken up again
+SMOOTH = 0.003  # a radius of convergence above which the parameter runs evenly
+RADIUS = Fraction(
+    1, 10**18
+)  # rad: first radius of the tubes, near the rounding of what is computed
+MARGIN = 2  # how much wider than what was found in it a tube is made, if it was too narrow
 
 
 @dataclass(frozen=True)
@@ -104,19 +76,18 @@ class ProvedBranch:
     pieces
         In ascending order of the parameter; each begins where the one before ends, or after a gap.
     gaps
-        Intervals between pieces in which nothing is proved, with the reason.
-    flips
-        Which of them hold a flip, exactly one each.
-    terms
-        Coefficients of the Taylor models that are enough.
+        Intervals between pieces in which nothing is proved.
     """
 
     toy: Toy
     parameter: str
     pieces: tuple[Tubes, ...]
-    gaps: tuple[Gap, ...]
-    flips: tuple[int, ...]
-    terms: int
+    gaps: tuple[Fractions, ...]
+
+    @property
+    def flips(self) -> tuple[int, ...]:
+        """Which pieces hold a flip, exactly one each."""
+        return tuple(k for k, piece in enumerate(self.pieces) if piece.turn is not None)
 
     @property
     def span(self) -> Fractions:
@@ -125,7 +96,7 @@ class ProvedBranch:
 
 
 def marched(
-    toy: Toy, parameter: str, span: Fractions, points: Sequence[float], march: March,
+    toy: Toy, parameter: str, span: Fractions, points: Sequence[float],
     progress: Progress,
 ) -> ProvedBranch:  # fmt: skip
     """Prove the branch through a cycle over an interval.
@@ -142,12 +113,11 @@ def marched(
     Undecided
         Where it could not be followed; the sentence says at which value, and why.
     """
-    walk = _Pieces(toy, parameter, span, march, [arb(x) for x in points])
+    walk = _Pieces(toy, parameter, span, [arb(x) for x in points])
     while walk.at < span.high:  # a part is proved or halved, or a gap grows until it is too long
         walk.go_on()
         progress(float((walk.at - span.low) / span.length))
-    flips = tuple(k for k, piece in enumerate(walk.pieces) if piece.turn is not None)
-    return ProvedBranch(toy, parameter, tuple(walk.pieces), tuple(walk.gaps), flips, march.terms)
+    return ProvedBranch(toy, parameter, tuple(walk.pieces), tuple(walk.gaps))
 
 
 class Planned(NamedTuple):
@@ -171,17 +141,15 @@ class Planned(NamedTuple):
 class _Pieces:
     """The pieces so far, and the lines that come next."""
 
-    def __init__(
-        self, toy: Toy, parameter: str, span: Fractions, march: March, points: Sequence[Any]
-    ) -> None:
-        self._toy, self._parameter, self._span, self._march = toy, parameter, span, march
-        self._points, self._ease = list(points), march.part
+    def __init__(self, toy: Toy, parameter: str, span: Fractions, points: Sequence[Any]) -> None:
+        self._toy, self._parameter, self._span = toy, parameter, span
+        self._points, self._ease = list(points), PART
         self._curves: list[Any] = []  # polynomials in p - base, good near base
         self._base, self._reach = span.low, 0.0
         self._flip: Fraction | None = None  # about where the multiplier passes -1 next
         self._plan: list[Planned] = []
         self.pieces: list[Tubes] = []
-        self.gaps: list[Gap] = []
+        self.gaps: list[Fractions] = []
         self.at = span.low
 
     def go_on(self) -> None:
@@ -208,7 +176,7 @@ class _Pieces:
     def _divide(self, planned: Planned, reason: str) -> None:
         """Plan a line that could not be proved in two halves, or about the flip on it."""
         line = planned.line
-        if line.interval.length < self._march.shortest:
+        if line.interval.length < SHORTEST:
             self._leap(reason)
             return
         self._ease = max(self._ease / 1.5, 1e-3)
@@ -223,18 +191,18 @@ class _Pieces:
 
     def _creeps(self, planned: Planned) -> bool:
         """Whether a plan that knows of no plateau comes so near to one that pieces are short."""
-        short = planned.line.interval.length < self._march.pause
+        short = planned.line.interval.length < PAUSE
         known = planned.plateaus or any(each.flips for each in self._plan)
         return short and not known and self._at_plateau()
 
     def _leap(self, reason: str) -> None:
         """Take the branch up again beyond a gap."""
-        low, gap = self.at, 4 * Fraction(self._march.shortest)
-        if self.gaps and self.gaps[-1].p.high == low:  # nothing was proved since
+        low, gap = self.at, 4 * SHORTEST
+        if self.gaps and self.gaps[-1].high == low:  # nothing was proved since
             last = self.gaps.pop()
-            low, gap = last.p.low, 2 * last.p.length
-        high = _rounded(low + gap)
-        if gap > self._march.leap or high >= self._span.high:
+            low, gap = last.low, 2 * last.length
+        high = rounded(low + gap, PLACES)
+        if gap > LEAP or high >= self._span.high:
             raise Undecided(
                 f"the branch could be followed to {self._parameter} = {float(low):.12g} only: "
                 f"{reason}"
@@ -243,16 +211,16 @@ class _Pieces:
         found = shoot(there, float(self._points[0]), len(self._points))
         if not found.success:
             raise Undecided(f"no cycle was found at {self._parameter} = {float(high):.12g}")
-        self.gaps.append(Gap(Fractions(low, high), reason))
+        self.gaps.append(Fractions(low, high))
         self._points, self._curves, self._plan = [arb(x) for x in found.points], [], []
         self.at = high
 
     def _next_line(self) -> Planned:
         """From where the last piece ends: with landings at a plateau, if series end early there."""
-        line, pause = self._along_series(), self._march.pause
-        if line.interval.length > pause or not self._at_plateau():
+        line = self._along_series()
+        if line.interval.length > PAUSE or not self._at_plateau():
             return Planned(line)
-        return Planned(self._plain(Fraction(pause)), plateaus=True)
+        return Planned(self._plain(PAUSE), plateaus=True)
 
     def _at_plateau(self) -> bool:
         """Whether a contact lands near a plateau where the last piece ends."""
@@ -271,11 +239,11 @@ class _Pieces:
         curves, durations = self._expanded()
         radius, bent = min((_radius(poly), k) for k, poly in enumerate([*curves, *durations]))
         length = self._span.length
-        if radius > self._march.smooth or bent < len(curves):
-            step = Fraction(min(self._ease * radius, self._march.longest * float(length)))
+        if radius > SMOOTH or bent < len(curves):
+            step = Fraction(min(self._ease * radius, LONGEST * float(length)))
             return self._plain(step)
         series = durations[bent - len(curves)]
-        own = arb_series([0, *series.coeffs()[1:]], self._march.terms).reversion()
+        own = arb_series([0, *series.coeffs()[1:]], TERMS).reversion()
         back = [c.mid() for c in own.coeffs()]
         if back[1] < 0:
             back = [c * (-1) ** k for k, c in enumerate(back)]
@@ -287,17 +255,16 @@ class _Pieces:
 
     def _plain(self, step: Fraction) -> Route:
         """A line over a step, or a little more where the span ends there."""
-        high = min(self._span.high, _rounded(self.at + step))
+        high = min(self._span.high, rounded(self.at + step, PLACES))
         if self._span.high - high < step / 4:
             high = self._span.high
         return Route.over(Fractions(self.at, high))
 
     def _expanded(self) -> tuple[list[Any], list[Any]]:
         """Series in the parameter where the last piece ends: of the points, and of durations."""
-        terms = self._march.terms
         near = Route((self.at, Fraction(1)), self._span.length / 10**4)
-        curves = self._near(near, terms)
-        frame = Frame(ZERO, ZERO, terms)
+        curves = self._near(near, TERMS)
+        frame = Frame(ZERO, ZERO, TERMS)
         model = BallToy.of(self._toy, self._parameter, frame, [number(c) for c in near.poly])
         polys, durations = [arb_poly([number(c) for c in curve]) for curve in curves], []
         for poly in polys:
@@ -338,19 +305,17 @@ class _Pieces:
 
     def _enclosed(self, planned: Planned) -> Tubes:
         """A piece over a line, in tubes that are widened as needed."""
-        march, line = self._march, planned.line
+        line = planned.line
         flips, plateaus = planned.flips, planned.plateaus
-        found = self._near(line, march.terms, plateaus)
+        found = self._near(line, TERMS, plateaus)
         curves = [_trimmed(curve, line.half) for curve in found]
-        radii = [march.radius] * len(curves)
+        radii = [RADIUS] * len(curves)
         for tries in range(WIDENED):
             tubes = [Tube(curve, radius) for curve, radius in zip(curves, radii, strict=True)]
             try:
-                piece = proved(
-                    self._toy, self._parameter, line, tubes, march.terms, flips, plateaus
-                )
+                piece = proved(self._toy, self._parameter, line, tubes, TERMS, flips, plateaus)
             except TooNarrow as found:
-                wider = [_above(abs(s).upper()) * march.margin for s in found.off]
+                wider = [_above(abs(s).upper()) * MARGIN for s in found.off]
                 if tries > 3 or any(r > WIDEST for r in wider):
                     raise
                 radii = [max(a, b) for a, b in zip(radii, wider, strict=True)]
@@ -374,8 +339,8 @@ class _Pieces:
 
     def _side(self, line: Route, tau: Fraction) -> int | None:
         """On which side of -1 the multiplier is at one place of a line."""
-        here = Route((_rounded(line.at(tau), 30),), Fraction(0))
-        tubes = [Tube(curve, self._march.radius) for curve in self._near(here, 1)]
+        here = Route((rounded(line.at(tau), 30),), Fraction(0))
+        tubes = [Tube(curve, RADIUS) for curve in self._near(here, 1)]
         return sign(proved(self._toy, self._parameter, here, tubes).multiplier + 1)
 
     def _about_flip(self, planned: Planned) -> list[Planned] | None:
@@ -510,13 +475,9 @@ def _trimmed(curve: Sequence[Fraction], half: Fraction) -> tuple[Fraction, ...]:
         places = 0
         while reach > Fraction(10) ** (places - CURVE):  # as many as it has digits
             places += 1
-        found.append(Fraction(round(c * 10**places), 10**places))
+        found.append(rounded(c, places))
         reach *= half
     return tuple(found)
-
-
-def _rounded(x: Fraction, digits: int = 15) -> Fraction:
-    return Fraction(round(x * 10**digits), 10**digits)
 
 
 def _above(x: Any) -> Fraction:

@@ -20,7 +20,7 @@ from pwmap.diagrams.files import write_whole
 from pwmap.diagrams.shown import brief
 from woodpecker.mechanics.toy import LAW, Toy
 from woodpecker.proofs.balls import fraction
-from woodpecker.proofs.branches import ProvedBranch
+from woodpecker.proofs.branches import TERMS, ProvedBranch
 from woodpecker.proofs.model import data
 from woodpecker.proofs.motions import Way
 from woodpecker.proofs.pieces import Tubes
@@ -198,12 +198,12 @@ def of_branch(branch: ProvedBranch, digits: int) -> Certificate:
     """One cycle for each value of a parameter, and how often its multiplier passes -1."""
     pieces = branch.pieces
     content = head(branch.toy, "branch", branch.parameter, len(pieces[0].tubes), digits) | {
-        "terms": branch.terms,
+        "terms": TERMS,
         "pieces": [piece_of(piece) for piece in pieces],
         "multiplier": [_claim(piece) for piece in pieces],
         "stable": [_stability(_claim(piece)) for piece in pieces],
         "flips": list(branch.flips),
-        "gaps": [[text(end) for end in gap.p] for gap in branch.gaps],
+        "gaps": [[text(end) for end in gap] for gap in branch.gaps],
     }
     content["span"] = [text(end) for end in branch.span]
     return sealed({"statement": branch_sentence(content), **content})

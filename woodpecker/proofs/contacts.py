@@ -1,6 +1,6 @@
 """Contact problems over a box: one solution by strict inequalities, every other one refuted.
 
-The same problems as in :mod:`woodpecker.mechanics.impacts` and
+The same problems as in :mod:`woodpecker.mechanics.contact_problems` and
 :mod:`woodpecker.simulation.settling`, but the answer holds for every start and parameter of a box,
 or there is none.
 """
@@ -12,11 +12,12 @@ from typing import Any, NamedTuple
 
 from flint import arb
 
-from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST
+from woodpecker.mechanics.cases import FORWARD, HOLD, REST
+from woodpecker.mechanics.contact_problems import one_contact_case
 from woodpecker.mechanics.modes import SIGN
 from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, ball
-from woodpecker.proofs.forms import box, reciprocal, sign
+from woodpecker.proofs.forms import box, sign
 from woodpecker.proofs.model import BallToy, sum_of
 
 Numbers = Sequence[Any]
@@ -100,28 +101,18 @@ def _single(
     model: BallToy, i: int, free: Numbers, floor: Any, approaches: bool
 ) -> Iterator[tuple[bool | None, Callable[[], BallPhase]]]:
     n, t = 2 * i, 2 * i + 1
-    g = model.delassus
+    g_nn, g_nt, g_tt = model.delassus[n][n], model.delassus[n][t], model.delassus[t][t]
     mu, (free_n, free_t) = ball(model.equations.mu[i]), free
     for case in range(6):
         normal, tangential = divmod(case, 3)
-        friction = ZERO if tangential == HOLD else (-mu if tangential == FORWARD else mu)
-        stiffness = g[n][n] + friction * g[n][t]
-        if tangential == HOLD and normal == REST:
-            over = reciprocal(g[n][n] * g[t][t] - g[n][t] * g[n][t])
-            p_n = (g[n][t] * free_t - g[t][t] * free_n) * over
-            p_t = (g[n][t] * free_n - g[n][n] * free_t) * over
-        elif normal == REST:
-            p_n = -free_n * reciprocal(stiffness)
-            p_t = friction * p_n
-        else:
-            p_n = floor
-            p_t = -(free_t + g[n][t] * floor) / g[t][t] if tangential == HOLD else friction * floor
-        v_n = ZERO if normal == REST else free_n + g[n][n] * p_n + g[n][t] * p_t
-        v_t = ZERO if tangential == HOLD else free_t + g[n][t] * p_n + g[t][t] * p_t
+        p_n, p_t = one_contact_case(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
+        v_n = ZERO if normal == REST else free_n + g_nn * p_n + g_nt * p_t
+        v_t = ZERO if tangential == HOLD else free_t + g_nt * p_n + g_tt * p_t
         if normal == REST:
             first = p_n - floor
             if approaches and tangential != HOLD:  # p_n = -free_n / stiffness, and the floor is 0
-                first = sign(stiffness) or first
+                friction = -mu if tangential == FORWARD else mu
+                first = sign(g_nn + friction * g_nt) or first
         else:
             first = -1 if approaches else v_n
         rest = _along(tangential, mu * p_n, p_t, v_t)
@@ -155,7 +146,9 @@ def _pair(
             holds = _combination(model, sleeve, cases, table, free, floors, expands, box)[0]
             if holds is False:
                 continue
-            holds, phase = _combination(model, sleeve, cases, table, free, floors, expands, _form)
+            holds, phase = _combination(
+                model, sleeve, cases, table, free, floors, expands, lambda x: x
+            )
             yield holds, lambda phase=phase: phase  # type: ignore[misc]
 
 
@@ -166,7 +159,7 @@ def _combination(
     """Whether a combination holds, and what it does; ``look`` takes forms or their ranges."""
     free, floors = [look(x) for x in free], [look(x) for x in floors]
     given = [*free, *floors]
-    p = [sum_of(look(c) * x for c, x in zip(row, given, strict=True)) for row in table]
+    p = [sum_of(c * x for c, x in zip(row, given, strict=True)) for row in table]
     at = (0, 1, 2 * sleeve, 2 * sleeve + 1)
     v: list[Any] = []
     for a in range(4):
@@ -176,20 +169,16 @@ def _combination(
             v.append(ZERO)
         else:
             g = model.delassus[at[a]]
-            v.append(free[a] + sum_of(look(g[at[b]]) * p[b] for b in range(4)))
+            v.append(free[a] + sum_of(g[at[b]] * p[b] for b in range(4)))
     coupled = expands and model.summed
     conditions: list[Any] = []
     for k, case in enumerate(cases):
         n, t = 2 * k, 2 * k + 1
-        mu = look(ball(model.equations.mu[0 if k == 0 else sleeve]))
+        mu = ball(model.equations.mu[0 if k == 0 else sleeve])
         conditions.append(p[n] - floors[k] if case // 3 == REST else v[n])
         bound = mu * (p[n] + p[2 - n]) if coupled else mu * p[n]
         conditions += _along(case % 3, bound, p[t], v[t])
     return verdict(conditions), BallPhase(cases, p, v)
-
-
-def _form(x: Any) -> Any:
-    return x
 
 
 def _not_unique() -> BallPhase:
@@ -258,12 +247,3 @@ def rests(model: BallToy, sleeve: int, d: Any) -> bool | None:
     e = model.equations
     load = [-(ball(x) + ball(y) * d) for x, y in zip(e.h_0, e.h_1, strict=True)]
     return _rest_is_possible(model, sleeve, load, [ZERO, ZERO], False)
-
-
-def mark(first: int, second: int | None, floor: Any) -> int:
-    """What compression and expansion did at one contact, see `impacts.MARKS`."""
-    compression = 2 if first // 3 == FREE else (1 if first % 3 == HOLD else 0)
-    if second is None:
-        return compression
-    usual = FREE if sign(floor) == 1 else REST
-    return compression + 3 * ((0 if second // 3 == usual else 2) + (second % 3 == HOLD))

@@ -21,7 +21,8 @@ from itertools import product
 from typing import Any
 
 from woodpecker.mechanics.cases import HOLD, REST
-from woodpecker.mechanics.impacts import MARKS
+from woodpecker.mechanics.contact_problems import UNSOLVED
+from woodpecker.mechanics.impacts import MARKS, mark
 from woodpecker.mechanics.modes import (
     ANGLE,
     CONE_NEGATIVE,
@@ -40,24 +41,25 @@ from woodpecker.mechanics.modes import (
 )
 from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, ball
-from woodpecker.proofs.contacts import impulses_of, mark, only, rests, verdict
+from woodpecker.proofs.contacts import impulses_of, only, rests, verdict
 from woodpecker.proofs.flights import landing
-from woodpecker.proofs.forms import Frame, box, centre, sign, start
+from woodpecker.proofs.forms import box, centre, sign, start
 from woodpecker.proofs.model import BallToy, State, sum_of
 from woodpecker.proofs.motions import (
     NO_GUARD,
     BallState,
-    Fired,
     ForkKind,
     OpenDecision,
     Way,
+    direction_of_slip,
     flown,
     hold,
-    name_of,
+    slip,
     touch,
 )
-from woodpecker.proofs.oscillator import Guard, ZeroCrossing, crossing
+from woodpecker.proofs.oscillator import Fired, Guard, crossing, name_of
 from woodpecker.proofs.pausing import paused
+from woodpecker.proofs.taylor import Frame
 from woodpecker.simulation.codes import DETACH, IMPACT, REVERSAL, SLIP_START, STICK_START
 from woodpecker.simulation.guards import first_root
 from woodpecker.simulation.words import word
@@ -188,9 +190,9 @@ def _next(model: BallToy, motion: BallState, plateaus: bool) -> list[BallState]:
         if found:
             return found
     fires = _fires(first, guesses[first.code])
-    if motion.since > 0 and not box(fires.time).lower() > motion.since:
+    if motion.since > 0 and not box(fires.duration).lower() > motion.since:
         raise Undecided("an event may follow at a plateau")
-    end = box(fires.time).upper()
+    end = box(fires.duration).upper()
     if not end > 0:
         raise Undecided("an event may lie in the past")
     rivals = [guard for guard in guards if guard is not first and not _survives(guard, end)]
@@ -198,11 +200,11 @@ def _next(model: BallToy, motion: BallState, plateaus: bool) -> list[BallState]:
         return _meeting(model, motion, first, fires, rivals, guesses)
     if not fires.lands and not _survives(first, fires.bracket.lower(), fires.bracket):
         raise Undecided(f"{name_of(first.code)} may fire earlier")
-    return _arrive(model, _moved(model, motion, first.code, fires))
+    return _arrive(model, _moved(model, motion, fires))
 
 
 def _meeting(
-    model: BallToy, motion: BallState, first: Guard, fires: ZeroCrossing, rivals: list[Guard],
+    model: BallToy, motion: BallState, first: Guard, fires: Fired, rivals: list[Guard],
     guesses: dict[int, float],
 ) -> list[BallState]:  # fmt: skip
     """Two gaps close nearly at once: both ways.
@@ -218,12 +220,14 @@ def _meeting(
     for guard in (first, second):
         if not _survives(guard, span.lower(), span):
             raise Undecided(f"{name_of(guard.code)} may fire earlier")
-    fork = OpenDecision(ForkKind.MEETING, second.at(fires.time), (first.code + 1, second.code + 1))
+    fork = OpenDecision(
+        ForkKind.MEETING, second.at(fires.duration), (first.code + 1, second.code + 1)
+    )
     found = []
-    for side, guard, ends in ((1, first, fires), (-1, second, other)):
+    for side, ends in ((1, fires), (-1, other)):
         way = motion.copy()
         way.forks.append((fork, side))
-        found += _arrive(model, _moved(model, way, guard.code, ends))
+        found += _arrive(model, _moved(model, way, ends))
     return found
 
 
@@ -244,7 +248,7 @@ def _guess(guard: Guard) -> float:
     return float(first_root(max(0.0, f0), f1, f2, f3, kappa, omega, math.inf))
 
 
-def _fires(guard: Guard, guess: float) -> ZeroCrossing:
+def _fires(guard: Guard, guess: float) -> Fired:
     """When a guard fires."""
     if guard.code == SECTION:
         turns = crossing(guard, guess, falls=1)
@@ -292,9 +296,9 @@ def _no_turn(guard: Guard, end: Any) -> bool:
     return False
 
 
-def _moved(model: BallToy, motion: BallState, fired: int, fires: ZeroCrossing) -> BallState:
+def _moved(model: BallToy, motion: BallState, fires: Fired) -> BallState:
     """The motion at the end of a phase, before its event."""
-    t = fires.time
+    t, fired = fires.duration, fires.guard
     after = motion.copy()
     states = motion.states
     after.q, after.u = flown(model.mode(states), motion.q, motion.u, t)
@@ -306,7 +310,7 @@ def _moved(model: BallToy, motion: BallState, fired: int, fires: ZeroCrossing) -
         if states[i] == STICK or (states[i] != OPEN and fired == SLIP + i):
             hold(model, after, i)
     after.time = motion.time + t
-    after.log.append(Fired(fired, fires.time, fires.bracket))
+    after.log.append(fires)
     after.fired, after.before = fired, states
     after.lands = fired if fires.lands else NO_GUARD
     after.leaves = after.stays = NO_GUARD
@@ -336,10 +340,7 @@ def _strike(model: BallToy, motion: BallState, contacts: list[int]) -> list[Ball
         j = ANGLE[i]
         rate = model.levers[i] * int(SIGN[i])
         free.append(u[j] * rate if i == striking else ZERO)
-        still = motion.states[i] == STICK
-        free.append(
-            ZERO if still else sum_of(w * v for w, v in zip(model.tangents[i], u, strict=True))
-        )
+        free.append(ZERO if motion.states[i] == STICK else slip(model, i, u))
     visible = sign(free[2 * contacts.index(striking)]) == -1
     approaches = not visible and motion.lands == striking and len(contacts) == 1
     if not visible and not approaches:
@@ -364,7 +365,9 @@ def _strike(model: BallToy, motion: BallState, contacts: list[int]) -> list[Ball
     for k, i in enumerate(contacts):
         mask += 1 << i
         case = last.cases[k]
-        marks[k] = mark(first.cases[k], None if second is None else second.cases[k], floors[k])
+        expansion = UNSOLVED if second is None else second.cases[k]
+        stores = 1.0 if sign(floors[k]) == 1 else 0.0
+        marks[k] = mark(first.cases[k], expansion, second is not None, stores)
         touch(model, motion, i)
         motion.orders[i] = 2 if case // 3 == REST else 1
         if case // 3 == REST:
@@ -404,7 +407,7 @@ def _settled(
     Every combination of states of the contacts that touch and stay is tried: each guard of theirs
     must be positive right after now, by its first derivative that is not exactly zero.
     """
-    slips = {i: 0 if i in motion.held else _slip(model, motion, i) for i in closed}
+    slips = {i: 0 if i in motion.held else direction_of_slip(model, i, motion.u) for i in closed}
     options = [[OPEN] if i not in closed else _options(slips[i]) for i in range(3)]
     trials = [_state(trial) for trial in product(*options) if _moves_as_one(trial)]
     verdicts = {trial: _admissible(model, motion, closed, trial) for trial in trials}
@@ -443,14 +446,6 @@ def _stays_or_leaves(
             )
         )
     return found
-
-
-def _slip(model: BallToy, motion: BallState, i: int) -> int:
-    """The direction of slip."""
-    s = sign(sum_of(w * v for w, v in zip(model.tangents[i], motion.u, strict=True)))
-    if not s:
-        raise Undecided(f"contact {i + 1} may slip or not")
-    return s
 
 
 def _options(slip: int) -> list[int]:

@@ -12,44 +12,17 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
-from functools import cached_property
 from typing import Any
 
 from flint import arb_poly, ctx
 
 from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, ball
-from woodpecker.proofs.taylor import Taylor, TaylorSpan, constant, cut, inverse
+from woodpecker.proofs.taylor import Frame, Taylor, constant, cut, inverse
 
 ALONG: tuple[tuple[int, ...], ...] = ((), (0,), (1,), (0, 0), (0, 1), (1, 1))
 """Derivatives that a form may carry: 0 is along s, 1 along p."""
 VALUE, S, P, SS, SP, PP = range(6)
-
-
-@dataclass(frozen=True)
-class Frame:
-    """The box of a form.
-
-    Attributes
-    ----------
-    s, p
-        Balls about zero: how far the start is from the curve, and p from the centre.
-    terms
-        Coefficients of polynomials in p.
-    depth
-        Of the derivatives that forms carry: 2 (the value and f_s), 3 (f_p too) or 6 (second ones).
-    """
-
-    s: Any
-    p: Any
-    terms: int = 1
-    depth: int = 2
-
-    @cached_property
-    def span(self) -> TaylorSpan:
-        """Of the parameter."""
-        return TaylorSpan(self.p, self.terms)
 
 
 @contextmanager
@@ -110,7 +83,7 @@ class Form:
     def __add__(self, other: Any) -> Form:
         if not isinstance(other, Form):
             value, *others = self.parts
-            return Form(self.frame, [value + constant(value.span, other), *others])
+            return Form(self.frame, [value + constant(value.frame, other), *others])
         return Form(self.frame, [a + b for a, b in zip(self.parts, other.parts, strict=True)])
 
     __radd__ = __add__
@@ -158,18 +131,19 @@ def chained(f: Form, value: Taylor, slope: Taylor, bend: Callable[[], Taylor]) -
 
 def start(frame: Frame, curve: Sequence[Any]) -> Form:
     """The start on a curve over p, given by coefficients, plus s."""
-    line = arb_poly(list(curve))
-    none, rate = arb_poly([]), line.derivative()
-    parts = [line, arb_poly([1]), rate, none, none, rate.derivative()]
-    return Form(frame, [cut(frame.span, part, ZERO) for part in parts[: frame.depth]])
+    return _polynomial(frame, curve, arb_poly([1]))
 
 
 def varying(frame: Frame, line: Sequence[Any]) -> Form:
     """The toy's parameter: coefficients of powers of p."""
-    poly, none = arb_poly(list(line)), arb_poly([])
+    return _polynomial(frame, line, arb_poly([]))
+
+
+def _polynomial(frame: Frame, coefficients: Sequence[Any], along_s: Any) -> Form:
+    poly, none = arb_poly(list(coefficients)), arb_poly([])
     rate = poly.derivative()
-    parts = [poly, none, rate, none, none, rate.derivative()]
-    return Form(frame, [cut(frame.span, part, ZERO) for part in parts[: frame.depth]])
+    parts = [poly, along_s, rate, none, none, rate.derivative()]
+    return Form(frame, [cut(frame, part, ZERO) for part in parts[: frame.depth]])
 
 
 def reciprocal(x: Any) -> Any:

@@ -1,8 +1,8 @@
 """The numbers of the toy, exact: motion in its modes, and what impulses do.
 
 The parameters are the rationals that a person writes, 3/10000 for 0.0003. So everything that the
-equations of motion need is rational, but the frequencies; along a parameter that moves masses,
-geometry or friction it is a form in that parameter.
+equations of motion need is rational, but the frequencies. Only a restitution may move, which does
+not enter them.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from itertools import product
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
-from flint import arb, fmpq
+from flint import fmpq, fmpq_mat
 
 from woodpecker.mechanics.cases import FORWARD, HOLD, REST
 from woodpecker.mechanics.equations import (
@@ -26,11 +26,12 @@ from woodpecker.mechanics.equations import (
     normal_directions,
     tangential_directions,
 )
-from woodpecker.mechanics.modes import ANGLE, OPEN, SIGN, SLIP_POSITIVE, STICK
+from woodpecker.mechanics.modes import OPEN, SIGN, SLIP_POSITIVE, STICK
 from woodpecker.mechanics.toy import ExpansionFriction, Toy, parameters
 from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ball
-from woodpecker.proofs.forms import Form, Frame, box, centre, sign, varying
+from woodpecker.proofs.forms import varying
+from woodpecker.proofs.taylor import Frame
 
 Numbers = Sequence[Any]
 State = tuple[int, int, int]
@@ -69,7 +70,7 @@ class BallToy:
     Attributes
     ----------
     values
-        The parameters by name, rationals of flint but the one that moves, which is a form.
+        The parameters by name, rationals of flint but a restitution that moves, which is a form.
     summed
         Whether the sum of normal impulses bounds friction in the expansion of a double impact.
     """
@@ -81,7 +82,7 @@ class BallToy:
     def of(
         cls, toy: Toy, moving: str = "", frame: Frame | None = None, line: Sequence[Any] = ()
     ) -> BallToy:
-        """The model of a toy; one of its parameters may move, as a polynomial in p."""
+        """The model of a toy; one of its restitutions may move, as a polynomial in p."""
         values: dict[str, Any] = {
             name: fmpq(x.numerator, x.denominator) for name, x in data(toy).items()
         }
@@ -152,8 +153,6 @@ class BallToy:
                 matrix[at + 1][at + 1] = fmpq(1)
                 matrix[at + 1][at] = e.mu[i] if states[i] == SLIP_POSITIVE else -e.mu[i]
         solution = solved(matrix, right)
-        for i in closed:  # exactly, also where a parameter moves
-            solution[ANGLE[i]] = [fmpq(0), fmpq(0)]
         a, b = ([row[k] for row in solution[:3]] for k in range(2))
         forces = {
             i: [ball(x) for x in (*solution[3 + 2 * k], *solution[4 + 2 * k])]
@@ -248,29 +247,9 @@ def sum_of(terms: Any) -> Any:
 
 
 def solved(matrix: list[list[Any]], right: list[list[Any]]) -> list[list[Any]]:
-    """Solve a linear system of rationals or forms; Undecided if it may be singular."""
-    n = len(matrix)
-    rows = [list(a) + list(b) for a, b in zip(matrix, right, strict=True)]
-    for i in range(n):
-        pivot = max(range(i, n), key=lambda k: _size(rows[k][i]))
-        if _size(rows[pivot][i]) == 0.0:
-            raise Undecided("a contact problem may be singular")
-        rows[i], rows[pivot] = rows[pivot], rows[i]
-        over = 1 / rows[i][i]
-        rows[i] = [x * over for x in rows[i]]
-        for k in range(n):
-            if k != i and not _vanishes(rows[k][i]):
-                factor = rows[k][i]
-                rows[k] = [x - y * factor for x, y in zip(rows[k], rows[i], strict=True)]
-    return [row[n:] for row in rows]
-
-
-def _size(x: Any) -> float:
-    """Modulus for the choice of a pivot; 0 where it may vanish."""
-    if isinstance(x, fmpq):
-        return abs(float(arb(x)))
-    return abs(float(centre(x))) if sign(x) else 0.0
-
-
-def _vanishes(x: Any) -> bool:
-    return (isinstance(x, fmpq) and x == 0) or (not isinstance(x, fmpq | Form) and box(x).is_zero())
+    """Solve a linear system of rationals; Undecided if it is singular."""
+    try:
+        found: list[list[Any]] = fmpq_mat(matrix).solve(fmpq_mat(right)).tolist()
+    except ZeroDivisionError:
+        raise Undecided("a contact problem is singular") from None
+    return found

@@ -7,14 +7,14 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Any, NamedTuple
 
-from woodpecker.mechanics.modes import ANGLE, SECTION
+from woodpecker.mechanics.modes import ANGLE
+from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO
-from woodpecker.proofs.forms import Form
-from woodpecker.proofs.model import BallToy, Mode, State
-from woodpecker.proofs.oscillator import stumpff
+from woodpecker.proofs.forms import Form, sign
+from woodpecker.proofs.model import BallToy, Mode, State, sum_of
+from woodpecker.proofs.oscillator import Fired, stumpff
 
 NO_GUARD = -1
-KINDS = ("gap", "normal", "cone+", "cone-", "slip", "section")
 
 
 class ForkKind(Enum):
@@ -41,28 +41,6 @@ class OpenDecision(NamedTuple):
     kind: ForkKind
     comparator: Form
     contacts: tuple[int, ...]
-
-
-class Fired(NamedTuple):
-    """The guard that ended a phase, the duration of the phase, and a bracket of it.
-
-    In the bracket the guard falls, from every start in the box, and passes zero. At a plateau the
-    phase is taken to end in its middle; the contact strikes after that (1) or before (-1), and has
-    come to stay within the bracket.
-    """
-
-    guard: int
-    duration: Form
-    bracket: Any
-    plateau: int = 0
-
-    @property
-    def name(self) -> str:
-        """The guard as text, such as ``"gap 2"`` or ``"plateau+ 2"``."""
-        name = name_of(self.guard)
-        if self.plateau:
-            return name.replace("gap", "plateau+" if self.plateau == 1 else "plateau-")
-        return name
 
 
 class Way(NamedTuple):
@@ -169,7 +147,14 @@ def hold(model: BallToy, motion: BallState, i: int) -> None:
     motion.u[0] = -(w_m * motion.u[1] + w_s * motion.u[2])
 
 
-def name_of(guard: int) -> str:
-    """A guard as text, such as ``"gap 2"``."""
-    kind = KINDS[guard // 3]
-    return kind if guard == SECTION else f"{kind} {guard % 3 + 1}"
+def slip(model: BallToy, i: int, u: Sequence[Any]) -> Any:
+    """Tangential velocity of a contact."""
+    return sum_of(w * v for w, v in zip(model.tangents[i], u, strict=True))
+
+
+def direction_of_slip(model: BallToy, i: int, u: Sequence[Any]) -> int:
+    """Its sign; Undecided where it may slip or not."""
+    found = sign(slip(model, i, u))
+    if not found:
+        raise Undecided(f"contact {i + 1} may slip or not")
+    return found

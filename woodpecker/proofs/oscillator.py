@@ -11,15 +11,17 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from flint import arb, arb_poly, ctx
+from flint import arb, ctx
 
+from woodpecker.mechanics.modes import SECTION
 from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO
 from woodpecker.proofs.forms import ALONG, VALUE, Form, box, chained, sign
 from woodpecker.proofs.stumpff import shape_models, stumpff_balls, stumpff_models
-from woodpecker.proofs.taylor import Taylor, constant, inverse
+from woodpecker.proofs.taylor import Taylor, constant, inverse, thin
 
 Derivatives = Callable[[int], Any]
+KINDS = ("gap", "normal", "cone+", "cone-", "slip", "section")
 MOST_PARTS = 2**16  # of a phase in which a guard is shown positive: an unstable cycle takes 2**13
 HALVINGS = 40  # of a phase in which a guard is shown to be positive: a millionth of a millionth
 
@@ -151,26 +153,49 @@ def _value(
             return kappa * (f2 * s[0] + f3 * s[1])
 
 
-class ZeroCrossing(NamedTuple):
-    """When a guard crosses zero.
+class Fired(NamedTuple):
+    """The guard that ends a phase, the duration of the phase, and a bracket of it.
+
+    In the bracket the guard crosses zero once from every start of the box, and its derivative has
+    one sign. At a plateau the phase is taken to end in its middle; the contact strikes after that
+    (1) or before (-1), and has come to stay within the bracket.
 
     Attributes
     ----------
-    time
+    guard
+        Its code.
+    duration
         As a form.
     bracket
-        A ball of times in which the guard crosses once from every start of the box, and in which
-        its derivative has one sign.
+        A ball of times.
+    plateau
+        0 if it is none.
     lands
         Whether it is the end of a flight that began at rest.
     """
 
-    time: Any
+    guard: int
+    duration: Form
     bracket: Any
+    plateau: int = 0
     lands: bool = False
 
+    @property
+    def name(self) -> str:
+        """The guard as text, such as ``"gap 2"`` or ``"plateau+ 2"``."""
+        name = name_of(self.guard)
+        if self.plateau:
+            return name.replace("gap", "plateau+" if self.plateau == 1 else "plateau-")
+        return name
 
-def crossing(guard: Guard, guess: float, falls: int = -1) -> ZeroCrossing:
+
+def name_of(guard: int) -> str:
+    """A guard as text, such as ``"gap 2"``."""
+    kind = KINDS[guard // 3]
+    return kind if guard == SECTION else f"{kind} {guard % 3 + 1}"
+
+
+def crossing(guard: Guard, guess: float, falls: int = -1) -> Fired:
     """When a guard crosses zero near a guess, with a derivative of the sign ``falls``.
 
     Raises
@@ -178,7 +203,7 @@ def crossing(guard: Guard, guess: float, falls: int = -1) -> ZeroCrossing:
     Undecided
         If this could not be shown.
     """
-    return ZeroCrossing(*zero(guard.near, guard.over, guess, falls))
+    return Fired(guard.code, *zero(guard.near, guard.over, guess, falls))
 
 
 def zero(
@@ -219,17 +244,17 @@ def zero(
 def _approximate(at: Callable[[Any], Derivatives], guess: float) -> Form:
     """A polynomial near the zero on the curve: Newton's method on Taylor models, without rests."""
     frame = at(arb(guess))(0).frame
-    t = Form(frame, [constant(frame.span, arb(guess)), *_nothing(frame)])
+    t = Form(frame, [constant(frame, arb(guess)), *_nothing(frame)])
     correct = 0  # coefficients that are right but for rounding
     for _ in range(60):
         there = at(t)
         value, speed = there(0).parts[VALUE], there(1).parts[VALUE]
         if speed.poly[0].contains(0):
             raise Undecided("a guard turns where it fires")
-        step = _thin(value) * inverse(_thin(speed))
-        poly = t.parts[VALUE].poly - step.poly
-        poly = arb_poly([c.mid() for c in poly.coeffs()])
-        t = Form(frame, [Taylor(frame.span, poly, ZERO), *_nothing(frame)])
+        exact = [Taylor(frame, thin(part.poly, frame.terms), ZERO) for part in (value, speed)]
+        step = exact[0] * inverse(exact[1])
+        poly = thin(t.parts[VALUE].poly - step.poly, frame.terms)
+        t = Form(frame, [Taylor(frame, poly, ZERO), *_nothing(frame)])
         if abs(step.poly[0].mid()) < arb(2) ** (12 - ctx.prec):
             correct = 1 if correct == 0 else 2 * correct
             if correct >= frame.terms:
@@ -239,12 +264,8 @@ def _approximate(at: Callable[[Any], Derivatives], guess: float) -> Form:
     raise Undecided("the time of an event has no enclosure")
 
 
-def _thin(f: Taylor) -> Taylor:
-    return Taylor(f.span, arb_poly([c.mid() for c in f.poly.coeffs()]), ZERO)
-
-
 def _nothing(frame: Any) -> Sequence[Taylor]:
-    return [constant(frame.span, ZERO)] * (frame.depth - 1)
+    return [constant(frame, ZERO)] * (frame.depth - 1)
 
 
 def _form(

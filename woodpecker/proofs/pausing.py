@@ -8,22 +8,25 @@ from typing import Any, NamedTuple
 from flint import arb
 
 from woodpecker.mechanics.cases import REST
+from woodpecker.mechanics.contact_problems import UNSOLVED
+from woodpecker.mechanics.impacts import mark
 from woodpecker.mechanics.modes import ANGLE, NORMAL, OPEN, SIGN, SLIP_NEGATIVE, SLIP_POSITIVE
 from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, ball
-from woodpecker.proofs.contacts import impulses_of, mark
+from woodpecker.proofs.contacts import impulses_of
 from woodpecker.proofs.forms import VALUE, Form, box, sign
-from woodpecker.proofs.model import BallToy, State, sum_of
+from woodpecker.proofs.model import BallToy, State
 from woodpecker.proofs.motions import (
     NO_GUARD,
     BallState,
-    Fired,
     ForkKind,
     OpenDecision,
+    direction_of_slip,
     flown,
+    slip,
     touch,
 )
-from woodpecker.proofs.oscillator import Guard
+from woodpecker.proofs.oscillator import Fired, Guard
 from woodpecker.proofs.plateaus import Landed, Plateau, effect
 from woodpecker.simulation.codes import DETACH, IMPACT
 
@@ -146,15 +149,9 @@ def _pause(first: Guard, guess: float) -> _Pause | None:
     return _Pause(first.code, middle, f3, f0 + f3 * fallen, -(f0 / f3) - fallen)
 
 
-def _slip(model: BallToy, i: int, u: Sequence[Any]) -> Any:
-    return sum_of(w * v for w, v in zip(model.tangents[i], u, strict=True))
-
-
 def _slide(model: BallToy, i: int, u: Sequence[Any]) -> _Slide:
     """How the contact slides."""
-    direction = sign(_slip(model, i, u))
-    if not direction:
-        raise Undecided(f"contact {i + 1} may slip or not")
+    direction = direction_of_slip(model, i, u)
     states = [OPEN] * 3
     states[i] = SLIP_POSITIVE if direction == 1 else SLIP_NEGATIVE
     friction = ball(model.equations.mu[i]) * -direction
@@ -209,10 +206,10 @@ def _clear(
                 raise Undecided("something may happen while a contact lands at a plateau")
     seen += [_stopped(slide, u, j)]
     for velocities in seen:
-        if sign(_slip(model, i, velocities)) != slide.direction:
+        if direction_of_slip(model, i, velocities) != slide.direction:
             raise Undecided(f"contact {i + 1} may slip or not")
         speed = velocities[j] * (model.levers[i] * int(SIGN[i]))
-        approach = [speed, _slip(model, i, velocities)]
+        approach = [speed, slip(model, i, velocities)]
         if impulses_of(model, [i], approach, None, True).cases[0] // 3 != REST:
             raise Undecided("an impact is not decided")
 
@@ -225,4 +222,4 @@ def _stopped(slide: _Slide, u: Sequence[Any], j: int) -> list[Any]:
 def _mark(model: BallToy, slide: _Slide, i: int) -> int:
     """What the impact does, see `impacts.MARKS`."""
     case = impulses_of(model, [i], [ZERO, arb(slide.direction)], None, True).cases[0]
-    return mark(case, None, ZERO)
+    return mark(case, UNSOLVED, False, 0.0)

@@ -21,10 +21,10 @@ from woodpecker.mechanics.toy import Toy
 from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, decimal, number
 from woodpecker.proofs.following import follow
-from woodpecker.proofs.forms import SP, SS, VALUE, Form, Frame, P, S
+from woodpecker.proofs.forms import SP, SS, VALUE, Form, P, S
 from woodpecker.proofs.model import BallToy
 from woodpecker.proofs.motions import ForkKind, Way
-from woodpecker.proofs.taylor import Taylor, inverse
+from woodpecker.proofs.taylor import Frame, Taylor, cut, inverse, thin
 
 ROOM = 0.7  # of a tube that may be filled: other arithmetic needs some room, too
 STEPS = 12  # of Newton's method at most
@@ -262,10 +262,7 @@ def _turn(tubes: Sequence[Tube], ways: Sequence[Way], slopes: Sequence[Any]) -> 
 def _line(frame: Frame, tube: Tube, rate: bool = False) -> Taylor:
     """A tube's curve, or its derivative, as a Taylor model."""
     poly = arb_poly([number(c) for c in tube.curve])
-    poly = poly.derivative() if rate else poly
-    n = frame.terms
-    rest = poly.right_shift(n)(frame.p) * frame.span.power if poly.degree() >= n else ZERO
-    return Taylor(frame.span, poly.truncate(n), rest)
+    return cut(frame, poly.derivative() if rate else poly, ZERO)
 
 
 def _hull(balls: Sequence[Any]) -> Any:
@@ -303,10 +300,10 @@ def curves_near(
         misses, slopes = [], []
         for k, curve in enumerate(curves):
             image = nearest(follow(model, frame, curve.coeffs(), plateaus)).image.parts
-            misses.append(_thin(image[VALUE].poly - curves[(k + 1) % len(curves)], terms))
-            slopes.append(_thin(image[S].poly, terms))
+            misses.append(thin(image[VALUE].poly - curves[(k + 1) % len(curves)], terms))
+            slopes.append(thin(image[S].poly, terms))
         steps = _series_around(frame, misses, slopes)
-        curves = [_thin(curve + step, terms) for curve, step in zip(curves, steps, strict=True)]
+        curves = [thin(curve + step, terms) for curve, step in zip(curves, steps, strict=True)]
         if all(_reach(step, half) < CLOSE for step in steps):
             break
     return [tuple(decimal(c) for c in curve.coeffs()) for curve in curves]
@@ -325,21 +322,17 @@ def nearest(ways: Sequence[Way]) -> Way:
     )
 
 
-def _thin(poly: Any, terms: int) -> Any:
-    return arb_poly([c.mid() for c in poly.truncate(terms).coeffs()])
-
-
 def _series_around(frame: Frame, e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
     """The same as :func:`around` for series."""
     n, terms = len(e), frame.terms
     product = arb_poly([1])
     for slope in slopes:
         product = (product * slope).truncate(terms)
-    over = inverse(Taylor(frame.span, _thin(1 - product, terms), ZERO)).poly
+    over = inverse(Taylor(frame, thin(1 - product, terms), ZERO)).poly
     found = []
     for i in range(n):
         total = arb_poly([])
         for k in range(i, i + n):
             total = (e[k % n] + slopes[k % n] * total).truncate(terms)
-        found.append(_thin(total * over, terms))
+        found.append(thin(total * over, terms))
     return found

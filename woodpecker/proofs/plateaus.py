@@ -191,11 +191,11 @@ def _integral(powers: dict[int, Any], z: Any, factor: Any = 1, lever: bool = Fal
 
 def effect(eta: Form, on_curve: SmallTerm, near: SmallTerm) -> Form:
     """A small term as a form; it has no second derivatives."""
-    span = eta.parts[VALUE].span
+    frame = eta.parts[VALUE].frame
     if len(eta.parts) > 3:
         raise Undecided("a return is once differentiable only where a contact lands at a plateau")
 
     def wide(ball: Any) -> Taylor:
-        return Taylor(span, arb_poly([ball.mid()]), ball - ball.mid())
+        return Taylor(frame, arb_poly([ball.mid()]), ball - ball.mid())
 
     return chained(eta, wide(on_curve.value), wide(near.slope), lambda: wide(ZERO))

@@ -24,9 +24,10 @@ from woodpecker.mechanics.toy import Toy
 from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import decimal, number
 from woodpecker.proofs.following import follow
-from woodpecker.proofs.forms import Form, Frame, P, S, sign
+from woodpecker.proofs.forms import Form, P, S, sign
 from woodpecker.proofs.model import BallToy
 from woodpecker.proofs.motions import ForkKind, OpenDecision, Way
+from woodpecker.proofs.taylor import Frame
 
 FIRST, SHRINK, LAST = Fraction(1, 10**11), 10**6, Fraction(1, 10**25)  # radii of the boxes
 DECIMALS = 40

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
 from typing import NamedTuple
@@ -15,7 +15,14 @@ from woodpecker.base.executors import processes
 from woodpecker.mechanics.toy import Toy
 from woodpecker.not_proved import Undecided
 from woodpecker.proofs import certificates
-from woodpecker.proofs.branches import March, PieceEnd, ProvedBranch, end_of, joined, marched
+from woodpecker.proofs.branches import (
+    PieceEnd,
+    Progress,
+    ProvedBranch,
+    end_of,
+    joined,
+    marched,
+)
 from woodpecker.proofs.certificates import Certificate
 from woodpecker.proofs.forms import precision
 from woodpecker.proofs.model import rational
@@ -30,8 +37,6 @@ INNER = Fraction(1, 10**22)  # rad: the box in which an orbit is found
 OUTER = [Fraction(n, 10**k) for k in range(3, 20) for n in (5, 2, 1)]  # rad: boxes in which it is
 # tried to show that it is the only one, the largest first
 AT = "eps_n1"  # the parameter that a certificate of an orbit names
-
-Progress = Callable[[float], object]
 
 
 def prove_orbit(orbit: PeriodicOrbit) -> Certificate:
@@ -115,7 +120,7 @@ Task = tuple[Toy, str, Fractions, tuple[float, ...]]
 def _march(task: Task, progress: Progress) -> ProvedBranch:
     toy, parameter, span, points = task
     with precision(BITS["branch"]):
-        return marched(toy, parameter, span, points, March(), progress)
+        return marched(toy, parameter, span, points, progress)
 
 
 class BranchPart(NamedTuple):

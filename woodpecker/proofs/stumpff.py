@@ -19,7 +19,7 @@ LARGEST = 64  # of |x|, where the terms of a series soon fall
 
 def stumpff_models(kappa: Any, t: Taylor, first: int, last: int) -> list[Taylor]:
     """s_first .. s_last of a time, for a ball kappa; s_(-1) = kappa s_1, s_(-2) = kappa s_0."""
-    n = t.span.terms
+    n = t.frame.terms
     thin, wide, head = (_table(kappa, at, n, last) for at in (t.poly[0], t.box, t.head))
     found = []
     for k in range(first, last + 1):
@@ -38,7 +38,7 @@ def _table(kappa: Any, t: Any, n: int, last: int) -> dict[int, Any]:
 
 def shape_models(x: Taylor, last: int) -> list[list[Taylor]]:
     """c_0 .. c_last of a Taylor model, and their first two derivatives."""
-    n = x.span.terms
+    n = x.frame.terms
     thin, wide, head = (_derivatives(at, n + 3, last) for at in (x.poly[0], x.box, x.head))
     return [
         [

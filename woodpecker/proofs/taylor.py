@@ -18,19 +18,23 @@ from woodpecker.proofs.balls import ZERO
 
 
 @dataclass(frozen=True)
-class TaylorSpan:
-    """An interval of the parameter about a centre.
+class Frame:
+    """A box of starts and parameters.
 
     Attributes
     ----------
-    p
-        Ball about zero.
+    s, p
+        Balls about zero: how far the start is from a curve, and the parameter from its centre.
     terms
-        Coefficients of polynomials, at least one.
+        Coefficients of polynomials in p, at least one.
+    depth
+        Of the derivatives that forms carry: 2 (the value and f_s), 3 (f_p too) or 6 (second ones).
     """
 
+    s: Any
     p: Any
-    terms: int
+    terms: int = 1
+    depth: int = 2
 
     @cached_property
     def power(self) -> Any:
@@ -44,11 +48,11 @@ def _even(p: Any, n: int) -> Any:
 
 
 class Taylor:
-    """A function over a span.
+    """A function over the interval of a frame.
 
     Attributes
     ----------
-    span
+    frame
         Where.
     poly, rest
         f(p) is in poly(p) + rest.
@@ -56,54 +60,54 @@ class Taylor:
         Range of the polynomial, and of the function.
     """
 
-    __slots__ = ("box", "head", "poly", "rest", "span")
+    __slots__ = ("box", "frame", "head", "poly", "rest")
 
-    def __init__(self, span: TaylorSpan, poly: Any, rest: Any) -> None:
-        self.span, self.poly, self.rest = span, poly, rest
-        self.head = poly(span.p) if span.terms > 1 else poly[0]
+    def __init__(self, frame: Frame, poly: Any, rest: Any) -> None:
+        self.frame, self.poly, self.rest = frame, poly, rest
+        self.head = poly(frame.p) if frame.terms > 1 else poly[0]
         self.box = self.head + rest
 
     def plus(self, ball: Any) -> Taylor:
         """The function plus a ball; thin ones go to the polynomial."""
-        if ball.rad() > self.span.p.rad():
-            return Taylor(self.span, self.poly, self.rest + ball)
-        return Taylor(self.span, self.poly + ball, self.rest)
+        if ball.rad() > self.frame.p.rad():
+            return Taylor(self.frame, self.poly, self.rest + ball)
+        return Taylor(self.frame, self.poly + ball, self.rest)
 
     def widened(self, ball: Any) -> Taylor:
         """The function plus something in a ball."""
-        return Taylor(self.span, self.poly, self.rest + ball)
+        return Taylor(self.frame, self.poly, self.rest + ball)
 
     def __neg__(self) -> Taylor:
-        return Taylor(self.span, -self.poly, -self.rest)
+        return Taylor(self.frame, -self.poly, -self.rest)
 
     def __add__(self, other: Taylor) -> Taylor:
-        return Taylor(self.span, self.poly + other.poly, self.rest + other.rest)
+        return Taylor(self.frame, self.poly + other.poly, self.rest + other.rest)
 
     def __sub__(self, other: Taylor) -> Taylor:
-        return Taylor(self.span, self.poly - other.poly, self.rest - other.rest)
+        return Taylor(self.frame, self.poly - other.poly, self.rest - other.rest)
 
     def __mul__(self, other: Any) -> Taylor:
-        span = self.span
+        frame = self.frame
         if not isinstance(other, Taylor):
-            return Taylor(span, self.poly * other, self.rest * other)
+            return Taylor(frame, self.poly * other, self.rest * other)
         rest = self.rest * other.box + self.head * other.rest
-        return cut(span, self.poly * other.poly, rest)
+        return cut(frame, self.poly * other.poly, rest)
 
     __rmul__ = __mul__
 
 
-def cut(span: TaylorSpan, poly: Any, rest: Any) -> Taylor:
+def cut(frame: Frame, poly: Any, rest: Any) -> Taylor:
     """A polynomial of any degree, and a rest."""
-    n = span.terms
+    n = frame.terms
     if poly.degree() >= n:
-        rest = rest + poly.right_shift(n)(span.p) * span.power
+        rest = rest + poly.right_shift(n)(frame.p) * frame.power
         poly = poly.truncate(n)
-    return Taylor(span, poly, rest)
+    return Taylor(frame, poly, rest)
 
 
-def constant(span: TaylorSpan, value: Any) -> Taylor:
+def constant(frame: Frame, value: Any) -> Taylor:
     """A number that does not vary."""
-    return Taylor(span, arb_poly([value]), ZERO)
+    return Taylor(frame, arb_poly([value]), ZERO)
 
 
 def composed(f: Taylor, thin: Sequence[Any], slope: Any, last: Any) -> Taylor:
@@ -118,21 +122,26 @@ def composed(f: Taylor, thin: Sequence[Any], slope: Any, last: Any) -> Taylor:
     last
         Range of the next Taylor coefficient, g^(n) / n!, over the range of f's polynomial.
     """
-    span = f.span
-    n = span.terms
+    frame = f.frame
+    n = frame.terms
     if n == 1:
-        return Taylor(span, arb_poly([thin[0]]), f.rest * slope)
+        return Taylor(frame, arb_poly([thin[0]]), f.rest * slope)
     move = f.poly - f.poly[0]
-    reach = move(span.p)
+    reach = move(frame.p)
     tail = last * (reach**n if not reach.contains(0) else _even(reach, n))
-    return cut(span, arb_poly(list(thin[:n]))(move), tail + f.rest * slope)
+    return cut(frame, arb_poly(list(thin[:n]))(move), tail + f.rest * slope)
 
 
 def inverse(f: Taylor) -> Taylor:
     """1 / f, where f has no zero."""
-    n = f.span.terms
+    n = f.frame.terms
     over, wide, head = 1 / f.poly[0], 1 / f.box, 1 / f.head
     thin = [over]
     for _ in range(n - 1):
         thin.append(-thin[-1] * over)
     return composed(f, thin, -wide * wide, (-1) ** n * head ** (n + 1))
+
+
+def thin(poly: Any, terms: int) -> Any:
+    """A polynomial of so many terms, with the middles of its coefficients."""
+    return arb_poly([c.mid() for c in poly.truncate(terms).coeffs()])

@@ -8,8 +8,6 @@ branches known as the run that was interrupted.
 
 from __future__ import annotations
 
-import base64
-import json
 import os
 from collections import deque
 from collections.abc import Hashable, Sequence
@@ -18,24 +16,21 @@ from typing import Any
 
 import numpy as np
 
-from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
-from woodpecker.base.arrays import Floats
-from woodpecker.base.checkpoint import Checkpoint, Entry, checked_number, checked_type, read
+from pwmap.diagrams.encoding import from_plain, to_plain
+from woodpecker.base.checkpoint import Checkpoint, Entry, read
 from woodpecker.base.settings import Settings
 from woodpecker.engine.germs import sides
 from woodpecker.engine.line import LineMap
-from woodpecker.engine.tracing import Change
 from woodpecker.maps.pieces import PiecewiseMap
-from woodpecker.search.curves import BranchCurve, Word
+from woodpecker.search.curves import BranchCurve, Keys
 from woodpecker.search.ends import Collision, End
 from woodpecker.search.explorer import Finished, Kept, Seen, Step
 from woodpecker.search.network import Network
 from woodpecker.search.search import Past
 
-CURVES, DONE, SWITCHED, SLICE = "curves", "done", "switched", "slice"  # kinds of entries
-COST = "evaluations"  # beside all but a slice, which has its own
-STARTS = "starts"  # of a special point that is done
-VERSION = 6  # of the lines below; raised when older code would misread them
+LINES: dict[str, type] = {"followed": Kept, "done": Finished, "slice": Seen}
+"""What a line holds, by the name that it gives it: one record, encoded by its types."""
+VERSION = 7  # of the lines; raised when older code would misread them
 
 
 class Record:
@@ -64,8 +59,9 @@ class Record:
     """
 
     def __init__(self, path: str | os.PathLike[str], run: Entry, *, resume: bool = False) -> None:
-        self._file = Checkpoint(path, run, version=VERSION, check=check_entry, resume=resume)
-        self.entries, self.path = self._file.entries, self._file.path
+        self._file = Checkpoint(path, run, version=VERSION, parsed=record_of, resume=resume)
+        self.path = self._file.path
+        self.entries: list[Step | Seen] = self._file.entries
 
     def followed(self, curves: Sequence[BranchCurve], evaluations: int = 0) -> None:
         """Keep the curves that a task has come to.
@@ -77,7 +73,7 @@ class Record:
         evaluations
             How often the map was evaluated for them.
         """
-        self._file.write({CURVES: [_of_curve(curve) for curve in curves], COST: evaluations})
+        self._file.write(entry_of(Kept(tuple(curves), evaluations)))
 
     def done(self, met: Collision | End, starts: int, evaluations: int = 0) -> None:
         """Keep that all that starts at the next special point was followed.
@@ -91,8 +87,8 @@ class Record:
         evaluations
             How often the map was evaluated to know that.
         """
-        kind = DONE if isinstance(met, Collision) else SWITCHED
-        self._file.write({kind: met.p, STARTS: starts, COST: evaluations})
+        switches = isinstance(met, End)
+        self._file.write(entry_of(Finished(met.p, evaluations, starts, switches)))
 
     def seen(self, found: Seen) -> None:
         """Keep that all that a slice shows was followed.
@@ -102,20 +98,60 @@ class Record:
         found
             What the slice shows.
         """
-        self._file.write({SLICE: found._asdict()})
+        self._file.write(entry_of(found))
 
     def close(self) -> None:
         """Close the file."""
         self._file.close()
 
 
-def read_record(path: str | os.PathLike[str]) -> tuple[Entry, list[Entry]]:
-    """What a checkpoint says of its run, and its entries so far; ValueError if it is none."""
-    return read(path, version=VERSION, check=check_entry)
+def entry_of(record: Step | Seen) -> Entry:
+    """What a line says of a record.
+
+    Raises
+    ------
+    TypeError
+        If a piece of a curve has a key that cannot be kept.
+    """
+    if isinstance(record, Kept):
+        for keys in (word.keys for curve in record.curves for word in curve.words):
+            _check_kept(keys)
+    return {name: to_plain(record) for name, kind in LINES.items() if isinstance(record, kind)}
+
+
+def record_of(entry: Entry) -> Step | Seen:
+    """What an entry says; an error of a lookup, a TypeError or a ValueError if nothing."""
+    ((name, data),) = entry.items()
+    record: Step | Seen = from_plain(data, LINES[name])
+    for curve in record.curves if isinstance(record, Kept) else ():
+        if not len(curve.parameter) == len(curve.multiplier) == len(curve.points) > 0:
+            raise ValueError("a curve has as many points as parameters")
+        for met in (end.collision for end in curve.ends):
+            if met is not None and not 0 < len(met.x) == len(met.kinds):
+                raise ValueError("a collision has a kind for each of its points")
+    return record
+
+
+def _check_kept(keys: Keys) -> None:
+    """Complain of keys that are not the same when they are read again."""
+    try:
+        same = from_plain(to_plain(keys), Hashable) == keys
+    except TypeError:
+        same = False
+    if not same:
+        raise TypeError(
+            "a run can be kept only if keys of pieces are text, bytes, numbers, or tuples and sets "
+            f"of these: {keys}"
+        )
+
+
+def read_record(path: str | os.PathLike[str]) -> tuple[Entry, list[Step | Seen]]:
+    """What a checkpoint says of its run, and what it holds so far; ValueError if it is none."""
+    return read(path, version=VERSION, parsed=record_of)
 
 
 def restore(
-    network: Network, entries: Sequence[Entry], path: str | os.PathLike[str],
+    network: Network, records: Sequence[Step | Seen], path: str | os.PathLike[str],
     map_: PiecewiseMap | None = None,
 ) -> tuple[tuple[Seen, ...], int]:  # fmt: skip
     """Put a network to where a checkpoint says it was; with a map if it is a run of that map.
@@ -127,47 +163,39 @@ def restore(
     Raises
     ------
     ValueError
-        If an entry does not follow from those before it, or branches start at a collision that is
+        If a record does not follow from those before it, or branches start at a collision that is
         none of the map.
     """
-    slices, evaluations = list[Seen](), 0
-    for line, entry in enumerate(entries, 2):
-        evaluations += entry[SLICE][COST] if SLICE in entry else entry[COST]
-        if SLICE in entry:
-            slices.append(_slice(entry[SLICE]))
-        elif CURVES in entry:
-            for curve in _curves(entry):
+    for line, record in enumerate(records, 2):
+        if isinstance(record, Kept):
+            for curve in record.curves:
                 network.add(curve)
-        else:
-            kind = DONE if DONE in entry else SWITCHED
-            waiting: deque[Any] = network.waiting if kind == DONE else network.switches
-            if not waiting or waiting[0].p != entry[kind]:
+        elif isinstance(record, Finished):
+            waiting: deque[Any] = network.switches if record.switches else network.waiting
+            if not waiting or waiting[0].p != record.p:
                 raise ValueError(
-                    f"{Path(path)}, line {line}: nothing is left to follow at {entry[kind]}"
+                    f"{Path(path)}, line {line}: nothing is left to follow at {record.p}"
                 )
             met = waiting.popleft()
-            starts = kind == DONE and entry[STARTS] > 0
+            starts = record.starts > 0 and not record.switches
             if starts and map_ is not None and not _is_of_map(met, map_, network.settings):
                 raise ValueError(
                     f"{Path(path)}, line {line}: expected a collision of this map, got one at "
                     f"x = {met.x[0]}, p = {met.p}, where no piece ends"
                 )
-    return tuple(slices), evaluations
+    slices = tuple(record for record in records if isinstance(record, Seen))
+    return slices, sum(record.evaluations for record in records)
 
 
 def past_of(
-    network: Network, entries: Sequence[Entry], path: str | os.PathLike[str], map_: PiecewiseMap
-) -> Past:
+    network: Network, records: Sequence[Step | Seen], path: str | os.PathLike[str],
+    map_: PiecewiseMap,
+) -> Past:  # fmt: skip
     """What an interrupted run had come to; its network is put to where it was at the last slice."""
-    until = max((n for n, entry in enumerate(entries, 1) if SLICE in entry), default=0)
-    slices, evaluations = restore(network, entries[:until], path, map_)
-    return Past(slices, tuple(map(_step, entries[until:])), evaluations)
-
-
-def _step(entry: Entry) -> Step:
-    if CURVES in entry:
-        return Kept(_curves(entry), entry[COST])
-    return Finished(entry[DONE if DONE in entry else SWITCHED], entry[COST])
+    until = max((n for n, each in enumerate(records, 1) if isinstance(each, Seen)), default=0)
+    slices, evaluations = restore(network, records[:until], path, map_)
+    since = tuple(each for each in records[until:] if not isinstance(each, Seen))
+    return Past(slices, since, evaluations)
 
 
 def _is_of_map(met: Collision, map_: PiecewiseMap, settings: Settings) -> bool:
@@ -175,167 +203,3 @@ def _is_of_map(met: Collision, map_: PiecewiseMap, settings: Settings) -> bool:
     line, p = LineMap(map_, settings.x_scale, settings.p_scale), np.array([met.p])
     lengths = np.array([settings.x_scale, settings.p_scale])
     return any(len(sides(line, np.array([x]), p, lengths)) > 1 for x in met.x)
-
-
-def check_entry(entry: Entry) -> None:
-    """Raise one of the errors of a lookup unless an entry is what :class:`Record` writes."""
-    for kind in (DONE, SWITCHED):
-        if kind in entry:
-            checked_number(entry[kind])
-            checked_type(entry[STARTS], int)
-            checked_type(entry[COST], int)
-            return
-    if SLICE in entry:
-        _slice(entry[SLICE])
-        return
-    _curves(entry)
-    checked_type(entry[COST], int)
-
-
-def _slice(data: Entry) -> Seen:
-    left = tuple((order, checked_number(x)) for order, x in data["left"])
-    for value in (*data["new"], *(order for order, _ in left), data["evaluations"]):
-        checked_type(value, int)
-    return Seen(
-        p=checked_number(data["p"]), new=tuple(data["new"]), left=left,
-        unresolved=checked_number(data["unresolved"]), evaluations=data["evaluations"],
-        then=tuple(map(checked_number, data["then"])),
-    )  # fmt: skip
-
-
-# --- Curves ---------------------------------------------------------------------------------------
-
-
-def _of_curve(curve: BranchCurve) -> Entry:
-    return {
-        "kind": curve.kind.value,
-        "order": curve.order,
-        "parameter": curve.parameter.tolist(),
-        "points": [points.tolist() for points in curve.points],
-        "multiplier": curve.multiplier.tolist(),
-        "words": [[word.first, word.text, _of_key(word.keys)] for word in curve.words],
-        "marks": [list(mark) for mark in curve.marks],
-        "ends": [_of_end(end) for end in curve.ends],
-    }
-
-
-def _curves(entry: Entry) -> tuple[BranchCurve, ...]:
-    return tuple(map(_curve, entry[CURVES]))
-
-
-def _curve(data: Entry) -> BranchCurve:
-    checked_type(data["order"], int)
-    parameter, multiplier = _floats(data["parameter"]), _floats(data["multiplier"])
-    points = tuple(_floats(row) for row in data["points"])
-    if not len(parameter) == len(multiplier) == len(points) > 0:
-        raise ValueError("a curve has as many points as parameters")
-    words = tuple(_word(*row) for row in data["words"])
-    first, last = data["ends"]
-    return BranchCurve(
-        kind=BranchKind(data["kind"]), order=data["order"], parameter=parameter, points=points,
-        multiplier=multiplier, words=words,
-        marks=tuple(_mark(*row) for row in data["marks"]),
-        ends=(_end(first), _end(last)),
-    )  # fmt: skip
-
-
-def _word(first: int, text: str, keys: Any) -> Word:
-    _typed([first, text], int, str)
-    return Word(first, text, _key(keys))
-
-
-def _mark(sample: int, cause: str, smooth: bool) -> Change:
-    _typed([sample, cause, smooth], int, str, bool)
-    return Change(sample, cause, smooth)
-
-
-def _of_end(end: End) -> Entry:
-    return {
-        "kind": end.kind.value,
-        "p": end.p,
-        "x": end.x.tolist(),
-        "note": end.note,
-        "cause": end.cause,
-        "precision": end.precision,
-        "status": end.status.value,
-        "collision": None if end.collision is None else _of_collision(end.collision),
-    }
-
-
-def _end(data: Entry) -> End:
-    note, cause = _typed([data["note"], data["cause"]], str, str)
-    met = data["collision"]
-    return End(
-        kind=PointKind(data["kind"]), p=checked_number(data["p"]), x=_floats(data["x"]), note=note,
-        cause=cause, precision=checked_number(data["precision"]),
-        status=PointStatus(data["status"]), collision=None if met is None else _collision(met),
-    )  # fmt: skip
-
-
-def _floats(values: Any) -> Floats:
-    return np.array([checked_number(value) for value in values])
-
-
-def _typed(values: Sequence[Any], *types: type) -> Sequence[Any]:
-    for value, kind in zip(values, types, strict=True):
-        checked_type(value, kind)
-    return values
-
-
-# --- Keys of pieces -------------------------------------------------------------------------------
-
-
-def _of_key(key: Hashable) -> Any:
-    """A key as JSON."""
-    match key:
-        case bytes():
-            return {"bytes": base64.b64encode(key).decode()}
-        case tuple():
-            return {"tuple": [_of_key(part) for part in key]}
-        case frozenset():
-            return {"set": sorted((_of_key(part) for part in key), key=json.dumps)}
-        case str() | int():
-            return key
-    raise TypeError(f"a run can be kept only if keys of pieces are bytes, text or integers: {key}")
-
-
-def _key(data: Any) -> Any:
-    """A key from JSON."""
-    if not isinstance(data, dict):
-        checked_type(data, (str, int))
-        return data
-    ((kind, value),) = data.items()
-    match kind:
-        case "bytes":
-            return base64.b64decode(value, validate=True)
-        case "tuple":
-            return tuple(_key(part) for part in value)
-        case "set":
-            return frozenset(_key(part) for part in value)
-    raise ValueError(f"unknown kind of key {kind!r}")
-
-
-# --- Collisions -----------------------------------------------------------------------------------
-
-
-def _of_collision(met: Collision) -> Entry:
-    """The cycle, and what each of its points is."""
-    return {
-        "x": met.x.tolist(),
-        "p": met.p,
-        "kinds": [[kind.value, note] for kind, note in met.kinds],
-        "cause": met.cause,
-        "precision": met.precision,
-    }
-
-
-def _collision(data: Entry) -> Collision:
-    _typed([data["cause"]], str)
-    met = Collision(
-        p=checked_number(data["p"]), x=_floats(data["x"]), cause=data["cause"],
-        precision=checked_number(data["precision"]),
-        kinds=tuple((PointKind(kind), *_typed([note], str)) for kind, note in data["kinds"]),
-    )  # fmt: skip
-    if not 0 < len(met.x) == len(met.kinds):
-        raise ValueError("a collision has a kind for each of its points")
-    return met

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from collections.abc import Hashable
 from dataclasses import dataclass
 from typing import TypeVar
 
@@ -13,7 +14,7 @@ from woodpecker.engine.tracing import Change
 from woodpecker.search.ends import End
 from woodpecker.slices.jumps import Jump
 
-Keys = tuple[object, ...]
+Keys = tuple[Hashable, ...]
 T = TypeVar("T")
 OF_A_LIMIT = "the orbit of a limit of the jump meets a border"
 
@@ -35,7 +36,7 @@ class Word:
 
     first: int
     text: str
-    keys: tuple[object, ...]
+    keys: tuple[Hashable, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -92,7 +93,7 @@ class Followed:
     onward: tuple[BranchStart, ...]
 
 
-def keys_of(jump: Jump) -> tuple[object, ...]:
+def keys_of(jump: Jump) -> Keys:
     """The pieces of a jump, see :class:`Word`."""
     sides = {(jump.inner.keys[0], jump.code)}
     if jump.outer_code >= 0:

@@ -18,7 +18,7 @@ from woodpecker.base.executors import Call, Scheduler
 from woodpecker.base.settings import Settings
 from woodpecker.engine.orbits import Condition
 from woodpecker.maps.pieces import PiecewiseMap
-from woodpecker.search.curves import BranchCurve, BranchStart, Followed, keys_of
+from woodpecker.search.curves import BranchCurve, BranchStart, Followed, Keys, keys_of
 from woodpecker.search.duplicates import Known
 from woodpecker.search.ends import Collision, End
 from woodpecker.search.lines import closing_of
@@ -123,10 +123,16 @@ class Finished:
         Its parameter.
     evaluations
         How often the map was evaluated to know what starts there.
+    starts
+        How many branches do.
+    switches
+        Whether it is a flip or a branch point, where a cycle meets no border.
     """
 
     p: float
     evaluations: int
+    starts: int = 0
+    switches: bool = False
 
 
 Step = Kept | Finished
@@ -156,7 +162,7 @@ class _Place(NamedTuple):
     order: int
     orbit: Orbit
     closing: tuple[Condition, ...]
-    keys: tuple[object, ...]
+    keys: Keys
     task: Callable[..., Any]
     argument: object
 

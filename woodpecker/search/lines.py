@@ -63,7 +63,7 @@ def closing_of(curve: SolutionCurve, orbit: orbits.Orbit) -> tuple[orbits.Condit
     return ending_at(len(orbit.x), border.code // length)
 
 
-def keys_of(orbit: orbits.Orbit, problem: Problem) -> tuple[object, ...]:
+def keys_of(orbit: orbits.Orbit, problem: Problem) -> curves.Keys:
     """The pieces of an orbit, see :class:`woodpecker.search.curves.Word`."""
     if orbit.outer is None:
         return orbit.keys

@@ -5,18 +5,8 @@ from __future__ import annotations
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import part
 from woodpecker.mechanics.cases import HOLD, REST
-from woodpecker.mechanics.impacts import (
-    AMBIGUOUS,
-    INDETERMINATE,
-    MARKS,
-    NO_SOLUTION,
-    SOLVED,
-    carry_out,
-    decide,
-    halts,
-    hold,
-    rates,
-)
+from woodpecker.mechanics.contact_problems import AMBIGUOUS, INDETERMINATE, NO_SOLUTION, SOLVED
+from woodpecker.mechanics.impacts import MARKS, carry_out, decide, halts, hold, rates
 from woodpecker.mechanics.modes import ANGLE, GAP, OPEN, SIGN, SLIP, SLIP_POSITIVE, STICK
 from woodpecker.simulation.codes import (
     EVENT_COLUMNS,

@@ -6,7 +6,8 @@ import math
 
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import part
-from woodpecker.mechanics.impacts import SOLVED, hold, rates
+from woodpecker.mechanics.contact_problems import SOLVED
+from woodpecker.mechanics.impacts import hold, rates
 from woodpecker.mechanics.modes import ANGLE, GAP, OMEGA, OPEN, SIGN, SLIP_POSITIVE, STICK, B
 from woodpecker.simulation.arriving import held, sign_of
 from woodpecker.simulation.codes import (

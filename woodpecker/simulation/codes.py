@@ -8,7 +8,7 @@ from typing import cast
 import numpy as np
 
 from woodpecker.base.arrays import Ints
-from woodpecker.mechanics.impacts import PAIR_ROOM
+from woodpecker.mechanics.contact_problems import PAIR_ROOM
 
 # A number with a type: numba would compile every function anew for a literal argument.
 typed = cast("Callable[[int], int]", np.int64)
@@ -67,7 +67,7 @@ ROOM = np.dtype(
         ],
     )
 )
-"""Room for a run, made once: see :data:`woodpecker.mechanics.impacts.PAIR_ROOM`."""
+"""Room for a run, made once: see :data:`woodpecker.mechanics.contact_problems.PAIR_ROOM`."""
 
 Room = np.record  # of ROOM
 

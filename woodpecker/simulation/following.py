@@ -14,7 +14,8 @@ import math
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import part
 from woodpecker.mechanics.cases import REST
-from woodpecker.mechanics.impacts import UNSOLVED, carry_out_along, hold, prepare, rates
+from woodpecker.mechanics.contact_problems import UNSOLVED
+from woodpecker.mechanics.impacts import carry_out_along, hold, prepare, rates
 from woodpecker.mechanics.modes import (
     ALPHA,
     ANGLE,
@@ -47,17 +48,17 @@ from woodpecker.simulation.codes import (
     STRUCK,
     typed,
 )
+from woodpecker.simulation.events import time_to_minimum
 from woodpecker.simulation.flow import copy, displace, measure, put_on_section, shut, spring, touch
 from woodpecker.simulation.guards import TWO_PI, first_root, stumpff_rates
+from woodpecker.simulation.impact_margins import impact_margins
 from woodpecker.simulation.margins import (
     BOUNCES,
     LENGTH,
     Route,
     exact_jet,
     find_rates,
-    impact_margins,
     load_jets,
-    minimum,
     minimum_rate,
     note,
     order_of,
@@ -235,7 +236,7 @@ def _duration(
     """
     kappa, omega = model[mode, KAPPA], model[mode, OMEGA]
     if guard == SECTION:
-        t, swing = minimum(model, mode, route.z), TWO_PI / omega
+        t, swing = time_to_minimum(model, mode, route.z), TWO_PI / omega
         return float(t + swing * math.floor((near - t) / swing + 0.5))
     order = order_of(guard, step, route)
     f0, f1, f2, f3 = exact_jet(model, mode, guard, order, route)

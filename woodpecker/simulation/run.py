@@ -12,7 +12,7 @@ import math
 
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import part
-from woodpecker.mechanics.impacts import NO_SOLUTION, SOLVED
+from woodpecker.mechanics.contact_problems import NO_SOLUTION, SOLVED
 from woodpecker.mechanics.modes import FORCE, POLE, SECTION, SLIP, STICK
 from woodpecker.simulation.arriving import arrive
 from woodpecker.simulation.chatter import watch_bounces

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import part
-from woodpecker.mechanics.impacts import AMBIGUOUS, NO_SOLUTION, SOLVED, rest_is_possible
+from woodpecker.mechanics.contact_problems import AMBIGUOUS, NO_SOLUTION, SOLVED, rest_is_possible
 from woodpecker.mechanics.modes import (
     CONE_NEGATIVE,
     CONE_POSITIVE,

@@ -43,7 +43,7 @@ from thoroughness import thorough
 from woodpecker import Status, first_return, simulate
 from woodpecker.base.compiled import COMPILED
 from woodpecker.mechanics import equations as mechanics
-from woodpecker.mechanics.impacts import INDETERMINATE, SOLVED
+from woodpecker.mechanics.contact_problems import INDETERMINATE, SOLVED
 from woodpecker.mechanics.lcp import enumerate_contacts, solve_contact_lcp
 from woodpecker.mechanics.modes import ANGLE, SIGN
 from woodpecker.mechanics.toy import ExpansionFriction, Toy

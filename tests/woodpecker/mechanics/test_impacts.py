@@ -29,7 +29,7 @@ from thoroughness import thorough
 from woodpecker.base.compiled import COMPILED, jit
 from woodpecker.mechanics import equations as mechanics
 from woodpecker.mechanics.cases import BACKWARD, FORWARD, FREE, HOLD, REST, case_table, impulse_of
-from woodpecker.mechanics.impacts import (
+from woodpecker.mechanics.contact_problems import (
     AMBIGUOUS,
     INDETERMINATE,
     NO_SOLUTION,

@@ -17,8 +17,9 @@ from tampering import changed_texts, false_orbits, resealed
 from typer.testing import CliRunner
 
 from woodpecker import Toy, check_certificate, prove, shoot
-from woodpecker.checking.certificate import Rejected, check
+from woodpecker.checking.certificate import check
 from woodpecker.checking.intervals import Context, Extent, I, T, inverse, shapes, wave
+from woodpecker.checking.pieces import Rejected
 from woodpecker.cli.app import app
 
 FOLDER = Path(__file__).parents[3] / "woodpecker" / "checking"

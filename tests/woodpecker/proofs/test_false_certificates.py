@@ -16,8 +16,9 @@ from needs import NEEDS_NUMBA
 from tampering import moved
 
 from woodpecker import Toy, Undecided, prove, shoot
-from woodpecker.checking.certificate import Rejected, check, claimed
+from woodpecker.checking.certificate import check
 from woodpecker.checking.intervals import I, unit
+from woodpecker.checking.pieces import Rejected, claimed
 from woodpecker.proofs import certificates
 from woodpecker.proofs.branches import PieceEnd, joined
 from woodpecker.proofs.certificates import branch_sentence, orbit_sentence, point_sentence, sealed

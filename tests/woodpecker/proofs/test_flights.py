@@ -12,8 +12,8 @@ pytest.importorskip("flint")
 from flint import arb
 from mpmath import mp, mpf
 
+from woodpecker.checking.guards import height
 from woodpecker.checking.intervals import I, unit
-from woodpecker.checking.motion import height
 from woodpecker.proofs.balls import fraction, number
 from woodpecker.proofs.flights import _height
 from woodpecker.proofs.forms import precision

@@ -9,11 +9,12 @@ pytest.importorskip("flint")
 from flint import arb
 from mpmath import mp, mpf
 
-from woodpecker.checking import forms, motion
+from woodpecker.checking import forms, guards
 from woodpecker.checking.intervals import Extent, I, T, unit
 from woodpecker.proofs.balls import fraction
-from woodpecker.proofs.forms import Frame, precision, start, varying
+from woodpecker.proofs.forms import precision, start, varying
 from woodpecker.proofs.oscillator import Guard, crossing
+from woodpecker.proofs.taylor import Frame
 
 KAPPA = -40  # of the guard f = f_0 + f_1 t + f_2 s_2(t) + f_3 s_3(t)
 GUESS = 0.3
@@ -68,7 +69,7 @@ def test_of_the_proofs(expected: list[Fraction]) -> None:
         frame = Frame(ball, ball, terms=4, depth=6)
         x, y = start(frame, [arb(3) / 10, arb(2), arb(1)]), varying(frame, [arb(-1), arb(-0.5)])
         guard = Guard(0, (x, y, x * y, x + arb(2)), 0, arb(KAPPA))
-        time = crossing(guard, GUESS).time
+        time = crossing(guard, GUESS).duration
         balls = [time.box, *(time.range(k) for k in range(1, 6))]
         assert_held([(fraction(b.lower()), fraction(b.upper())) for b in balls], expected)
 
@@ -87,15 +88,15 @@ def test_of_the_checker(expected: list[Fraction]) -> None:
         kappa = I.of(KAPPA)
 
         def at(t: forms.F | I, order: int = 0) -> forms.F | I:
-            return motion.combined(coefficients, forms.waves(kappa, t, box), t, kappa, order)
+            return guards.combined(coefficients, forms.waves(kappa, t, box), t, kappa, order)
 
         def over(t: I, order: int = 0) -> I:
-            found = motion.combined(ranges, forms.waves(kappa, t, box), t, kappa, order)
+            found = guards.combined(ranges, forms.waves(kappa, t, box), t, kappa, order)
             assert isinstance(found, I)
             return found
 
         bracket = I.of(Fraction(GUESS) - Fraction(1, 20), Fraction(GUESS) + Fraction(1, 20))
-        time = motion.root(at, over, bracket, box)
+        time = guards.root(at, over, bracket, box)
         units = Fraction(1, 2**160)
         found = [time.value, *(time.part(order) for order in ORDERS[1:])]
         assert_held([(each.a * units, each.b * units) for each in found], expected)

@@ -12,17 +12,19 @@ from mpmath import mp, mpf
 from needs import NEEDS_NUMBA
 
 from woodpecker import Toy, Undecided, shoot
-from woodpecker.checking.certificate import Rejected, check
+from woodpecker.checking.certificate import check
 from woodpecker.checking.intervals import Context, I
+from woodpecker.checking.pieces import Rejected
 from woodpecker.checking.plateaus import Landing
 from woodpecker.proofs.balls import fraction
-from woodpecker.proofs.branches import March, ProvedBranch, marched
+from woodpecker.proofs.branches import ProvedBranch, marched
 from woodpecker.proofs.certificates import of_branch, sealed
 from woodpecker.proofs.following import follow
-from woodpecker.proofs.forms import VALUE, Frame, S, precision
+from woodpecker.proofs.forms import VALUE, S, precision
 from woodpecker.proofs.model import BallToy
 from woodpecker.proofs.pieces import Fractions
 from woodpecker.proofs.plateaus import Plateau
+from woodpecker.proofs.taylor import Frame
 
 KAPPA, SLIDING, TURN = -209800, -57000, 31000  # 1/s^2, near those of the toy
 SIGMAS = (2e-5, 3e-4)  # s
@@ -163,7 +165,7 @@ def through_a_plateau() -> ProvedBranch:
     x = shoot(Toy(eps_n1=float(low)), -0.68242).phi_s
     with precision(128):
         return marched(
-            Toy(), "eps_n1", Fractions(low, Fraction("0.2143448")), [x], March(), lambda done: None
+            Toy(), "eps_n1", Fractions(low, Fraction("0.2143448")), [x], lambda done: None
         )
 
 

@@ -19,15 +19,15 @@ from studies.peers.reference_mpmath import first_return as reference
 from woodpecker import Toy, Undecided, bifurcation_diagram, prove, shoot
 from woodpecker.checking.certificate import check
 from woodpecker.proofs.balls import fraction, number
-from woodpecker.proofs.branches import March, marched
+from woodpecker.proofs.branches import marched
 from woodpecker.proofs.certificates import of_branch, text
 from woodpecker.proofs.following import follow
-from woodpecker.proofs.forms import Frame, S, precision, start, varying
+from woodpecker.proofs.forms import S, precision, start, varying
 from woodpecker.proofs.model import BallToy, rational
 from woodpecker.proofs.oscillator import stumpff
 from woodpecker.proofs.pieces import Fractions, Route, Tube, curves_near, proved
 from woodpecker.proofs.stumpff import shape_balls, stumpff_balls
-from woodpecker.proofs.taylor import ZERO
+from woodpecker.proofs.taylor import ZERO, Frame
 
 X1, X2 = -0.8847733440138263, -0.7577872573415620  # where two gaps close at once
 POINTS = {  # law, eps_N1, phi_S, code, note: the table of facts, to the digits that it has
@@ -231,7 +231,7 @@ def test_a_branch_through_changes_of_its_word_and_a_flip() -> None:
     with precision(128):
         start_ = shoot(toy.replace(eps_n1=0.3), -0.587).points
         span = Fractions(Fraction("0.3"), Fraction("0.304"))
-        branch = marched(toy, "eps_n1", span, start_, March(), lambda done: None)
+        branch = marched(toy, "eps_n1", span, start_, lambda done: None)
         assert not branch.gaps
         assert {len(piece.ways[0]) for piece in branch.pieces} == {1, 2}
         words = [way.word for piece in branch.pieces for way in piece.ways[0]]

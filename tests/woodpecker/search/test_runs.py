@@ -13,7 +13,7 @@ import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import Executor, ProcessPoolExecutor, ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -44,12 +44,13 @@ from woodpecker.maps.formulas import FormulaPiece
 from woodpecker.maps.pieces import Image
 from woodpecker.search.checkpoint import (
     Record,
-    check_entry,
+    entry_of,
     past_of,
     read_record,
+    record_of,
     restore,
 )
-from woodpecker.search.explorer import Explorer, Finished, Kept
+from woodpecker.search.explorer import Explorer, Finished, Kept, Seen, Step
 from woodpecker.search.network import Network
 from woodpecker.search.search import Past, complete
 from woodpecker.search.tasks import Worker
@@ -175,7 +176,7 @@ def test_a_resumed_run_remembers_which_slice_was_new(tmp_path: Path, whole: Foun
 
 
 @pytest.fixture(scope="module")
-def entries(tmp_path_factory: pytest.TempPathFactory) -> list[Entry]:
+def records(tmp_path_factory: pytest.TempPathFactory) -> list[Step | Seen]:
     path = tmp_path_factory.mktemp("runs") / "run.jsonl"
     recorded(path)
     about, found = read_record(path)
@@ -183,25 +184,25 @@ def entries(tmp_path_factory: pytest.TempPathFactory) -> list[Entry]:
     return found
 
 
-def test_curves_read_back_to_the_last_bit(whole: Found, entries: list[Entry]) -> None:
+def test_curves_read_back_to_the_last_bit(whole: Found, records: list[Step | Seen]) -> None:
     network = Network(SETTINGS)
-    past = restore(network, entries, "run.jsonl")
+    past = restore(network, records, "run.jsonl")
     assert to_the_last_bit(network.diagram("p", "x")) == to_the_last_bit(whole.diagram)
     assert past == (whole.slices, whole.evaluations)
     assert not network.waiting
 
 
-def of_kind(entries: list[Entry], key: str) -> Entry:
+def of_kind(records: list[Step | Seen], kind: type) -> Entry:
     """The first entry of a kind; of curves one that ends in a collision."""
     return next(
-        entry
-        for entry in entries
-        if key in entry
-        and (key != "curves" or any(end["collision"] for c in entry[key] for end in c["ends"]))
+        entry_of(each)
+        for each in records
+        if isinstance(each, kind)
+        and (not isinstance(each, Kept) or any(e.collision for c in each.curves for e in c.ends))
     )
 
 
-Change = Callable[[Any], object]
+Altered = Callable[[Any], object]
 
 
 def collided(curve: Any) -> Any:
@@ -209,53 +210,51 @@ def collided(curve: Any) -> Any:
 
 
 @pytest.mark.parametrize(
-    ("key", "change"),
+    ("kind", "change"),
     [
-        ("curves", lambda e: collided(e["curves"][0]).pop("precision")),
-        ("curves", lambda e: collided(e["curves"][0]).update(x=[])),
-        ("done", lambda e: e.update(done="1.0")),
-        ("done", lambda e: e.update(done=None)),
-        ("done", lambda e: e.update(starts=1.5)),
-        ("done", lambda e: e.pop("starts")),
-        ("done", lambda e: e.pop("evaluations")),
-        ("curves", lambda e: e.update(evaluations="7")),
-        ("slice", lambda e: e["slice"].update(p="0.5")),
-        ("slice", lambda e: e["slice"].update(new=[True])),
-        ("slice", lambda e: e["slice"].update(left=[1.0])),
-        ("slice", lambda e: e["slice"].update(left=[["a", 1.0]])),
-        ("slice", lambda e: e["slice"].update(evaluations=1.5)),
-        ("slice", lambda e: e["slice"].update(then=["0.5"])),
-        ("slice", lambda e: e["slice"].pop("then")),
-        ("slice", lambda e: e["slice"].pop("unresolved")),
-        ("slice", lambda e: e.update(slice=0.5)),
-        ("curves", lambda e: e.update(curves=1)),
-        ("curves", lambda e: e["curves"][0].update(kind="branch")),
-        ("curves", lambda e: e["curves"][0].update(order=1.5)),
-        ("curves", lambda e: e["curves"][0].update(parameter=[])),
-        ("curves", lambda e: e["curves"][0]["parameter"].pop()),
-        ("curves", lambda e: e["curves"][0]["multiplier"].append("1.0")),
-        ("curves", lambda e: e["curves"][0].update(points=[1.0])),
-        ("curves", lambda e: e["curves"][0]["words"][0].pop()),
-        ("curves", lambda e: e["curves"][0].update(words=[[0, 1, ["a"]]])),
-        ("curves", lambda e: e["curves"][0].update(words=[[0, "a", {"set": 1}]])),
-        ("curves", lambda e: e["curves"][0].update(words=[[0, "a", {"other": []}]])),
-        ("curves", lambda e: e["curves"][0].update(marks=[[0, "a", "NOTHING"]])),
-        ("curves", lambda e: e["curves"][0]["ends"].pop()),
-        ("curves", lambda e: e["curves"][0]["ends"][0].update(kind="XX")),
-        ("curves", lambda e: e["curves"][0]["ends"][0].update(p=None)),
-        ("curves", lambda e: e["curves"][0]["ends"][0].update(status="somewhere")),
-        ("curves", lambda e: e["curves"][0]["ends"][0].pop("note")),
-        ("curves", lambda e: collided(e["curves"][0]).update(kinds=[])),
-        ("curves", lambda e: collided(e["curves"][0]).update(cause=7)),
+        (Kept, lambda e: collided(e["curves"][0]).pop("precision")),
+        (Kept, lambda e: collided(e["curves"][0]).update(x=[])),
+        (Kept, lambda e: collided(e["curves"][0]).update(kinds=[])),
+        (Kept, lambda e: collided(e["curves"][0]).update(cause=7)),
+        (Finished, lambda e: e.update(p="1.0")),
+        (Finished, lambda e: e.update(p=None)),
+        (Finished, lambda e: e.update(starts=1.5)),
+        (Finished, lambda e: e.update(switches=1)),
+        (Finished, lambda e: e.pop("evaluations")),
+        (Seen, lambda e: e.update(new=[True])),
+        (Seen, lambda e: e.update(left=[1.0])),
+        (Seen, lambda e: e.update(left=[["a", 1.0]])),
+        (Seen, lambda e: e.update(then=["0.5"])),
+        (Seen, lambda e: e.pop("unresolved")),
+        (Kept, lambda e: e.update(evaluations="7")),
+        (Kept, lambda e: e.update(curves=1)),
+        (Kept, lambda e: e["curves"][0].update(kind="branch")),
+        (Kept, lambda e: e["curves"][0].update(order=1.5)),
+        (Kept, lambda e: e["curves"][0].update(order=True)),
+        (Kept, lambda e: e["curves"][0].update(parameter=[])),
+        (Kept, lambda e: e["curves"][0]["parameter"].pop()),
+        (Kept, lambda e: e["curves"][0]["multiplier"].append("1.0")),
+        (Kept, lambda e: e["curves"][0].update(points=[1.0])),
+        (Kept, lambda e: e["curves"][0]["words"][0].pop("text")),
+        (Kept, lambda e: e["curves"][0]["words"][0].update(first="0")),
+        (Kept, lambda e: e["curves"][0]["words"][0].update(keys={"$set": 1})),
+        (Kept, lambda e: e["curves"][0]["words"][0].update(keys=[{"$bytes": "not base 64!"}])),
+        (Kept, lambda e: e["curves"][0]["words"][0].update(keys=[{"other": []}])),
+        (Kept, lambda e: e["curves"][0].update(marks=[{"sample": 0, "cause": "", "smooth": "A"}])),
+        (Kept, lambda e: e["curves"][0]["ends"].pop()),
+        (Kept, lambda e: e["curves"][0]["ends"][0].update(kind="XX")),
+        (Kept, lambda e: e["curves"][0]["ends"][0].update(status="somewhere")),
+        (Kept, lambda e: e["curves"][0]["ends"][0].update(unknown="")),
     ],
 )
 def test_entries_that_are_refused(
-    key: str, change: Change, entries: list[Entry], tmp_path: Path
+    kind: type, change: Altered, records: list[Step | Seen], tmp_path: Path
 ) -> None:
-    good = of_kind(entries, key)
-    check_entry(good)
+    good = of_kind(records, kind)
+    ((name, data),) = entry_of(record_of(good)).items()
+    assert {name: data} == good
     bad = copy.deepcopy(good)
-    change(bad)
+    change(bad[name])
     path = tmp_path / "run.jsonl"
     Record(path, ABOUT).close()
     for line in (good, bad):
@@ -269,31 +268,30 @@ def test_entries_that_are_refused(
     assert path.read_bytes() == before
 
 
-@pytest.mark.parametrize("entry", [{}, {"paths": "jump"}])
+@pytest.mark.parametrize("entry", [{}, {"paths": "jump"}, {"slice": 0.5}])
 def test_entries_of_no_kind_are_refused(entry: Entry) -> None:
-    with pytest.raises(KeyError):
-        check_entry(entry)
+    with pytest.raises((LookupError, TypeError, ValueError), match=r"'paths'|float|unpack"):
+        record_of(entry)
 
 
-def test_entries_follow_from_one_another(entries: list[Entry]) -> None:
+def test_records_follow_from_one_another(records: list[Step | Seen]) -> None:
     with pytest.raises(ValueError, match=r"run\.jsonl, line 2: nothing is left to follow at 0.5"):
-        restore(Network(SETTINGS), [{"done": 0.5, "starts": 0, "evaluations": 0}], "run.jsonl")
-    other = copy.deepcopy(entries)
-    of_kind(other, "done")["done"] = 0.5
+        restore(Network(SETTINGS), [Finished(0.5, 0)], "run.jsonl")
+    other = [replace(each, p=0.5) if isinstance(each, Finished) else each for each in records]
     with pytest.raises(ValueError, match=r"line \d+: nothing is left to follow at 0.5"):
         restore(Network(SETTINGS), other, "run.jsonl")
 
 
-def test_a_run_of_another_map_does_not_go_on(entries: list[Entry]) -> None:
-    past_of(Network(SETTINGS), entries, "run.jsonl", paper())
+def test_a_run_of_another_map_does_not_go_on(records: list[Step | Seen]) -> None:
+    past_of(Network(SETTINGS), records, "run.jsonl", paper())
     with pytest.raises(ValueError, match=r"line \d+: expected a collision of this map, got one at"):
-        past_of(Network(SETTINGS), entries, "run.jsonl", moving(0.7))
+        past_of(Network(SETTINGS), records, "run.jsonl", moving(0.7))
 
 
-def test_steps_that_a_search_does_not_take_are_refused(entries: list[Entry]) -> None:
+def test_steps_that_a_search_does_not_take_are_refused(records: list[Step | Seen]) -> None:
     """What is taken over must be what this run would have come to."""
-    until = next(n for n, entry in enumerate(entries) if "slice" in entry)
-    steps = past_of(Network(SETTINGS), entries[:until], "run.jsonl", paper()).since
+    until = next(n for n, each in enumerate(records) if isinstance(each, Seen))
+    steps = past_of(Network(SETTINGS), records[:until], "run.jsonl", paper()).since
     assert {type(step) for step in steps} == {Kept, Finished}
     for wrong, sentence in (
         ((Finished(0.5, 0), *steps), "expected a run with one branch more"),
@@ -324,8 +322,8 @@ class KeyedPiece:
     piece: FormulaPiece
 
     @property
-    def key(self) -> float:
-        return float(len(self.piece.word))
+    def key(self) -> complex:
+        return complex(len(self.piece.word))
 
     @property
     def word(self) -> str:
@@ -341,7 +339,9 @@ class KeyedPiece:
 def test_keys_that_cannot_be_kept_are_named(tmp_path: Path) -> None:
     map_: PiecewiseMap = Keyed(paper())
     record = Record(tmp_path / "run.jsonl", ABOUT)
-    with pytest.raises(TypeError, match=r"only if keys of pieces are bytes, text or integers: 1.0"):
+    with pytest.raises(
+        TypeError, match=r"only if keys of pieces are text, .* of these: \(\(1\+0j\),\)"
+    ):
         whole_diagram(map_, SETTINGS, (1,), SEARCH, record=record)
     record.close()
 
@@ -514,6 +514,8 @@ def test_runs_of_something_else_are_refused(run: Entry, tmp_path: Path) -> None:
     Record(path, run).close()
     with pytest.raises(ValueError, match=r"line 1: expected a run of the toy, got one of \['param"):
         saved_diagram(path)
+    with pytest.raises(ValueError, match="there is no saved run"):
+        saved_diagram(tmp_path / "none.jsonl")
 
 
 def test_a_run_that_has_not_begun_shows_nothing(tmp_path: Path) -> None:

@@ -14,8 +14,8 @@ from scenes import in_another_process, plain, run
 from woodpecker.base.arrays import Ints
 from woodpecker.base.compiled import COMPILED
 from woodpecker.mechanics import equations as mechanics
+from woodpecker.mechanics.contact_problems import AMBIGUOUS, NO_SOLUTION, SOLVED
 from woodpecker.mechanics.equations import equilibrium
-from woodpecker.mechanics.impacts import AMBIGUOUS, NO_SOLUTION, SOLVED
 from woodpecker.mechanics.lcp import enumerate_contacts, solve_contact_lcp
 from woodpecker.mechanics.modes import (
     ALPHA,

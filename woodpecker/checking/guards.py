@@ -1,0 +1,250 @@
+"""Guards over a phase, verified: where one crosses zero, and that another does not."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from fractions import Fraction
+from itertools import pairwise
+from typing import Any
+
+from woodpecker.checking.forms import Box, F, constant, shapes, waves
+from woodpecker.checking.intervals import I, NotSeparated, T, inverse
+
+Guard = tuple[str, int]
+HALVINGS = 36
+PARTS = 5000  # of a phase at most: certificates of what is proved take some hundred
+
+
+def named(guard: Guard) -> str:
+    """A guard as certificates have it, with contacts from 1 on."""
+    kind, i = guard
+    return kind if kind == "section" else f"{kind} {i + 1}"
+
+
+class GuardValue:
+    """A guard over a phase: f0 + f1 t + f2 s_2(t) + f3 s_3(t)."""
+
+    def __init__(
+        self, box: Box, guard: Guard, kappa: I, jet: list[F | I], zeros: int, known: bool
+    ) -> None:
+        self.box, self.guard, self.kappa = box, guard, kappa
+        self.jet, self.zeros = jet, zeros  # its value and derivatives at 0, and how many are zero
+        self.ranges = [f.value if isinstance(f, F) else f for f in jet]
+        self.known = known  # whether the first that is not exactly zero is at least zero
+
+    def at(self, t: F | I, order: int = 0) -> F | I:
+        """The guard or a derivative at a time."""
+        return combined(self.jet, waves(self.kappa, t, self.box), t, self.kappa, order)
+
+    def over(self, t: I, order: int = 0) -> I:
+        """Range over an interval of times and the box."""
+        found = combined(self.ranges, waves(self.kappa, t, self.box), t, self.kappa, order)
+        assert isinstance(found, I)
+        return found
+
+    def value(self, t: I) -> I:
+        """Range at one time over the box."""
+        found = self.at(t)
+        return found.value if isinstance(found, F) else found
+
+    def lasts(self, end: I, falling: I | None) -> bool:
+        """Whether the guard does not fire in (0, end], or until it falls on an interval."""
+        if self.guard[0] == "section":
+            return end.sign() != 1 or self.turns_not(end)
+        if end.sign() != 1:
+            return falling is not None and self.over(I.of(0).hull(falling), 1).sign() == -1
+        first = self.begin(end)
+        if first is None:
+            return False
+        todo, parts = [(first, end, 0)], 0
+        while todo:
+            a, b, depth = todo.pop()
+            parts += 1
+            if not a.less(b):
+                continue
+            t = a.hull(b)
+            if self.over(t).sign() == 1:
+                continue
+            slope = self.over(t, 1).sign()
+            if slope and self.value(a if slope == 1 else b).sign() == 1:
+                continue
+            middle = t.mid
+            if depth == HALVINGS or parts == PARTS or self.value(middle).sign() == -1:
+                return False
+            todo += [(middle, b, depth + 1), (a, middle, depth + 1)]
+        return True
+
+    def begin(self, end: I) -> I | None:
+        """A time until which the guard grows from its zero."""
+        sign = self.ranges[self.zeros].sign()
+        if self.zeros == 0 and sign == 1:
+            return I.of(0)
+        order = self.zeros
+        if sign != 1:
+            if not self.known:
+                return None
+            order += 1
+        for k in range(HALVINGS):
+            t = end * I.of(Fraction(1, 2**k))
+            if self.over(I.of(0).hull(t), order).sign() == 1:
+                return t.low
+        return None
+
+    def turns_not(self, end: I) -> bool:
+        """Whether the bird's velocity does not rise through zero in (0, end]."""
+        todo, parts = [(I.of(0), end, 0)], 0
+        while todo:
+            a, b, depth = todo.pop()
+            parts += 1
+            t = a.hull(b)
+            slope = self.over(t, 1).sign()
+            if self.over(t).sign() or slope == -1:
+                continue
+            starts = a.sign() == 0 and self.zeros == 1
+            if slope == 1 and (starts or self.value(b).sign() == -1):
+                continue
+            if depth == HALVINGS or parts == PARTS:
+                return False
+            middle = t.mid
+            todo += [(a, middle, depth + 1), (middle, b, depth + 1)]
+        return True
+
+    def crossing(self, bracket: I, direction: int) -> F:
+        """When the guard crosses zero: once, inside the bracket."""
+        if self.over(bracket, 1).sign() != direction:
+            raise NotSeparated(f"{named(self.guard)} may turn where it fires")
+        return root(self.at, self.over, bracket, self.box)
+
+    def landing(self, bracket: I) -> F | None:
+        """When a flight that began at rest ends: f = t^2 h, h falls through zero; None if not so.
+
+        Then f' = t^2 h' and f'' = t (4 h' + t h'') are negative where it lands.
+        """
+        jet, ranges = self.jet, self.ranges
+        if ranges[3].sign() != -1:
+            return None
+        kappa = self.kappa
+
+        def at(t: F | I, order: int = 0) -> F | I:
+            return height(jet, kappa, t, order)
+
+        def over_(t: I, order: int = 0) -> I:
+            found = height(ranges, kappa, t, order)
+            assert isinstance(found, I)
+            return found
+
+        try:
+            end = bracket.size
+            steps = [I.of(0), *[end * I.of(Fraction(k, 16)) for k in range(1, 17)]]
+            parts = [a.hull(b) for a, b in pairwise(steps)]
+            if any(over_(part, 1).sign() != -1 for part in (bracket, *parts)):
+                return None
+            four = I.of(4)
+            if (over_(bracket, 1) * four + bracket * over_(bracket, 2)).sign() != -1:
+                return None
+            return root(at, over_, bracket, self.box)
+        except NotSeparated:
+            return None
+
+
+def combined(f: Sequence[Any], s: Sequence[Any], t: Any, kappa: I, order: int) -> F | I:
+    """A derivative of f0 + f1 t + f2 s_2 + f3 s_3."""
+    terms: list[tuple[Any, Any]]
+    match order:
+        case 0:
+            terms = [(f[0], None), (f[1], t), (f[2], s[2]), (f[3], s[3])]
+        case 1:
+            terms = [(f[1], None), (f[2], s[1]), (f[3], s[2])]
+        case 2:
+            terms = [(f[2], s[0]), (f[3], s[1])]
+        case 3:
+            terms = [(f[3], s[0]), (f[2], s[1] * kappa)]
+        case _:
+            terms = [(f[2], s[0] * kappa), (f[3], s[1] * kappa)]
+    found: Any = None
+    for x, y in terms:
+        term = x if y is None else times(x, y)
+        found = term if found is None else plus(found, term)
+    return found  # type: ignore[no-any-return]
+
+
+def times(x: Any, y: Any) -> Any:
+    """A product of forms or numbers."""
+    if isinstance(x, I) and isinstance(y, F):
+        return y * x
+    return x * y
+
+
+def plus(x: Any, y: Any) -> Any:
+    """A sum of forms or numbers."""
+    if isinstance(x, F) and isinstance(y, I):
+        return x.plus(y)
+    if isinstance(x, I) and isinstance(y, F):
+        return y.plus(x)
+    return x + y
+
+
+def height(f: Sequence[Any], kappa: I, t: Any, order: int) -> F | I:
+    """H = f2 c_2 + f3 t c_3 and its derivatives; d c_k / dt = kappa t (c_(k+1) - k c_(k+2))."""
+    square = t * t
+    x = square * kappa
+    c = shapes(x, 7)
+
+    def less(k: int, n: int) -> Any:
+        first: Any = c[k]
+        return first - c[k + 1] * I.of(n)
+
+    second, third = less(3, 2), less(4, 3)
+    if order == 0:
+        return plus(times(f[2], c[2]), times(f[3], c[3] * t))  # type: ignore[no-any-return]
+    if order == 1:
+        a, b = second * t * kappa, third * x + c[3]
+    else:
+        bend_2 = third - less(5, 4) * I.of(2)
+        bend_3 = less(5, 4) - less(6, 5) * I.of(3)
+        a = (bend_2 * x + second) * kappa
+        b = (bend_3 * x + third * I.of(3)) * t * kappa
+    return plus(times(f[2], a), times(f[3], b))  # type: ignore[no-any-return]
+
+
+def root(at: Callable[..., Any], range_: Callable[..., I], bracket: I, box: Box) -> F:
+    """The zero of a function that is monotone on a bracket, as a form inside it.
+
+    From a polynomial t near the zero it is at most |f(t) / f'| away, with f' over the bracket; if
+    all places so near are in the bracket, f changes its sign between them.
+    """
+    span = box.span
+    t = constant(box, bracket.mid)
+    for k in range(40):
+        value, speed = at(t), at(t, 1)
+        step = thin(value.parts[0]) * inverse(thin(speed.parts[0]))
+        moved = thin(t.parts[0] - thin(step))
+        t = F(box, [moved, *t.parts[1:]])
+        if k > 3 and abs(float(step.first)) < 1e-25 and 2 ** (k - 3) >= span.terms:
+            break
+    slope = range_(bracket, 1)
+    value = at(t)
+    reach = (value.value / slope).size
+    reach = (reach + reach * I.of(Fraction(1, 2)) + I.of(Fraction(1, 10**28))).ball
+    whole = t.parts[0].wider(reach)
+    if not whole.range.within(bracket):
+        raise NotSeparated("an event lies outside its bracket")
+    fixed = F(box, [whole, *t.parts[1:]])
+    value, speed = at(fixed), at(fixed, 1)
+    down = inverse(speed.all[0])
+    curve = t.parts[0].wider(-(at(t).parts[0].range / slope))
+    found = [curve]
+    for n in range(1, box.depth):
+        part = value.parts[n]
+        if n > 2:
+            i, j = {3: (1, 1), 4: (1, 2), 5: (2, 2)}[n]
+            bend = at(fixed, 2).all[0]
+            part = part + speed.parts[i] * found[j] + speed.parts[j] * found[i]
+            part = part + bend * found[i] * found[j]
+        found.append(-(part * down))
+    return F(box, found)
+
+
+def thin(f: T) -> T:
+    """A polynomial near a Taylor model."""
+    return T(f.span, f.c)

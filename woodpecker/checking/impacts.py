@@ -1,0 +1,158 @@
+"""Impacts verified: one index combination holds by strict inequalities, and none else can."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import product
+from typing import Any
+
+from woodpecker.checking.forms import F, constant
+from woodpecker.checking.intervals import I, NotSeparated
+from woodpecker.checking.toy import SIDE, ExactToy
+
+
+@dataclass
+class ImpactSolution:
+    """One phase of an impact: its index combination, impulses and velocities."""
+
+    rests: tuple[bool, ...]
+    slips: tuple[int, ...]
+    impulses: list[F]
+    velocities: list[F]
+
+
+def marked(first: ImpactSolution, second: ImpactSolution | None, k: int, stores: int | None) -> str:
+    """Letters of a contact in an impact: s sticks, f separates; after - expansion, r unusual."""
+    letters = "f" if not first.rests[k] else ("s" if first.slips[k] == 0 else "")
+    if second is None:
+        return letters
+    unusual = second.rests[k] == (stores == 1)
+    tail = ("r" if unusual else "") + ("s" if second.slips[k] == 0 else "")
+    return letters + (f"-{tail}" if tail else "")
+
+
+def verdict(conditions: Sequence[Any]) -> bool | None:
+    """Whether all are positive; False if one is negative."""
+    signs = [(c.value if isinstance(c, F) else c).sign() for c in conditions]
+    if -1 in signs:
+        return False
+    return True if all(s == 1 for s in signs) else None
+
+
+def solve_impact(
+    toy: ExactToy, contacts: list[int], free: list[F], floors: list[F], expands: bool, known: bool
+) -> ImpactSolution:
+    """The only solution of one phase of an impact."""
+    coupled = expands and toy.summed and len(contacts) > 1
+    kept: ImpactSolution | None = None
+    for rests in product((True, False), repeat=len(contacts)):
+        for slips in product((0, 1, -1), repeat=len(contacts)):
+            table = toy.case(tuple(contacts), rests, slips, coupled)
+            if table is None:
+                if not (all(rests) and not any(slips) and len(contacts) == 2):
+                    raise NotSeparated("an impact is degenerate")
+                if rest_is_possible(toy, contacts[1], momentum(toy, contacts, free), floors,
+                                         coupled) is not False:  # fmt: skip
+                    raise NotSeparated("the impulses of an impact may not be unique")
+                continue
+            holds, solution = _combination(
+                toy, contacts, free, floors, (rests, slips), table, coupled, known
+            )
+            if holds is False:
+                continue
+            if holds is None or kept is not None:
+                raise NotSeparated("an impact is not decided")
+            kept = solution
+    if kept is None:
+        raise NotSeparated("an impact has no solution")
+    return kept
+
+
+def _combination(
+    toy: ExactToy, contacts: list[int], free: list[F], floors: list[F],
+    case: tuple[tuple[bool, ...], tuple[int, ...]], table: list[list[Fraction]],
+    coupled: bool, known: bool,
+) -> tuple[bool | None, ImpactSolution | None]:  # fmt: skip
+    """Whether an index combination holds: by ranges, then by forms."""
+    rests, slips = case
+    given = [*free, *floors]
+    for ranges in (True, False):
+        p = [total(row, given, ranges) for row in table]
+        conditions: list[Any] = []
+        v: list[Any] = []
+        at = [2 * i + k for i in contacts for k in (0, 1)]
+        for k in range(len(contacts)):
+            for n, zero in ((0, rests[k]), (1, slips[k] == 0)):
+                row = [toy.g[at[2 * k + n]][j] for j in at]
+                start = free[2 * k + n].value if ranges else free[2 * k + n]
+                none = I.of(0) if ranges else constant(free[0].box, I.of(0))
+                v.append(none if zero else start + total(row, p, False))
+        for k, i in enumerate(contacts):
+            normal = p[2 * k] - (floors[k].value if ranges else floors[k])
+            if known:
+                # v_N before is negative or zero: a slipping contact at rest has an impulse of
+                # the sign of its stiffness, a free one would still approach
+                stiffness = toy.g[2 * i][2 * i] - slips[k] * toy.mu[i] * toy.g[2 * i][2 * i + 1]
+                if not rests[k]:
+                    return False, None
+                conditions.append(I.of(1) if slips[k] and stiffness > 0 else normal)
+            else:
+                conditions.append(normal if rests[k] else v[2 * k])
+            most = p[2 * k] + p[2 - 2 * k] if coupled else p[2 * k]
+            bound = most * I.of(toy.mu[i])
+            if slips[k] == 0:
+                conditions += [bound - p[2 * k + 1], bound + p[2 * k + 1]]
+            else:
+                conditions.append(v[2 * k + 1] if slips[k] == 1 else -v[2 * k + 1])
+        holds = verdict(conditions)
+        if ranges and holds is False:
+            return False, None
+    return holds, ImpactSolution(rests, slips, p, v)
+
+
+def momentum(toy: ExactToy, contacts: list[int], free: list[F]) -> list[F]:
+    """-M u, from the velocities of the beak and a contact of the sleeve."""
+    k = contacts[1]
+    u_s = free[0] * I.of(-1 / toy.lever[0])
+    u_m = free[2] * I.of(SIDE[k] / toy.lever[k])
+    u_y = free[3] - u_m * I.of(toy.tangent[k][1])
+    return [-total(row, [u_y, u_m, u_s], False) for row in toy.mass]
+
+
+def rest_is_possible(
+    toy: ExactToy, k: int, load: list[F], floors: list[F], coupled: bool
+) -> bool | None:
+    """False if W lambda = load has no solution in both cones; linear in s = lambda_T1."""
+    (_, l_m, arm), r_m = toy.tangent[0], toy.tangent[k][1]
+    hs, hk = toy.lever[0], SIDE[k] * toy.lever[k]
+    beak = (-load[2] * I.of(1 / hs), arm / hs)
+    sleeve = ((load[1] - load[0] * I.of(r_m)) * I.of(1 / hk), (r_m - l_m) / hk)
+    along = [(constant(load[0].box, I.of(0)), Fraction(1)), (load[0], Fraction(-1))]
+    lines = [(beak[0] - floors[0], beak[1]), (sleeve[0] - floors[1], sleeve[1])]
+    for i, own, (c, rate) in ((0, beak, along[0]), (k, sleeve, along[1])):
+        most = (beak[0] + sleeve[0], beak[1] + sleeve[1]) if coupled else own
+        mu = toy.mu[i]
+        lines.append((most[0] * I.of(mu) + c, most[1] * mu + rate))
+        lines.append((most[0] * I.of(mu) - c, most[1] * mu - rate))
+    for c, rate in lines:
+        if rate == 0 and c.value.sign() == -1:
+            return False
+        for c2, rate2 in lines:
+            if rate > 0 > rate2 and (c2 * I.of(rate) - c * I.of(rate2)).value.sign() == -1:
+                return False
+    return None
+
+
+def total(row: Sequence[Fraction], x: Sequence[Any], ranges: bool) -> Any:
+    """A linear combination of forms, of intervals, or of the ranges of forms."""
+    found = None
+    for c, y in zip(row, x, strict=True):
+        if c == 0:
+            continue
+        term = (y.value if ranges else y) * I.of(c)
+        found = term if found is None else found + term
+    if found is None:
+        return I.of(0) if ranges or isinstance(x[0], I) else constant(x[0].box, I.of(0))
+    return found

@@ -1,0 +1,328 @@
+"""Pieces of a certificate, verified: exactly one cycle in the tubes for every parameter."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping, Sequence
+from fractions import Fraction
+from itertools import zip_longest
+from typing import Any
+
+from woodpecker.checking.forms import Box, F, constant
+from woodpecker.checking.guards import Guard
+from woodpecker.checking.intervals import Extent, I, NotSeparated, T
+from woodpecker.checking.motion import Choice, Tracker
+from woodpecker.checking.toy import NAMES, ExactToy
+
+NUMBER = re.compile(r"-?[0-9]{1,2000}(\.[0-9]{1,2000})?(/[0-9]{1,2000})?")
+GUARD = re.compile(r"(gap|normal|cone\+|cone-|slip|plateau\+|plateau-) ([123])|section")
+MOST = 400  # events of a return
+LATEST = 10  # s: no phase of a return lasts longer, and ranges over longer ones say nothing
+DEPTH = 3  # halvings of a piece's line
+RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
+Interval = tuple[Fraction, Fraction]
+
+
+class Rejected(ValueError):  # noqa: N818  (what a checker says)
+    """A certificate that does not hold; the sentence says why."""
+
+
+def number(text: Any) -> Fraction:
+    """A rational number from text."""
+    if not isinstance(text, str) or not NUMBER.fullmatch(text):
+        raise Rejected(f"a number must be text such as -0.25 or 1/3, got {text!a:.60}")
+    top, _, bottom = text.partition("/")
+    return Fraction(top) / Fraction(bottom) if bottom else Fraction(top)
+
+
+def interval(pair: Any) -> Interval:
+    """An interval from two texts."""
+    if not isinstance(pair, list) or len(pair) != 2:
+        raise Rejected(f"an interval must have two ends, got {pair!a:.60}")
+    low, high = number(pair[0]), number(pair[1])
+    if low > high:
+        raise Rejected(f"an interval must not end before it begins, got {pair}")
+    return low, high
+
+
+def claimed(name: str, found: I, pair: Any) -> None:
+    """Refuse a claim that does not hold what was found."""
+    low, high = interval(pair)
+    if not (low <= found.ends[0] and found.ends[1] <= high):
+        raise Rejected(f"{name} could not be shown to lie in {pair}")
+
+
+class ToyData:
+    """The toy of a certificate, and what moves."""
+
+    def __init__(self, content: Mapping[str, Any]) -> None:
+        toy, self.parameter, law = content["toy"], content["parameter"], content["law"]
+        if set(toy) != set(NAMES) or law not in ("summed", "separate"):
+            raise Rejected("the toy must have all its numbers and a law, summed or separate")
+        self.moves = content["kind"] != "orbit"
+        if self.moves and (self.parameter not in RESTITUTIONS or toy[self.parameter] is not None):
+            raise Rejected("only a restitution coefficient may move, and has no value then")
+        if self.parameter not in toy:
+            raise Rejected(f"the toy has no parameter {self.parameter!r}")
+        values = {name: number(x) for name, x in toy.items() if x is not None}
+        if len(values) != len(toy) - self.moves:
+            raise Rejected("a number of the toy is missing")
+        if not all(0 <= values[name] <= 1 for name in RESTITUTIONS if name in values):
+            raise Rejected("restitution must lie in [0, 1]")
+        if any(x <= 0 for name, x in values.items() if name[:3] not in ("eps", "mu_")):
+            raise Rejected("masses, lengths and stiffness must be positive")
+        if any(x < 0 for x in values.values()) or values["r_m"] <= values["r_0"]:
+            raise Rejected("the toy cannot have these numbers")
+        self.values, self.order, self.law, self.texts = values, content["order"], law, toy
+        self.toy = ExactToy(values, law == "summed")
+        if not isinstance(self.order, int) or not 1 <= self.order <= 100:
+            raise Rejected(f"order must be a whole number from 1 to 100, got {self.order!r}")
+
+    def follower(self, box: Box, line: Sequence[Fraction], curve: Sequence[Fraction]) -> Tracker:
+        """The toy on the section, at rest."""
+        eps: list[F | I] = [I.of(self.values.get(name, 0)) for name in RESTITUTIONS]
+        if self.moves:
+            eps[RESTITUTIONS.index(self.parameter)] = _polynomial(box, line, False)
+            ends = eps[RESTITUTIONS.index(self.parameter)]
+            assert isinstance(ends, F)
+            if not ends.value.inside(I.of(0, 1)):
+                raise Rejected("restitution must lie in [0, 1]")
+        none = constant(box, I.of(0))
+        x = _polynomial(box, curve, True)
+        if not x.value.less(I.of(self.toy.touch[0])):
+            raise NotSeparated("the beak may touch the pole at the start")
+        q = [none, constant(box, I.of(self.toy.touch[1])), x]
+        return Tracker(self.toy, box, eps, q, [none, none, none])
+
+
+def _polynomial(box: Box, c: Sequence[Fraction], start: bool) -> F:
+    """A polynomial in tau, plus s where it is the start."""
+    rate = [k * c[k] for k in range(1, len(c))] or [Fraction(0)]
+    bend = [k * rate[k] for k in range(1, len(rate))] or [Fraction(0)]
+    parts = [c, [Fraction(int(start))], rate, [Fraction(0)], [Fraction(0)], bend]
+    return F(box, [T.of(box.span, part) for part in parts[: box.depth]])
+
+
+class VerifiedReturn:
+    """A return along one way, verified."""
+
+    def __init__(
+        self, data: ToyData, box: Box, line: Any, curve: Any, way: Mapping[str, Any]
+    ) -> None:
+        if set(way) != {"word", "events"} or not 1 <= len(way["events"]) <= MOST:
+            raise Rejected("a way has a word and events")
+        events: list[tuple[Guard, I]] = []
+        for event in way["events"]:
+            if not isinstance(event, list) or len(event) != 3:
+                raise Rejected(
+                    f"an event is a guard and two ends of its duration, got {event!a:.60}"
+                )
+            name, low, high = event
+            if not isinstance(name, str) or not GUARD.fullmatch(name):
+                raise Rejected(f"there is no guard {name!a:.40}")
+            kind, _, contact = name.partition(" ")
+            guard = (kind, int(contact) - 1 if contact else 0)
+            bracket = interval([low, high])
+            if max(map(abs, bracket)) > LATEST:
+                raise Rejected(f"a phase lasts at most {LATEST} s, got {low:.40} to {high:.40}")
+            events.append((guard, I.of(*bracket)))
+        motion = data.follower(box, line, curve)
+        motion.run(events)
+        if " ".join(motion.word) != way["word"]:
+            raise Rejected(f"the word is {' '.join(motion.word)}, not {way['word']}")
+        assert motion.time is not None
+        self.image, self.drop = motion.q[2], -motion.q[0]
+        self.period, self.forks = motion.time, motion.forks
+
+
+def check_both(returns: Sequence[VerifiedReturn], kinds: Sequence[str]) -> None:
+    """Refuse two ways that are not the two sides of one decision; or one way with a fork."""
+    if len(returns) == 1 and not returns[0].forks:
+        return
+    if len(returns) != 2 or any(len(each.forks) != 1 for each in returns):
+        raise NotSeparated("a decision is open, and its two ways are not there")
+    forks: list[Choice] = [fork for each in returns for fork in each.forks]
+    if any(fork.kind not in kinds for fork in forks):
+        raise NotSeparated("a decision is open, and its two ways are not there")
+    first, second = forks
+    meets = first.kind == "meeting"
+    same = first.kind == second.kind and first.at == second.at
+    same = same and first.contacts == (second.contacts[::-1] if meets else second.contacts)
+    if not same or (not meets and first.leaves == second.leaves):
+        raise NotSeparated("the two ways are not those of one decision")
+
+
+class VerifiedPiece:
+    """A piece, verified: exactly one cycle in the tubes for every parameter on the line."""
+
+    def __init__(self, data: ToyData, piece: Mapping[str, Any], terms: int, turns: bool) -> None:
+        if set(piece) != {"line", "half", "points"} or len(piece["points"]) != data.order:
+            raise Rejected("a piece has a line, half of its length, and a point for each return")
+        self.line = [number(c) for c in piece["line"]]
+        self.half, points = number(piece["half"]), piece["points"]
+        span = Extent(self.half, terms)
+        if self.half < 0 or not self.line or len(self.line) > 40:
+            raise Rejected("a line has one to forty coefficients and a length")
+        if not data.moves and (self.half != 0 or self.line != [data.values[data.parameter]]):
+            raise Rejected("the parameter is not that of the toy")
+        if data.moves and self.half == 0:
+            raise Rejected("a piece of a branch has a length")
+        if self.half > 0 and _rising(self.line, span) is False:
+            raise NotSeparated("the parameter may turn round")
+        self.curves = [[number(c) for c in point["curve"]] for point in points]
+        self.radii = [number(point["radius"]) for point in points]
+        if any(set(point) != {"curve", "radius", "ways"} for point in points):
+            raise Rejected("a point has a curve, a radius and ways")
+        if any(r <= 0 for r in self.radii) or any(not c or len(c) > 40 for c in self.curves):
+            raise Rejected("a tube has a curve and a positive radius")
+        _apart(self.curves, self.radii, span)
+        misses, slopes, self.returns = [], [], []
+        for k, point in enumerate(points):
+            box = Box(I.of(self.radii[k]), span, 6 if turns else 2)
+            found = [
+                VerifiedReturn(data, box, self.line, self.curves[k], way) for way in point["ways"]
+            ]
+            check_both(found, ("rest", "plateau"))
+            aim = _polynomial(box, self.curves[(k + 1) % len(points)], False)
+            misses.append(hull([(r.image.parts[0] - aim.parts[0]).range for r in found]))
+            slopes.append(hull([r.image.part((1, 0)) for r in found]))
+            self.returns.append(found)
+        self.off = _around(misses, slopes)
+        if not all(s.within(I.of(r).ball) for s, r in zip(self.off, self.radii, strict=True)):
+            raise NotSeparated("no cycle could be shown to lie in the tubes")
+        self.multiplier = _product(slopes)
+        self.turn = self._turn(slopes) if turns else None
+
+    def _turn(self, slopes: list[I]) -> I:
+        """Range of the derivative of the multiplier in tau along the cycle."""
+        n, misses = len(slopes), []
+        images = [found[0].image for found in self.returns]
+        if any(len(found) > 1 for found in self.returns):
+            raise NotSeparated("a word changes where a flip is claimed")
+        for k, image in enumerate(images):
+            aim = _polynomial(image.box, self.curves[(k + 1) % n], False)
+            misses.append((image.parts[2] - aim.parts[2]).range)
+        moves, total = _around(misses, slopes), I.of(0)
+        for k, image in enumerate(images):
+            own = image.part((1, 1)) + image.part((2, 0)) * moves[k]
+            total = total + own * _product(slopes[:k] + slopes[k + 1 :])
+        return total
+
+    def parameter(self, side: int) -> Fraction:
+        """The value of the parameter at an end."""
+        return value_at(self.line, side * self.half)
+
+    def place(self, side: int, k: int) -> tuple[Interval, Interval]:
+        """At an end: the tube of a point, and where the point is."""
+        at, radius = value_at(self.curves[k], side * self.half), self.radii[k]
+        return (at - radius, at + radius), (I.of(at) + self.off[k]).ends
+
+
+class VerifiedHalves:
+    """A piece that was verified in two halves of its line, with the same tubes: so as a whole."""
+
+    def __init__(self, low: Verified, high: Verified) -> None:
+        self.low, self.high = low, high
+        self.multiplier: I = low.multiplier.hull(high.multiplier)
+        self.turn: I | None = None
+        if low.turn is not None and high.turn is not None:
+            self.turn = low.turn.hull(high.turn)
+
+    def parameter(self, side: int) -> Fraction:
+        """The value of the parameter at an end."""
+        return (self.low if side < 0 else self.high).parameter(side)
+
+    def place(self, side: int, k: int) -> tuple[Interval, Interval]:
+        """At an end: the tube of a point, and where the point is."""
+        return (self.low if side < 0 else self.high).place(side, k)
+
+
+Verified = VerifiedPiece | VerifiedHalves
+
+
+def verified(
+    data: ToyData, piece: Mapping[str, Any], terms: int, turns: bool, claim: Any, depth: int = 0
+) -> Verified:
+    """A piece, as a whole or in parts of its line, over which ranges are sharper."""
+    half = number(piece["half"])
+    last = depth == DEPTH or half <= 0
+    try:
+        whole = VerifiedPiece(data, piece, terms, turns)
+    except NotSeparated:
+        if last:
+            raise
+    else:
+        if last or whole.multiplier.inside(I.of(*interval(claim))):
+            return whole
+    parts = []
+    for side in (-1, 1):
+        points = [
+            {**point, "curve": _moved(point["curve"], side * half / 2)} for point in piece["points"]
+        ]
+        line = _moved(piece["line"], side * half / 2)
+        part = {"line": line, "half": str(half / 2), "points": points}
+        parts.append(verified(data, part, terms, turns, claim, depth + 1))
+    return VerifiedHalves(*parts)
+
+
+def _moved(texts: Sequence[str], by: Fraction) -> list[str]:
+    """Coefficients of a polynomial about another centre."""
+    c = [number(text) for text in texts]
+    for k in range(len(c) - 1):
+        for j in range(len(c) - 2, k - 1, -1):
+            c[j] += by * c[j + 1]
+    return [str(x) for x in c]
+
+
+def _apart(curves: Sequence[Sequence[Fraction]], radii: Sequence[Fraction], span: Extent) -> None:
+    """Refuse tubes in which a cycle might be a shorter one that is passed several times."""
+    n = len(curves)
+
+    def meet(i: int, k: int) -> bool:
+        both = zip_longest(curves[i], curves[k], fillvalue=Fraction(0))
+        distance = T.of(span, [a - b for a, b in both]).range
+        wide = I.of(radii[i] + radii[k])
+        return (distance - wide).sign() != 1 and (distance + wide).sign() != -1
+
+    for period in range(1, n):
+        if n % period == 0 and all(meet(k, (k + period) % n) for k in range(n)):
+            raise NotSeparated(f"the cycle may be one of {period}, passed several times")
+
+
+def _rising(line: Sequence[Fraction], span: Extent) -> bool:
+    return T.of(span, [k * line[k] for k in range(1, len(line))]).range.sign() == 1
+
+
+def value_at(c: Sequence[Fraction], x: Fraction) -> Fraction:
+    """The value of a polynomial."""
+    total = Fraction(0)
+    for each in reversed(c):
+        total = total * x + each
+    return total
+
+
+def hull(parts: Sequence[I]) -> I:
+    """The interval about all."""
+    whole = parts[0]
+    for part in parts[1:]:
+        whole = whole.hull(part)
+    return whole
+
+
+def _product(parts: Sequence[I]) -> I:
+    total = I.of(1)
+    for part in parts:
+        total = total * part
+    return total
+
+
+def _around(e: Sequence[I], slopes: Sequence[I]) -> list[I]:
+    """Solve s_(k+1) = e_k + slope_k s_k around a cycle."""
+    n, whole = len(e), I.of(1) - _product(slopes)
+    found = []
+    for i in range(n):
+        total = I.of(0)
+        for k in range(i, i + n):
+            total = e[k % n] + slopes[k % n] * total
+        found.append(total / whole)
+    return found

@@ -1,0 +1,330 @@
+"""Contact problems of impacts with friction, solved directly.
+
+Compression and expansion [Leine2001, Eqs. 2-5; Pfeiffer1996] are one problem: find impulses
+Lambda with
+
+    (g_N, g_T) = G Lambda + free,    G = W^T M^-1 W,
+    0 <= g_N  perp  Lambda_N - floor >= 0      (floor = 0, or eps_N Lambda_NC in expansion),
+    |Lambda_T| <= mu Lambda_N,  Lambda_T = -mu Lambda_N sign(g_T) where g_T != 0.
+
+In the expansion of an impact at two contacts the paper's law bounds |Lambda_T| by mu times the sum
+of both normal impulses, Coulomb's law contact by contact does not
+(:class:`woodpecker.mechanics.toy.ExpansionFriction`).
+
+With one contact the six index combinations have closed forms; with two, all 36 are tried from a
+table of :mod:`woodpecker.mechanics.cases`. Either way a missing solution or a second one is seen.
+:mod:`woodpecker.mechanics.lcp` solves the same problem by Lemke's method for any number of contacts
+and is what this file is tested against.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.compiled import part
+from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST, impulse_of
+from woodpecker.mechanics.modes import CONTACT, FORCE, LEVER, MU, SIGN, TANGENT
+
+# Outcome of a contact problem.
+SOLVED, NO_SOLUTION, AMBIGUOUS, INDETERMINATE = 0, 1, 2, 3
+
+UNSOLVED = -1
+
+SLACK = 1e-11  # used only where strict signs leave no combination: a solution on a boundary
+SAME = 1e-8  # velocities closer than this (relative) are one solution found twice
+
+
+@part
+def one_contact_case(
+    case: int, g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, mu: float,
+    floor: float,
+) -> tuple[float, float]:  # fmt: skip
+    """Impulses (N, T) of one index combination, linear in (free_n, free_t, floor)."""
+    tangential = case % 3
+    if tangential == HOLD:
+        if case // 3 == FREE:
+            return floor, -(free_t + g_nt * floor) / g_tt
+        determinant = g_nn * g_tt - g_nt * g_nt
+        return (
+            (g_nt * free_t - g_tt * free_n) / determinant,
+            (g_nt * free_n - g_nn * free_t) / determinant,
+        )
+    friction = -mu if tangential == FORWARD else mu
+    if case // 3 == FREE:
+        return floor, friction * floor
+    stiffness = g_nn + friction * g_nt
+    impulse = -free_n / stiffness if stiffness != 0.0 else math.nan
+    return impulse, friction * impulse
+
+
+@part
+def one_contact(
+    g_nn: float, g_nt: float, g_tt: float, free_n: float, free_t: float, mu: float, floor: float
+) -> tuple[int, int, float, float]:
+    """Try the six index combinations of one contact: (outcome, combination, impulses N, T)."""
+    scale_v = abs(free_n) + abs(free_t) + floor * g_nn
+    scale_i = abs(free_n) / g_nn + abs(free_t) / g_tt + floor
+    for slack in (0.0, SLACK):
+        kept, kept_n, kept_t = UNSOLVED, 0.0, 0.0
+        for case in range(6):
+            p_n, p_t = one_contact_case(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
+            v_n = free_n + g_nn * p_n + g_nt * p_t
+            v_t = free_t + g_nt * p_n + g_tt * p_t
+            tangential = case % 3
+            if case // 3 == REST:
+                if not p_n >= floor - slack * scale_i:
+                    continue
+            elif v_n < -slack * scale_v:
+                continue
+            if tangential == HOLD:
+                if abs(p_t) > mu * p_n + slack * scale_i:
+                    continue
+            elif (v_t if tangential == FORWARD else -v_t) < -slack * scale_v:
+                continue
+            if kept == UNSOLVED:
+                kept, kept_n, kept_t = case, p_n, p_t
+            elif abs(p_n - kept_n) + abs(p_t - kept_t) > SAME * scale_i:
+                return AMBIGUOUS, kept, kept_n, kept_t
+        if kept != UNSOLVED:
+            return SOLVED, kept, kept_n, kept_t
+    return NO_SOLUTION, UNSOLVED, 0.0, 0.0
+
+
+PAIR_ROOM = np.dtype(
+    (
+        np.record,
+        [
+            ("delassus", "f8", (4, 4)),
+            ("friction", "f8", (2, 2)),
+            ("system", "f8", (4, 10)),
+            ("mu", "f8", (2,)),
+            ("eps", "f8", (2,)),
+            ("feeds", "i8", (2,)),
+            ("floor", "f8", (2,)),
+            ("free", "f8", (4,)),
+            ("middle", "f8", (4,)),  # velocities between the phases
+            ("after", "f8", (4,)),  # and after them
+            ("first", "i8", (2, 2)),  # combinations of the compression
+            ("second", "i8", (2, 2)),  # and of the expansion
+            ("end", "f8", (4,)),  # impulses at one end of an indeterminate compression
+            ("total", "f8", (4,)),  # impulses along a tangent
+            ("more", "f8", (4,)),  # and those of one phase
+            ("found", "i8", (36,)),  # combinations that hold
+            ("violations", "f8", (36,)),
+            ("impulses", "f8", (36, 4)),
+            ("velocities", "f8", (36, 4)),
+            ("sizes", "f8", (4,)),  # of the terms of the velocities
+        ],
+    )
+)
+"""Room for an impact at two contacts, (N, T) of each contact in turn.
+
+One record, because compiled code passes it by its address: arrays of their own take longer to make,
+and to pass, than the arithmetic. All entries are overwritten each time.
+"""
+
+Pair = np.record  # of PAIR_ROOM
+
+
+def make_pair() -> Pair:
+    """Room for impacts at two contacts, for those who call :func:`decide` from outside."""
+    pair: Pair = np.zeros(1, dtype=PAIR_ROOM)[0]
+    return pair
+
+
+@part
+def two_contacts(
+    table: Floats, first: int, delassus: Floats, free: Floats, mu: Floats, coupling: float,
+    floor: Floats, feeds: Ints, cases: Ints, impulse: Floats, pair: Pair,
+) -> int:  # fmt: skip
+    """Try every index combination of two contacts.
+
+    Parameters
+    ----------
+    table, first
+        Impulses of the index combinations, see :mod:`woodpecker.mechanics.cases`, from row
+        ``first`` on.
+    delassus
+        (4, 4), (N, T) of each contact in turn; free is (4,), mu and floor are (2,).
+    coupling
+        What the other contact's normal impulse adds to the bound of friction, in units of mu: 0,
+        or 1 for the sum. The table is made for it.
+    feeds
+        (2,) nonzero where the normal impulse itself matters afterwards (it feeds the expansion).
+    cases
+        (2, 2) output: the index combination, twice; if indeterminate both ends of the segment.
+    impulse
+        (4,) output: the impulses, or the middle of the segment.
+    pair
+        Room for the combinations that hold.
+
+    Returns
+    -------
+    SOLVED, NO_SOLUTION, AMBIGUOUS if two combinations give different velocities, INDETERMINATE if
+    they give the same velocities but different normal impulses where these matter.
+    """
+    found, violations = pair.found, pair.violations
+    impulses, velocities, sizes = pair.impulses, pair.velocities, pair.sizes
+    count = 0
+    for index in range(36):
+        p, v = impulses[count], velocities[count]
+        impulse_of(table, first + index, free, floor, p)
+        velocity_of(index, delassus, free, p, v)
+        worst = _violation(index % 6, 0, delassus, free, mu[0], coupling, floor, p, v)
+        if worst <= SLACK:
+            second = _violation(index // 6, 1, delassus, free, mu[1], coupling, floor, p, v)
+            worst = max(worst, second)
+        if worst <= SLACK:
+            found[count], violations[count] = index, worst
+            count += 1
+    if count == 0:
+        return NO_SOLUTION
+    best = 0
+    for s in range(1, count):
+        if violations[s] < violations[best]:
+            best = s
+    for i in range(4):
+        sizes[i] = _size(i, delassus, free, impulses[best])
+    status = SOLVED
+    for s in range(count):
+        for i in range(4):
+            if abs(velocities[s, i] - velocities[best, i]) > SAME * sizes[i]:
+                return AMBIGUOUS
+        for k in range(2):
+            apart = abs(impulses[s, 2 * k] - impulses[best, 2 * k])
+            if feeds[k] and apart > SAME * _largest(impulses[best]):
+                status = INDETERMINATE
+    low = high = best
+    if status == INDETERMINATE:
+        low, high = _ends(impulses, count)
+    cases[0, 0], cases[0, 1] = found[low] % 6, found[low] // 6
+    cases[1, 0], cases[1, 1] = found[high] % 6, found[high] // 6
+    for i in range(4):
+        impulse[i] = 0.5 * (impulses[low, i] + impulses[high, i])
+    return status
+
+
+@part
+def _violation(
+    case: int, k: int, delassus: Floats, free: Floats, mu: float, coupling: float, floor: Floats,
+    p: Floats, v: Floats,
+) -> float:  # fmt: skip
+    """Largest violation of the inequalities of contact k (0 or 1); inf for no impulses at all.
+
+    Each is relative to the terms that rounding was made in, so that a slow impact of a contact
+    that slides fast is judged by its own velocities.
+    """
+    n, t = 2 * k, 2 * k + 1
+    if case // 3 == REST:
+        normal = floor[k] - p[n]
+        if normal > 0.0:
+            normal /= max(_largest(p), floor[k])
+    else:
+        normal = -v[n]
+        if normal > 0.0:
+            normal /= _size(n, delassus, free, p)
+    if case % 3 == HOLD:
+        bound = mu * (p[n] + coupling * p[2 - n])
+        tangential = abs(p[t]) - bound
+        if tangential > 0.0:
+            tangential /= _largest(p)
+    else:
+        tangential = -v[t] if case % 3 == FORWARD else v[t]
+        if tangential > 0.0:
+            tangential /= _size(t, delassus, free, p)
+    if not (normal <= SLACK and tangential <= SLACK):
+        return math.inf
+    return float(max(0.0, normal, tangential))
+
+
+@part
+def _size(i: int, delassus: Floats, free: Floats, p: Floats) -> float:
+    """Size of the terms that a velocity is the sum of, and that rounding of impulses enters."""
+    row = abs(delassus[i, 0]) + abs(delassus[i, 1]) + abs(delassus[i, 2]) + abs(delassus[i, 3])
+    return float(abs(free[i]) + row * _largest(p))
+
+
+@part
+def _largest(p: Floats) -> float:
+    """Largest modulus of an impulse."""
+    return float(max(abs(p[0]), abs(p[1]), abs(p[2]), abs(p[3])))
+
+
+@part
+def _ends(points: Floats, count: int) -> tuple[int, int]:
+    """The two ends among points that lie on one segment: extremes of its longest coordinate."""
+    first = last = 0
+    longest = -1.0
+    for k in range(points.shape[1]):
+        low = high = 0
+        for s in range(1, count):
+            if points[s, k] < points[low, k]:
+                low = s
+            if points[s, k] > points[high, k]:
+                high = s
+        if points[high, k] - points[low, k] > longest:
+            longest, first, last = points[high, k] - points[low, k], low, high
+    return first, last
+
+
+@part
+def velocity_of(
+    index: int, delassus: Floats, free: Floats, impulse: Floats, velocity: Floats
+) -> None:
+    """G Lambda + free, with exact zeros where the index combination says zero."""
+    for i in range(4):
+        total = free[i]
+        for j in range(4):
+            total += delassus[i, j] * impulse[j]
+        velocity[i] = total
+    for k in range(2):
+        case = index // 6 if k else index % 6
+        if case // 3 == REST:
+            velocity[2 * k] = 0.0
+        if case % 3 == HOLD:
+            velocity[2 * k + 1] = 0.0
+
+
+@part
+def rest_is_possible(model: Floats, k: int, d: float) -> bool:
+    """Whether contacts 1 and k + 1 can hold the toy at rest: some forces lie in both cones."""
+    low, high = rest_range(model, k, d)
+    return low <= high
+
+
+@part
+def rest_range(model: Floats, k: int, d: float) -> tuple[float, float]:
+    """The interval of lambda_T1 with which contacts 1 and k + 1 hold the toy at rest.
+
+    Equilibrium 0 = h + W lambda leaves one force free; with s = lambda_T1 every condition is
+    linear in s. Where there is none the lower end is above the upper one.
+    """
+    low, high = -math.inf, math.inf
+    h_y = model[FORCE, 0] + model[FORCE, 3] * d
+    h_m = model[FORCE, 1] + model[FORCE, 4] * d
+    h_s = model[FORCE, 2] + model[FORCE, 5] * d
+    beak, sleeve = CONTACT, CONTACT + k
+    for cone in (1.0, -1.0):
+        # Contact 1: mu lambda_N1 + cone s >= 0; row phi_S fixes lambda_N1(s).
+        scale = model[beak, MU] / model[FORCE, LEVER]
+        rate = scale * model[beak, TANGENT + 2] + cone
+        low, high = _half_line(scale * h_s, rate, low, high)
+        # Contact k: lambda_Tk = -h_y - s, and row phi_M fixes lambda_Nk(s).
+        scale = -model[sleeve, MU] * SIGN[k] / model[FORCE, LEVER + k]
+        constant = scale * (h_m - model[sleeve, TANGENT + 1] * h_y) - cone * h_y
+        rate = scale * (model[beak, TANGENT + 1] - model[sleeve, TANGENT + 1]) - cone
+        low, high = _half_line(constant, rate, low, high)
+    return low, high
+
+
+@part
+def _half_line(constant: float, rate: float, low: float, high: float) -> tuple[float, float]:
+    """Intersect [low, high] with {s : constant + rate s >= 0}."""
+    if rate > 0.0:
+        return max(low, -constant / rate), high
+    if rate < 0.0:
+        return low, min(high, -constant / rate)
+    return (low, high) if constant >= 0.0 else (math.inf, -math.inf)

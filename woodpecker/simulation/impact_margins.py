@@ -1,0 +1,195 @@
+"""Margins of an impact along a path: the slack of all inequalities of its index combinations."""
+
+from __future__ import annotations
+
+from woodpecker.base.arrays import Floats
+from woodpecker.base.compiled import part
+from woodpecker.mechanics.cases import FORWARD, HOLD, REST, impulse_of
+from woodpecker.mechanics.contact_problems import UNSOLVED, one_contact_case, velocity_of
+from woodpecker.mechanics.impacts import one_change, pair_change, rates
+from woodpecker.mechanics.modes import (
+    CONTACT,
+    DELASSUS,
+    EPS,
+    EXPANSION,
+    FORCE,
+    GAP,
+    MU,
+    PAIR,
+    SUMMED,
+)
+from woodpecker.simulation.codes import typed
+from woodpecker.simulation.margins import (
+    ALONG,
+    COMPRESSION,
+    CONE_MINUS,
+    CONE_PLUS,
+    EXPANDING,
+    NORMAL_SIDE,
+    OTHER_END,
+    Route,
+    note,
+    note_quotient,
+)
+
+
+@part
+def impact_margins(
+    model: Floats, change: Floats, n: int, k: int, notes: Floats, route: Route
+) -> None:
+    """Slack of all inequalities of the index combinations of an impact at n contacts.
+
+    Impulses, and the speeds at which contacts separate, are those over the speed at which the gap
+    closes: they are in proportion to it where all contacts slide, and so do not vanish where the
+    gap closes at rest or the flight before has no duration.
+    """
+    choice, expands = route.choice, route.choice[2] != UNSOLVED
+    _impact_begins(model, change, n, route)
+    both = choice[0] != choice[1]
+    code = 1000 * k + 100 * COMPRESSION
+    if both:  # the compression ends on a segment: its other end first, whose velocities are zero
+        _impact_phase(model, change, n, choice[1], False, route)
+        _slacks(n, choice[1], code + OTHER_END, notes, route)
+        for a in range(4):
+            route.end[a] = route.p[a]
+            for m in range(2):
+                route.d_end[m, a] = route.d_p[m, a]
+    _impact_phase(model, change, n, choice[0], False, route)
+    _slacks(n, choice[0], code, notes, route)
+    if both:
+        for a in range(4):
+            route.p[a] = 0.5 * (route.p[a] + route.end[a])
+            for m in range(2):
+                route.d_p[m, a] = 0.5 * (route.d_p[m, a] + route.d_end[m, a])
+    code = 1000 * k + 100 * EXPANDING
+    _store_impulse(model, n, route)
+    if expands:
+        _impact_phase(model, change, n, choice[2], True, route)
+        _slacks(n, choice[2], code, notes, route)
+        return
+    for j in range(n):
+        if route.floor[j] > 0.0:  # it would expand
+            note_quotient(
+                notes, route, code + 4 * route.touching[j], -route.floor[j],
+                -route.d_floor[0, j], -route.d_floor[1, j], route.approach,
+            )  # fmt: skip
+
+
+@part
+def _impact_begins(model: Floats, change: Floats, n: int, route: Route) -> None:
+    """Velocities before the compression, and their derivatives; its floors are zero."""
+    for j in range(n):
+        i, a = route.touching[j], 2 * j
+        route.free[a], route.free[a + 1] = rates(model, i, route.z)
+        route.floor[j] = 0.0
+        for m in range(2):
+            normal, tangential = rates(model, i, route.tangents[m])
+            if m == 1 and len(change) > 0:
+                more, along = rates(change, i, route.z)
+                normal, tangential = normal + more, tangential + along
+            route.d_free[m, a], route.d_free[m, a + 1] = normal, tangential
+            route.d_floor[m, j] = 0.0
+        if route.fired[0] == GAP + i:
+            route.approach[0] = -route.free[a]
+            route.approach[1], route.approach[2] = -route.d_free[0, a], -route.d_free[1, a]
+
+
+@part
+def _store_impulse(model: Floats, n: int, route: Route) -> None:
+    """What the compression leaves for the expansion: velocities, and floors of the impulses."""
+    for a in range(2 * n):
+        route.free[a] = route.v[a]
+        for m in range(2):
+            route.d_free[m, a] = route.d_v[m, a]
+    for j in range(n):
+        i = route.touching[j]
+        eps = model[CONTACT + i, EPS]
+        route.floor[j] = eps * route.p[2 * j]
+        for m in range(2):
+            route.d_floor[m, j] = eps * route.d_p[m, 2 * j] + route.seeds[m, i] * route.p[2 * j]
+
+
+@part
+def _impact_phase(
+    model: Floats, change: Floats, n: int, combination: int, expansion: bool, route: Route
+) -> None:
+    """Impulses, velocities and bounds of friction of one phase of an impact, and derivatives."""
+    p, v, pair = route.p, route.v, route.pair
+    table, coupling = typed(0), 0.0
+    if n == 2:
+        table = PAIR + 36 * (route.touching[1] - 1) + (EXPANSION if expansion else 0)
+        coupling = model[FORCE, SUMMED] if expansion else 0.0
+        impulse_of(model, table + combination, route.free, route.floor, p)
+        velocity_of(combination, pair.delassus, route.free, p, v)
+    else:
+        _single_phase(model, route.touching[0], combination, route.free, route.floor[0], p, v)
+    for m in range(2):
+        along = m if m == 1 and len(change) > 0 else UNSOLVED
+        d_p, d_v = route.d_p[m], route.d_v[m]
+        if n == 2:
+            for a in range(4):
+                pair.free[a] = route.d_free[m, a]
+            pair.floor[0], pair.floor[1] = route.d_floor[m, 0], route.d_floor[m, 1]
+            pair_change(
+                model, change, along, route.touching[:n], table, combination, coupling, p, pair
+            )
+            for a in range(4):
+                d_p[a], d_v[a] = pair.more[a], pair.middle[a]
+        else:
+            d_p[0], d_p[1], d_v[0], d_v[1] = one_change(
+                model, change, along, route.touching[0], combination, p[0], p[1],
+                route.d_free[m, 0], route.d_free[m, 1], route.d_floor[m, 0],
+            )  # fmt: skip
+    for j in range(n):
+        i, other = route.touching[j], 2 - 2 * j
+        mu = model[CONTACT + i, MU]
+        load = p[2 * j] + (coupling * p[other] if n == 2 else 0.0)
+        route.bound[j] = mu * load
+        for m in range(2):
+            d_load = route.d_p[m, 2 * j] + (coupling * route.d_p[m, other] if n == 2 else 0.0)
+            route.d_bound[m, j] = mu * d_load
+        if len(change) > 0:
+            route.d_bound[1, j] += change[CONTACT + i, MU] * load
+
+
+@part
+def _single_phase(
+    model: Floats, i: int, case: int, free: Floats, floor: float, p: Floats, v: Floats
+) -> None:
+    n, t = DELASSUS + 2 * i, 2 * i
+    g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
+    mu = model[CONTACT + i, MU]
+    p[0], p[1] = one_contact_case(case, g_nn, g_nt, g_tt, free[0], free[1], mu, floor)
+    v[0] = 0.0 if case // 3 == REST else free[0] + g_nn * p[0] + g_nt * p[1]
+    v[1] = 0.0 if case % 3 == HOLD else free[1] + g_nt * p[0] + g_tt * p[1]
+
+
+@part
+def _slacks(n: int, combination: int, code: int, notes: Floats, route: Route) -> None:
+    """Slack at each contact in one phase of an impact.
+
+    Two gap rates and a slip that are zero bring the whole toy to rest: then the other slip is zero
+    too, whatever its friction.
+    """
+    first, second = combination % 6, combination // 6
+    rests = n == 2 and first // 3 == REST and second // 3 == REST
+    still = rests and (first % 3 == HOLD or second % 3 == HOLD)
+    p, v, floor, bound = route.p, route.v, route.floor, route.bound
+    d_p, d_v, d_floor, d_bound = route.d_p, route.d_v, route.d_floor, route.d_bound
+    scale = route.approach
+    for j in range(n):
+        case = second if j == 1 else first
+        at, a, b = code + 4 * route.touching[j], 2 * j, 2 * j + 1
+        if case // 3 == REST:
+            x, y = d_p[0, a] - d_floor[0, j], d_p[1, a] - d_floor[1, j]
+            note_quotient(notes, route, at + NORMAL_SIDE, p[a] - floor[j], x, y, scale)
+        else:
+            note_quotient(notes, route, at + NORMAL_SIDE, v[a], d_v[0, a], d_v[1, a], scale)
+        if case % 3 == HOLD:
+            x, y = d_bound[0, j] - d_p[0, b], d_bound[1, j] - d_p[1, b]
+            note_quotient(notes, route, at + CONE_PLUS, bound[j] - p[b], x, y, scale)
+            x, y = d_bound[0, j] + d_p[0, b], d_bound[1, j] + d_p[1, b]
+            note_quotient(notes, route, at + CONE_MINUS, bound[j] + p[b], x, y, scale)
+        elif not still:
+            sign = 1.0 if case % 3 == FORWARD else -1.0
+            note(notes, route, at + ALONG, sign * v[b], sign * d_v[0, b], sign * d_v[1, b])
