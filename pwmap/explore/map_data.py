@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -320,7 +321,7 @@ def _plane(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -
 
 def _text(value: object) -> str:
     """An exact value as text, not longer than a line."""
-    told = str(value)
+    told = re.sub(r"\boo\b", "∞", str(value))
     return told if len(told) <= TEXT else f"{told[:TEXT]}… ({len(told)} characters)"
 
 

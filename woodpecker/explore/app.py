@@ -19,6 +19,7 @@ from woodpecker.explore.branches import key_of
 from woodpecker.explore.exports import FILES, export
 from woodpecker.explore.state import PageState, from_query
 from woodpecker.explore.tab import ToyTab, known_diagrams
+from woodpecker.explore.views import BOTH, CONTACTS
 from woodpecker.mechanics.toy import description
 from woodpecker.plot import drawing
 
@@ -70,6 +71,7 @@ def make_page(document: Document, initial: PageState) -> None:
     put_on_page(
         document, TEMPLATE, tab, "Woodpecker Toy", exports=list(FILES.items()),
         controls=[asdict(each) for each in controls()], open_group=FIRST, shapes=shapes(),
+        struck=[CONTACTS[1], CONTACTS[2], CONTACTS[3], BOTH],
         over=[(name, PLAIN.get(name, name)) for name in parameters() if name != "pole"],
     )  # fmt: skip
 

@@ -2,7 +2,8 @@
 "use strict";
 $("#typed").addEventListener("submit", (event) => {
   event.preventDefault();
-  location.search = new URLSearchParams({ map: $("#formula").value.trim(), given: $("#given").value.trim() });
+  const values = Object.entries(explorer.values).map(([name, value]) => [`at_${name}`, value]);
+  location.search = new URLSearchParams([["map", $("#formula").value.trim()], ["given", $("#given").value.trim()], ...values]);
 });
 function show_rows(lists) {
   $("#rows").replaceChildren(...lists.filter((list) => list.rows.length).flatMap(({ title, rows }) => {
@@ -17,7 +18,10 @@ function show_rows(lists) {
 }
 explorer.heard.push((told) => {
   if (told.rows) show_rows(told.rows);
-  if (told.chaotic !== undefined) write("#density-told", told.chaotic ? "" : "nothing chaotic attracts here");
+  if (told.chaotic !== undefined) {
+    write("#density-told", told.chaotic ? "" : "nothing chaotic attracts here");
+    $("#view-density").classList.toggle("empty", !told.chaotic);
+  }
   if (told.axes) for (const [k, name] of ["across", "along"].entries()) {
     write(`#name-${name}`, told.axes[k] ?? "");
     $("#" + name).hidden = !told.axes.length;
