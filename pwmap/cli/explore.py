@@ -37,17 +37,17 @@ def explore(
     """
     try:
         from pwmap.explore.map_page import run
-        from pwmap.explore.map_state import MapState
+        from pwmap.explore.map_state import MapState, of_map
     except ImportError:
         complain(f"Failed: {MISSING}")
         raise typer.Exit(1) from None
     try:
-        values = tuple(sorted(assignments(set_ or ()).items()))
+        values = assignments(set_ or ())
         state = MapState()
         if formula is not None:
-            state = MapState(map=formula, given="; ".join(given or ()), values=values)
+            state = of_map(formula, "; ".join(given or ()), values)
         elif values:
-            state = state.at(**dict(values))
+            state = state.at(**values)
     except ValueError as error:
         complain(f"Error: {in_words(error)}")
         raise typer.Exit(2) from None

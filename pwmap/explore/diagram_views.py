@@ -28,7 +28,7 @@ POINTS = ("x", "y", "id", "label", "kind", "cause", "where", "marker", "color", 
 EDGES = (*LINES, "x", "y", "label", "tip")
 USUAL = (520.0, 230.0)  # px of a picture, until the page has told
 MOST_LABELS = 30
-POLE = 20.0  # how much higher a diagram is than most of it, if not all of it is shown
+POLE = 8.0  # how much higher a diagram is than most of it, if not all of it is shown
 OF_BRANCH = (
     "<div class='tip'><b>@branch</b> @kind<br>@x{0.000000}, @y{0.000000}<br>"
     "multiplier @multiplier<br>@word</div>"
@@ -48,8 +48,8 @@ def _texts(figure: Any, table: Any, color: str = INK) -> Any:
     return figure.text(
         "x", "y", text="text", x_offset="dx", y_offset="dy", source=table, text_color=color,
         text_font={"value": FONT}, text_font_size="11px", text_align="center",
-        text_baseline="middle",
-        level="annotation",
+        text_baseline="middle", background_fill_color="white", background_fill_alpha=0.7,
+        level="glyph",
     )  # fmt: skip
 
 

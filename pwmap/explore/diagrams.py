@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint
+from pwmap.diagrams.data import Branch, BranchKind, PointKind, PointStatus, SpecialPoint
 from pwmap.diagrams.diagram import Diagram
 from pwmap.explore.figures import COLORS, DASHES, MARKS
 from pwmap.plot import GREY, MARKERS, WIDTHS
@@ -56,6 +56,17 @@ def shown(diagram: Diagram) -> Shown:
     points = _points(diagram)
     nodes, edges = _graph(diagram, points)
     return Shown(diagram, _lines(diagram), _samples(diagram), points, nodes, edges)
+
+
+def summary(found: Shown) -> str:
+    """How much was found, and what is left to be found."""
+    diagram = found.diagram
+    left = [text for text in diagram.given if text.startswith("stopped")]
+    given_up = sum(point.status is PointStatus.OPEN for point in diagram.points)
+    if given_up:
+        left.append(f"{given_up} {'end was' if given_up == 1 else 'ends were'} given up")
+    counts = f"{len(diagram.branches)} branches, {len(diagram.points)} points"
+    return "; ".join([counts, *left])
 
 
 def style_of(branch: Branch, sample: int) -> str:

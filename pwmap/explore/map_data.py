@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from fractions import Fraction
@@ -12,6 +13,8 @@ import numpy as np
 
 from pwmap import (
     Budget,
+    FoundCycle,
+    ParameterPlane,
     PiecewiseLinearMap,
     bifurcation_diagram,
     cycles,
@@ -20,7 +23,7 @@ from pwmap import (
     parameter_plane,
 )
 from pwmap.explore.diagrams import Shown, shown
-from pwmap.explore.map_state import MapState
+from pwmap.explore.map_state import PLANE_ORDERS, MapState
 from pwmap.plane.rasters import arc_arrays
 from pwmap.plot.plane import LINES
 
@@ -29,7 +32,6 @@ PERIODS = 6  # of cycles that are listed
 ROWS = 60  # of a table
 TEXT = 160  # characters of an exact value
 LETTERS = 24  # of a word
-PLANE_ORDERS = (1, 2, 3)
 SAMPLES = 160  # along a curve of the plane
 SECONDS = 40.0  # s for all answers about a map
 
@@ -61,15 +63,26 @@ class MapAnswer:
     shown: Shown | None = None
 
 
-def answers(state: MapState) -> Iterator[MapAnswer]:
-    """Everything that a page shows of a map, the quick answers first."""
+def maps_of(state: MapState) -> tuple[PiecewiseLinearMap, PiecewiseLinearMap]:
+    """The map with its parameters, and with their values.
+
+    Raises
+    ------
+    ValueError
+        If the text is no map, or one with too many parameters.
+    """
     given = [part.strip() for part in state.given.split(";") if part.strip()]
     family = PiecewiseLinearMap.from_sympy(state.map, "x", given)
     unknown = {str(symbol) for symbol in family.parameters} - set(state.parameters)
     if unknown:
         raise ValueError(f"too many parameters: {', '.join(sorted(unknown))}")
     place = {str(s): state.place[str(s)] for s in family.parameters}
-    here = family.at(place) if place else family
+    return family, family.at(place) if place else family
+
+
+def answers(state: MapState) -> Iterator[MapAnswer]:
+    """Everything that a page shows of a map, the quick answers first."""
+    family, here = maps_of(state)
     for name, answer in (
         ("map", _map), ("cells", _cells), ("diagram", _diagram), ("long", _long), ("plane", _plane),
     ):  # fmt: skip
@@ -86,17 +99,12 @@ def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) 
     """Pieces, what lies on the diagonal, and a cobweb."""
     iterate = here.iterate(state.order)
     pieces, fixed, jumps = iterate.pieces, iterate.fixed_points(), iterate.jump_crossings()
-    orbit = [Fraction(state.start)]
-    for _ in range(state.steps):
-        value = iterate(orbit[-1])
-        orbit.append(Fraction(int(value.p), int(value.q)))
-        if len(str(orbit[-1])) > TEXT:  # an orbit that never closes grows by some digits a step
-            break
+    web = orbit(iterate, state)
     points = [float(p.x) for p in fixed]
     marks = [
         *points,
         *(float(v) for j in jumps for v in (j.x, j.left, j.right)),
-        *map(float, orbit),
+        *map(float, web),
     ]
     marks += [float(piece.lower) for piece in pieces[1:]]
     low, high = _around(marks)
@@ -106,7 +114,7 @@ def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) 
         "crossings": {"lines": np.array(crossings).reshape(-1, 4)},
         "fixed": {"x": points, "stable": [p.stable for p in fixed], "word": [p.word for p in fixed],
                   "exact": [_text(p.x) for p in fixed]},
-        "orbit": {"x": [float(x) for x in orbit]}, "window": {"x": [low, high]},
+        "orbit": {"x": [float(x) for x in web]}, "window": {"x": [low, high]},
     }  # fmt: skip
     rows = {
         f"Pieces of P{_low(state.order)}": [
@@ -117,9 +125,25 @@ def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) 
             for j in jumps[:ROWS]
         ],
         f"Cycles up to period {PERIODS}": _cycle_rows(family, here),
-        "Orbit": [[str(k), _text(x)] for k, x in enumerate(orbit[:ROWS])],
+        "Orbit": [[str(k), _text(x)] for k, x in enumerate(web[:ROWS])],
     }
     return MapAnswer("map", tables, rows)
+
+
+def orbit(iterate: PiecewiseLinearMap, state: MapState) -> list[Fraction]:
+    """The points of the cobweb; as many as can be written down."""
+    found = [Fraction(state.start)]
+    for _ in range(state.steps):
+        value = iterate(found[-1])
+        found.append(Fraction(int(value.p), int(value.q)))
+        if len(str(found[-1])) > TEXT:  # an orbit that never closes grows by some digits a step
+            break
+    return found
+
+
+def cycles_here(here: PiecewiseLinearMap) -> list[FoundCycle]:
+    """Cycles up to the period that a page lists."""
+    return list(islice(cycles(here, {}, PERIODS, budget=BUDGET), ROWS))
 
 
 def _graph(pieces: Any, low: float, high: float) -> dict[str, dict[str, Any]]:
@@ -153,7 +177,7 @@ def _around(marks: list[float]) -> tuple[float, float]:
 def _cycle_rows(family: PiecewiseLinearMap, here: PiecewiseLinearMap) -> Rows:
     """Word, exact points, multiplier; and as formulas in the parameters, with their conditions."""
     rows: Rows = []
-    for cycle in islice(cycles(here, {}, PERIODS, budget=BUDGET), ROWS):
+    for cycle in cycles_here(here):
         formula, border = "", ""
         if family.parameters:
             try:
@@ -173,7 +197,8 @@ def _cycle_rows(family: PiecewiseLinearMap, here: PiecewiseLinearMap) -> Rows:
 # --- Over one parameter ---------------------------------------------------------------------------
 
 
-def _one_parameter(state: MapState, family: PiecewiseLinearMap) -> PiecewiseLinearMap:
+def one_parameter(state: MapState, family: PiecewiseLinearMap) -> PiecewiseLinearMap:
+    """The map with values of all parameters but that of the diagram."""
     rest = {n: v for n, v in state.place.items() if n != state.axis and _has(family, n)}
     return family.at(rest) if rest else family
 
@@ -182,16 +207,12 @@ def _has(family: PiecewiseLinearMap, name: str) -> bool:
     return any(str(symbol) == name for symbol in family.parameters)
 
 
-def _orders(state: MapState) -> tuple[int, ...]:
-    return tuple(range(1, state.orders + 1))
-
-
 def _cells(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> MapAnswer:
     """Cells of the parameter, each with its cycles as formulas."""
     if not state.axis:
         return MapAnswer("cells")
-    line = _one_parameter(state, family)
-    found = parameter_cells(line, state.axis, _orders(state), span=state.span, budget=BUDGET)
+    line = one_parameter(state, family)
+    found = parameter_cells(line, state.axis, state.all_orders, span=state.span, budget=BUDGET)
     value = Fraction(state.place[state.axis])
     rows: Rows = []
     for cell in found:
@@ -203,7 +224,7 @@ def _cells(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -
         )
         points = [
             f"{_word(p.word)}: {_text(p.x)}"
-            for order in _orders(state) for p in cell.map.iterate(order).fixed_points()
+            for order in state.all_orders for p in cell.map.iterate(order).fixed_points()
             if p.period == order
         ]  # fmt: skip
         rows.append([where + (" ← here" if inside else ""), "; ".join(points) or "no cycle"])
@@ -213,17 +234,14 @@ def _cells(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -
 def _diagram(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> MapAnswer:
     if not state.axis:
         return MapAnswer("diagram")
-    line = _one_parameter(state, family)
-    found = bifurcation_diagram(line, state.axis, state.span, _orders(state), budget=BUDGET)
+    line = one_parameter(state, family)
+    found = bifurcation_diagram(line, state.axis, state.span, state.all_orders, budget=BUDGET)
     rows = [
         [f"{p.kind} {p.note}", f"{state.axis} = {_text(p.exact.get('parameter', p.parameter))}",
          f"x = {_text(p.exact.get('x', p.x))}"]
         for p in found.points if str(p.kind) != "EP"
     ]  # fmt: skip
-    note = "; ".join(text for text in found.given if "stopped" in text)
-    return MapAnswer(
-        "diagram", rows={"Special points": rows[:ROWS]}, shown=shown(found), message=note
-    )
+    return MapAnswer("diagram", rows={"Special points": rows[:ROWS]}, shown=shown(found))
 
 
 # --- The long run, and two parameters -------------------------------------------------------------
@@ -255,16 +273,21 @@ def _exponent(attractor: Any) -> str:
     return "" if bounds is None else f"Lyapunov exponent in [{bounds[0]:.6g}, {bounds[1]:.6g}]"
 
 
-def _plane(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> MapAnswer:
-    """Curves on which cycles bifurcate, with their polynomials."""
-    names = [name for name in state.plane if name in state.parameters]
-    if len(names) != 2:
-        return MapAnswer("plane")
+def plane(state: MapState, family: PiecewiseLinearMap) -> ParameterPlane:
+    """The plane of the two parameters that the page shows."""
+    names = state.plane_names
     rest = {n: v for n, v in state.place.items() if n not in names and _has(family, n)}
     flat = family.at(rest) if rest else family
-    found = parameter_plane(
+    return parameter_plane(
         flat, names[0], names[1], state.across, state.along, PLANE_ORDERS, budget=BUDGET
     )
+
+
+def _plane(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> MapAnswer:
+    """Curves on which cycles bifurcate, with their polynomials."""
+    if not state.plane_names:
+        return MapAnswer("plane")
+    found = plane(state, family)
     low, high = map(Fraction, state.across)
     lines: dict[str, list[Any]] = {n: [] for n in ("xs", "ys", "color", "dash", "name", "tip")}
     for curve in found.curves:
@@ -298,7 +321,7 @@ def _plane(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -
 
 def _text(value: object) -> str:
     """An exact value as text, not longer than a line."""
-    told = str(value)
+    told = re.sub(r"\boo\b", "∞", str(value))
     return told if len(told) <= TEXT else f"{told[:TEXT]}… ({len(told)} characters)"
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
 from fractions import Fraction
 from pathlib import Path
@@ -12,51 +12,54 @@ import numpy as np
 from bokeh.document import Document
 from bokeh.models import Span
 
-from pwmap.explore.diagram_views import DiagramView, GraphView
-from pwmap.explore.diagrams import nearest_line, nearest_sample
+from pwmap.diagrams.data import Branch
+from pwmap.explore.diagrams import summary
 from pwmap.explore.figures import (
     DOTTED,
     cobweb,
     hover,
     new_figure,
-    on_click,
     patch,
     set_range,
     source,
     strokes,
 )
-from pwmap.explore.jobs import Failure, Job, JobFinished, is_warm, warm_up
+from pwmap.explore.jobs import Failure, JobFinished, is_warm, warm_up
 from pwmap.explore.map_data import SECONDS, MapAnswer, answers
-from pwmap.explore.map_state import MapState, from_query, python_of, rational, to_query
-from pwmap.explore.page import Control, asked, fill
+from pwmap.explore.map_exports import FILES, export
+from pwmap.explore.map_state import MapState, from_query, of_map, python_of, rational, to_query
+from pwmap.explore.page import Control, asked
 from pwmap.explore.serving import Site, serve
+from pwmap.explore.tab import Demand, Tab, put_on_page
 from pwmap.plot import GREY, INK, JUMP, STABLE, UNSTABLE, VIOLET
 
 TEMPLATE = Path(__file__).parent / "files" / "pwmap.html"
-TICK = 40  # ms between looks at what the other process has sent
-CLICK = 14.0  # px
 FINEST = 500  # the largest denominator of a place that is clicked on
-UNDO = 100  # states that are kept
 OF_FIXED = "<div class='tip'><b>@word</b> @kind<br>x = @exact</div>"
 OF_CURVE = "<div class='tip'><b>@name</b> @tip</div>"
-VIEWS = ("map", "diagram", "graph", "plane", "density")
 
 
-class MapTab:
-    """One tab: a map, its views, and what a user may ask for."""
+class MapTab(Tab[MapState]):
+    """One tab of a piecewise-linear map.
 
-    def __init__(self, state: MapState) -> None:
-        self.state, self.past, self.message = state, list[MapState](), ""
-        self.job: Job | None = None
-        self.due = True
-        self.rows: dict[str, dict[str, list[list[str]]]] = {}
-        self.notes: dict[str, str] = {}
-        self.diagram, self.graph = DiagramView("diagram", "", "x"), GraphView("graph")
-        self._shown: Any = None
-        self.branch, self.chaotic = "", False
+    Parameters
+    ----------
+    state
+        What it begins with.
+    first
+        What a reset goes back to.
+    """
+
+    def __init__(self, state: MapState, first: MapState) -> None:
+        self.first = first
         self._draw_map()
         self._draw_others()
-        self.say: Callable[[Mapping[str, Any]], None] = lambda _: None
+        super().__init__(state, self.map, "x")
+        self.due, self.chaotic = True, False
+        self.rows: dict[str, dict[str, list[list[str]]]] = {}
+        self.notes: dict[str, str] = {}
+        self.hear(self.plane, self._tap_plane)
+        self.show(state)
 
     def _draw_map(self) -> None:
         self.map = new_figure("map", "x", "P(x)", match_aspect=False)
@@ -72,11 +75,8 @@ class MapTab:
         fixed = figure.scatter("x", "y", source=self.fixed, size=10, fill_color="fill",
                                line_color="color", line_width=2)  # fmt: skip
         figure.add_tools(hover(fixed, OF_FIXED))
-        on_click(figure, self._heard(self._tap_map))
 
     def _draw_others(self) -> None:
-        on_click(self.diagram.figure, self._heard(self._tap_diagram))
-        on_click(self.graph.figure, self._heard(self._tap_graph))
         self.plane = new_figure("plane", "", "")
         self.curves = source("xs", "ys", "color", "dash", "name", "tip")
         self.meeting, self.here = source("x", "y"), source("x", "y")
@@ -87,7 +87,6 @@ class MapTab:
         self.plane.scatter("x", "y", source=self.here, size=12, fill_color=None, line_color=VIOLET,
                            line_width=2.5, level="overlay")  # fmt: skip
         self.plane.add_tools(hover(lines, OF_CURVE))
-        on_click(self.plane, self._heard(self._tap_plane))
         self.density = new_figure("density", "x", "invariant density")
         self.steps = source("left", "right", "top")
         self.density.quad("left", "right", "top", 0.0, source=self.steps, fill_color=STABLE,
@@ -103,27 +102,27 @@ class MapTab:
 
     def show(self, state: MapState, *, moving: bool = False) -> None:
         """Go to a state: what it shows is worked out in another process, the last wish only."""
-        if not moving and state != self.state:
-            self.past = [*self.past[-UNDO:], self.state]
-        self.state, self.message, self.due = state, "", True
-        if state.axis:
-            value = float(rational(state.place[state.axis]))
-            self.diagram.stand(value, np.nan)
-        names = [name for name in state.plane if name in state.parameters]
-        if len(names) == 2:
+        self.keep(state, moving=moving)
+        self.due = True
+        self.diagram.stand(self.value, np.nan)
+        names = state.plane_names
+        if names:
             x, y = (float(rational(state.place[name])) for name in names)
             patch(self.here, x=[x], y=[y])
+
+    @property
+    def value(self) -> float:
+        """The value of the diagram's parameter; nan if the map has none."""
+        axis = self.state.axis
+        return _float(self.state.place[axis]) if axis else np.nan
 
     def tick(self) -> None:
         """Begin what is due, and show what has come."""
         if self.due and is_warm():
-            self.due = False
-            if self.job is not None:
-                self.job.stop()
-            self.job = Job(answers, self.state, seconds=SECONDS)
-        told = False
-        for result in self.job.results() if self.job is not None else ():
-            told = True
+            self.due, self.stage = False, "working …"
+            self.begin("answers", answers, self.state, seconds=SECONDS)
+        told = self.results("answers")
+        for result in told:
             if isinstance(result, MapAnswer):
                 self._take(result)
             elif isinstance(result, Failure):
@@ -154,8 +153,8 @@ class MapTab:
             patch(self.meeting, **tables.get("meeting", {"x": [], "y": []}))
             set_range(self.plane.x_range, *map(_float, self.state.across))
             set_range(self.plane.y_range, *map(_float, self.state.along))
-            axes = [*(n for n in self.state.plane if n in self.state.parameters), "", ""]
-            self.plane.xaxis.axis_label, self.plane.yaxis.axis_label = axes[:2]
+            axes = self.state.plane_names or ("", "")
+            self.plane.xaxis.axis_label, self.plane.yaxis.axis_label = axes
 
     def _show_map(self, tables: dict[str, dict[str, Any]]) -> None:
         patch(self.curve, **tables["curve"])
@@ -176,21 +175,13 @@ class MapTab:
         self.map.yaxis.axis_label = rf"$$P_{{{self.state.order}}}(x)$$"
 
     def _show_diagram(self, part: MapAnswer) -> None:
-        self._shown = part.shown
         self.diagram.figure.xaxis.axis_label = self.state.axis
-        self.diagram.show(part.shown)
-        self.graph.show(part.shown)
+        self.draw_diagram(part.shown)
         low, high = map(_float, self.state.span)
         self.diagram.look((low, high))
-        self._mark(self.branch)
+        self.stage = summary(part.shown) if part.shown is not None else part.message
 
-    def _mark(self, branch: str) -> None:
-        known = [b.id for b in self._shown.diagram.branches] if self._shown else []
-        self.branch = branch if branch in known else ""
-        self.diagram.select(self.branch)
-        self.graph.select(self.branch)
-
-    def answer(self) -> dict[str, Any]:
+    def told(self, *, whole: bool) -> dict[str, Any]:
         """What the script of the page shows besides the views."""
         state = self.state
         rows = [
@@ -198,112 +189,64 @@ class MapTab:
             for part in self.rows.values() for title, lines in part.items()
         ]  # fmt: skip
         rows.sort(key=lambda each: each["title"] == "Orbit")  # the longest comes last
-        branches = self._shown.diagram.branches if self._shown else ()
         return {
-            "values": state.place, "query": to_query(state), "message": self.message, "rows": rows,
+            "values": state.place, "query": to_query(state), "rows": rows,
             "python": python_of(state), "order": state.order, "steps": state.steps,
             "start": state.start, "over": state.axis, "orders": state.orders, "focus": state.focus,
-            "span": ", ".join(state.span), "busy": self.due or self._busy(), "branch": self.branch,
-            "chaotic": self.chaotic, "branches": [
-                {"id": b.id, "text": f"{b.id}: {b.kind} {b.word[:20]}"} for b in branches[:300]
-            ],
+            "span": ", ".join(state.span), "across": ", ".join(state.across),
+            "along": ", ".join(state.along), "axes": list(state.plane_names),
+            "busy": self.due or self.is_running("answers"), "chaotic": self.chaotic,
         }  # fmt: skip
-
-    def _busy(self) -> bool:
-        return self.job is not None and not self.job.is_over
 
     # --- What a user may ask for ------------------------------------------------------------------
 
-    def verbs(self) -> dict[str, Callable[[Mapping[str, Any]], Mapping[str, Any]]]:
-        """Everything that a wish can name."""
-        verbs: dict[str, Callable[[Mapping[str, Any]], None]] = {
-            "hello": lambda _: None,
+    def demands(self) -> Mapping[str, Demand]:
+        """What a wish can name besides what every tab knows."""
+        return {
             "set": self._set,
-            "back": lambda wish: self.show(self.state.at(**{str(wish["name"]): "1"})),
-            "reset": lambda _: self.show(replace(MapState(), map=self.state.map)),
-            "undo": lambda _: self._undo(),
-            "order": lambda wish: self._change(order=int(wish["value"])),
-            "steps": lambda wish: self._change(steps=int(wish["value"])),
-            "start": lambda wish: self._change(start=str(rational(wish["value"]))),
-            "over": lambda wish: self._change(over=str(wish["value"])),
-            "orders": lambda wish: self._change(orders=int(wish["value"])),
-            "span": lambda wish: self._change(span=_pair(wish["value"])),
-            "across": lambda wish: self._change(across=_pair(wish["value"])),
-            "along": lambda wish: self._change(along=_pair(wish["value"])),
-            "focus": lambda wish: self._change(focus=str(wish["value"])),
-            "branch": lambda wish: self._select(str(wish["value"]), None),
+            "back": self._back,
+            "reset": lambda _: self.show(self.first),
+            "start": lambda wish: self.change(start=str(rational(wish["value"]))),
+            "over": lambda wish: self.show(self.state.with_axis(str(wish["value"]))),
+            "orders": lambda wish: self.change(orders=int(wish["value"])),
+            "span": lambda wish: self.change(span=_pair(wish["value"])),
+            "across": lambda wish: self.change(across=_pair(wish["value"])),
+            "along": lambda wish: self.change(along=_pair(wish["value"])),
         }
 
-        def answering(verb: Callable[[Mapping[str, Any]], None]) -> Any:
-            def answer(wish: Mapping[str, Any]) -> Mapping[str, Any]:
-                verb(wish)
-                return self.answer()
-
-            return answer
-
-        return {name: answering(verb) for name, verb in verbs.items()}
-
-    def _change(self, **changes: Any) -> None:
-        self.show(replace(self.state, **changes))
+    def _back(self, wish: Mapping[str, Any]) -> None:
+        name = str(wish["name"])
+        self.show(self.state.at(**{name: self.first.place[name]}))
 
     def _set(self, wish: Mapping[str, Any]) -> None:
         values = {str(n): str(_exact(v)) for n, v in dict(wish["values"]).items()}
         self.show(self.state.at(**values), moving=bool(wish.get("drag")))
 
-    def _undo(self) -> None:
-        if self.past:
-            last = self.past.pop()
-            self.show(last)
-            self.past.pop()
-
-    def _heard(self, verb: Callable[[Any], None]) -> Callable[[Any], None]:
-        def hear(event: Any) -> None:
-            if event.x is not None:
-                verb(event)
-                self.say(self.answer())
-
-        return hear
-
     def _tap_map(self, event: Any) -> None:
-        self._change(start=str(_near(event.x, self.map.x_range)))
+        """The start."""
+        self.change(start=str(_near(event.x, self.map.x_range)))
 
-    def _tap_diagram(self, event: Any) -> None:
-        if self._shown is not None:
-            scale = self.diagram.scale
-            branch, away = nearest_line(self._shown.lines, event.x, event.y, scale)
-            if branch and away <= CLICK:
-                chosen = self._shown.diagram.branch(branch)
-                self._select(branch, nearest_sample(chosen, event.x, event.y, scale))
-                return
+    def _tap_beside(self, event: Any) -> None:
+        """The parameter."""
         if self.state.axis:
             value = _near(event.x, self.diagram.figure.x_range)
             self.show(self.state.at(**{self.state.axis: str(value)}))
 
-    def _tap_graph(self, event: Any) -> None:
-        if self._shown is not None:
-            branch, away = nearest_line(self._shown.edges, event.x, event.y, self.graph.scale)
-            if branch and away <= 2.0 * CLICK:
-                self._select(branch, None)
-
     def _tap_plane(self, event: Any) -> None:
-        names = [name for name in self.state.plane if name in self.state.parameters]
-        if len(names) == 2:
+        names = self.state.plane_names
+        if names:
             axes = (event.x, self.plane.x_range), (event.y, self.plane.y_range)
             values = (str(_near(value, axis)) for value, axis in axes)
             self.show(self.state.at(**dict(zip(names, values, strict=True))))
 
-    def _select(self, branch: str, sample: int | None) -> None:
-        """Bring everything to a branch: the parameter, the iterate and a start on it."""
-        if self._shown is None:
-            return
-        chosen = self._shown.diagram.branch(branch)
-        k = len(chosen) // 2 if sample is None else sample
-        value = Fraction(float(chosen.parameter[k])).limit_denominator(FINEST)
-        start = Fraction(float(chosen.x[k])).limit_denominator(FINEST)
-        self.branch = branch
-        state = replace(self.state, order=chosen.order, start=str(start))
-        self.show(state.at(**{self.state.axis: str(value)}))
-        self._mark(branch)
+    def at_sample(self, branch: Branch, sample: int) -> MapState:
+        """The parameter, the iterate and a start on a branch, as simple rationals."""
+        value, start = (
+            Fraction(float(column[sample])).limit_denominator(FINEST)
+            for column in (branch.parameter, branch.x)
+        )
+        state = replace(self.state, order=branch.order, start=str(start))
+        return state.at(**{self.state.axis: str(value)})
 
 
 def _exact(value: object) -> Fraction:
@@ -326,10 +269,11 @@ def _near(value: float, axis_range: Any) -> Fraction:
 
 
 def _pair(value: object) -> tuple[str, str]:
-    parts = [str(rational(part)) for part in str(value).split(",")]
+    parts = str(value).split(",")
     if len(parts) != 2:
-        raise ValueError("expected two rationals, such as -1, 4")
-    return parts[0], parts[1]
+        raise ValueError(f"expected two rationals, such as -1, 4, got {str(value)[:40]!r}")
+    low, high = (str(rational(part)) for part in parts)
+    return low, high
 
 
 def _float(text: str) -> float:
@@ -339,8 +283,8 @@ def _float(text: str) -> float:
 # --- Serving --------------------------------------------------------------------------------------
 
 
-def controls(state: MapState) -> list[Control]:
-    """A slider for each parameter of the map."""
+def controls(state: MapState, first: MapState) -> list[Control]:
+    """A slider for each parameter of the map, about its value."""
     found = []
     for name, text in state.place.items():
         value = float(rational(text))
@@ -348,41 +292,25 @@ def controls(state: MapState) -> list[Control]:
         found.append(
             Control(
                 name=name, label=name, meaning=f"parameter {name}, an exact rational", unit="-",
-                low=low, high=high, step=0.01, default="1", group="1:parameters", exact=True,
+                low=low, high=high, step=0.01, default=first.place[name], group="1:parameters",
+                exact=True,
             )
         )  # fmt: skip
     return found
 
 
-def make_page(document: Document, initial: MapState) -> MapTab:
+def make_page(document: Document, initial: MapState) -> None:
     """Fill the document of one tab."""
     state, refused = asked(document, from_query, initial)
-    tab = MapTab(state)
-    tab.show(state)
+    same = (state.map, state.given) == (initial.map, initial.given)
+    first = initial if same else of_map(state.map, state.given, {})
+    tab = MapTab(state, first)
     tab.message = refused
-    tab.say = fill(
-        document, TEMPLATE, tab.roots, tab.verbs(), page_title="piecewise-linear maps",
-        exports=[("lines.py", "lines of Python"), ("state.json", "the state (JSON)")],
-        controls=[asdict(each) for each in controls(state)], open_group="1:parameters",
+    put_on_page(
+        document, TEMPLATE, tab, "piecewise-linear maps", exports=list(FILES.items()),
+        controls=[asdict(each) for each in controls(state, first)], open_group="1:parameters",
         state=state,
     )  # fmt: skip
-    document.title = "pwmap"
-    document.add_periodic_callback(tab.tick, TICK)
-    document.on_session_destroyed(lambda _: tab.job.stop() if tab.job else None)
-    return tab
-
-
-def export(name: str, query: str) -> Iterator[tuple[str, bytes]]:
-    """A job that makes one file: the state, or the lines of Python."""
-    import json
-
-    state = from_query(query)
-    if name == "lines.py":
-        yield "text/x-python; charset=utf-8", python_of(state).encode()
-    elif name == "state.json":
-        yield "application/json", json.dumps(asdict(state), indent=1).encode()
-    else:
-        raise ValueError(f"unknown file {name!r}")
 
 
 def run(initial: MapState, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:

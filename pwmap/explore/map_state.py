@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import re
+from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from fractions import Fraction
 from urllib.parse import parse_qsl, urlencode
@@ -15,6 +17,7 @@ ORDERS = (1, 8)
 STEPS = (1, 200)
 DIGITS = 12  # of a numerator or denominator
 RATIONAL = re.compile(r"[+-]?\d+(/\d+|\.\d+)?")
+PLANE_ORDERS = (1, 2, 3)  # of the plane of two parameters
 WORDS = {"Piecewise", "True", "False", "Abs", "Max", "Min", "And", "Or", "Not", "x"}
 
 
@@ -84,10 +87,28 @@ class MapState:
         return {name: known.get(name, "1") for name in self.parameters}
 
     @property
+    def all_orders(self) -> tuple[int, ...]:
+        """Orders of the diagram, from 1 on."""
+        return tuple(range(1, self.orders + 1))
+
+    @property
+    def plane_names(self) -> tuple[str, ...]:
+        """The two parameters of the plane; none if the map has fewer."""
+        names = self.parameters
+        found = self.plane if set(self.plane) <= set(names) else names
+        return tuple(found[:2]) if len(found) > 1 else ()
+
+    @property
     def axis(self) -> str:
         """The parameter of the diagram; empty if the map has none."""
         names = self.parameters
         return self.over if self.over in names else (names[0] if names else "")
+
+    def with_axis(self, name: str) -> MapState:
+        """The same with the diagram over another parameter, about its value."""
+        if name not in self.parameters:
+            raise ValueError(f"unknown parameter {name[:40]!r}")
+        return replace(self, over=name, span=_about(self.place[name]))
 
     def at(self, **values: str) -> MapState:
         """The same with other values of parameters."""
@@ -110,11 +131,32 @@ def rational(text: object) -> Fraction:
         raise ValueError(f"expected a rational such as 5/4, got {told[:40]!r}") from None
 
 
+def of_map(map_: str, given: str, values: Mapping[str, str]) -> MapState:
+    """The state of a map that was typed: intervals go about the values of its parameters."""
+    state = MapState(map=map_, given=given, values=tuple(sorted(values.items())))
+    if not state.axis:
+        return state
+    place, names = state.place, state.plane_names or (state.axis, state.axis)
+    across, along = (_about(place[name]) for name in names)
+    return replace(
+        state, over=state.axis, span=_about(place[state.axis]), plane=state.plane_names,
+        across=across, along=along,
+    )  # fmt: skip
+
+
+def _about(text: str) -> tuple[str, str]:
+    """Whole numbers about a value: from two below to two above, or more."""
+    value = rational(text)
+    return str(math.floor(value) - 2), str(math.ceil(value) + 2)
+
+
 def to_query(state: MapState) -> str:
     """What differs from the state of an empty link."""
-    default, found = MapState(), []
+    first, found = MapState(), []
+    typed = first if state.map == P1L else of_map(state.map, state.given, dict(state.values))
     for each in fields(MapState):
         value = getattr(state, each.name)
+        default = first if each.name in ("map", "given", "values") else typed
         if value == getattr(default, each.name):
             continue
         if each.name == "values":
@@ -149,34 +191,49 @@ def from_query(query: str) -> MapState:
     for key in ("span", "across", "along"):
         if key in own and len(own[key]) != 2:  # type: ignore[arg-type]
             raise ValueError(f"{key} must be two rationals")
+    if "map" in own:
+        own.setdefault("given", "")
     if values or "map" in own:
         own["values"] = tuple(sorted(values.items()))
-    if "map" in own and "given" not in own:
-        own["given"] = ""
-    return MapState(**own)  # type: ignore[arg-type]
+    begin = MapState()
+    if own.get("map", P1L) != P1L:
+        begin = of_map(str(own["map"]), str(own["given"]), values)
+    return replace(begin, **own)  # type: ignore[arg-type]
 
 
 def python_of(state: MapState) -> str:
-    """The lines of Python that make the same."""
+    """The lines of Python that make the same, with its pictures."""
     given = [part.strip() for part in state.given.split(";") if part.strip()]
-    place = ", ".join(f"{name!r}: {text!r}" for name, text in state.place.items())
+    place, axis = state.place, state.axis
+    names = ["PiecewiseLinearMap", "dynamics"]
+    plots = ["from pwmap.plot import plot_cobweb"]
     lines = [
-        "from pwmap import PiecewiseLinearMap, bifurcation_diagram, dynamics, parameter_cells",
-        "",
         f"family = PiecewiseLinearMap.from_sympy({state.map!r}, 'x', {given!r})",
-        f"here = family.at({{{place}}})" if place else "here = family",
-        f"print(here.iterate({state.order}))",
-        f"print(here.iterate({state.order}).fixed_points())",
-        f"print(here.iterate({state.order}).jump_crossings())",
+        f"here = family.at({place!r})" if place else "here = family",
+        f"iterate = here.iterate({state.order})",
+        "print(iterate, iterate.fixed_points(), iterate.jump_crossings(), sep='\\n')",
+        f"plot_cobweb(iterate, {state.start!r}, {state.steps})",
     ]
-    if state.axis:
-        rest = {n: v for n, v in state.place.items() if n != state.axis}
-        orders, span = tuple(range(1, state.orders + 1)), state.span
+    if axis:
+        names += ["bifurcation_diagram", "parameter_cells"]
+        plots[0] += ", plot_diagram"
         lines += [
-            f"family_of_one = family.at({rest!r})" if rest else "family_of_one = family",
-            f"cells = parameter_cells(family_of_one, {state.axis!r}, {orders!r}, span={span!r})",
-            f"diagram = bifurcation_diagram(family_of_one, {state.axis!r}, {span!r}, {orders!r})",
+            _held("line", {n: v for n, v in place.items() if n != axis}),
+            f"cells = parameter_cells(line, {axis!r}, {state.all_orders!r}, span={state.span!r})",
+            f"diagram = bifurcation_diagram(line, {axis!r}, {state.span!r}, {state.all_orders!r})",
+            "plot_diagram(diagram)",
         ]
-    return "\n".join(
-        [*lines, "found = dynamics(here)", "print(found.attractors, found.entropy)", ""]
-    )
+    if pair := state.plane_names:
+        names.append("parameter_plane")
+        plots.append("from pwmap.plot_plane import plot_plane")
+        where = f"{pair[0]!r}, {pair[1]!r}, {state.across!r}, {state.along!r}"
+        lines += [
+            _held("flat", {n: v for n, v in place.items() if n not in pair}),
+            f"plot_plane(parameter_plane(flat, {where}, {PLANE_ORDERS!r}))",
+        ]
+    lines += ["found = dynamics(here)", "print(found.attractors, found.entropy)", ""]
+    return "\n".join([f"from pwmap import {', '.join(sorted(names))}", *plots, "", *lines])
+
+
+def _held(name: str, values: Mapping[str, str]) -> str:
+    return f"{name} = family.at({dict(values)!r})" if values else f"{name} = family"

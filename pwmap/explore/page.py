@@ -23,6 +23,8 @@ from bokeh.model import DataModel
 from bokeh.models import ColumnDataSource
 from jinja2 import Environment, FileSystemLoader, select_autoescape
 
+from pwmap.explore.figures import COLORS
+
 FOLDER = Path(__file__).parent / "files"
 LONGEST = 20_000  # characters of a wish
 S = TypeVar("S")
@@ -185,7 +187,9 @@ def asked(document: Document, read: Callable[[str], S], initial: S) -> tuple[S, 
 def _environment(folder: Path) -> Environment:
     """Templates of a page, and those that all pages share."""
     loader = FileSystemLoader([str(FOLDER), str(folder)])
-    return Environment(loader=loader, autoescape=select_autoescape(default=True))
+    made = Environment(loader=loader, autoescape=select_autoescape(default=True))
+    made.globals["colours"] = COLORS
+    return made
 
 
 def compare_page(title: str) -> str:

@@ -1,6 +1,7 @@
 """The explorer of piecewise-linear maps in a browser."""
 
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
@@ -116,6 +117,38 @@ def test_a_text_that_takes_too_long_is_given_up(server: Served, chromium: Any) -
     begun = seen("performance.now()")
     seen.ask(do="steps", value="5")
     assert seen("performance.now()") - begun < 5000  # it does not wait for the answers
+    seen.close()
+
+
+def test_files_are_downloaded_from_the_menu(tab: Seen) -> None:
+    """Each link of the menu gives the file of the state that is shown."""
+    tab.ask(do="set", values={"r": "7/3"})
+    tab.wait(DONE)
+    begins = {"png": b"\x89PNG", "svg": b"<?xml", "csv": b"", "json": b"{", "py": b"from pwmap",
+              "graphml": b"<"}  # fmt: skip
+    for name in ("map.png", "plane.svg", "cycles.csv", "branches.csv", "diagram.json", "lines.py"):
+        tab.page.click(".menu summary")
+        with tab.page.expect_download() as waiting:
+            tab.page.click(f"a[data-file='{name}']")
+        assert waiting.value.suggested_filename == name
+        content = Path(waiting.value.path()).read_bytes()
+        assert content.lstrip().startswith(begins[name.partition(".")[2]])
+        if name == "cycles.csv":
+            assert b"28/27" in content  # r/(a + 1) at a = 5/4, r = 7/3
+    tab.page.click(".menu summary")
+    tab.page.click("#python")
+    assert "'r': '7/3'" in tab.page.locator("#dialog pre").inner_text()
+
+
+def test_reset_goes_back_to_what_the_command_gave(server: Served, chromium: Any) -> None:
+    """Also of another map that is typed: its text stays, and nothing of the first map comes."""
+    formula = "Piecewise((c*x + 1, x <= 0), (d*x + 1, True))"
+    seen = Seen(chromium, server.address, f"map={quote(formula)}&at_c=1/2&at_d=-3/2")
+    assert seen.ask(do="set", values={"c": "1/3"})["values"] == {"c": "1/3", "d": "-3/2"}
+    answer = seen.ask(do="reset")
+    assert answer["values"] == {"c": "1", "d": "1"}
+    assert answer["axes"] == ["c", "d"]
+    assert seen.ask(do="branch", value="")["message"] == ""
     seen.close()
 
 

@@ -1,18 +1,26 @@
 """What the page of a map is given, beside the public functions; no browser."""
 
+import csv
+import io
+import json
 from fractions import Fraction
+from typing import Any
 
 import pytest
 
 pytest.importorskip("bokeh")
 from pwmap.explore.map_data import answers
+from pwmap.explore.map_exports import FILES, export
 from pwmap.explore.map_state import (
     MapState,
     from_query,
+    of_map,
     python_of,
     rational,
     to_query,
 )
+
+SKEW = "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))"
 
 
 def test_a_link_holds_the_map() -> None:
@@ -77,6 +85,68 @@ def test_a_hostile_text_is_an_error_and_nothing_else(formula: str) -> None:
         list(answers(MapState(map=formula, given="", values=())))
 
 
-def test_lines_of_python_run(capsys: pytest.CaptureFixture[str]) -> None:
-    exec(python_of(MapState()), {})
+def test_a_map_that_is_typed_is_shown_about_its_values() -> None:
+    """The plane has its own parameters, and a link without intervals means these."""
+    state = of_map(SKEW, "", {"a": "1/2", "b": "-3/2"})
+    assert (state.axis, state.span, state.plane_names) == ("a", ("-2", "3"), ("a", "b"))
+    assert (state.across, state.along) == (("-2", "3"), ("-4", "1"))
+    assert to_query(state).count("=") == 4  # the map, no assumption, and two values
+    assert from_query(to_query(state)) == state
+    moved = state.at(a="5")
+    assert from_query(to_query(moved)) == moved
+    assert of_map("Piecewise((x/2, x <= 0), (x/3, True))", "", {}).plane_names == ()
+
+
+@pytest.mark.slow
+def test_lines_of_python_make_what_is_shown(capsys: pytest.CaptureFixture[str]) -> None:
+    for state in (MapState(), of_map(SKEW, "", {"a": "1/2", "b": "-3/2"})):
+        space: dict[str, Any] = {}
+        exec(python_of(state), space)
+        shown = next(part.shown for part in answers(state) if part.name == "diagram")
+        assert shown is not None
+        assert [b.id for b in space["diagram"].branches] == [b.id for b in shown.diagram.branches]
     assert "R  1 - 5*x/4  for 0 < x" in capsys.readouterr().out
+
+
+def content(name: str, state: MapState) -> bytes:
+    ((_, made),) = export(name, to_query(state))
+    return made
+
+
+def table(name: str, state: MapState) -> list[dict[str, str]]:
+    return list(csv.DictReader(io.StringIO(content(name, state).decode())))
+
+
+def test_files_hold_exact_values() -> None:
+    """P1^L at a = 5/4, r = 1 [Leine2001, Eqs. 14-16]."""
+    state = MapState()
+    left, right = table("pieces.csv", state)
+    assert (left["word"], left["slope"], left["intercept"]) == ("L", "0", "-1")
+    assert (right["word"], right["slope"], right["intercept"]) == ("R", "-5/4", "1")
+    cycles = {row["word"]: row for row in table("cycles.csv", state)}
+    assert cycles["R"]["points"] == "4/9"
+    assert (cycles["L"]["stable"], cycles["R"]["stable"]) == ("True", "False")
+    assert [row["x"] for row in table("orbit.csv", state)][:2] == ["3/10", "5/8"]
+    cells = table("cells.csv", state)
+    assert {"lower": "0", "upper": "2", "period": "1", "word": "R", "x": "4*r/9"} in cells
+    told = json.loads(content("state.json", state))
+    assert (told["map"], told["link"]) == (state.map, "")
+
+
+@pytest.mark.slow
+def test_every_file_is_made() -> None:
+    tent = of_map("Piecewise((a*x, x <= 1/2), (b*(1 - x), True))", "", {"a": "2", "b": "2"})
+    begins = {"png": b"\x89PNG", "svg": b"<?xml", "json": b"{", "csv": b"", "py": b"from pwmap"}
+    for name in FILES:
+        form = name.partition(".")[2]
+        assert content(name, tent).lstrip().startswith(begins.get(form, b"<"))
+
+
+def test_what_a_map_has_not_is_refused_with_a_sentence() -> None:
+    still = of_map("Piecewise((x/2, x <= 0), (x/3, True))", "", {})
+    for name, sentence in (
+        ("plane.png", "two parameters"), ("branches.csv", "has no parameter"),
+        ("density.png", "no.* attractor|none with a density"), ("map.exe", "unknown file"),
+    ):  # fmt: skip
+        with pytest.raises(ValueError, match=sentence):
+            content(name, still)

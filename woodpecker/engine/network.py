@@ -77,7 +77,7 @@ def connected(
         Of the parameter and the coordinates; the first coordinate is the diagram's x, the others
         are columns of its branches.
     max_branches
-        So many are followed at most.
+        So many are followed at most; ``diagram.given`` says how many more begin.
 
     Returns
     -------
@@ -317,9 +317,15 @@ class Network:
                 branches.append(self._branch(name, found, ids, column, names))
         diagram = Diagram(
             parameter_name=names[0], x_name=names[1], branches=tuple(branches),
-            points=tuple(self._point(place) for place in places),
+            points=tuple(self._point(place) for place in places), given=self._left(),
         )  # fmt: skip
         return Connected(diagram, {place.id: place.node.orbit for place in places})
+
+    def _left(self) -> tuple[str, ...]:
+        """A sentence on what was not followed, if anything was not."""
+        left = sum(begin in node.waiting for node, begin in self.todo)
+        most = self.max_branches
+        return (f"stopped after {most} branches: {left} more begin",) if left else ()
 
     def _place(self, places: list[_NetworkPlace], node: Node, x: Floats) -> _NetworkPlace:
         """The point of a node at some x: that of a cycle has one for each of its points."""

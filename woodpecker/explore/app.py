@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
 from bokeh.document import Document
 
+from pwmap.explore.exports import OF_DIAGRAM
 from pwmap.explore.jobs import warm_up
-from pwmap.explore.page import Control, asked, fill
+from pwmap.explore.page import Control, asked
 from pwmap.explore.serving import Site, serve
+from pwmap.explore.tab import put_on_page
 from woodpecker import Toy, parameters
 from woodpecker.explore.branches import key_of
-from woodpecker.explore.exports import FILES, export, needs_diagram
+from woodpecker.explore.exports import FILES, export
 from woodpecker.explore.state import PageState, from_query
-from woodpecker.explore.tab import Tab, known_diagrams
+from woodpecker.explore.tab import ToyTab, known_diagrams
+from woodpecker.explore.views import BOTH, CONTACTS
 from woodpecker.mechanics.toy import description
 from woodpecker.plot import drawing
 
 TEMPLATE = Path(__file__).parent / "files" / "woodpecker.html"
-TICK = 50  # ms between looks at what other processes have sent
 FIRST = "1:friction and restitution"  # groups are in the order of their numbers
 LABELS = {
     "m_m": "m<sub>M</sub>", "j_m": "J<sub>M</sub>", "m_s": "m<sub>S</sub>", "j_s": "J<sub>S</sub>",
@@ -61,24 +63,17 @@ def controls() -> list[Control]:
 # --- Serving --------------------------------------------------------------------------------------
 
 
-def make_page(document: Document, initial: PageState) -> Tab:
+def make_page(document: Document, initial: PageState) -> None:
     """Fill the document of one tab."""
     state, refused = asked(document, from_query, initial)
-    tab = Tab(state)
-    tab.begin()
+    tab = ToyTab(state)
     tab.message = refused or tab.message
-    tab.clicks()  # before its figures belong to the document, which asks for them once
-    verbs = {name: _answering(tab, verb) for name, verb in tab.verbs().items()}
-    tab.say = fill(
-        document, TEMPLATE, tab.roots, verbs, page_title="Woodpecker Toy",
-        exports=list(FILES.items()), controls=[asdict(each) for each in controls()],
-        open_group=FIRST, shapes=shapes(),
+    put_on_page(
+        document, TEMPLATE, tab, "Woodpecker Toy", exports=list(FILES.items()),
+        controls=[asdict(each) for each in controls()], open_group=FIRST, shapes=shapes(),
+        struck=[CONTACTS[1], CONTACTS[2], CONTACTS[3], BOTH],
         over=[(name, PLAIN.get(name, name)) for name in parameters() if name != "pole"],
     )  # fmt: skip
-    document.title = "Woodpecker Toy"
-    document.add_periodic_callback(tab.tick, TICK)
-    document.on_session_destroyed(lambda _: tab.work.stop())
-    return tab
 
 
 def shapes() -> dict[str, Any]:
@@ -87,32 +82,16 @@ def shapes() -> dict[str, Any]:
     return {name: getattr(drawing, name) for name in names}
 
 
-def _answering(
-    tab: Tab, verb: Callable[[Mapping[str, Any]], None]
-) -> Callable[[Mapping[str, Any]], Mapping[str, Any]]:
-    """A verb that tells what the page shows after it."""
-
-    def answer(wish: Mapping[str, Any]) -> Mapping[str, Any]:
-        verb(wish)
-        return tab.answer(whole=not wish.get("drag"))
-
-    return answer
-
-
-def _made(document: Document, initial: PageState) -> None:
-    make_page(document, initial)
-
-
 def site(initial: PageState) -> Site:
     """What is served."""
 
     def prepared(name: str, query: str) -> tuple[Any, ...]:
         state = from_query(query)
-        known = known_diagrams.get(key_of(state)) if needs_diagram(name) else None
+        known = known_diagrams.get(key_of(state)) if name in OF_DIAGRAM else None
         return export, name, query, known.diagram if known is not None else None
 
     return Site(
-        page=lambda document: _made(document, initial), export=prepared,
+        page=lambda document: make_page(document, initial), export=prepared,
         compare="Woodpecker Toy: two states",
     )  # fmt: skip
 

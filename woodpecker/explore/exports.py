@@ -3,45 +3,27 @@
 from __future__ import annotations
 
 import json
-import tempfile
 from collections.abc import Callable, Iterator
 from dataclasses import asdict
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from pwmap import Diagram
-from pwmap.diagrams.files import table_as_text, write_figure
-from pwmap.diagrams.tables import results_as_bytes
+from pwmap.diagrams.files import table_as_text
+from pwmap.explore.exports import OF_DIAGRAM, OF_STATE, PICTURE, TYPES, of_diagram, parts, picture
 from woodpecker import ReturnMap, Trajectory, return_map, simulate
 from woodpecker.explore.branches import diagram as found_diagram
 from woodpecker.explore.model import FINE, SAMPLES, TOY_MODEL
 from woodpecker.explore.state import PORTRAITS, PageState, from_query, python_of, to_query
 
-TYPES = {
-    "png": "image/png", "svg": "image/svg+xml", "csv": "text/csv; charset=utf-8",
-    "json": "application/json", "py": "text/x-python; charset=utf-8", "graphml": "application/xml",
-}  # fmt: skip
-PICTURE = ("png", "svg")
-PICTURES = ("map", "diagram", "motion", "portrait", "toy")
+PICTURES = ("map", "motion", "portrait", "toy")
 FILES = {
     **{f"{name}.{form}": f"picture of the {name} ({form.upper()})"
        for name in PICTURES for form in PICTURE},
     "map.csv": "the map (CSV)", "motion.csv": "the motion (CSV)", "events.csv": "its events (CSV)",
-    "branches.csv": "branches of the diagram (CSV)", "points.csv": "special points (CSV)",
-    "diagram.json": "the diagram, whole (JSON)", "graph.json": "graph of branches (JSON)",
-    "graph.graphml": "graph of branches (GraphML)", "state.json": "the state (JSON)",
-    "lines.py": "lines of Python",
+    **OF_DIAGRAM, **OF_STATE,
 }  # fmt: skip
-OF_DIAGRAM = ("diagram", "branches", "points", "graph")
-
-
-def needs_diagram(name: str) -> bool:
-    """Whether a file is made from the diagram; ValueError if there is no such file."""
-    if name not in FILES:
-        raise ValueError(f"unknown file {name!r}, expected one of {', '.join(FILES)}")
-    return name.partition(".")[0] in OF_DIAGRAM
 
 
 def export(name: str, query: str, known: Diagram | None) -> Iterator[tuple[str, bytes]]:
@@ -56,10 +38,10 @@ def export(name: str, query: str, known: Diagram | None) -> Iterator[tuple[str, 
     known
         Its diagram, if it was found already.
     """
+    what, form = parts(name, FILES)
     state = from_query(query)
-    what, _, form = name.partition(".")
-    if needs_diagram(name):
-        content = _of_diagram(what, form, known if known is not None else _diagram(state))
+    if name in OF_DIAGRAM:
+        content = of_diagram(name, known if known is not None else _diagram(state))
     elif form in PICTURE:
         content = picture(form, lambda: _DRAWINGS[what](state))
     else:
@@ -70,22 +52,6 @@ def export(name: str, query: str, known: Diagram | None) -> Iterator[tuple[str, 
 def _diagram(state: PageState) -> Diagram:
     *_, last = found_diagram(state)
     return last.shown.diagram
-
-
-def _of_diagram(what: str, form: str, found: Diagram) -> bytes:
-    if form in PICTURE:
-        from pwmap.plot import plot_diagram
-
-        return picture(form, lambda: plot_diagram(found).figure)
-    return results_as_bytes(found)[f"{what}.{form}"]
-
-
-def picture(form: str, draw: Callable[[], Any]) -> bytes:
-    """A drawn figure as a file."""
-    with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / f"picture.{form}"
-        write_figure(path, draw())
-        return path.read_bytes()
 
 
 def _returns(state: PageState) -> ReturnMap:

@@ -43,7 +43,7 @@ class PageState:
     parameter, span
         Over which parameter the diagram is drawn, and over which interval.
     every
-        Iterates of which every branch is looked for; by default what hangs together with the
+        Iterates of which every branch is looked for; by default what is connected with the
         motion is followed.
     orbits
         Whether the diagram has the orbit diagram under it.

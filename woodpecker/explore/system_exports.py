@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from pwmap.diagrams.files import table_as_text
-from pwmap.diagrams.tables import results_as_bytes
-from woodpecker.explore.exports import PICTURE, TYPES, picture
+from pwmap.explore.exports import OF_DIAGRAM, OF_STATE, TYPES, of_diagram, parts
 from woodpecker.explore.system_model import SystemModel
 from woodpecker.explore.system_state import (
     Explored,
@@ -23,35 +22,21 @@ from woodpecker.explore.system_state import (
 )
 
 FILES = {
-    "diagram.png": "picture of the diagram (PNG)", "diagram.svg": "picture of the diagram (SVG)",
-    "motion.csv": "the motion (CSV)", "events.csv": "its events (CSV)",
-    "branches.csv": "branches of the diagram (CSV)", "points.csv": "special points (CSV)",
-    "diagram.json": "the diagram, whole (JSON)", "graph.json": "graph of branches (JSON)",
-    "state.json": "the state (JSON)", "lines.py": "lines of Python",
+    "motion.csv": "the motion (CSV)", "events.csv": "its events (CSV)", **OF_DIAGRAM, **OF_STATE,
 }  # fmt: skip
 
 
 def export(path: str, name: str, query: str) -> Iterator[tuple[str, bytes]]:
     """A job that makes one file of :data:`FILES` of a state; ValueError if there is none such."""
-    if name not in FILES:
-        raise ValueError(f"unknown file {name!r}, expected one of {', '.join(FILES)}")
+    what, form = parts(name, FILES)
     given = explored(path)
     state = from_query(given, query)
-    what, _, form = name.partition(".")
-    if what in ("diagram", "branches", "points", "graph"):
-        yield TYPES[form], _of_diagram(what, form, given, state)
+    if name in OF_DIAGRAM:
+        *_, last = SystemModel(given).diagram(SystemModel(given).settled(state)[0])
+        content = of_diagram(name, last.shown.diagram)
     else:
-        yield TYPES[form], _text(what, given, state).encode()
-
-
-def _of_diagram(what: str, form: str, given: Explored, state: SystemState) -> bytes:
-    *_, last = SystemModel(given).diagram(SystemModel(given).settled(state)[0])
-    found = last.shown.diagram
-    if form in PICTURE:
-        from pwmap.plot import plot_diagram
-
-        return picture(form, lambda: plot_diagram(found).figure)
-    return results_as_bytes(found)[f"{what}.{form}"]
+        content = _text(what, given, state).encode()
+    yield TYPES[form], content
 
 
 def _text(what: str, given: Explored, state: SystemState) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import sympy
 
-from pwmap import BranchKind, Diagram
+from pwmap import Branch, BranchKind
 from pwmap.explore.diagrams import shown
 from woodpecker.base.arrays import Floats
 from woodpecker.explore.branches import DiagramProgress
@@ -112,23 +112,18 @@ class SystemModel:
             found = continuation(
                 map_, cycle, state.span, state.window, orders=orders, max_branches=most
             ).diagram
-            if len(found.branches) < most:
+            if not found.given:  # nothing was left to be followed
                 break
             yield DiagramProgress(shown(found), f"branches so far: {len(found.branches)}")
         yield DiagramProgress(shown(found), "complete", done=True)
 
-    def at_sample(
-        self, state: SystemState, found: Diagram, branch: str, sample: int
-    ) -> SystemState:
-        """The state that shows a sample of a branch.
-
-        A diagram knows the first coordinate of its cycles; the others are those of the start.
-        """
-        chosen = found.branch(branch)
-        state = state.at({state.parameter: float(chosen.parameter[sample])})
-        periodic = chosen.kind is BranchKind.FIXED_POINT
-        order = chosen.order if chosen.order in (1, 2, 3, 4) else state.order
-        x = (float(chosen.x[sample]), *state.x[1:])
+    def at_sample(self, state: SystemState, branch: Branch, sample: int) -> SystemState:
+        """The state that shows a sample of a branch."""
+        state = state.at({state.parameter: float(branch.parameter[sample])})
+        periodic = branch.kind is BranchKind.FIXED_POINT
+        order = branch.order if branch.order in (1, 2, 3, 4) else state.order
+        others = (float(branch.columns[name][sample]) for name in self.given.names[1:])
+        x = (float(branch.x[sample]), *others)
         return replace(state, x=x, order=order, periodic=periodic)
 
     def _map(self, state: SystemState) -> SystemMap:

@@ -13,12 +13,13 @@ from typing import Any
 import numpy as np
 from bokeh.document import Document
 
-from pwmap.explore.diagram_views import DiagramView, GraphView
-from pwmap.explore.diagrams import Shown, nearest_line, nearest_sample
-from pwmap.explore.figures import on_click, patch
-from pwmap.explore.jobs import Failure, Job, is_warm, warm_up
-from pwmap.explore.page import Control, asked, fill, numbers
+from pwmap import Branch
+from pwmap.explore.diagrams import summary
+from pwmap.explore.figures import patch
+from pwmap.explore.jobs import Failure, is_warm, warm_up
+from pwmap.explore.page import Control, asked, numbers
 from pwmap.explore.serving import Site, serve
+from pwmap.explore.tab import Demand, Tab, put_on_page
 from woodpecker.explore.branches import DiagramProgress
 from woodpecker.explore.model import DrawnMotion, MapCurve
 from woodpecker.explore.system_exports import FILES, export
@@ -38,37 +39,28 @@ from woodpecker.explore.system_views import HistoryView, PlaneView
 from woodpecker.explore.views import MapView, WordView
 
 TEMPLATE = Path(__file__).parent / "files" / "system.html"
-TICK = 50  # ms between looks at what other processes have sent
 QUIET = 0.5  # s after the last change until another diagram is begun
-CLICK = 14.0  # px: what lies farther from a click was not meant
-UNDO = 100  # states that are kept
 ANSWERS, DIAGRAM = 120.0, 600.0  # s that answers and a diagram may take
 GROUP = "1:parameters"
 
 
-class SystemTab:
-    """One tab: a state, its views, and what a user may ask for."""
+class SystemTab(Tab[SystemState]):
+    """One tab of a system of contacts: all that it shows is worked out in other processes."""
 
     def __init__(self, given: Explored, state: SystemState) -> None:
-        self.given, self.state, self.past = given, state, list[SystemState]()
-        self.message, self.stage, self.branch = "", "", ""
-        names = given.names
+        self.given, names = given, given.names
         self.map = MapView(names[0], "") if len(names) == 1 else PlaneView(names[0], names[1])
         self.motion, self.word = HistoryView(), WordView()
         patch(self.word.now, x=[])  # no instant is shown
-        self.diagram, self.graph = DiagramView("diagram", "", names[0]), GraphView("graph")
-        self._answers: Job | None = None
-        self._branches: Job | None = None
+        super().__init__(state, self.map.figure, names[0])
         self._due, self._told, self._search_at = True, False, 0.0
         self._key: Any = None
-        self._shown: Shown | None = None
         self._now: DrawnMotion | None = None
-        self.say: Callable[[Mapping[str, Any]], None] = lambda _: None
-        self._look()
-        for figure, verb in ((self.map.figure, self._tap_map),
-                             (self.diagram.figure, self._tap_diagram),
-                             (self.graph.figure, self._tap_graph)):  # fmt: skip
-            on_click(figure, self._heard(verb))
+        if isinstance(self.map, MapView):
+            self.map.look(state.window[0])
+        else:
+            self.map.look(state.window)
+        self.show(state)
 
     @property
     def roots(self) -> list[Any]:
@@ -77,21 +69,17 @@ class SystemTab:
         return [self.map.figure, self.diagram.figure, self.graph.figure, self.word.figure,
                 motion.position, motion.velocity, motion.portrait]  # fmt: skip
 
-    def _look(self) -> None:
-        window = self.state.window
-        if isinstance(self.map, MapView):
-            self.map.look(window[0])
-        else:
-            self.map.look(window)
-        self.diagram.figure.xaxis.axis_label = self.state.parameter
+    @property
+    def value(self) -> float:
+        """The value of the diagram's parameter."""
+        return self.state.value
 
     # --- State -> views ---------------------------------------------------------------------------
 
     def show(self, state: SystemState, *, moving: bool = False) -> None:
         """Go to a state: what it shows is worked out in another process."""
-        if not moving and state != self.state:
-            self.past = [*self.past[-UNDO:], self.state]
-        self.state, self.message, self._due = state, "", True
+        self.keep(state, moving=moving)
+        self._due = True
         self.diagram.stand(state.value, state.x[0])
         if self._key_of(state) != self._key:
             self._search_at = time.monotonic() + QUIET
@@ -109,22 +97,17 @@ class SystemTab:
         """
         if not is_warm():
             return
-        idle = self._answers is None or self._answers.is_over or self._told
-        if self._due and idle:
+        if self._due and (self._told or not self.is_running("answers")):
             self._due, self._told = False, False
-            if self._answers is not None:
-                self._answers.stop()
-            self._answers = Job(answers, self.given.path, self.state, seconds=ANSWERS)
-        for result in self._answers.results() if self._answers is not None else ():
-            self._take(result)
-            self.say(self.answer())
+            self.begin("answers", answers, self.given.path, self.state, seconds=ANSWERS)
         if time.monotonic() > self._search_at:
             self._search_at = np.inf
             if self._key_of(self.state) != self._key:
-                self._search({})
-        for result in self._branches.results() if self._branches is not None else ():
-            self._take_branches(result)
-            self.say(self.answer())
+                self._search()
+        for name, take in (("answers", self._take), ("diagram", self._take_progress)):
+            for result in self.results(name):
+                take(result)
+                self.say(self.answer())
 
     def _take(self, result: Any) -> None:
         if isinstance(result, tuple):
@@ -149,95 +132,54 @@ class SystemTab:
         if self._now is not None:
             self.motion.show(self._now, k, names)
 
-    def _search(self, _: Mapping[str, Any]) -> None:
-        if self._branches is not None:
-            self._branches.stop()
+    def _search(self) -> None:
         self._key, self.stage = self._key_of(self.state), "begins"
-        self._show_diagram(None)
+        self.draw_diagram(None)
         self.diagram.figure.xaxis.axis_label = self.state.parameter
         self.diagram.look(self.state.span)
-        self._branches = Job(diagram, self.given.path, self.state, seconds=DIAGRAM)
+        self.begin("diagram", diagram, self.given.path, self.state, seconds=DIAGRAM)
 
-    def _take_branches(self, result: Any) -> None:
+    def _take_progress(self, result: Any) -> None:
         if isinstance(result, DiagramProgress):
-            found = result.shown
-            count = f"{len(found.diagram.branches)} branches, {len(found.diagram.points)} points"
-            self.stage = count if result.done else result.stage
-            self._show_diagram(found)
+            self.stage = summary(result.shown) if result.done else result.stage
+            self.draw_diagram(result.shown)
         elif isinstance(result, Failure):
-            self.stage = result.sentence
+            so_far = f"; so far {summary(self.shown)}" if self.shown else ""
+            self.stage = result.sentence + so_far
 
-    def _show_diagram(self, found: Shown | None) -> None:
-        self._shown = found
-        self.diagram.show(found)
-        self.graph.show(found)
-        self._mark(self.branch)
+    def at_sample(self, branch: Branch, sample: int) -> SystemState:
+        """The state that shows a sample of a branch."""
+        return SystemModel(self.given).at_sample(self.state, branch, sample)
 
-    def _mark(self, branch: str) -> None:
-        known = [b.id for b in self._shown.diagram.branches] if self._shown else []
-        self.branch = branch if branch in known else ""
-        self.diagram.select(self.branch)
-        self.graph.select(self.branch)
-
-    def answer(self) -> dict[str, Any]:
+    def told(self, *, whole: bool) -> dict[str, Any]:
         """What the script of the page shows besides the views."""
         state, now = self.state, self._now
-        branches = self._shown.diagram.branches if self._shown else ()
         return {
             "values": dict(state.values), "query": to_query(self.given, state),
             "message": self.message or (now.message if now else ""),
             "python": python_of(self.given, state), "order": state.order, "steps": state.steps,
             "start": ", ".join(f"{x:.10g}" for x in state.x), "periodic": state.periodic,
             "over": state.parameter, "coordinate": state.coordinate, "focus": state.focus,
-            "numbers": now.numbers if now else {}, "stage": self.stage, "branch": self.branch,
-            "running": self._branches is not None and not self._branches.is_over,
-            "busy": self._due or (self._answers is not None and not self._answers.is_over),
-            "branches": [
-                {"id": b.id, "text": f"{b.id}: {b.kind} of P_{b.order}"} for b in branches[:400]
-            ],
+            "numbers": now.numbers if now else {},
+            "busy": self._due or self.is_running("answers"),
         }  # fmt: skip
-
-    def end(self) -> None:
-        """End what is being done in other processes."""
-        for job in (self._answers, self._branches):
-            if job is not None:
-                job.stop()
 
     # --- What a user may ask for ------------------------------------------------------------------
 
-    def verbs(self) -> dict[str, Callable[[Mapping[str, Any]], Mapping[str, Any]]]:
-        """Everything that a wish can name."""
-        verbs: dict[str, Callable[[Mapping[str, Any]], None]] = {
-            "hello": lambda _: None,
+    def demands(self) -> Mapping[str, Demand]:
+        """What a wish can name besides what every tab knows."""
+        return {
             "set": self._set,
             "back": self._back,
             "reset": lambda _: self.show(first_state(self.given)),
-            "undo": self._undo,
-            "order": lambda wish: self._change(order=int(wish["value"])),
-            "steps": lambda wish: self._change(steps=int(wish["value"])),
-            "start": lambda wish: self._change(
+            "start": lambda wish: self.change(
                 x=point(str(wish["value"]), len(self.state.x)), periodic=False
             ),
-            "periodic": lambda wish: self._change(periodic=bool(wish["value"])),
+            "periodic": lambda wish: self.change(periodic=bool(wish["value"])),
             "over": lambda wish: self.show(over(self.given, self.state, str(wish["value"]))),
             "coordinate": self._coordinate,
-            "focus": lambda wish: self._change(focus=str(wish["value"])),
-            "branch": lambda wish: self._select(str(wish["value"])),
-            "stop": self._stop,
-            "search": self._search,
+            "search": lambda _: self._search(),
         }
-
-        def answering(verb: Callable[[Mapping[str, Any]], None]) -> Any:
-            def answer(wish: Mapping[str, Any]) -> Mapping[str, Any]:
-                verb(wish)
-                return self.answer()
-
-            return answer
-
-        return {name: answering(verb) for name, verb in verbs.items()}
-
-    def _change(self, **changes: Any) -> None:
-        self.show(replace(self.state, **changes))
 
     def _set(self, wish: Mapping[str, Any]) -> None:
         values = numbers(wish["values"], tuple(self.given.ranges))
@@ -247,59 +189,18 @@ class SystemTab:
         name = str(wish["name"])
         self.show(self.state.at({name: self.given.values[name]}))
 
-    def _undo(self, _: Mapping[str, Any]) -> None:
-        if self.past:
-            last = self.past.pop()
-            self.show(last)
-            self.past.pop()
-
     def _coordinate(self, wish: Mapping[str, Any]) -> None:
         self.state = replace(self.state, coordinate=int(wish["value"]))
         self._draw_motion()
 
-    def _stop(self, _: Mapping[str, Any]) -> None:
-        if self._branches is not None and not self._branches.is_over:
-            self._branches.stop()
-            self.stage = "stopped"
-
-    def _select(self, branch: str, sample: int | None = None) -> None:
-        """Bring everything to a branch: to a sample, or to its middle."""
-        if self._shown is None:
-            return
-        found = self._shown.diagram
-        k = len(found.branch(branch)) // 2 if sample is None else sample
-        self.show(SystemModel(self.given).at_sample(self.state, found, branch, k))
-        self._mark(branch)
-
-    def _heard(self, verb: Callable[[Any], None]) -> Callable[[Any], None]:
-        def hear(event: Any) -> None:
-            if event.x is not None:
-                verb(event)
-                self.say(self.answer())
-
-        return hear
-
     def _tap_map(self, event: Any) -> None:
         """Another start."""
         place = (float(event.x), float(event.y))[: len(self.state.x)]
-        self._change(x=(*place, *self.state.x[len(place) :]), periodic=False)
+        self.change(x=(*place, *self.state.x[len(place) :]), periodic=False)
 
-    def _tap_diagram(self, event: Any) -> None:
-        """The branch that was clicked on; elsewhere the parameter."""
-        if self._shown is not None:
-            scale = self.diagram.scale
-            branch, away = nearest_line(self._shown.lines, event.x, event.y, scale)
-            if branch and away <= CLICK:
-                chosen = self._shown.diagram.branch(branch)
-                self._select(branch, nearest_sample(chosen, event.x, event.y, scale))
-                return
+    def _tap_beside(self, event: Any) -> None:
+        """The parameter."""
         self.show(self.state.at({self.state.parameter: float(event.x)}))
-
-    def _tap_graph(self, event: Any) -> None:
-        if self._shown is not None:
-            branch, away = nearest_line(self._shown.edges, event.x, event.y, self.graph.scale)
-            if branch and away <= 2.0 * CLICK:
-                self._select(branch)
 
 
 # --- Serving --------------------------------------------------------------------------------------
@@ -316,24 +217,18 @@ def controls(given: Explored) -> list[Control]:
     ]  # fmt: skip
 
 
-def make_page(document: Document, given: Explored) -> SystemTab:
+def make_page(document: Document, given: Explored) -> None:
     """Fill the document of one tab."""
     state, refused = asked(document, partial(from_query, given), first_state(given))
     tab = SystemTab(given, state)
-    tab.show(state)
     tab.message = refused
     system = given.map_.system
-    title = f"{Path(given.path).stem}: a system of contacts"
-    tab.say = fill(
-        document, TEMPLATE, tab.roots, tab.verbs(), page_title=title, exports=list(FILES.items()),
-        controls=[asdict(each) for each in controls(given)], open_group=GROUP,
-        over=list(given.ranges), coordinates=[str(q) for q in system.q],
+    put_on_page(
+        document, TEMPLATE, tab, f"{Path(given.path).stem}: a system of contacts",
+        exports=list(FILES.items()), controls=[asdict(each) for each in controls(given)],
+        open_group=GROUP, over=list(given.ranges), coordinates=[str(q) for q in system.q],
         contacts=[each.name for each in system.contacts], line=len(given.names) == 1,
     )  # fmt: skip
-    document.title = title
-    document.add_periodic_callback(tab.tick, TICK)
-    document.on_session_destroyed(lambda _: tab.end())
-    return tab
 
 
 def run(path: str, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:

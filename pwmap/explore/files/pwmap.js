@@ -2,7 +2,8 @@
 "use strict";
 $("#typed").addEventListener("submit", (event) => {
   event.preventDefault();
-  location.search = new URLSearchParams({ map: $("#formula").value.trim(), given: $("#given").value.trim() });
+  const values = Object.entries(explorer.values).map(([name, value]) => [`at_${name}`, value]);
+  location.search = new URLSearchParams([["map", $("#formula").value.trim()], ["given", $("#given").value.trim()], ...values]);
 });
 function show_rows(lists) {
   $("#rows").replaceChildren(...lists.filter((list) => list.rows.length).flatMap(({ title, rows }) => {
@@ -16,13 +17,13 @@ function show_rows(lists) {
   }));
 }
 explorer.heard.push((told) => {
-  for (const name of ["order", "steps", "start", "over", "orders", "span"]) {
-    const element = $("#" + name);
-    if (told[name] !== undefined && document.activeElement !== element) element.value = told[name];
-  }
   if (told.rows) show_rows(told.rows);
-  if (told.chaotic !== undefined) write("#density-told", told.chaotic ? "" : "nothing chaotic attracts here");
-  if (told.busy !== undefined) write("#busy", told.busy ? "working …" : "");
-  if (told.branches) $("#branch").replaceChildren(new Option("no branch", ""), ...told.branches.map(({ id, text }) => new Option(text, id)));
-  if (told.branch !== undefined) $("#branch").value = told.branch;
+  if (told.chaotic !== undefined) {
+    write("#density-told", told.chaotic ? "" : "nothing chaotic attracts here");
+    $("#view-density").classList.toggle("empty", !told.chaotic);
+  }
+  if (told.axes) for (const [k, name] of ["across", "along"].entries()) {
+    write(`#name-${name}`, told.axes[k] ?? "");
+    $("#" + name).hidden = !told.axes.length;
+  }
 });

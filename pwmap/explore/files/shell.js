@@ -112,6 +112,23 @@ function tell(title, text) {
 for (const button of $$(".enlarge")) button.addEventListener("click", () => {
   explorer.ask({ do: "focus", value: explorer.answer.focus === button.value ? "" : button.value });
 });
+// Fields show what the answer tells under their names; a select may wait for its list.
+explorer.heard.push((told) => {
+  if (told.branches) {
+    const list = JSON.stringify(told.branches);
+    if (explorer.listed !== list) $("#branch").replaceChildren(new Option("no branch", ""), ...told.branches.map(({ id, text }) => new Option(text, id)));
+    explorer.listed = list;
+  }
+  for (const each of $$("[data-ask][id]")) {
+    const value = told[each.id];
+    if (value === undefined || (document.activeElement === each && each.matches("input"))) continue;
+    if (each.type === "checkbox") each.checked = value;
+    else each.value = typeof value === "number" ? +value.toPrecision(10) : value;
+  }
+  if (told.stage !== undefined && $("#stage")) write("#stage", told.stage);
+  if (told.running !== undefined && $("#stop")) $("#stop").disabled = !told.running;
+  if (told.busy !== undefined) write("#busy", told.busy ? "working …" : "");
+});
 explorer.heard.push((told) => {
   if (told.focus === undefined) return;
   $("#views").classList.toggle("focused", told.focus !== "");

@@ -12,6 +12,7 @@ from woodpecker import Toy, shoot
 
 pytest.importorskip("bokeh")
 pytest.importorskip("heyoka")
+from pwmap.explore.diagrams import shown, summary
 from woodpecker.explore.model import Model
 from woodpecker.explore.system_model import SystemModel, answers, diagram
 from woodpecker.explore.system_state import (
@@ -23,6 +24,8 @@ from woodpecker.explore.system_state import (
     python_of,
     to_query,
 )
+from woodpecker.systems import continuation
+from woodpecker.systems import shoot as shoot_system
 
 DOCS = Path(__file__).parents[3] / "docs" / "explore.md"
 TOY = """
@@ -86,13 +89,26 @@ def test_a_diagram_is_the_branches_connected_with_the_motion(stop: str) -> None:
     assert stages[-1].done
     found = stages[-1].shown.diagram
     line = found.branches[0]
-    cycles = [
-        SystemModel(given).settled(SystemModel(given).at_sample(state, found, line.id, k))
-        for k in (1, len(line) // 2)
-    ]
-    for (there, message), k in zip(cycles, (1, len(line) // 2), strict=True):
+    away = replace(state, x=(0.0, 9.0))  # a sample holds both coordinates, wherever the page is
+    for k in (1, len(line) // 2):
+        there, message = SystemModel(given).settled(SystemModel(given).at_sample(away, line, k))
         assert message == ""
-        assert there.x[0] == pytest.approx(float(line.x[k]), abs=1e-9)
+        place = (float(line.x[k]), float(line.columns["u_x"][k]))
+        assert there.x == pytest.approx(place, abs=1e-9)
+
+
+@pytest.mark.slow
+def test_what_was_not_followed_is_said(stop: str) -> None:
+    """One branch of several: how many more begin is a part of the diagram."""
+    map_ = explored(stop).map_
+    cycle = shoot_system(map_, [-0.8, 2.0])
+    window = explored(stop).window
+    one, two = (
+        continuation(map_, cycle, (6.0, 10.0), window, max_branches=most).diagram for most in (1, 2)
+    )
+    assert one.given[0].startswith("stopped after 1 branches: ")
+    assert summary(shown(one)).startswith("1 branches, 2 points; stopped after 1 branches")
+    assert len(two.branches) > len(one.branches)
 
 
 def test_a_link_holds_every_bit(stop: str) -> None:

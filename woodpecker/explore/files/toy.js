@@ -96,7 +96,7 @@ const toy = {
     for (let mm = 10 * Math.ceil(100 * (height - 0.04)); mm < 1000 * (height + 0.05); mm += 10) {
       const [, y] = at([0, mm / 1000]);
       pen.fillRect(x0 - 4 * scale, y, x1 - x0 + 4 * scale, 0.7 * scale);
-      pen.fillText(`${mm} mm`.replace("-", "−"), x0 - 6 * scale, y + 3 * scale);
+      pen.fillText(`${mm} mm`.replace("-", "−"), x0 - 16 * scale, y + 3 * scale);
     }
   },
   line(pen, way, color, wide) {

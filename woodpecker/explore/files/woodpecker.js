@@ -99,15 +99,6 @@ function show_numbers(numbers) {
 }
 explorer.heard.push((told) => {
   if (told.numbers) show_numbers(told.numbers);
-  if (told.start !== undefined && document.activeElement !== $("#start")) $("#start").value = +told.start.toPrecision(10);
-  for (const name of ["periodic", "orbits"]) if (told[name] !== undefined) $("#" + name).checked = told[name];
-  for (const name of ["order", "steps", "over", "every", "portrait"]) if (told[name] !== undefined) $("#" + name).value = told[name];
   if (told.law) for (const each of $$("input[name=law]")) each.checked = each.value === told.law;
-  if (told.stage !== undefined) { $("#stage").textContent = $("#stage").title = told.stage; $("#stop").disabled = !told.running; }
-  if (told.branches) {
-    const options = told.branches.map(({ id, text }) => new Option(text, id));
-    $("#branch").replaceChildren(new Option("no branch", ""), ...options);
-  }
-  if (told.branch !== undefined) $("#branch").value = told.branch;
   if (told.tour) show_tour(told.tour);
 });

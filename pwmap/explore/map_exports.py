@@ -1,0 +1,130 @@
+"""Files of what is shown of a piecewise-linear map: each is what the lines of Python make."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import asdict
+from typing import Any
+
+from pwmap import PiecewiseLinearMap, bifurcation_diagram, dynamics, parameter_cells
+from pwmap.diagrams.diagram import Diagram
+from pwmap.diagrams.files import table_as_text
+from pwmap.explore.exports import OF_DIAGRAM, OF_STATE, PICTURE, TYPES, of_diagram, parts, picture
+from pwmap.explore.map_data import BUDGET, cycles_here, maps_of, one_parameter, orbit, plane
+from pwmap.explore.map_state import MapState, from_query, python_of, to_query
+
+FILES = {
+    "map.png": "picture of the map (PNG)", "map.svg": "picture of the map (SVG)",
+    "plane.png": "picture of the plane (PNG)", "plane.svg": "picture of the plane (SVG)",
+    "density.png": "picture of the density (PNG)", "density.svg": "picture of the density (SVG)",
+    "pieces.csv": "pieces of the iterate (CSV)", "cycles.csv": "cycles (CSV)",
+    "orbit.csv": "the orbit (CSV)", "cells.csv": "cells of the parameter (CSV)",
+    **OF_DIAGRAM, **OF_STATE,
+}  # fmt: skip
+
+
+def export(name: str, query: str) -> Iterator[tuple[str, bytes]]:
+    """A job that makes one file of :data:`FILES` of a state; ValueError if there is none such."""
+    what, form = parts(name, FILES)
+    state = from_query(query)
+    if name in OF_DIAGRAM:
+        content = of_diagram(name, _diagram(state))
+    elif form in PICTURE:
+        content = picture(form, lambda: _DRAWINGS[what](state).figure)
+    else:
+        content = _TEXTS[what](state).encode()
+    yield TYPES[form], content
+
+
+def _axis(state: MapState) -> str:
+    if not state.axis:
+        raise ValueError("the map has no parameter, so there is no diagram of it")
+    return state.axis
+
+
+def _diagram(state: MapState) -> Diagram:
+    line = one_parameter(state, maps_of(state)[0])
+    return bifurcation_diagram(line, _axis(state), state.span, state.all_orders, budget=BUDGET)
+
+
+# --- Pictures -------------------------------------------------------------------------------------
+
+
+def _map(state: MapState) -> Any:
+    from pwmap.plot import plot_cobweb
+
+    return plot_cobweb(_iterate(state), state.start, state.steps)
+
+
+def _plane(state: MapState) -> Any:
+    from pwmap.plot_plane import plot_plane
+
+    if not state.plane_names:
+        raise ValueError("a plane needs a map with two parameters")
+    return plot_plane(plane(state, maps_of(state)[0]))
+
+
+def _density(state: MapState) -> Any:
+    from pwmap.plot_longrun import plot_density
+
+    return plot_density(dynamics(maps_of(state)[1], budget=BUDGET))
+
+
+_DRAWINGS: dict[str, Callable[[MapState], Any]] = {
+    "map": _map, "plane": _plane, "density": _density,
+}  # fmt: skip
+
+
+# --- Tables and texts -----------------------------------------------------------------------------
+
+
+def _iterate(state: MapState) -> PiecewiseLinearMap:
+    return maps_of(state)[1].iterate(state.order)
+
+
+def _pieces_table(state: MapState) -> str:
+    rows = [
+        (p.word, p.lower, int(p.lower_closed), p.upper, int(p.upper_closed), p.slope, p.intercept)
+        for p in _iterate(state).pieces
+    ]
+    header = ("word", "lower", "lower_closed", "upper", "upper_closed", "slope", "intercept")
+    return table_as_text(header, rows)
+
+
+def _cycles_table(state: MapState) -> str:
+    rows = [
+        (cycle.word, len(cycle.points), cycle.multiplier, cycle.stable, _listed(cycle.points))
+        for cycle in cycles_here(maps_of(state)[1])
+    ]
+    return table_as_text(("word", "period", "multiplier", "stable", "points"), rows)
+
+
+def _orbit_table(state: MapState) -> str:
+    return table_as_text(("step", "x"), list(enumerate(orbit(_iterate(state), state))))
+
+
+def _cells_table(state: MapState) -> str:
+    """Each cell, with the words of its cycles and their points as formulas."""
+    line = one_parameter(state, maps_of(state)[0])
+    found = parameter_cells(line, _axis(state), state.all_orders, span=state.span, budget=BUDGET)
+    rows = [
+        (cell.lower, cell.upper, point.period, point.word, point.x)
+        for cell in found for order in state.all_orders
+        for point in cell.map.iterate(order).fixed_points() if point.period == order
+    ]  # fmt: skip
+    return table_as_text(("lower", "upper", "period", "word", "x"), rows)
+
+
+def _listed(values: Sequence[object]) -> str:
+    return "; ".join(map(str, values))
+
+
+def _state_text(state: MapState) -> str:
+    return json.dumps({**asdict(state), "link": to_query(state)}, indent=1)
+
+
+_TEXTS: dict[str, Callable[[MapState], str]] = {
+    "pieces": _pieces_table, "cycles": _cycles_table, "orbit": _orbit_table, "cells": _cells_table,
+    "state": _state_text, "lines": python_of,
+}  # fmt: skip

@@ -1,0 +1,261 @@
+"""What every tab has: a state with its past, the diagram and its graph, jobs, and wishes."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Generic, TypeVar
+
+import numpy as np
+from bokeh.document import Document
+
+from pwmap.diagrams.data import Branch
+from pwmap.explore.diagram_views import DiagramView, GraphView
+from pwmap.explore.diagrams import Shown, nearest_line, nearest_sample, summary
+from pwmap.explore.figures import on_click
+from pwmap.explore.jobs import Job, Work
+from pwmap.explore.page import Verb, fill, in_words
+
+CLICK = 14.0  # px: what lies farther from a click was not meant
+UNDO = 100  # states that are kept
+TICK = 50  # ms between looks at what other processes have sent
+LISTED = 400  # branches in the list of a page
+S = TypeVar("S")
+Demand = Callable[[Mapping[str, Any]], None]
+
+
+class Tab(ABC, Generic[S]):
+    """One tab of a browser. What is shown besides the diagram is up to its subclasses.
+
+    Parameters
+    ----------
+    state
+        What it begins with, frozen; with ``order``, ``steps`` and ``focus``.
+    map_figure
+        The figure of the return map.
+    y_label
+        The coordinate that the diagram shows.
+
+    Attributes
+    ----------
+    message, stage
+        What there is to say about the state, and about the search for the diagram.
+    branch
+        The branch that is selected, empty if there is none.
+    shown
+        The diagram, as far as it was found.
+    jobs
+        What is being done in other processes.
+    say
+        Sends values to the script of the page.
+    """
+
+    def __init__(self, state: S, map_figure: Any, y_label: str) -> None:
+        self.state, self.past = state, list[S]()
+        self.message, self.stage, self.branch = "", "", ""
+        self.diagram, self.graph = DiagramView("diagram", "", y_label), GraphView("graph")
+        self.shown: Shown | None = None
+        self.jobs = dict[str, Job]()
+        self.say: Callable[[Mapping[str, Any]], None] = lambda _: None
+        for figure, verb in ((map_figure, self._tap_map), (self.diagram.figure, self._tap_diagram),
+                             (self.graph.figure, self._tap_graph)):  # fmt: skip
+            self.hear(figure, verb)
+
+    # --- What a subclass says ---------------------------------------------------------------------
+
+    @property
+    @abstractmethod
+    def roots(self) -> list[Any]:
+        """The figures, for the page."""
+
+    @property
+    @abstractmethod
+    def value(self) -> float:
+        """The state's own value of the parameter of the diagram."""
+
+    @abstractmethod
+    def show(self, state: S, *, moving: bool = False) -> None:
+        """Go to a state; ``moving`` while a slider is dragged."""
+
+    @abstractmethod
+    def tick(self) -> None:
+        """Begin what is due, and show what has come."""
+
+    @abstractmethod
+    def told(self, *, whole: bool) -> dict[str, Any]:
+        """What the script of the page shows; without ``whole`` what changes under a slider."""
+
+    @abstractmethod
+    def at_sample(self, branch: Branch, sample: int) -> S:
+        """The state that shows a sample of a branch."""
+
+    @abstractmethod
+    def demands(self) -> Mapping[str, Demand]:
+        """What a wish can name besides what every tab knows."""
+
+    @abstractmethod
+    def _tap_map(self, event: Any) -> None:
+        """A click on the map."""
+
+    @abstractmethod
+    def _tap_beside(self, event: Any) -> None:
+        """A click on the diagram, away from all branches."""
+
+    # --- State and diagram ------------------------------------------------------------------------
+
+    def keep(self, state: S, *, moving: bool) -> None:
+        """Take a state; the one before is kept for *undo*, unless a slider moves."""
+        if not moving and state != self.state:
+            self.past = [*self.past[-UNDO:], self.state]
+        self.state, self.message = state, ""
+
+    def change(self, **changes: Any) -> None:
+        """Go to a state that differs in some fields."""
+        state: Any = self.state
+        self.show(replace(state, **changes))
+
+    def draw_diagram(self, found: Shown | None) -> None:
+        """Draw a diagram and its graph, or none."""
+        self.shown = found
+        self.diagram.show(found)
+        self.graph.show(found)
+        self.mark(self.branch)
+
+    def mark(self, branch: str) -> None:
+        """Select a branch; none, if the diagram has it not."""
+        known = [each.id for each in self.shown.diagram.branches] if self.shown else []
+        self.branch = branch if branch in known else ""
+        self.diagram.select(self.branch)
+        self.graph.select(self.branch)
+
+    def go_to(self, branch: str, sample: int | None = None) -> None:
+        """Bring everything to a branch: to a sample, or to where it is nearest to the page."""
+        if self.shown is not None and branch:
+            chosen = self.shown.diagram.branch(branch)
+            if sample is None:
+                inner = int(np.argmin(np.abs(chosen.parameter - self.value)))
+                sample = inner if 0 < inner < len(chosen) - 1 else len(chosen) // 2
+            self.show(self.at_sample(chosen, sample))
+        self.mark(branch)
+
+    def answer(self, *, whole: bool = True) -> dict[str, Any]:
+        """What the script of the page shows besides the views."""
+        told = {"message": self.message, **self.told(whole=whole)}
+        return {**told, **self.progress(), "branches": self.branches()} if whole else told
+
+    def branches(self) -> list[dict[str, str]]:
+        """The list of branches."""
+        found = self.shown.diagram.branches[:LISTED] if self.shown else ()
+        return [
+            {"id": each.id, "text": f"{each.id}: {each.kind} of P_{each.order}, "
+             f"{each.ends[0]} to {each.ends[1]}"}
+            for each in found
+        ]  # fmt: skip
+
+    def progress(self) -> dict[str, Any]:
+        """How far the search for the diagram has come."""
+        return {
+            "stage": self.stage, "running": self.is_running("diagram"), "branch": self.branch,
+        }  # fmt: skip
+
+    # --- Other processes --------------------------------------------------------------------------
+
+    def begin(self, name: str, work: Work, *arguments: Any, seconds: float) -> None:
+        """Begin a job in place of the one of this name."""
+        self.stop(name)
+        self.jobs[name] = Job(work, *arguments, seconds=seconds)
+
+    def results(self, name: str) -> list[Any]:
+        """What has come of a job since the last call."""
+        return self.jobs[name].results() if name in self.jobs else []
+
+    def is_running(self, name: str) -> bool:
+        """Whether there is such a job, and it is not over."""
+        return name in self.jobs and not self.jobs[name].is_over
+
+    def stop(self, name: str) -> None:
+        """End a job, if there is one."""
+        if name in self.jobs:
+            self.jobs.pop(name).stop()
+
+    def end(self) -> None:
+        """End all that is being done."""
+        for name in tuple(self.jobs):
+            self.stop(name)
+
+    # --- What a user may ask for ------------------------------------------------------------------
+
+    def verbs(self) -> dict[str, Verb]:
+        """Everything that a wish can name; each tells what the page shows after it."""
+        demands: dict[str, Demand] = {
+            "hello": lambda _: None,
+            "undo": lambda _: self._undo(),
+            "order": lambda wish: self.change(order=int(wish["value"])),
+            "steps": lambda wish: self.change(steps=int(wish["value"])),
+            "focus": lambda wish: self.change(focus=str(wish["value"])),
+            "branch": lambda wish: self.go_to(str(wish["value"])),
+            "stop": lambda _: self._stop_search(),
+            **self.demands(),
+        }
+
+        def answering(demand: Demand) -> Verb:
+            def answer(wish: Mapping[str, Any]) -> Mapping[str, Any]:
+                demand(wish)
+                return self.answer(whole=not wish.get("drag"))
+
+            return answer
+
+        return {name: answering(demand) for name, demand in demands.items()}
+
+    def _undo(self) -> None:
+        if self.past:
+            *before, last = self.past
+            self.show(last)
+            self.past = before
+
+    def _stop_search(self) -> None:
+        if self.is_running("diagram"):
+            self.stop("diagram")
+            self.stage = f"stopped: {summary(self.shown)}" if self.shown else "stopped"
+
+    def hear(self, figure: Any, verb: Callable[[Any], None]) -> None:
+        """Call a function with each click on a figure, and tell the page what it shows then."""
+
+        def hear(event: Any) -> None:
+            if event.x is None:
+                return
+            try:
+                verb(event)
+            except (ValueError, ArithmeticError) as error:
+                self.message = in_words(error)
+            self.say(self.answer())
+
+        on_click(figure, hear)
+
+    def _tap_diagram(self, event: Any) -> None:
+        """The branch that was clicked on."""
+        if self.shown is not None:
+            scale = self.diagram.scale
+            branch, away = nearest_line(self.shown.lines, event.x, event.y, scale)
+            if branch and away <= CLICK:
+                chosen = self.shown.diagram.branch(branch)
+                self.go_to(branch, nearest_sample(chosen, event.x, event.y, scale))
+                return
+        self._tap_beside(event)
+
+    def _tap_graph(self, event: Any) -> None:
+        """The edge that was clicked on."""
+        if self.shown is not None:
+            branch, away = nearest_line(self.shown.edges, event.x, event.y, self.graph.scale)
+            if branch and away <= 2.0 * CLICK:
+                self.go_to(branch)
+
+
+def put_on_page(document: Document, template: Path, tab: Tab[Any], title: str, **own: Any) -> None:
+    """Fill the document of a tab; ``own`` is for its template."""
+    tab.say = fill(document, template, tab.roots, tab.verbs(), page_title=title, **own)
+    document.title = title
+    document.add_periodic_callback(tab.tick, TICK)
+    document.on_session_destroyed(lambda _: tab.end())
