@@ -44,7 +44,7 @@ NAMES = [
     if name != "__version__"
 ] + PICTURES
 COMPUTES = re.compile(  # thousands of returns of the toy
-    r"\b(continuation|bifurcation_diagram|find_all|robustness|parameter_regions)\((Toy\(|toy\b)"
+    r"\b(continuation|bifurcation_diagram|find_all|smallest_changes|parameter_regions)\((Toy\(|toy\b)"
 )
 WARNS = "local_model(family"  # numpy's scalars say that inf times 0 is no number, compiled code not
 RESOLVES = "plot_return_map("  # spends thousands of returns on steep places

@@ -6,7 +6,6 @@ import pickle
 import pydoc
 import subprocess
 import sys
-from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 
@@ -98,14 +97,6 @@ def test_every_name_is_there_and_is_itself(package: object) -> None:
 def test_an_unknown_name_is_an_attribute_error(package: object) -> None:
     with pytest.raises(AttributeError, match="no_such_name"):
         package.no_such_name  # type: ignore[attr-defined]  # noqa: B018
-
-
-def test_a_function_is_not_hidden_by_the_file_it_is_in() -> None:
-    """``solutions`` is in ``woodpecker/solutions.py``, which others import."""
-    import_module("woodpecker.solutions")
-    assert callable(woodpecker.solutions)
-    loaded = "import woodpecker.solutions, woodpecker; assert callable(woodpecker.solutions)"
-    assert "woodpecker.solutions" in loaded_by(loaded)
 
 
 def test_star_imports_everything() -> None:

@@ -13,7 +13,6 @@ from woodpecker.base.checkpoint import START
 from woodpecker.base.checks import instance, interval
 from woodpecker.base.executors import Serial
 from woodpecker.base.settings import Settings
-from woodpecker.curves import Spans, curve_from
 from woodpecker.mechanics.toy import Toy
 from woodpecker.plane.curve import Curve, PlanePoint
 from woodpecker.runs import AT, about, finished, nothing, possible, recorded, settings_for
@@ -25,6 +24,7 @@ from woodpecker.shooting import PeriodicOrbit
 from woodpecker.simulation.returns import RESTITUTIONS
 from woodpecker.slices.orbits import Orbit
 from woodpecker.toy_map import ToyPieces
+from woodpecker.two_parameters import Spans, curve_from
 
 
 @overload

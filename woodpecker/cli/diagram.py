@@ -298,7 +298,7 @@ def places_of(text: str) -> dict[str, tuple[float, float] | str]:
 
 def _columns(text: str) -> tuple[str, ...]:
     """Names of observables."""
-    from woodpecker.solutions import known_observables
+    from woodpecker.branches import known_observables
 
     names = tuple(part.strip() for part in text.split(","))
     known_observables(names)

@@ -15,7 +15,7 @@ from woodpecker.cli.help import option
 from woodpecker.cli.options import Out, Window, progress
 from woodpecker.cli.results import Results, results_in
 from woodpecker.mechanics.toy import Toy
-from woodpecker.plane.survey import Survey
+from woodpecker.regions.survey import Survey
 from woodpecker.window import WINDOW
 
 if TYPE_CHECKING:

@@ -15,9 +15,9 @@ from matplotlib.path import Path
 
 from pwmap.plot_drawn import Artists, Drawn, Styles, add, new_axes, styled
 from pwmap.plot_palette import of_period
-from woodpecker.plane.census import Census
-from woodpecker.plane.regions import Region, Regions
 from woodpecker.plot.plane import draw_curve, label, line_handles
+from woodpecker.regions.census import Census
+from woodpecker.regions.regions import Region, Regions
 
 NO_STABLE = "#7f7f7f"  # no cycle is stable: the same shades of grey
 LIGHTEST, STEP = 0.28, 0.18  # part of the colour beside white: the more unstable cycles, the darker

@@ -22,11 +22,11 @@ from typing import Any, NamedTuple
 from flint import arb, arb_poly, arb_series
 
 from woodpecker.mechanics.toy import Toy
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, decimal, fraction, number
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import VALUE, Frame, sign
 from woodpecker.proofs.model import BallToy
+from woodpecker.proofs.not_proved import Undecided
 from woodpecker.proofs.pieces import (
     Fractions,
     Route,

@@ -14,10 +14,10 @@ from flint import arb
 
 from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST
 from woodpecker.mechanics.modes import SIGN
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, ball
 from woodpecker.proofs.forms import box, reciprocal, sign
 from woodpecker.proofs.model import BallToy, sum_of
+from woodpecker.proofs.not_proved import Undecided
 
 Numbers = Sequence[Any]
 

@@ -14,8 +14,8 @@ from typing import Any
 
 from flint import arb
 
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.forms import Form, box, sign
+from woodpecker.proofs.not_proved import Undecided
 from woodpecker.proofs.oscillator import Derivatives, Guard, ZeroCrossing, shapes, zero
 from woodpecker.proofs.stumpff import shape_balls
 

@@ -38,7 +38,6 @@ from woodpecker.mechanics.modes import (
     ContactState,
     watched,
 )
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, ball
 from woodpecker.proofs.contacts import impulses_of, mark, only, rests, verdict
 from woodpecker.proofs.flights import landing
@@ -56,6 +55,7 @@ from woodpecker.proofs.motions import (
     name_of,
     touch,
 )
+from woodpecker.proofs.not_proved import Undecided
 from woodpecker.proofs.oscillator import Guard, ZeroCrossing, crossing
 from woodpecker.proofs.pausing import paused
 from woodpecker.simulation.codes import DETACH, IMPACT, REVERSAL, SLIP_START, STICK_START

@@ -18,8 +18,8 @@ from typing import Any
 
 from flint import arb_poly, ctx
 
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, ball
+from woodpecker.proofs.not_proved import Undecided
 from woodpecker.proofs.taylor import Taylor, TaylorSpan, constant, cut, inverse
 
 ALONG: tuple[tuple[int, ...], ...] = ((), (0,), (1,), (0, 0), (0, 1), (1, 1))

@@ -28,9 +28,9 @@ from woodpecker.mechanics.equations import (
 )
 from woodpecker.mechanics.modes import ANGLE, OPEN, SIGN, SLIP_POSITIVE, STICK
 from woodpecker.mechanics.toy import ExpansionFriction, Toy, parameters
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ball
 from woodpecker.proofs.forms import Form, Frame, box, centre, sign, varying
+from woodpecker.proofs.not_proved import Undecided
 
 Numbers = Sequence[Any]
 State = tuple[int, int, int]

@@ -13,9 +13,9 @@ from typing import Any, NamedTuple
 
 from flint import arb, arb_poly, ctx
 
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO
 from woodpecker.proofs.forms import ALONG, VALUE, Form, box, chained, sign
+from woodpecker.proofs.not_proved import Undecided
 from woodpecker.proofs.stumpff import shape_models, stumpff_balls, stumpff_models
 from woodpecker.proofs.taylor import Taylor, constant, inverse
 

@@ -9,7 +9,6 @@ from flint import arb
 
 from woodpecker.mechanics.cases import REST
 from woodpecker.mechanics.modes import ANGLE, NORMAL, OPEN, SIGN, SLIP_NEGATIVE, SLIP_POSITIVE
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, ball
 from woodpecker.proofs.contacts import impulses_of, mark
 from woodpecker.proofs.forms import VALUE, Form, box, sign
@@ -23,6 +22,7 @@ from woodpecker.proofs.motions import (
     flown,
     touch,
 )
+from woodpecker.proofs.not_proved import Undecided
 from woodpecker.proofs.oscillator import Guard
 from woodpecker.proofs.plateaus import Landed, Plateau, effect
 from woodpecker.simulation.codes import DETACH, IMPACT

@@ -18,12 +18,12 @@ from typing import Any, NamedTuple
 from flint import arb, arb_poly
 
 from woodpecker.mechanics.toy import Toy
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, decimal, number
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import SP, SS, VALUE, Form, Frame, P, S
 from woodpecker.proofs.model import BallToy
 from woodpecker.proofs.motions import ForkKind, Way
+from woodpecker.proofs.not_proved import Undecided
 from woodpecker.proofs.taylor import Taylor, inverse
 
 ROOM = 0.7  # of a tube that may be filled: other arithmetic needs some room, too

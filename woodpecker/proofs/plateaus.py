@@ -29,9 +29,9 @@ from typing import Any, NamedTuple
 
 from flint import arb, arb_poly
 
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO
 from woodpecker.proofs.forms import VALUE, Form, chained
+from woodpecker.proofs.not_proved import Undecided
 from woodpecker.proofs.stumpff import shape_balls, stumpff_balls
 from woodpecker.proofs.taylor import Taylor
 

@@ -21,12 +21,12 @@ from typing import Any
 from flint import arb
 
 from woodpecker.mechanics.toy import Toy
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import decimal, number
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import Form, Frame, P, S, sign
 from woodpecker.proofs.model import BallToy
 from woodpecker.proofs.motions import ForkKind, OpenDecision, Way
+from woodpecker.proofs.not_proved import Undecided
 
 FIRST, SHRINK, LAST = Fraction(1, 10**11), 10**6, Fraction(1, 10**25)  # radii of the boxes
 DECIMALS = 40

@@ -13,12 +13,12 @@ from flint import arb
 from pwmap.diagrams.diagram import Branch, BranchKind, PointKind, SpecialPoint
 from woodpecker.base.executors import processes
 from woodpecker.mechanics.toy import Toy
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs import certificates
 from woodpecker.proofs.branches import March, PieceEnd, ProvedBranch, end_of, joined, marched
 from woodpecker.proofs.certificates import Certificate
 from woodpecker.proofs.forms import precision
 from woodpecker.proofs.model import rational
+from woodpecker.proofs.not_proved import Undecided
 from woodpecker.proofs.pieces import Fractions, Route, Tube, curves_near, proved
 from woodpecker.proofs.points import proved_point
 from woodpecker.shooting import PeriodicOrbit, shoot

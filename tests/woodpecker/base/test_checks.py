@@ -14,7 +14,7 @@ import pytest
 from woodpecker.base.checks import interval, number, positive, real_array, whole
 from woodpecker.base.settings import Settings
 from woodpecker.continued import continuation
-from woodpecker.diagram import bifurcation_diagram
+from woodpecker.diagrams import bifurcation_diagram
 from woodpecker.maps.iterates import Iterate
 from woodpecker.mechanics.toy import Toy
 from woodpecker.shooting import shoot

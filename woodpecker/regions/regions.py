@@ -25,9 +25,12 @@ from pwmap.diagrams.diagram import PointStatus, SpecialPoint
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import interval
 from woodpecker.base.settings import Settings
-from woodpecker.plane.census import Attractor, Census, attractors_at, census_at
 from woodpecker.plane.curve import Curve
-from woodpecker.plane.cutting import (
+from woodpecker.plane.families import Family, Pair
+from woodpecker.plane.following import curve_through
+from woodpecker.plane.starting import has_curve
+from woodpecker.regions.census import Attractor, Census, attractors_at, census_at
+from woodpecker.regions.cutting import (
     SQUARE,
     Spans,
     faces_of,
@@ -38,10 +41,7 @@ from woodpecker.plane.cutting import (
     unscaled,
     way_between,
 )
-from woodpecker.plane.families import Family, Pair
-from woodpecker.plane.following import curve_through
-from woodpecker.plane.starting import has_curve
-from woodpecker.plane.survey import Survey
+from woodpecker.regions.survey import Survey
 from woodpecker.search.diagrams import finite_window, iterates, whole_diagram
 from woodpecker.search.search import Search
 

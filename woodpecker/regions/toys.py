@@ -6,13 +6,13 @@ from collections.abc import Sequence
 
 from woodpecker.base.checks import interval
 from woodpecker.base.settings import Settings
-from woodpecker.curves import Spans, pair
 from woodpecker.mechanics.toy import Toy
 from woodpecker.plane.curve import Curve
-from woodpecker.plane.regions import Progress, Regions, regions_of
-from woodpecker.plane.survey import Survey
+from woodpecker.regions.regions import Progress, Regions, regions_of
+from woodpecker.regions.survey import Survey
 from woodpecker.runs import possible, settings_for
 from woodpecker.toy_family import ToyFamily
+from woodpecker.two_parameters import Spans, pair
 from woodpecker.window import WINDOW
 
 

@@ -21,7 +21,7 @@ from woodpecker import (
     regions_of,
     shoot,
 )
-from woodpecker.plane.cutting import SQUARE, way_between
+from woodpecker.regions.cutting import SQUARE, way_between
 
 X, A, R = sympy.symbols("x a r")
 PAPER = sympy.Piecewise((-2 + R, X < 0), (-A * X + R, True))

@@ -1,0 +1,1 @@
+"""Regions of two parameters in which the same cycles live."""
