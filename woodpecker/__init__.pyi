@@ -94,6 +94,6 @@ from .slices.slices import slices_at as slices_at
 from .slices.windows import borders_in as borders_in
 from .slices.windows import crosses as crosses
 from .slices.windows import nearest_border as nearest_border
-from .toy_family import ToyFamily as ToyFamily
+from .plane.toys import ToyFamily as ToyFamily
 from .toy_map import ToyPieces as ToyPieces
 from .version import __version__ as __version__

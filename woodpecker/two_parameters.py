@@ -12,7 +12,7 @@ from woodpecker.mechanics.toy import Toy, limits
 from woodpecker.plane.curve import Curve, PlanePoint
 from woodpecker.plane.following import curve_through
 from woodpecker.runs import OUT_OF_DOMAIN, given, possible, settings_for
-from woodpecker.toy_family import ToyFamily
+from woodpecker.plane.toys import ToyFamily
 
 SAMPLES = 2000  # of a curve each way: most have some hundred, and what needs more comes to nothing
 

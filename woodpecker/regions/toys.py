@@ -11,7 +11,7 @@ from woodpecker.plane.curve import Curve
 from woodpecker.regions.regions import Progress, Regions, regions_of
 from woodpecker.regions.survey import Survey
 from woodpecker.runs import possible, settings_for
-from woodpecker.toy_family import ToyFamily
+from woodpecker.plane.toys import ToyFamily
 from woodpecker.two_parameters import Spans, pair
 from woodpecker.window import WINDOW
 
