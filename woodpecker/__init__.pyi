@@ -39,6 +39,7 @@ from .plane.families import family_from_pwmap as family_from_pwmap
 from .plane.families import family_from_sympy as family_from_sympy
 from .plane.following import curve_through as curve_through
 from .plane.graph import graph_of_curves as graph_of_curves
+from .plane.toys import ToyFamily as ToyFamily
 from .proofs.not_proved import Undecided as Undecided
 from .proofs.proving import check_certificate as check_certificate
 from .proofs.proving import prove as prove
@@ -94,6 +95,5 @@ from .slices.slices import slices_at as slices_at
 from .slices.windows import borders_in as borders_in
 from .slices.windows import crosses as crosses
 from .slices.windows import nearest_border as nearest_border
-from .plane.toys import ToyFamily as ToyFamily
 from .toy_map import ToyPieces as ToyPieces
 from .version import __version__ as __version__

@@ -12,13 +12,12 @@ from pwmap.diagrams.diagram import load_diagram as load_diagram  # for the users
 from woodpecker.base.checks import instance, interval
 from woodpecker.base.executors import worker_count
 from woodpecker.base.settings import Settings
-from woodpecker.mechanics.toy import Toy
+from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.runs import about, finished, possible, recorded, settings_for
 from woodpecker.search.diagrams import Found, finite_window, iterates, whole_diagram
 from woodpecker.search.explorer import Progress
 from woodpecker.search.search import Search
 from woodpecker.toy_map import ToyPieces
-from woodpecker.window import WINDOW
 
 
 def bifurcation_diagram(

@@ -14,11 +14,10 @@ from pwmap.diagrams.record import PROGRAM, plain
 from woodpecker.base.checkpoint import Entry
 from woodpecker.base.checks import interval
 from woodpecker.base.settings import Settings, differing
-from woodpecker.mechanics.toy import Toy, limits
+from woodpecker.mechanics.toy import WINDOW, Toy, limits
 from woodpecker.search.checkpoint import Record, read_record, restore
 from woodpecker.search.explorer import LEFT
 from woodpecker.search.network import Network
-from woodpecker.window import WINDOW
 
 DEFAULT = Settings(window=WINDOW)
 OUT_OF_DOMAIN = "end of the values that the parameter can have"

@@ -11,8 +11,8 @@ from woodpecker.base.settings import Settings
 from woodpecker.mechanics.toy import Toy, limits
 from woodpecker.plane.curve import Curve, PlanePoint
 from woodpecker.plane.following import curve_through
-from woodpecker.runs import OUT_OF_DOMAIN, given, possible, settings_for
 from woodpecker.plane.toys import ToyFamily
+from woodpecker.runs import OUT_OF_DOMAIN, given, possible, settings_for
 
 SAMPLES = 2000  # of a curve each way: most have some hundred, and what needs more comes to nothing
 

@@ -18,7 +18,7 @@ from woodpecker.base.checkpoint import line_of
 from woodpecker.base.executors import Serial
 from woodpecker.base.settings import Settings
 from woodpecker.continued import continuation
-from woodpecker.mechanics.toy import Toy
+from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.runs import DEFAULT, about, saved_diagram, settings_of
 from woodpecker.search.checkpoint import Record, check_entry, read_record
 from woodpecker.search.diagrams import cycle_near
@@ -28,7 +28,6 @@ from woodpecker.search.tasks import Worker
 from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.toy_map import ToyPieces
-from woodpecker.window import WINDOW
 
 FIXED, JUMP = BranchKind.FIXED_POINT, BranchKind.JUMP
 PRINTED = 5.1e-5  # reference values are known to four decimals

@@ -10,13 +10,12 @@ from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
 from woodpecker.base.settings import Settings
 from woodpecker.continued import continuation
 from woodpecker.engine.tracing import ACCUMULATE, LIMIT_LOST
-from woodpecker.mechanics.toy import Toy
+from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.search.accumulations import ENDLESS
 from woodpecker.search.diagrams import connected
 from woodpecker.shooting import shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.toy_map import ToyPieces
-from woodpecker.window import WINDOW
 
 START = -0.53  # rad, near the stable motion
 

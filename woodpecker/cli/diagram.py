@@ -14,8 +14,7 @@ from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.help import option
 from woodpecker.cli.options import GUESS, Out, Window, motion, progress
 from woodpecker.cli.results import INTERRUPTED, Results, results_in
-from woodpecker.mechanics.toy import Toy, known_parameter
-from woodpecker.window import WINDOW
+from woodpecker.mechanics.toy import WINDOW, Toy, known_parameter
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar

@@ -14,9 +14,8 @@ from woodpecker.cli.diagram import orders_of
 from woodpecker.cli.help import option
 from woodpecker.cli.options import Out, Window, progress
 from woodpecker.cli.results import Results, results_in
-from woodpecker.mechanics.toy import Toy
+from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.regions.survey import Survey
-from woodpecker.window import WINDOW
 
 if TYPE_CHECKING:
     from rich.table import Table

@@ -6,14 +6,13 @@ from collections.abc import Sequence
 
 from woodpecker.base.checks import interval
 from woodpecker.base.settings import Settings
-from woodpecker.mechanics.toy import Toy
+from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.plane.curve import Curve
+from woodpecker.plane.toys import ToyFamily
 from woodpecker.regions.regions import Progress, Regions, regions_of
 from woodpecker.regions.survey import Survey
 from woodpecker.runs import possible, settings_for
-from woodpecker.plane.toys import ToyFamily
 from woodpecker.two_parameters import Spans, pair
-from woodpecker.window import WINDOW
 
 
 def parameter_regions(

@@ -13,13 +13,12 @@ import numpy as np
 
 from woodpecker.base.checks import instance
 from woodpecker.base.settings import Settings
-from woodpecker.mechanics.toy import Toy, known_parameter, parameters
+from woodpecker.mechanics.toy import WINDOW, Toy, known_parameter, parameters
 from woodpecker.robustness.changes import FARTHEST, FLOOR, Space, space_of
 from woodpecker.robustness.found import ENDS, Effect, Limit, Robustness, SmallestChange
 from woodpecker.robustness.meeting import SPIKE, Key, MetOnLine, met_along
 from woodpecker.robustness.nearest import LEVEL, first_guesses, keep, nearest
 from woodpecker.shooting import PeriodicOrbit, shoot
-from woodpecker.window import WINDOW
 
 STEPPING = Settings(window=WINDOW, step=0.02, max_step=0.1)  # longer steps than for a picture: what
 # lies between two of them is known from margins

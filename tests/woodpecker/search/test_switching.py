@@ -36,6 +36,7 @@ from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
 from woodpecker import FormulaMap, Smooth, Toy, connected, continuation, shoot, slices_at, solutions
 from woodpecker.base.settings import Settings
 from woodpecker.engine.newton import branch_point
+from woodpecker.mechanics.toy import WINDOW
 from woodpecker.runs import saved_diagram
 from woodpecker.search.curves import BranchCurve
 from woodpecker.search.diagrams import cycle_near, whole_diagram
@@ -45,7 +46,6 @@ from woodpecker.search.search import Search
 from woodpecker.search.tasks import Tasks
 from woodpecker.slices.orbits import orbit_of, to_engine
 from woodpecker.toy_map import ToyPieces
-from woodpecker.window import WINDOW
 
 # A branch point is a regular root of its own equations, so it is located to rounding of them.
 # Beside it rounding of what a cycle is off by, 1e-16, is divided by its distance from the branch
