@@ -5,6 +5,7 @@ import inspect
 import re
 from importlib.util import find_spec
 from pathlib import Path
+from types import ModuleType
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
@@ -13,6 +14,8 @@ from needs import NEEDS_NUMBA
 from pages import OPTIONS
 
 mpl.use("Agg")
+from rooms import ROOMS
+
 import pwmap
 import pwmap.plot
 import pwmap.plot_drawn
@@ -39,12 +42,14 @@ PICTURES = [
 ]
 NAMES = [
     (package, name)
-    for package in (pwmap, woodpecker)
+    for package in (pwmap, woodpecker, *ROOMS)
     for name in package.__all__
     if name != "__version__"
+    and not isinstance(getattr(package, name), ModuleType)
+    and (package not in ROOMS or name not in woodpecker.__all__)
 ] + PICTURES
 COMPUTES = re.compile(  # thousands of returns of the toy
-    r"\b(continuation|bifurcation_diagram|find_all|smallest_changes|parameter_regions)\((Toy\(|toy\b)"
+    r"\b(continuation|bifurcation_diagram|bifurcation_search|smallest_changes|parameter_regions)\((Toy\(|toy\b)"
 )
 WARNS = "local_model(family"  # numpy's scalars say that inf times 0 is no number, compiled code not
 RESOLVES = "plot_return_map("  # spends thousands of returns on steep places

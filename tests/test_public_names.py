@@ -12,12 +12,18 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+import rooms
 
 import pwmap
 import woodpecker
 
-PACKAGES = (pwmap, woodpecker)
-PUBLIC = [(package, name) for package in PACKAGES for name in package.__all__]
+PACKAGES = (pwmap, woodpecker, *rooms.ROOMS)
+PUBLIC = [
+    (package, name)
+    for package in PACKAGES
+    for name in package.__all__
+    if not isinstance(getattr(package, name), ModuleType)
+] + [(woodpecker.branches, "OnBranch"), (woodpecker.diagrams, "bifurcation_search")]
 IDS = [f"{package.__name__}.{name}" for package, name in PUBLIC]
 
 # What the packages hand among themselves; a user passes it on, or never sees it.

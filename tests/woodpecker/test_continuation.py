@@ -17,7 +17,7 @@ from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus, 
 from woodpecker.base.checkpoint import line_of
 from woodpecker.base.executors import Serial
 from woodpecker.base.settings import Settings
-from woodpecker.continued import continuation
+from woodpecker.diagrams import continuation
 from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.runs import DEFAULT, about, saved_diagram, settings_of
 from woodpecker.search.checkpoint import Record, check_entry, read_record

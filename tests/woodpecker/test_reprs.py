@@ -7,8 +7,6 @@ from pwmap import PiecewiseLinearMap, cycles, parameter_plane
 from woodpecker import (
     Settings,
     Toy,
-    borders_in,
-    cycle_near,
     from_sympy,
     return_map,
     shoot,
@@ -16,6 +14,8 @@ from woodpecker import (
     slices_at,
 )
 from woodpecker.robustness import smallest_changes
+from woodpecker.search.diagrams import cycle_near
+from woodpecker.slices import borders_in
 
 x, p = symbols("x p")
 LINES = from_sympy(Piecewise((x / 2 + p, x < 0), (x / 3 + p - 1, True)), x, p, words=["L", "R"])

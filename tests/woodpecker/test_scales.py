@@ -18,7 +18,7 @@ from needs import NEEDS_NUMBA
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
 from woodpecker.base.executors import Serial
 from woodpecker.base.settings import Settings
-from woodpecker.continued import continuation
+from woodpecker.diagrams import continuation
 from woodpecker.maps.pieces import Image, Piece
 from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.runs import OUT_OF_DOMAIN

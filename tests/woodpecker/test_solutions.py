@@ -8,8 +8,7 @@ from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, Diagram
 from woodpecker.branches import solutions
-from woodpecker.continued import continuation
-from woodpecker.diagrams import bifurcation_diagram
+from woodpecker.diagrams import bifurcation_diagram, continuation
 from woodpecker.mechanics.toy import Toy
 from woodpecker.search.search import Search
 from woodpecker.shooting import shoot

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
     from pwmap import Diagram
-    from woodpecker import Found, Stage
+    from woodpecker.search import Found, Stage
 
 RUN = "run.jsonl"
 PAPER = "A=0.111,-0.884 B=0.29,-0.884 C=0.185,-0.757"
@@ -165,12 +165,12 @@ def _of_orders(
     toy: Toy, orders: list[int], parameter: str, workers: int | None, keep: dict[str, Any]
 ) -> _Search:
     """How to find everything in the window."""
-    from woodpecker import find_all
+    from woodpecker.diagrams import bifurcation_search
 
     span, window = keep["settings"].span, keep["settings"].window
 
     def search(show: _Show) -> _Searched:
-        everything = find_all(
+        everything = bifurcation_search(
             toy, parameter, span, orders, window, workers=workers, progress=show, **keep
         )
         return _Searched(everything.diagram, _summary(everything))

@@ -17,7 +17,7 @@ from woodpecker.mechanics.modes import SIGN
 from woodpecker.proofs.balls import ZERO, ball
 from woodpecker.proofs.forms import box, reciprocal, sign
 from woodpecker.proofs.model import BallToy, sum_of
-from woodpecker.proofs.not_proved import Undecided
+from woodpecker.proofs.not_proved import NotProved
 
 Numbers = Sequence[Any]
 
@@ -57,7 +57,7 @@ def impulses_of(
 
     Raises
     ------
-    Undecided
+    NotProved
         Unless one index combination holds strictly and each other one is violated strictly.
     """
     low = floors if floors is not None else [ZERO] * len(contacts)
@@ -74,11 +74,11 @@ def only(candidates: Iterable[tuple[bool | None, Callable[[], Any]]], what: str)
     kept: Callable[[], Any] | None = None
     for holds, made in candidates:
         if holds is None or (holds and kept is not None):
-            raise Undecided(f"{what} is not decided")
+            raise NotProved(f"{what} is not decided")
         if holds:
             kept = made
     if kept is None:
-        raise Undecided(f"{what} has no solution")
+        raise NotProved(f"{what} has no solution")
     return kept()
 
 
@@ -193,7 +193,7 @@ def _form(x: Any) -> Any:
 
 
 def _not_unique() -> BallPhase:
-    raise Undecided("the impulses of an impact are not unique")
+    raise NotProved("the impulses of an impact are not unique")
 
 
 def _momentum(model: BallToy, sleeve: int, free: Numbers) -> Numbers:

@@ -15,7 +15,7 @@ from typing import Any
 from flint import arb
 
 from woodpecker.proofs.forms import Form, box, sign
-from woodpecker.proofs.not_proved import Undecided
+from woodpecker.proofs.not_proved import NotProved
 from woodpecker.proofs.oscillator import Derivatives, Guard, ZeroCrossing, shapes, zero
 from woodpecker.proofs.stumpff import shape_balls
 
@@ -41,7 +41,7 @@ def landing(guard: Guard, guess: float) -> ZeroCrossing | None:
 
     try:
         time, bracket = zero(at, over, guess, -1)
-    except Undecided:
+    except NotProved:
         return None
     if sign(4 * over(bracket, 1) + bracket * over(bracket, 2)) != -1:
         return None

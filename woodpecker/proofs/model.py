@@ -30,7 +30,7 @@ from woodpecker.mechanics.modes import ANGLE, OPEN, SIGN, SLIP_POSITIVE, STICK
 from woodpecker.mechanics.toy import ExpansionFriction, Toy, parameters
 from woodpecker.proofs.balls import ball
 from woodpecker.proofs.forms import Form, Frame, box, centre, sign, varying
-from woodpecker.proofs.not_proved import Undecided
+from woodpecker.proofs.not_proved import NotProved
 
 Numbers = Sequence[Any]
 State = tuple[int, int, int]
@@ -248,13 +248,13 @@ def sum_of(terms: Any) -> Any:
 
 
 def solved(matrix: list[list[Any]], right: list[list[Any]]) -> list[list[Any]]:
-    """Solve a linear system of rationals or forms; Undecided if it may be singular."""
+    """Solve a linear system of rationals or forms; NotProved if it may be singular."""
     n = len(matrix)
     rows = [list(a) + list(b) for a, b in zip(matrix, right, strict=True)]
     for i in range(n):
         pivot = max(range(i, n), key=lambda k: _size(rows[k][i]))
         if _size(rows[pivot][i]) == 0.0:
-            raise Undecided("a contact problem may be singular")
+            raise NotProved("a contact problem may be singular")
         rows[i], rows[pivot] = rows[pivot], rows[i]
         over = 1 / rows[i][i]
         rows[i] = [x * over for x in rows[i]]

@@ -15,7 +15,7 @@ from flint import arb, arb_poly, ctx
 
 from woodpecker.proofs.balls import ZERO
 from woodpecker.proofs.forms import ALONG, VALUE, Form, box, chained, sign
-from woodpecker.proofs.not_proved import Undecided
+from woodpecker.proofs.not_proved import NotProved
 from woodpecker.proofs.stumpff import shape_models, stumpff_balls, stumpff_models
 from woodpecker.proofs.taylor import Taylor, constant, inverse
 
@@ -175,7 +175,7 @@ def crossing(guard: Guard, guess: float, falls: int = -1) -> ZeroCrossing:
 
     Raises
     ------
-    Undecided
+    NotProved
         If this could not be shown.
     """
     return ZeroCrossing(*zero(guard.near, guard.over, guess, falls))
@@ -201,7 +201,7 @@ def zero(
     there = at(near)
     value, speed = there(0), there(1)
     if sign(speed) != falls:
-        raise Undecided("a guard may turn where it fires")
+        raise NotProved("a guard may turn where it fires")
     residual, head = value.box, near.parts[VALUE].head
     reach = (abs(residual / speed.box) * arb(1.5) + arb(2) ** (20 - ctx.prec)).upper()
     for _ in range(8):
@@ -209,11 +209,11 @@ def zero(
         bracket = head + arb(0, wide)
         slope = over(bracket, 1)
         if sign(slope) != falls:
-            raise Undecided("a guard may turn where it fires")
+            raise NotProved("a guard may turn where it fires")
         if abs(residual / slope) < reach:
             return _form(at, near, value, slope, arb(0, reach)), bracket
         reach = (reach * 2).upper()
-    raise Undecided("the time of an event has no enclosure")
+    raise NotProved("the time of an event has no enclosure")
 
 
 def _approximate(at: Callable[[Any], Derivatives], guess: float) -> Form:
@@ -225,7 +225,7 @@ def _approximate(at: Callable[[Any], Derivatives], guess: float) -> Form:
         there = at(t)
         value, speed = there(0).parts[VALUE], there(1).parts[VALUE]
         if speed.poly[0].contains(0):
-            raise Undecided("a guard turns where it fires")
+            raise NotProved("a guard turns where it fires")
         step = _thin(value) * inverse(_thin(speed))
         poly = t.parts[VALUE].poly - step.poly
         poly = arb_poly([c.mid() for c in poly.coeffs()])
@@ -236,7 +236,7 @@ def _approximate(at: Callable[[Any], Derivatives], guess: float) -> Form:
                 return t
         elif not step.poly[0].is_finite():
             break
-    raise Undecided("the time of an event has no enclosure")
+    raise NotProved("the time of an event has no enclosure")
 
 
 def _thin(f: Taylor) -> Taylor:

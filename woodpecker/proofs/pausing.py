@@ -22,7 +22,7 @@ from woodpecker.proofs.motions import (
     flown,
     touch,
 )
-from woodpecker.proofs.not_proved import Undecided
+from woodpecker.proofs.not_proved import NotProved
 from woodpecker.proofs.oscillator import Guard
 from woodpecker.proofs.plateaus import Landed, Plateau, effect
 from woodpecker.simulation.codes import DETACH, IMPACT
@@ -154,7 +154,7 @@ def _slide(model: BallToy, i: int, u: Sequence[Any]) -> _Slide:
     """How the contact slides."""
     direction = sign(_slip(model, i, u))
     if not direction:
-        raise Undecided(f"contact {i + 1} may slip or not")
+        raise NotProved(f"contact {i + 1} may slip or not")
     states = [OPEN] * 3
     states[i] = SLIP_POSITIVE if direction == 1 else SLIP_NEGATIVE
     friction = ball(model.equations.mu[i]) * -direction
@@ -164,7 +164,7 @@ def _slide(model: BallToy, i: int, u: Sequence[Any]) -> _Slide:
     ]
     speed = impulse[ANGLE[i]] * int(SIGN[i])
     if not speed > 0:
-        raise Undecided("a contact may be neither left nor held")
+        raise NotProved("a contact may be neither left nor held")
     return _Slide((states[0], states[1], states[2]), direction, [x / speed for x in impulse])
 
 
@@ -194,7 +194,7 @@ def _clear(
     j, free = ANGLE[i], model.mode(FREE)
     until = (pause.middle + landing.sigma.max(ZERO) * (side == 1)).upper()
     if any(guard.code >= NORMAL or not survives(guard, until) for guard in others):
-        raise Undecided("something may happen before a contact lands at a plateau")
+        raise NotProved("something may happen before a contact lands at a plateau")
     start_q, start_u = [box(x) for x in motion.q], [box(x) for x in motion.u]
     strikes = pause.middle + landing.sigma * side
     q, u = flown(free, start_q, start_u, strikes)
@@ -206,15 +206,15 @@ def _clear(
         for guard in others:
             k = guard.code
             if not (q[ANGLE[k]] - model.limits[k]) * int(SIGN[k]) > 0:
-                raise Undecided("something may happen while a contact lands at a plateau")
+                raise NotProved("something may happen while a contact lands at a plateau")
     seen += [_stopped(slide, u, j)]
     for velocities in seen:
         if sign(_slip(model, i, velocities)) != slide.direction:
-            raise Undecided(f"contact {i + 1} may slip or not")
+            raise NotProved(f"contact {i + 1} may slip or not")
         speed = velocities[j] * (model.levers[i] * int(SIGN[i]))
         approach = [speed, _slip(model, i, velocities)]
         if impulses_of(model, [i], approach, None, True).cases[0] // 3 != REST:
-            raise Undecided("an impact is not decided")
+            raise NotProved("an impact is not decided")
 
 
 def _stopped(slide: _Slide, u: Sequence[Any], j: int) -> list[Any]:

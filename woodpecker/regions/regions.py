@@ -79,7 +79,9 @@ class Region:
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, Survey, family_from_sympy, regions_of
+    >>> from woodpecker import Settings
+    >>> from woodpecker.plane import family_from_sympy
+    >>> from woodpecker.regions import Survey, regions_of
     >>> x, a, r = symbols("x a r")
     >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
     >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
@@ -122,7 +124,9 @@ class Regions:
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, Survey, family_from_sympy, regions_of
+    >>> from woodpecker import Settings
+    >>> from woodpecker.plane import family_from_sympy
+    >>> from woodpecker.regions import Survey, regions_of
     >>> x, a, r = symbols("x a r")
     >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
     >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
@@ -226,7 +230,9 @@ def regions_of(
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, Survey, family_from_sympy, regions_of
+    >>> from woodpecker import Settings
+    >>> from woodpecker.plane import family_from_sympy
+    >>> from woodpecker.regions import Survey, regions_of
     >>> x, a, r = symbols("x a r")
     >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
     >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
