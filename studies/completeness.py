@@ -22,7 +22,8 @@ from studies.common.places import SPAN, WINDOW
 from studies.common.random_toys import Drawn, random_toy
 from studies.common.record import Results, command
 from studies.common.tabulated import compared
-from woodpecker import Search, Toy, find_all, first_return
+from woodpecker import Search, Toy, first_return
+from woodpecker.diagrams import bifurcation_search
 
 SEED = 12  # of the parameters at which tables are made
 SUMS = ("cycles", "jumps", "lost", "drawn_cycles", "drawn_jumps", "closer")
@@ -130,7 +131,9 @@ def _examined(
     """A diagram, what tables say of it, and its open ends."""
     toy, parameter, span, window, _ = drawn
     found, clock = timed(
-        lambda: find_all(toy, parameter, span, orders, window, search=search, workers=workers)
+        lambda: bifurcation_search(
+            toy, parameter, span, orders, window, search=search, workers=workers
+        )
     )
     tables = [
         compared(toy, found.diagram, p, order, window, points) for p in places for order in orders

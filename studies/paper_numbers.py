@@ -29,20 +29,18 @@ from studies.figures.fig08_return_map import DIPS, WINDOW, dip, ends
 from studies.figures.fig10_order_two import way
 from studies.sensitivities import unit
 from woodpecker import (
-    Border,
-    BorderKind,
     ExpansionFriction,
     Search,
     Toy,
     ToyPieces,
     bifurcation_diagram,
-    borders_in,
     equilibrium,
-    free_frequency,
     jam_limit,
     local_model,
     return_map,
 )
+from woodpecker.mechanics import free_frequency
+from woodpecker.slices import Border, BorderKind, borders_in
 from woodpecker.slices.slices import slices_at
 
 CLOSED, DIGITS = "closed form", "30 digits (tests/woodpecker/simulation/test_reference.py)"

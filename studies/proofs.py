@@ -27,8 +27,9 @@ from studies.common.record import Results, command
 from studies.common.style import GREY, JUMP, STABLE, UNSTABLE, VIOLET, canvas, keep
 from studies.peers.reference_mpmath import PAPER
 from studies.peers.reference_mpmath import first_return as reference
-from woodpecker import Toy, Undecided, bifurcation_diagram, first_return, prove, return_map, shoot
+from woodpecker import Toy, bifurcation_diagram, first_return, prove, return_map, shoot
 from woodpecker.checking.certificate import check
+from woodpecker.proofs import NotProved
 from woodpecker.proofs.balls import fraction
 from woodpecker.proofs.certificates import Certificate
 from woodpecker.proofs.following import follow
@@ -148,7 +149,7 @@ def _returns(count: int) -> Results:
         other += clock.cpu
         try:
             found, clock = timed(lambda: _enclosed(toy, x))  # noqa: B023
-        except Undecided as answer:
+        except NotProved as answer:
             undecided.append({"law": law, "eps_n1": float(eps), "phi_s": float(x),
                               "word": known.word, "reason": str(answer)})  # fmt: skip
             continue

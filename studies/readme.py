@@ -227,9 +227,9 @@ def regions(results: All) -> str:
 
 
 def robustness(results: All) -> str:
-    """How far the motion is from trouble, all parameters together and each alone."""
+    """How far the motion is from its end, all parameters together and each alone."""
     found = results["robustness"]
-    first = found["troubles"][0]
+    first = found["critical"][0]
     ranked = sorted(first["changes"].items(), key=lambda item: -abs(item[1]))[:5]
     changes = ", ".join(f"`{name}` {value:+.2f} %" for name, value in ranked)
     alone: dict[str, dict[int, str]] = {}

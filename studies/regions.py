@@ -25,9 +25,10 @@ from studies.common.style import WIDTH, grid, keep
 from studies.main_job import PAPER
 from studies.two_parameters import FLIP
 from studies.two_parameters import NAMES as POINTS
-from woodpecker import Curve, Regions, Survey, Toy, continuation, parameter_regions, shoot
+from woodpecker import Curve, Toy, continuation, curve_in_two, shoot
 from woodpecker.plot.plane import name_curves
 from woodpecker.plot.regions import described, handles, plot_regions
+from woodpecker.regions import Regions, Survey, parameter_regions
 
 FIRST, SPAN = "eps_n1", (0.1, 0.9)
 SECOND = {"mu_2": (0.29, 0.34), "l_s": (0.0197, 0.02025), "c_phi": (0.005, 0.0064)}
@@ -76,7 +77,7 @@ def _regions(
 ) -> Regions:
     """The curves of special points, and the regions between these and others."""
     over = FIRST, second
-    curves = [continuation(toy, point, over, spans) for point in points]
+    curves = [curve_in_two(toy, point, over, spans) for point in points]
     return parameter_regions(toy, over, spans, curves=curves, window=WINDOW, survey=survey)
 
 

@@ -1,4 +1,4 @@
-"""How far trouble is from the toy of the paper, in percent of its parameters.
+"""How far the toy of the paper is from the end of its motion, in percent of its parameters.
 
     python -m studies.robustness [--fast] [--out DIR]
 
@@ -14,13 +14,14 @@ from pathlib import Path
 from studies.common.clocks import timed
 from studies.common.motion import GUESS
 from studies.common.record import Results, command
-from woodpecker import Limit, Toy, Trouble, robustness, shoot
+from woodpecker import Toy, shoot
+from woodpecker.robustness import Limit, SmallestChange, smallest_changes
 
 FEW = ("eps_n1", "mu_2")
 
 
 def main(fast: bool = False, out: Path | None = None) -> Results:
-    """Find the nearest trouble.
+    """Find the smallest changes that end the motion.
 
     Parameters
     ----------
@@ -32,21 +33,21 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     Returns
     -------
     dict
-        Seconds; of each trouble effect, cause, size in percent, the changes, the angle between
+        Seconds; of each change effect, cause, size in percent, the changes, the angle between
         change and gradient, and what shooting says on both sides; of each parameter alone the
         changes down and up at which the motion ends, None if it does not, and what ends it.
     """
     toy = Toy()
     motion = shoot(toy, GUESS)
-    found, clock = timed(lambda: robustness(toy, motion, FEW if fast else None))
+    found, clock = timed(lambda: smallest_changes(toy, motion, FEW if fast else None))
     return {
         "seconds": clock.wall,
-        "troubles": [_about(each) for each in (*found.troubles, *found.harmless)],
+        "critical": [_about(each) for each in (*found.critical, *found.harmless)],
         "limits": [_alone(each) for each in found.limits],
     }
 
 
-def _about(each: Trouble) -> Results:
+def _about(each: SmallestChange) -> Results:
     return {
         "effect": each.effect.value, "kind": each.kind, "cause": each.cause,
         "percent": 100.0 * each.size, "changes": dict(each.changes), "stable": each.stable,

@@ -34,12 +34,12 @@ from woodpecker import (
     Toy,
     equilibrium,
     first_return,
-    free_frequency,
     jam_limit,
     parameters,
     shoot,
     simulate,
 )
+from woodpecker.mechanics import free_frequency
 
 PAPER_PERIOD = 0.1452  # s
 PAPER_PHI_S = -0.53  # rad, printed to two digits

@@ -11,7 +11,6 @@ without curves.
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 from pathlib import Path
 
 import matplotlib.pyplot as plt
@@ -29,8 +28,8 @@ from woodpecker import (
     Settings,
     Toy,
     ToyPieces,
-    connected,
     continuation,
+    curve_in_two,
     local_model,
     shoot,
 )
@@ -75,7 +74,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     curves = {
         second: different(
             {
-                name: continuation(toy, point, (FIRST, second), (SPAN, span))
+                name: curve_in_two(toy, point, (FIRST, second), (SPAN, span))
                 for name, point in chosen.items()
             }
         )
@@ -85,7 +84,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         keep(draw(curves), out / "two_parameters.png")
     spans = (SPAN, (0.2975, 0.6))
     curve, clock = timed(
-        lambda: continuation(toy, points["A"], (FIRST, "mu_2"), spans, settings=FINE)
+        lambda: curve_in_two(toy, points["A"], (FIRST, "mu_2"), spans, settings=FINE)
     )
     every = range(5, len(curve) - 5, 40 if fast else 10)
     return {
@@ -193,7 +192,8 @@ def _flip_off(toy: Toy, curve: Curve, k: int) -> float:
             start = min(max(first + part * width, 0.0), 1.0)
             span = max(first - width, 0.0), min(first + width, 1.0)
             try:
-                found = connected(map_, float(curve.x[k, 0]), start, replace(DEFAULT, span=span))
+                orbit = shoot(map_, float(curve.x[k, 0]), p=start, settings=DEFAULT)
+                found = continuation(map_, orbit, span=span, settings=DEFAULT)
             except ValueError:  # there the cycle is too far away
                 continue
             off = [float(abs(p.parameter - first)) for p in found.points if p.kind == curve.kind]

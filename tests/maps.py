@@ -8,8 +8,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
+import numpy.typing as npt
+
+from pwmap import Diagram
+from woodpecker import PiecewiseMap, Search, Settings, continuation, shoot
+from woodpecker.diagrams import bifurcation_search
 from woodpecker.maps.formulas import FormulaMap, FormulaPiece, Smooth
+from woodpecker.search import Found
 
 A = 1.25  # the constant a of the paper's example
 BORDER = "x reaches the border"  # the cause of all borders here
@@ -246,3 +253,21 @@ def grazing(c: float) -> FormulaMap:
     goes on to p > 0 and flips at s = -c/3; for c > 0 it turns back and folds at s = c, p = -c^2/2.
     """
     return two_pieces(Line(0.5, 1.0).smooth(), Root(c).smooth())
+
+
+# --- What is found --------------------------------------------------------------------------------
+
+
+def continued(
+    map_: PiecewiseMap, x: npt.ArrayLike, p: float, settings: Settings, **options: Any
+) -> Diagram:
+    """What is connected with the cycle near a guess of its points."""
+    return continuation(map_, shoot(map_, x, p=p, settings=settings), settings=settings, **options)
+
+
+def everything(
+    map_: PiecewiseMap, settings: Settings, orders: tuple[int, ...] = (1,),
+    search: Search | None = None, **options: Any,
+) -> Found:  # fmt: skip
+    """All branches in the window of the settings, and what the slices came to."""
+    return bifurcation_search(map_, orders=orders, settings=settings, search=search, **options)

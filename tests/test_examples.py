@@ -4,8 +4,8 @@ import doctest
 import inspect
 import re
 from importlib.util import find_spec
-from inspect import ismodule
 from pathlib import Path
+from types import ModuleType
 
 import matplotlib as mpl
 import matplotlib.pyplot as plt
@@ -14,6 +14,8 @@ from needs import NEEDS_NUMBA
 from pages import OPTIONS
 
 mpl.use("Agg")
+import rooms
+
 import pwmap
 import pwmap.plot
 import woodpecker
@@ -27,7 +29,6 @@ DRAWING = (
     *(woodpecker.plot.drawing, woodpecker.plot.figures, woodpecker.plot.motions),
     *(woodpecker.plot.plane, woodpecker.plot.regions),
 )
-ROOMS = [each for name in pwmap.__all__ if ismodule(each := getattr(pwmap, name))]
 PICTURES = [
     (module, name)
     for module in DRAWING
@@ -37,13 +38,13 @@ PICTURES = [
 ] + [(pwmap.plot, name) for name in pwmap.plot.__all__ if name == "Drawn" or "plot_" in name]
 PUBLIC = {  # once each, from where a user takes it
     id(getattr(package, name)): (package, name)
-    for package in (*ROOMS, pwmap, woodpecker)
+    for package in (*rooms.ALL, pwmap, woodpecker)
     for name in package.__all__
-    if name != "__version__" and not ismodule(getattr(package, name))
+    if name != "__version__" and not isinstance(getattr(package, name), ModuleType)
 }
 NAMES = [*PUBLIC.values(), *PICTURES]
 COMPUTES = re.compile(  # thousands of returns of the toy
-    r"\b(continuation|bifurcation_diagram|find_all|robustness|parameter_regions)\((Toy\(|toy\b)"
+    r"\b(continuation|bifurcation_diagram|bifurcation_search|smallest_changes|parameter_regions)\((Toy\(|toy\b)"
 )
 WARNS = "local_model(family"  # numpy's scalars say that inf times 0 is no number, compiled code not
 RESOLVES = "plot_return_map("  # spends thousands of returns on steep places

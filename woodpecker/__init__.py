@@ -1,8 +1,58 @@
 """The Woodpecker Toy: exact events, return map, periodic solutions and their bifurcations.
 
-A name is loaded with what it needs when it is first used; ``__init__.pyi`` says where each is.
+Here are the verbs, and what they take and return. What only some need is in rooms of its own, such
+as ``woodpecker.plane`` and ``woodpecker.proofs``. A name is loaded with what it needs when it is
+first used; ``__init__.pyi`` says where each is.
 """
+
+import warnings
+from importlib import import_module
+from typing import Any
 
 import lazy_loader
 
-__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+_of_stub, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
+
+# Names that were at the top, by the module that has them now. They go after the next release.
+_MOVED = {
+    "branches": "OnBranch",
+    "maps": "BoundedPiece Image Iterate Piece Sweep check_derivatives",
+    "mechanics": "Equilibrium energy free_frequency",
+    "plane": "Family PlaneKind PlanePoint PlaneStretch SymbolicFamily ToyFamily "
+    "family_from_pwmap family_from_sympy graph_of_curves",
+    "regions": "Attractor Count Region Regions Settles Survey parameter_regions regions_of",
+    "robustness": "Effect Limit Robustness",
+    "search": "BranchState Found Record Seen Stage",
+    "simulation": "EnergyBalance Impulse energy_balance",
+    "slices": "Border BorderKind Jump LocalModel Orbit SettledOrbit Slice Start Swept SweptMap "
+    "borders_in crosses nearest_border unexplained",
+}
+_PLACES = {
+    **{name: f"{place}.{name}" for place, names in _MOVED.items() for name in names.split()},
+    "Trouble": "robustness.SmallestChange",
+    "Undecided": "proofs.NotProved",
+    "find_all": "diagrams.bifurcation_search",
+}
+_GONE = {  # verbs that another one does, too: where each still is, and what to call
+    "connected": ("search.diagrams", "continuation(map_, shoot(map_, x, p=p), settings=settings)"),
+    "cycle_near": ("search.diagrams", "shoot(map_, x, p=p)"),
+    "curve_through": (
+        "plane.following",
+        "curve_in_two(family, point, family.names, span, value=other, settings=settings)",
+    ),
+    "whole_diagram": ("search.diagrams", "bifurcation_diagram(map_, settings=settings)"),
+}
+
+
+def __getattr__(name: str) -> Any:
+    """A name of the stub; one that has moved with a DeprecationWarning that says where it is."""
+    if name in _GONE:
+        place, call = _GONE[name][0] + f".{name}", f"call woodpecker.{_GONE[name][1]}"
+    elif name in _PLACES:
+        place = _PLACES[name]
+        call = f"it is woodpecker.{place} now"
+    else:
+        return _of_stub(name)
+    warnings.warn(f"woodpecker.{name} is deprecated: {call}", DeprecationWarning, stacklevel=2)
+    module, _, own = place.rpartition(".")
+    return getattr(import_module(f"{__name__}.{module}"), own)

@@ -1,4 +1,4 @@
-"""What runs of the toy share: the values a parameter can have, the file of a run, the diagram."""
+"""What runs share: the toy or map and its settings, the file of a run, the diagram."""
 
 from __future__ import annotations
 
@@ -6,27 +6,101 @@ import math
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, fields, replace
-from typing import Any
+from dataclasses import asdict, dataclass, fields, replace
+from typing import TYPE_CHECKING, Any
 
 from pwmap.diagrams.diagram import Diagram, PointKind, PointStatus, SpecialPoint
 from pwmap.diagrams.record import PROGRAM, plain
 from woodpecker.base.checkpoint import Entry
 from woodpecker.base.checks import interval
 from woodpecker.base.settings import Settings, differing
-from woodpecker.mechanics.toy import Toy, limits
+from woodpecker.maps.pieces import PiecewiseMap
+from woodpecker.mechanics.toy import WINDOW, Toy, limits
 from woodpecker.search.checkpoint import Record, read_record, restore
 from woodpecker.search.explorer import LEFT
 from woodpecker.search.network import Network
-from woodpecker.window import WINDOW
+from woodpecker.toy_map import named
+
+if TYPE_CHECKING:
+    from pwmap import PiecewiseLinearMap
 
 DEFAULT = Settings(window=WINDOW)
 OUT_OF_DOMAIN = "end of the values that the parameter can have"
 AT, SPAN = "at", "span"  # of a run: the toy's value of the parameter; the span that was asked for
+TOY, NAME = "toy", "x"  # of a run: the toy it is of, or what the coordinate of its map is called
+WHOLE = (0.0, 1.0)  # the span over which a toy is followed, unless another one is given
 
 
-def settings_for(settings: Settings | None, **taken: Any) -> Settings:
-    """Settings with the intervals of a call.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Subject:
+    """What is followed over one parameter, and how.
+
+    Attributes
+    ----------
+    source, map_
+        The toy or map as it was given, and as a map of pieces.
+    parameter, x_name
+        What the diagram calls the parameter and the coordinate.
+    wanted
+        The span that was asked for.
+    settings
+        With the window, and the part of the span that the parameter can have.
+    """
+
+    source: Toy | PiecewiseMap | PiecewiseLinearMap
+    map_: PiecewiseMap
+    parameter: str
+    x_name: str
+    wanted: tuple[float, float]
+    settings: Settings
+
+    @property
+    def about(self) -> Entry:
+        """What two runs must have in common, so that one can go on with the other's file."""
+        if isinstance(self.source, Toy):
+            return about(self.source, self.parameter, self.settings, self.wanted)
+        return {
+            "parameter": self.parameter, NAME: self.x_name, SPAN: self.wanted,
+            "settings": asdict(self.settings),
+        }  # fmt: skip
+
+    def finished(self, found: Diagram) -> Diagram:
+        """A diagram that says what was given, if it is one of the toy."""
+        if isinstance(self.source, Toy):
+            return finished(found, self.source, self.wanted, self.settings)
+        return found
+
+
+def subject(
+    source: Toy | PiecewiseMap | PiecewiseLinearMap, parameter: str | None,
+    span: tuple[float, float] | None, settings: Settings | None,
+    window: tuple[float, float] | None = None,
+) -> Subject:  # fmt: skip
+    """What is followed; span and window are those of the settings, if none are given.
+
+    Raises
+    ------
+    ValueError
+        If the span holds no value that the parameter can have.
+    TypeError
+        If it is neither a toy nor a map, the parameter is unknown, or the settings are none.
+    """
+    map_, name, x_name = named(source, parameter)
+    of_toy = isinstance(source, Toy)
+    chosen = settings_for(settings, DEFAULT if of_toy else Settings())
+    if window is not None:
+        chosen = replace(chosen, window=window)
+    usual = WHOLE if of_toy else chosen.span
+    wanted = interval("span", usual if span is None else span, finite=True)
+    can = possible(source, name, wanted) if isinstance(source, Toy) else wanted
+    return Subject(
+        source=source, map_=map_, parameter=name, x_name=x_name, wanted=wanted,
+        settings=replace(chosen, span=can),
+    )  # fmt: skip
+
+
+def settings_for(settings: Settings | None, default: Settings, **taken: Any) -> Settings:
+    """Settings, or the default, with the intervals of a call.
 
     Raises
     ------
@@ -38,7 +112,7 @@ def settings_for(settings: Settings | None, **taken: Any) -> Settings:
             f"settings must be woodpecker.Settings, got {type(settings).__module__}."
             f"{type(settings).__name__}"
         )
-    return replace(settings or DEFAULT, **taken)
+    return replace(default if settings is None else settings, **taken)
 
 
 def possible(toy: Toy, parameter: str, span: tuple[float, float]) -> tuple[float, float]:
@@ -62,7 +136,7 @@ def given(toy: Toy, parameter: str) -> tuple[str, str]:
 
 
 def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
-    """The branches that a run of the toy has finished so far.
+    """The branches that a run has finished so far.
 
     Parameters
     ----------
@@ -93,18 +167,24 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
             f"{run}, line 1: expected settings of this version, got {', '.join(unknown)} too"
         )
     try:
-        parameter, fixed = run_of["parameter"], run_of["toy"]
-        toy = Toy(**{name: _number(value) for name, value in fixed.items()})
-        toy = toy.replace(**{parameter: run_of.get(AT, getattr(toy, parameter))})
-        settings = settings_of(run_of["settings"])
+        parameter, settings = run_of["parameter"], settings_of(run_of["settings"])
         wanted = interval("span", run_of[SPAN], finite=True)
+        x_name = run_of[NAME] if TOY not in run_of else "phi_s"
+        toy = _toy_of(run_of, parameter) if TOY in run_of else None
     except (KeyError, TypeError, AttributeError, ValueError):
         raise ValueError(
-            f"{run}, line 1: expected a run of the toy, got one of {sorted(run_of)}"
+            f"{run}, line 1: expected a run of the toy or of a map, got one of {sorted(run_of)}"
         ) from None
     network = Network(settings)
     restore(network, entries, run)
-    return finished(network.diagram(parameter, "phi_s"), toy, wanted, settings)
+    found = network.diagram(parameter, x_name)
+    return found if toy is None else finished(found, toy, wanted, settings)
+
+
+def _toy_of(run_of: Entry, parameter: str) -> Toy:
+    """The toy of a run, with its own value of the parameter."""
+    toy = Toy(**{name: _number(value) for name, value in run_of[TOY].items()})
+    return toy.replace(**{parameter: run_of.get(AT, getattr(toy, parameter))})
 
 
 def finished(found: Diagram, toy: Toy, wanted: tuple[float, float], settings: Settings) -> Diagram:
@@ -152,7 +232,7 @@ def about(toy: Toy, parameter: str, settings: Settings, wanted: tuple[float, flo
     """What two runs must have in common, so that one can go on with the other's file."""
     fixed = {name: value for name, value in asdict(toy).items() if name != parameter}
     finite = {n: str(v) if v in (math.inf, -math.inf) else v for n, v in fixed.items()}
-    return {"parameter": parameter, SPAN: wanted, "toy": finite, "settings": asdict(settings)}
+    return {"parameter": parameter, SPAN: wanted, TOY: finite, "settings": asdict(settings)}
 
 
 def unknown_settings(run_of: Entry) -> list[str]:

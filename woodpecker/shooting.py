@@ -1,22 +1,27 @@
-"""Periodic solutions of the toy: fixed points of P_j by single and multiple shooting."""
+"""Periodic solutions of the toy, or of any map: fixed points of P_j by multiple shooting."""
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
 from enum import Enum
+from typing import TYPE_CHECKING, cast
 
 import numpy as np
+import numpy.typing as npt
 
 from pwmap.diagrams.shown import brief, table
-from woodpecker.base.checks import instance, whole
+from woodpecker.base.arrays import Floats
+from woodpecker.base.checks import instance, number, real_array, whole
 from woodpecker.base.settings import Settings
 from woodpecker.engine.newton import STEPS
 from woodpecker.engine.orbits import Closed
+from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.mechanics.toy import Toy
-from woodpecker.simulation.returns import first_return
+from woodpecker.simulation.returns import checked_starts, first_return
 from woodpecker.slices.extents import reach_of
 from woodpecker.slices.jumps import Jump, jump_of
+from woodpecker.slices.margins import depth
 from woodpecker.slices.orbits import (
     Orbit,
     at_parameter,
@@ -25,7 +30,10 @@ from woodpecker.slices.orbits import (
     stepped,
     to_engine,
 )
-from woodpecker.toy_map import ToyPieces
+from woodpecker.toy_map import Mapped, named
+
+if TYPE_CHECKING:
+    from pwmap import PiecewiseLinearMap
 
 DEFAULT = Settings()
 LOOKED = 0.01  # in x, a part of the window: how far from a guess without a cycle a jump is sought
@@ -57,30 +65,32 @@ class ShootingStatus(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PeriodicOrbit:
-    """A periodic solution of the reduced toy.
+    """A periodic solution of the toy, or a cycle of a map.
 
     Parameters
     ----------
+    source
+        What it is one of: a toy or a map, as it was given.
+    p
+        The parameter of the map; of a toy its eps_n1.
     order
         Number of returns j, as asked for.
     minimal_period
         Number of returns after which the solution repeats, a divisor of the order; the order itself
         if no solution was found.
-    phi_s
-        Its point on the section [rad]; for order > 1 the first of ``points``.
-    period, drop
-        Duration [s] and distance fallen [m] of the whole orbit.
-    multiplier
-        d P_j / d phi_S [-]; stable if below 1 in modulus.
-    word
-        Sequence of events, returns separated by ``|``.
-    residual
-        Largest gap between a return and the next point [rad].
     points
-        The orbit on the section [rad].
-    status, success, message
-        How shooting ended, whether it found a solution that can be followed, and the sentence that
-        says it: why not, or how often a solution of a smaller period is passed.
+        The orbit on the section [rad], or of the map.
+    period, drop
+        Duration [s] and distance fallen [m] of the whole orbit; nan for a map, which knows neither.
+    multiplier
+        d P_j / d phi_S [-], of a map d P_j / dx; stable if below 1 in modulus.
+    word
+        Sequence of events, or names of pieces; returns are separated by ``|``.
+    residual
+        Largest gap between a return and the next point.
+    status, message
+        How shooting ended, and the sentence that says it: why there is no solution, or how often
+        one of a smaller period is passed.
 
     Examples
     --------
@@ -92,18 +102,34 @@ class PeriodicOrbit:
     (-0.529471967, 0.145976065, -0.839156)
     """
 
-    toy: Toy
+    source: Toy | PiecewiseMap | PiecewiseLinearMap
+    p: float
     order: int
     minimal_period: int
-    phi_s: float
+    points: tuple[float, ...]
     period: float
     drop: float
     multiplier: float
     word: str
     residual: float
-    points: tuple[float, ...]
     status: ShootingStatus
     message: str
+
+    @property
+    def x(self) -> float:
+        """The first of its points."""
+        return self.points[0]
+
+    @property
+    def phi_s(self) -> float:
+        """The first of its points, as the toy calls it [rad]."""
+        return self.points[0]
+
+    @property
+    def toy(self) -> Toy:
+        """The toy whose solution it is; TypeError if it is one of another map."""
+        instance("the source of the orbit", self.source, Toy)
+        return cast("Toy", self.source)
 
     @property
     def success(self) -> bool:
@@ -118,40 +144,55 @@ class PeriodicOrbit:
     def __repr__(self) -> str:
         """Its numbers, and the sentence of its status if it is none."""
         found = f"word={brief(self.word)!r}" if self.success else f"message={self.message!r}"
+        where = f"x={self.x:.10g}, p={self.p:.10g}, "
+        if isinstance(self.source, Toy):
+            where = f"phi_s={self.x:.10g}, period={self.period:.8g}, drop={self.drop:.8g}, "
         return (
-            f"PeriodicOrbit(order={self.order}, phi_s={self.phi_s:.10g}, "
-            f"period={self.period:.8g}, drop={self.drop:.8g}, "
-            f"multiplier={self.multiplier:.6g}, {found})"
+            f"PeriodicOrbit(order={self.order}, {where}multiplier={self.multiplier:.6g}, {found})"
         )
 
     def _repr_html_(self) -> str:
         rows = [
-            ("points on the section [rad]", ", ".join(f"{x:.10g}" for x in self.points)),
-            ("period [s]", f"{self.period:.10g}"),
-            ("drop [mm]", f"{1e3 * self.drop:.8g}"),
+            ("points", ", ".join(f"{x:.10g}" for x in self.points)),
             ("multiplier", f"{self.multiplier:.8g}, {'stable' if self.stable else 'unstable'}"),
             ("word", self.word),
-            ("residual [rad]", f"{self.residual:.1g}"),
+            ("residual", f"{self.residual:.1g}"),
         ]
+        if isinstance(self.source, Toy):
+            rows[0] = ("points on the section [rad]", rows[0][1])
+            rows[-1] = ("residual [rad]", rows[-1][1])
+            rows[1:1] = [
+                ("period [s]", f"{self.period:.10g}"), ("drop [mm]", f"{1e3 * self.drop:.8g}")
+            ]  # fmt: skip
         return table(self.message, ("periodic motion", f"of {self.order} returns"), rows)
 
 
-def shoot(toy: Toy, guess: float, order: int = 1, *, settings: Settings = DEFAULT) -> PeriodicOrbit:
-    """Find a periodic solution with ``order`` returns near ``guess`` [rad].
+def shoot(
+    source: Toy | PiecewiseMap | PiecewiseLinearMap,
+    guess: npt.ArrayLike,
+    order: int = 1,
+    *,
+    p: float | None = None,
+    settings: Settings = DEFAULT,
+) -> PeriodicOrbit:
+    """Find a periodic solution with ``order`` returns near ``guess``.
 
     Newton's method on all returns together (multiple shooting): products of steep slopes never
     appear. The multiplier is the product of the exact slopes.
 
     Parameters
     ----------
-    toy
-        The toy.
+    source
+        The toy, or any piecewise-smooth map of the line with one parameter: of your own, of
+        ``from_sympy``, or an exact one of :mod:`pwmap`.
     guess
-        phi_S on the section [rad].
+        phi_S on the section [rad], or x; or all points of the orbit, as many as ``order``.
     order
         Number of returns.
+    p
+        The parameter of a map. A toy has its values.
     settings
-        Tolerances and the number of Newton steps.
+        Tolerances and the number of Newton steps; for a map of other units their window.
 
     Returns
     -------
@@ -162,9 +203,10 @@ def shoot(toy: Toy, guess: float, order: int = 1, *, settings: Settings = DEFAUL
     Raises
     ------
     TypeError
-        If the toy or the settings are none.
+        If it is neither a toy nor a map, or the settings are none.
     ValueError
-        If the guess or the order is out of range, or doubles cannot hold the equations of motion.
+        If the guess or the order is out of range, a map has no ``p`` or a toy one, or doubles
+        cannot hold the equations of motion.
 
     Examples
     --------
@@ -175,34 +217,79 @@ def shoot(toy: Toy, guess: float, order: int = 1, *, settings: Settings = DEFAUL
     >>> print(shoot(Toy(), -0.2235).message)
     the sleeve stays jammed: the toy rests, or swings without falling, in one of a band of centres,
     none of which can be followed
+
+    A map of one's own:
+
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> shoot(lines, -0.9, p=-0.5)
+    PeriodicOrbit(order=1, x=-1, p=-0.5, multiplier=0.5, word='L')
     """
     instance("settings", settings, Settings)
-    start, order = first_return(toy, guess, order), whole("order", order, most=ORDER_MOST)
-    map_, p = ToyPieces(toy), toy.eps_n1
-    first = _taken(map_, np.array([float(guess)]), p)
-    if not start.status.success:
-        return _orbit(toy, order, first, ShootingStatus.LOST, start.status.value)
-    points = [float(guess)]
-    for _ in range(order - 1):
-        points.append(map_.at(points[-1], p).value)
-    found, closes = _corrected(map_, _taken(map_, np.array(points), p), settings)
-    if closes:
-        return periodic_orbit(toy, found, settings)
-    jump = _jump_near(map_, first, settings) if order == 1 else None
-    if jump is not None and jump.crosses:
-        return _orbit(toy, order, jump.head, ShootingStatus.AT_JUMP, f"at {jump.x:.9g}")
-    lost = [image.reason for image in found.images if image.reason]
+    points, order = _guesses(source, guess, whole("order", order, most=ORDER_MOST))
+    mapped = Mapped(source, named(source).map_, value_of(source, p))
+    first, lost = _taken(mapped, points[:1]), ""
+    if isinstance(source, Toy):
+        start = first_return(source, float(points[0]), order)
+        lost = "" if start.status.success else start.status.value
+    while len(points) < order and not lost:
+        image = mapped.at(float(points[-1]))
+        points, lost = np.append(points, image.value), image.reason
+    lost = lost or first.images[0].reason
     if lost:
-        return _orbit(toy, order, found, ShootingStatus.LOST, lost[0])
-    return _orbit(toy, order, found, ShootingStatus.NOT_CONVERGED)
+        return _orbit(mapped, order, first, ShootingStatus.LOST, lost)
+    found, closes = _corrected(mapped, _taken(mapped, points), settings)
+    if closes:
+        return periodic_orbit(mapped, found, settings)
+    jump = _jump_near(mapped.map_, first, settings) if order == 1 else None
+    if jump is not None and jump.crosses:
+        return _orbit(mapped, order, jump.head, ShootingStatus.AT_JUMP, f"at {jump.x:.9g}")
+    reasons = [image.reason for image in found.images if image.reason]
+    if reasons:
+        return _orbit(mapped, order, found, ShootingStatus.LOST, reasons[0])
+    return _orbit(mapped, order, found, ShootingStatus.NOT_CONVERGED)
 
 
-def _taken(map_: ToyPieces, x: np.ndarray, p: float) -> Orbit:
+def _guesses(source: object, guess: npt.ArrayLike, order: int) -> tuple[Floats, int]:
+    """Points to begin with, one or all, and how many there are to be."""
+    if np.ndim(guess) == 0:
+        points = np.array([number("guess", guess)])
+    else:
+        points = real_array("guess", guess).ravel()
+        if len(points) > 1 and order == 1:
+            order = len(points)
+        if len(points) not in (1, order):
+            raise ValueError(f"guess must have one point or {order}, as order says, got {guess!r}")
+    if isinstance(source, Toy):
+        checked_starts(source, points)
+    elif not np.isfinite(points).all():
+        raise ValueError(f"guess must be finite, got {guess!r}")
+    return points, order
+
+
+def value_of(source: object, p: float | None) -> float:
+    """The parameter: that of the map, or eps_n1 of a toy."""
+    if isinstance(source, Toy):
+        if p is not None:
+            raise ValueError(f"a toy has its own values: toy.replace(eps_n1={p!r}) has another one")
+        return source.eps_n1
+    if p is None:
+        raise ValueError("p is needed: a map has no value of its parameter")
+    value = number("p", p)
+    if not math.isfinite(value):
+        raise ValueError(f"p must be finite, got {value}")
+    return value
+
+
+def _taken(mapped: Mapped, x: Floats) -> Orbit:
     """Points with the pieces that the map takes there."""
-    return Orbit(x, p, tuple(map_.at(float(value), p) for value in x))
+    return Orbit(x, mapped.p, tuple(mapped.at(float(value)) for value in x))
 
 
-def _corrected(map_: ToyPieces, start: Orbit, settings: Settings) -> tuple[Orbit, bool]:
+def _corrected(mapped: Mapped, start: Orbit, settings: Settings) -> tuple[Orbit, bool]:
     """Newton's method for a cycle, and whether one was found.
 
     With the pieces of the last iterate, if the map takes them at what they lead to; otherwise by
@@ -213,13 +300,21 @@ def _corrected(map_: ToyPieces, start: Orbit, settings: Settings) -> tuple[Orbit
         if not orbit.defined:
             return orbit, False
         found = at_parameter(orbit, settings)
-        if found is not None and _taken(map_, found.x, start.p).keys == found.keys:
+        if found is not None and _is_taken(mapped, found, settings):
             return found, True
         points = stepped(orbit, settings)
         if not np.isfinite(points).all():
             return orbit, _gap(orbit) <= settings.nearest * settings.x_scale
-        orbit = _taken(map_, points, start.p)
+        orbit = _taken(mapped, points)
     return orbit, False
+
+
+def _is_taken(mapped: Mapped, found: Orbit, settings: Settings) -> bool:
+    """Whether the map takes the pieces of a cycle at its points; one may lie on a border."""
+    if _taken(mapped, found.x).keys == found.keys:
+        return True
+    least = -settings.converged * max(settings.x_scale, float(np.abs(found.x).max()))
+    return all(depth(image) >= least for image in found.images)
 
 
 def _gap(cycle: Orbit) -> float:
@@ -227,7 +322,7 @@ def _gap(cycle: Orbit) -> float:
     return float(np.abs(Closed().residual(to_engine(cycle))).max())
 
 
-def _jump_near(map_: ToyPieces, first: Orbit, settings: Settings) -> Jump | None:
+def _jump_near(map_: PiecewiseMap, first: Orbit, settings: Settings) -> Jump | None:
     """The jump of P_1 at the nearer end of the piece that a point lies in; None if it has none."""
     x, p = float(first.x[0]), first.p
     far = LOOKED * settings.x_scale
@@ -240,38 +335,41 @@ def _jump_near(map_: ToyPieces, first: Orbit, settings: Settings) -> Jump | None
     return jump_of(map_, head, nearest.code, 1, settings)
 
 
-def periodic_orbit(toy: Toy, cycle: Orbit, settings: Settings) -> PeriodicOrbit:
+def periodic_orbit(mapped: Mapped, cycle: Orbit, settings: Settings) -> PeriodicOrbit:
     """What a cycle is whose returns close: a periodic solution, a centre, or one without slope."""
     order, period = len(cycle), minimal_period(cycle, settings)
-    if not any(cycle.words):  # no event: the sleeve stays jammed
-        return _orbit(toy, order, cycle, ShootingStatus.CENTRE, period=period)
+    if isinstance(mapped.source, Toy) and not any(cycle.words):  # no event: the sleeve stays jammed
+        return _orbit(mapped, order, cycle, ShootingStatus.CENTRE, period=period)
     if not math.isfinite(cycle.multiplier):
         reason = ShootingStatus.NO_SLOPE
-        return _orbit(toy, order, cycle, reason, str(cycle.multiplier), period)
+        return _orbit(mapped, order, cycle, reason, str(cycle.multiplier), period)
     detail = f"one of period {period}, {order // period} times over" if period < order else ""
-    return _orbit(toy, order, cycle, ShootingStatus.CONVERGED, detail, period)
+    return _orbit(mapped, order, cycle, ShootingStatus.CONVERGED, detail, period)
 
 
 def _orbit(
-    toy: Toy,
+    mapped: Mapped,
     order: int,
     cycle: Orbit,
     reason: ShootingStatus,
     detail: str = "",
     period: int | None = None,
 ) -> PeriodicOrbit:
-    returns = [first_return(toy, float(x)) for x in cycle.x if x < toy.phi_s_max]
+    duration, drop = math.nan, math.nan
+    if isinstance(toy := mapped.source, Toy):
+        returns = [first_return(toy, float(x)) for x in cycle.x if x < toy.phi_s_max]
+        duration, drop = sum(each.period for each in returns), sum(each.drop for each in returns)
     return PeriodicOrbit(
-        toy=toy,
+        source=mapped.source,
+        p=mapped.p,
         order=order,
         minimal_period=order if period is None else period,
-        phi_s=float(cycle.x[0]),
-        period=sum(each.period for each in returns),
-        drop=sum(each.drop for each in returns),
+        points=tuple(cycle.x.tolist()),
+        period=duration,
+        drop=drop,
         multiplier=cycle.multiplier,
         word=" | ".join(cycle.words),
         residual=_gap(cycle),
-        points=tuple(cycle.x.tolist()),
         status=reason,
         message=f"{reason.value}: {detail}" if detail else reason.value,
     )

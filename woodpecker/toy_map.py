@@ -11,14 +11,14 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import NamedTuple, Protocol
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, number, real_array
 from woodpecker.base.compiled import announce
-from woodpecker.maps.pieces import Image
+from woodpecker.maps.pieces import Image, PiecewiseMap, map_of_pieces
 from woodpecker.maps.sweeps import Sweep
 from woodpecker.mechanics.equations import unsound
 from woodpecker.mechanics.modes import (
@@ -42,6 +42,9 @@ from woodpecker.simulation.calls import compute, sweep
 from woodpecker.simulation.codes import NO_PATH, RETURNED
 from woodpecker.simulation.paths import EVENT_LIMIT, Follower, Path, cause_of
 from woodpecker.simulation.returns import RELATIVE_STEP
+
+if TYPE_CHECKING:
+    from pwmap import PiecewiseLinearMap
 
 KEPT = 8  # maps of a process whose copies, sent from others, share tables: those of its searches
 CLEAR = 1e-9  # relative distance from the limits of a parameter beyond which rounding cannot matter
@@ -407,3 +410,51 @@ def _rate_from_above(map_: ToyMap, x: float, value: float) -> float:
     """One-sided difference of second order of the map in a restitution that is zero."""
     near, far = (map_.at(x, k * RELATIVE_STEP).value for k in (1, 2))
     return (-3.0 * value + 4.0 * near - far) / (2.0 * RELATIVE_STEP)
+
+
+# --- What a user gives ----------------------------------------------------------------------------
+
+
+class Named(NamedTuple):
+    """A map of the line, and what its parameter and its coordinate are called."""
+
+    map_: PiecewiseMap
+    parameter: str
+    x: str
+
+
+def named(source: Toy | PiecewiseMap | PiecewiseLinearMap, parameter: str | None = None) -> Named:
+    """The map of a toy over a parameter, by default eps_n1; a map of pwmap as one of pieces.
+
+    Raises
+    ------
+    TypeError
+        If it is neither a toy nor a map, or the parameter is none of the toy.
+    ValueError
+        If an exact map has other parameters than one.
+    """
+    if isinstance(source, Toy):
+        name = "eps_n1" if parameter is None else parameter
+        return Named(ToyPieces(source, name), name, "phi_s")
+    from pwmap import PiecewiseLinearMap
+    from woodpecker.maps.symbolic import from_pwmap
+
+    if not isinstance(source, PiecewiseLinearMap):
+        return Named(map_of_pieces(source), "p" if parameter is None else parameter, "x")
+    names = [str(symbol) for symbol in source.parameters]
+    if parameter is None and len(names) != 1:
+        raise ValueError(f"a map must have one parameter, got {names}: give the others values")
+    name = names[0] if parameter is None else parameter
+    return Named(from_pwmap(source, name), name, str(source.x))
+
+
+class Mapped(NamedTuple):
+    """What a user gave, its map, and the parameter at which it is looked at."""
+
+    source: Toy | PiecewiseMap | PiecewiseLinearMap
+    map_: PiecewiseMap
+    p: float
+
+    def at(self, x: float) -> Image:
+        """The image of a point."""
+        return self.map_.at(x, self.p)

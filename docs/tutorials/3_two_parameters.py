@@ -29,16 +29,17 @@ drawn = plot_plane(plane, ax)
 # %%
 # The toy over two of its parameters
 # ----------------------------------
-# The same verb that follows a motion over one parameter follows a special point over two. Point C
-# of the paper, over the restitution coefficient of the beak and the friction at the lower edge:
+# As ``continuation`` follows a motion over one parameter, ``curve_in_two`` follows a special point
+# over two. Point C of the paper, over the restitution coefficient of the beak and the friction at
+# the lower edge:
 
-from woodpecker import Toy, continuation, shoot
+from woodpecker import Toy, continuation, curve_in_two, shoot
 from woodpecker.plot.plane import plot_curves
 
 toy = Toy()
 diagram = continuation(toy, shoot(toy, -0.53), span=(0.15, 0.5))
 c = next(point for point in diagram.points if abs(point.parameter - 0.185127) < 1e-6)
-curve = continuation(toy, c, ("eps_n1", "mu_2"), span=((0, 1), (0.295, 0.35)))
+curve = curve_in_two(toy, c, ("eps_n1", "mu_2"), span=((0, 1), (0.295, 0.35)))
 for point in curve.points:
     print(f"{point.kind!s:3}", *(f"{value:.9f}" for value in point.values), point.cause)
 fig, ax = plt.subplots(figsize=(6.4, 4.4), layout="constrained")

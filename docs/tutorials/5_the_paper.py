@@ -14,7 +14,8 @@ branch and every number beside ours, finds the scripts under :doc:`/reproduce`.
 # Left alone, the sleeve jams and the bird hangs still. Friction has to be large enough for that:
 # the paper states mu_2 >= 0.285. Pushed hard enough, the toy hammers for ever.
 
-from woodpecker import Toy, equilibrium, free_frequency, jam_limit, shoot, simulate
+from woodpecker import Toy, equilibrium, jam_limit, shoot, simulate
+from woodpecker.mechanics import free_frequency
 
 toy = Toy()
 rest = equilibrium(toy)

@@ -13,8 +13,6 @@ import numpy as np
 
 from pwmap import (
     Budget,
-    FoundCycle,
-    ParameterPlane,
     PiecewiseLinearMap,
     bifurcation_diagram,
     cycles,
@@ -24,6 +22,8 @@ from pwmap import (
 )
 from pwmap.explore.diagrams import Shown, shown
 from pwmap.explore.map_state import PLANE_ORDERS, MapState
+from pwmap.longrun.cycles import FoundCycle
+from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.rasters import arc_arrays
 from pwmap.plot.plane import LINES
 

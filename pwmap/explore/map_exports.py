@@ -58,7 +58,7 @@ def _map(state: MapState) -> Any:
 
 
 def _plane(state: MapState) -> Any:
-    from pwmap.plot_plane import plot_plane
+    from pwmap.plot import plot_plane
 
     if not state.plane_names:
         raise ValueError("a plane needs a map with two parameters")
@@ -66,7 +66,7 @@ def _plane(state: MapState) -> Any:
 
 
 def _density(state: MapState) -> Any:
-    from pwmap.plot_longrun import plot_density
+    from pwmap.plot import plot_density
 
     return plot_density(dynamics(maps_of(state)[1], budget=BUDGET))
 

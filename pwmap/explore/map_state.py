@@ -225,7 +225,7 @@ def python_of(state: MapState) -> str:
         ]
     if pair := state.plane_names:
         names.append("parameter_plane")
-        plots.append("from pwmap.plot_plane import plot_plane")
+        plots.append("from pwmap.plot import plot_plane")
         where = f"{pair[0]!r}, {pair[1]!r}, {state.across!r}, {state.along!r}"
         lines += [
             _held("flat", {n: v for n, v in place.items() if n not in pair}),

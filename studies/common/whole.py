@@ -20,16 +20,16 @@ from studies.common.motion import GUESS
 from studies.common.record import Results
 from woodpecker import (
     ExpansionFriction,
-    Found,
     Search,
     Settings,
     Toy,
     ToyPieces,
-    find_all,
     first_return,
     slices_at,
 )
 from woodpecker.base.arrays import Floats
+from woodpecker.diagrams import bifurcation_search
+from woodpecker.search import Found
 
 ASKED = 1e-11  # rad: the residual that is asked for
 ROUNDING = 2.0**-52  # relative
@@ -57,7 +57,9 @@ def searched(part: Part, orders: tuple[int, ...]) -> tuple[Found, Seconds]:
     """The diagram, and what it took once everything is compiled."""
     first_return(part.toy(), GUESS)
     return timed(
-        lambda: find_all(part.toy(), "eps_n1", part.span, orders, part.window, search=part.search)
+        lambda: bifurcation_search(
+            part.toy(), "eps_n1", part.span, orders, part.window, search=part.search
+        )
     )
 
 

@@ -20,17 +20,8 @@ from studies.common.places import SCALES
 from studies.failures.judge import Truth
 from studies.peers import reference_mpmath as reference
 from studies.peers.cases import numbers
-from woodpecker import (
-    Border,
-    BorderKind,
-    Toy,
-    ToyPieces,
-    borders_in,
-    equilibrium,
-    first_return,
-    jam_limit,
-    parameters,
-)
+from woodpecker import Toy, ToyPieces, equilibrium, first_return, jam_limit, parameters
+from woodpecker.slices import Border, BorderKind, borders_in
 
 DIGITS = 30
 STEP = 4e-3  # s, of the reference's Taylor series: longer ones are quicker, and change no digit

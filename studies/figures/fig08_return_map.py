@@ -23,19 +23,10 @@ from matplotlib.figure import Figure
 from studies.common.places import SCALES
 from studies.common.record import Results, command
 from studies.common.style import GREY, PALE, RED, STABLE, canvas, keep
-from woodpecker import (
-    Border,
-    BorderKind,
-    Toy,
-    ToyPieces,
-    borders_in,
-    equilibrium,
-    first_return,
-    nearest_border,
-    return_map,
-)
+from woodpecker import Toy, ToyPieces, equilibrium, first_return, return_map
 from woodpecker.base.settings import Settings
 from woodpecker.plot.figures import plot_return_map
+from woodpecker.slices import Border, BorderKind, borders_in, nearest_border
 from woodpecker.slices.partition import partition
 from woodpecker.slices.slices import slices_at
 

@@ -53,15 +53,9 @@ from studies.common.record import Results, command
 from studies.common.style import GREY, PALE, WIDTH, keep, without_legend
 from studies.common.whole import Part, not_followed, searched
 from studies.figures.fig08_return_map import ends
-from woodpecker import (
-    ExpansionFriction,
-    Found,
-    OrbitDiagram,
-    Search,
-    ToyPieces,
-    orbit_diagram,
-    unexplained,
-)
+from woodpecker import ExpansionFriction, OrbitDiagram, Search, ToyPieces, orbit_diagram
+from woodpecker.search import Found
+from woodpecker.slices import unexplained
 
 FAST = Part((0.28, 0.4), WINDOW, Search(slices=8))
 FULL = Part(SPAN, WINDOW, Search())

@@ -27,17 +27,11 @@ from pwmap.plot import axis_label
 from studies.common.laws import SEPARATE, SHORT, SUMMED, TOYS
 from studies.common.record import Results, command
 from studies.common.style import GREY, JUMP, STABLE, UNSTABLE, canvas, keep
-from woodpecker import (
-    Border,
-    BorderKind,
-    ExpansionFriction,
-    Iterate,
-    ToyPieces,
-    borders_in,
-    crosses,
-)
+from woodpecker import ExpansionFriction, ToyPieces
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
+from woodpecker.maps import Iterate
+from woodpecker.slices import Border, BorderKind, borders_in, crosses
 from woodpecker.slices.partition import Partition, PieceExtent, partition
 from woodpecker.slices.slices import slices_at
 

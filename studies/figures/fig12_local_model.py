@@ -38,21 +38,11 @@ from studies.common.laws import CONTACT_BY_CONTACT, SUMMED
 from studies.common.places import POINT_A, WINDOW, collision
 from studies.common.record import Results, command
 from studies.common.style import JUMP, UNSTABLE, WIDTH, grid, keep, small
-from woodpecker import (
-    Iterate,
-    LocalModel,
-    Search,
-    Start,
-    Toy,
-    ToyPieces,
-    bifurcation_diagram,
-    borders_in,
-    crosses,
-    local_model,
-    shoot,
-)
+from woodpecker import Search, Toy, ToyPieces, bifurcation_diagram, local_model, shoot
 from woodpecker.base.settings import Settings
+from woodpecker.maps import Iterate
 from woodpecker.plot.figures import plot_local
+from woodpecker.slices import LocalModel, Start, borders_in, crosses
 
 X, A, R = sympy.symbols("x a r")
 P1L = sympy.Piecewise((R - 2, X <= 0), (R - A * X, True))  # [Leine2001, Eq. 14]

@@ -12,7 +12,8 @@ from typing import NamedTuple
 from flint import arb
 
 from studies.peers.peer import LostError
-from woodpecker import Toy, Undecided, prove, shoot
+from woodpecker import Toy, prove, shoot
+from woodpecker.proofs import NotProved
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import precision
 from woodpecker.proofs.model import BallToy
@@ -40,7 +41,7 @@ def first_return_enclosed(toy: Toy, phi_s: float, bits: int) -> Enclosed:
         here = arb(start.numerator) / start.denominator
         try:
             (way,) = follow(BallToy.of(toy), Frame(arb(0), arb(0)), [here])
-        except Undecided as reason:
+        except NotProved as reason:
             raise LostError(f"undecided: {reason}") from reason
         image = way.image.box
         return Enclosed(float(image.mid()), float(image.rad()), way.word)

@@ -12,9 +12,10 @@ from studies.common.clocks import clocked, over, race
 from studies.common.record import Results
 from studies.reductions.motions import Phase, Smooth, gathered
 from studies.reductions.plan import Plan
-from woodpecker import Toy, free_frequency
+from woodpecker import Toy
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import jit
+from woodpecker.mechanics import free_frequency
 from woodpecker.mechanics.modes import GUARDS, KAPPA, OMEGA, SECTION, mode_states
 from woodpecker.simulation.events import next_event, starting_jet, time_to_minimum
 from woodpecker.simulation.flow import measure

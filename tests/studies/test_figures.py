@@ -13,8 +13,9 @@ from studies.common import motion
 from studies.figures import fig04_time_history as fig04
 from studies.figures import fig08_return_map as fig08
 from studies.figures import fig08_vertices as vertices
-from woodpecker import Toy, ToyPieces, equilibrium, nearest_border, shoot, simulate
+from woodpecker import Toy, ToyPieces, equilibrium, shoot, simulate
 from woodpecker.plot.motions import plot_phase_portrait
+from woodpecker.slices import nearest_border
 
 PERIOD, PHI_S = 0.14597607, -0.52947197  # s, rad: the independent programs' values, to 8 digits
 NOMINAL = "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"

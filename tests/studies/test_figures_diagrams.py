@@ -15,8 +15,10 @@ from studies.figures import fig09_order_one as fig09
 from studies.figures import fig10_order_two as fig10
 from studies.figures import fig11_maps_near_a as fig11
 from studies.figures import fig12_local_model as fig12
-from woodpecker import Found, Start, Toy, ToyPieces, local_model, shoot
+from woodpecker import Toy, ToyPieces, local_model, shoot
 from woodpecker.base.settings import Settings
+from woodpecker.search import Found
+from woodpecker.slices import Start
 from woodpecker.slices.slices import slices_at
 
 pytestmark = NEEDS_NUMBA

@@ -18,7 +18,7 @@ from studies.two_parameters import (
     island_ends,
     main_points,
 )
-from woodpecker import Toy, continuation
+from woodpecker import Toy, curve_in_two
 
 
 @pytest.mark.slow
@@ -42,7 +42,7 @@ def test_every_tenth_place_of_every_curve_is_that_of_one_parameter(name: str) ->
     """A collision with its code from the local model, a flip from a diagram across it."""
     toy = Toy()
     points = island_ends(toy) if name in ISLAND else main_points(toy)
-    curve = continuation(toy, points[name], (FIRST, "mu_2"), (SPAN, SECOND["mu_2"]))
+    curve = curve_in_two(toy, points[name], (FIRST, "mu_2"), (SPAN, SECOND["mu_2"]))
     found = confirmed(toy, curve, 10)
     assert found["looked"] >= len(curve) // 10 - 1
     assert found["confirmed"] == found["looked"]
@@ -54,7 +54,7 @@ def test_both_ends_of_the_island_are_one_curve() -> None:
     """Over the friction of the lower edge multipliers of +1 and -1 at the border lie between."""
     toy = Toy()
     curves = {
-        name: continuation(toy, point, (FIRST, "mu_2"), (SPAN, SECOND["mu_2"]))
+        name: curve_in_two(toy, point, (FIRST, "mu_2"), (SPAN, SECOND["mu_2"]))
         for name, point in island_ends(toy).items()
     }
     assert list(different(curves)) == ["I1"]

@@ -16,15 +16,14 @@ from needs import NEEDS_NUMBA
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus, SpecialPoint
 from woodpecker.base.checkpoint import line_of
 from woodpecker.base.settings import Settings
-from woodpecker.continued import continuation
-from woodpecker.mechanics.toy import Toy
+from woodpecker.diagrams import continuation
+from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.runs import DEFAULT, about, saved_diagram, settings_of
 from woodpecker.search.checkpoint import Record, entry_of, read_record
 from woodpecker.search.explorer import Stage
 from woodpecker.search.search import Search
 from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.simulation.returns import first_return
-from woodpecker.window import WINDOW
 
 FIXED, JUMP = BranchKind.FIXED_POINT, BranchKind.JUMP
 PRINTED = 5.1e-5  # reference values are known to four decimals

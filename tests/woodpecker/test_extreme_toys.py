@@ -26,10 +26,8 @@ from woodpecker import (
     ToyPieces,
     bifurcation_diagram,
     continuation,
-    energy_balance,
     equilibrium,
     first_return,
-    free_frequency,
     jam_limit,
     orbit_diagram,
     parameters,
@@ -38,8 +36,10 @@ from woodpecker import (
     simulate,
     solutions,
 )
+from woodpecker.mechanics import free_frequency
 from woodpecker.mechanics.equations import force_per_stretch, mass_matrix
 from woodpecker.mechanics.modes import model, table
+from woodpecker.simulation import energy_balance
 from woodpecker.simulation.events import never_jams
 from woodpecker.simulation.paths import Follower
 

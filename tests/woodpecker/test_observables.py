@@ -10,9 +10,9 @@ import pytest
 
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, PointKind, SpecialPoint
 from pwmap.diagrams.tables import write_results
+from woodpecker.branches import observables
 from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation.returns import first_return
-from woodpecker.solutions import observables
 
 P, X = (0.5, 0.6), (-0.5294719692871093, -0.5213)  # the first is the stable motion
 

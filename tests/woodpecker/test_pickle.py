@@ -14,8 +14,6 @@ from pickles import Way, pickled
 from pwmap import PiecewiseLinearMap
 from woodpecker import (
     FormulaMap,
-    Iterate,
-    LocalModel,
     PiecewiseMap,
     Toy,
     ToyPieces,
@@ -23,6 +21,8 @@ from woodpecker import (
     from_sympy,
     local_model,
 )
+from woodpecker.maps import Iterate
+from woodpecker.slices import LocalModel
 
 WAYS = pytest.mark.parametrize("way", [pickled, copy.deepcopy])
 X = np.linspace(-2.4, 0.05, 20)

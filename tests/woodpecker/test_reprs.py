@@ -7,15 +7,15 @@ from pwmap import PiecewiseLinearMap, cycles, parameter_plane
 from woodpecker import (
     Settings,
     Toy,
-    borders_in,
-    cycle_near,
     from_sympy,
     return_map,
-    robustness,
     shoot,
     simulate,
     slices_at,
 )
+from woodpecker.robustness import smallest_changes
+from woodpecker.search.diagrams import cycle_near
+from woodpecker.slices import borders_in
 
 x, p = symbols("x p")
 LINES = from_sympy(Piecewise((x / 2 + p, x < 0), (x / 3 + p - 1, True)), x, p, words=["L", "R"])
@@ -56,8 +56,8 @@ def test_a_result_in_a_line(found: object, shown: str) -> None:
 
 def test_robustness_in_a_line() -> None:
     toy = Toy()
-    assert repr(robustness(toy, shoot(toy, -0.53), ["mu_2"])) == (
-        "Robustness(PD at 3.497 %, the multiplier is -1; 2 troubles, 0 harmless, 2 limits)"
+    assert repr(smallest_changes(toy, shoot(toy, -0.53), ["mu_2"])) == (
+        "Robustness(PD at 3.497 %, the multiplier is -1; 2 critical changes, 0 harmless, 2 limits)"
     )
 
 

@@ -18,16 +18,15 @@ from needs import NEEDS_NUMBA
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
 from woodpecker.base.executors import Serial
 from woodpecker.base.settings import Settings
-from woodpecker.continued import continuation
+from woodpecker.diagrams import continuation
 from woodpecker.maps.pieces import Image, Piece
-from woodpecker.mechanics.toy import Toy
+from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.runs import OUT_OF_DOMAIN
 from woodpecker.search.explorer import Explorer
 from woodpecker.search.tasks import Worker
 from woodpecker.shooting import shoot
 from woodpecker.slices.orbits import Orbit
 from woodpecker.toy_map import ToyPieces
-from woodpecker.window import WINDOW
 
 MASSES, INERTIAS = ("m_m", "m_s"), ("j_m", "j_s")
 LENGTHS = ("r_0", "r_m", "h_m", "l_m", "l_g", "h_s", "l_s")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from pwmap.diagrams.diagram import PointKind
-from woodpecker.continued import continuation
+from woodpecker.diagrams import continuation
 from woodpecker.maps.iterates import Iterate
 from woodpecker.mechanics.equations import equilibrium
 from woodpecker.mechanics.toy import Toy
@@ -16,7 +16,7 @@ from woodpecker.shooting import DEFAULT, ShootingStatus, periodic_orbit, shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.simulation.status import Status
 from woodpecker.slices.orbits import Orbit, orbit_of
-from woodpecker.toy_map import ToyPieces
+from woodpecker.toy_map import Mapped, ToyPieces
 
 TOY = Toy()
 CYCLE = "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"  # of the stable motion at eps_n1 = 0.5
@@ -167,7 +167,8 @@ def test_a_solution_without_a_finite_slope_is_no_success() -> None:
     """Whatever makes it so: a multiplier that is nan says nothing of stability."""
     (image,) = orbit_of([ToyPieces(TOY).at(-0.53, 0.5).piece], np.array([-0.53]), 0.5).images
     nowhere = image._replace(value=-0.53, slope=math.nan)
-    orbit = periodic_orbit(TOY, Orbit(np.array([-0.53]), 0.5, (nowhere,)), DEFAULT)
+    mapped = Mapped(TOY, ToyPieces(TOY), 0.5)
+    orbit = periodic_orbit(mapped, Orbit(np.array([-0.53]), 0.5, (nowhere,)), DEFAULT)
     assert (orbit.status, orbit.success) == (ShootingStatus.NO_SLOPE, False)
     assert orbit.message == "the returns close, but the return map has no finite slope here: nan"
 

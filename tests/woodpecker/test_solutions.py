@@ -7,13 +7,12 @@ import pytest
 from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, Diagram
-from woodpecker.continued import continuation
-from woodpecker.diagram import bifurcation_diagram
+from woodpecker.branches import solutions
+from woodpecker.diagrams import bifurcation_diagram, continuation
 from woodpecker.mechanics.toy import Toy
 from woodpecker.search.search import Search
 from woodpecker.shooting import shoot
 from woodpecker.simulation.returns import first_return
-from woodpecker.solutions import solutions
 
 TOY = Toy()
 

@@ -9,9 +9,9 @@ import pytest
 from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
-from woodpecker import BranchState
-from woodpecker.continued import continuation
+from woodpecker.diagrams import continuation
 from woodpecker.mechanics.toy import Toy
+from woodpecker.search import BranchState
 from woodpecker.shooting import PeriodicOrbit, shoot
 
 ASKED = "stopped as asked"

@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from maps import everything
 from needs import NEEDS_NUMBA
 from same import differences
 from sympy import Piecewise, Symbol
@@ -15,16 +16,15 @@ from woodpecker import (
     Settings,
     Toy,
     continuation,
-    curve_through,
-    family_from_sympy,
+    curve_in_two,
     load_diagram,
     observables,
     return_map,
     shoot,
     simulate,
     solutions,
-    whole_diagram,
 )
+from woodpecker.plane import family_from_sympy
 
 
 def test_returns() -> None:
@@ -66,9 +66,11 @@ def test_a_curve_of_two_parameters() -> None:
     x, r, a = Symbol("x"), Symbol("r"), Symbol("a")
     family = family_from_sympy(Piecewise((r - 2, x < 0), (r - a * x, True)), x, (r, a))
     settings = Settings(window=(-20.0, 20.0), span=(-1.0, 1.0))
-    found = whole_diagram(family.over(0, (0.0, 1.25)), settings, (1,)).diagram
+    found = everything(family.over(0, (0.0, 1.25)), settings, (1,)).diagram
     (met,) = (p for p in found.points if p.kind == "FF")
-    curve = curve_through(family, met, 1.25, span=((-1.0, 1.0), (1.1, 2.0)), settings=settings)
+    curve = curve_in_two(
+        family, met, family.names, ((-1.0, 1.0), (1.1, 2.0)), value=1.25, settings=settings
+    )
     frame = curve.to_dataframe()
     assert list(frame.columns)[:3] == [*curve.names, "x_0"]
     assert len(frame) == len(curve)
@@ -89,11 +91,11 @@ stable = frame[frame.stable][["mu_2", "period", "drop"]]
 """
 OWN_MAP = """
 from pwmap.plot import plot_diagram
-from woodpecker import FormulaMap, FormulaPiece, Settings, Smooth, load_diagram, whole_diagram
+from woodpecker import FormulaMap, FormulaPiece, Smooth, bifurcation_diagram, load_diagram
 low = FormulaPiece("low", Smooth(lambda x, p: p - 2), {"x is 0": Smooth(lambda x, p: -x)})
 high = FormulaPiece("high", Smooth(lambda x, p: p - 1.25*x), {"x is 0": Smooth(lambda x, p: x)})
-settings = Settings(span=(-0.5, 1.5), window=(-3.0, 3.0))
-found = whole_diagram(FormulaMap([low, high]), settings, orders=(1, 2)).diagram
+own = FormulaMap([low, high])
+found = bifurcation_diagram(own, "p", (-0.5, 1.5), orders=(1, 2), window=(-3.0, 3.0))
 found.named({"A": (0.0, 0.0)}).save("own.json")
 plot_diagram(load_diagram("own.json"), words=True).figure.savefig("own.pdf")
 """

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import math
 
+from maps import everything
+
 from woodpecker import (
     ExpansionFriction,
     FormulaMap,
@@ -14,7 +16,6 @@ from woodpecker import (
     return_map,
     shoot,
     simulate,
-    whole_diagram,
 )
 
 
@@ -54,6 +55,6 @@ def test_maps_of_ones_own() -> None:
     assert repr(low) == "FormulaPiece('low', borders: x is 0)"
     assert "<td>high</td><td>none</td>" in map_._repr_html_()
     settings = Settings(span=(-0.5, 1.5), window=(-3.0, 3.0))
-    lines = repr(whole_diagram(map_, settings)).splitlines()
+    lines = repr(everything(map_, settings)).splitlines()
     assert lines[0] == "Found(Diagram(x over p: 3 branches in [-0.5, 1.5], 5 special points"
     assert lines[-1].endswith("evaluations)")

@@ -12,7 +12,7 @@ import sympy
 import pwmap
 import woodpecker
 from pwmap.plot import plot_cobweb, plot_diagram, plot_map
-from woodpecker import Settings, Toy, ToyPieces, from_sympy
+from woodpecker import Settings, Toy, ToyPieces, from_sympy, shoot
 from woodpecker.plot.orbits import plot_orbits
 
 EXACT: Any = pwmap  # wrong types are the point here
@@ -20,21 +20,26 @@ API: Any = woodpecker
 DRAW: Any = (plot_diagram, plot_map, plot_cobweb, plot_orbits)
 X, P = sympy.symbols("x p")
 LINES = from_sympy(sympy.Piecewise((X / 2 + P, X < 0), (X / 3 + P - 1, True)), X, P)
+ORBIT = shoot(LINES, -1.0, p=-0.5)
 TOY, PAIR = Toy(), (0, 1)
 README = Path(__file__).parents[2] / "README.md"
 
 KINDS: dict[str, tuple[Callable[[], object], str]] = {
     "name": (lambda: API.continuation(TOY, "PD1", ("eps_n1", "mu_2"), (PAIR, PAIR)),
              r"the point itself, found by diagram\.point\('PD1'\)"),
-    "connected": (lambda: API.connected(LINES, -1.0, -0.5, PAIR), "settings must be"),
-    "whole": (lambda: API.whole_diagram(LINES, PAIR), "settings must be"),
+    "followed": (lambda: API.continuation(LINES, ORBIT, settings=PAIR), "settings must be"),
+    "whole": (lambda: API.bifurcation_diagram(LINES, settings=PAIR), "settings must be"),
+    "shot": (lambda: API.shoot(lambda x, p: x, 0.0, p=0.0), "a map must be one of pieces"),
+    "curve": (lambda: API.curve_in_two(LINES, "LP1", ("a", "b"), (PAIR, PAIR)),
+              "needs a toy, an exact map of two parameters or a family"),
     "slices": (lambda: API.slices_at(LINES, 0.5, (1,), PAIR), "settings must be"),
-    "borders": (lambda: API.borders_in(LINES, 0.5, (-1, 1), PAIR), "settings must be"),
+    "borders": (lambda: API.slices.borders_in(LINES, 0.5, (-1, 1), PAIR), "settings must be"),
     "local": (lambda: API.local_model(LINES, 0.0, 0.0, settings=PAIR), "settings must be"),
     "orbits": (lambda: API.orbit_diagram(LINES, [0.5], [0.2], (-3, 3), settings=PAIR),
                "settings must be"),
-    "unexplained": (lambda: API.unexplained(1, 2, LINES), "orbits must be woodpecker"),
-    "robustness": (lambda: API.robustness(TOY, "x"), "orbit must be woodpecker.PeriodicOrbit"),
+    "unexplained": (lambda: API.slices.unexplained(1, 2, LINES), "orbits must be woodpecker"),
+    "robustness": (lambda: API.robustness.smallest_changes(TOY, "x"),
+                   "orbit must be woodpecker.PeriodicOrbit"),
     "drawn orbits": (lambda: DRAW[3]("x"), "found must be woodpecker.OrbitDiagram, got 'x'"),
     "drawn diagram": (lambda: DRAW[0]("x"), r"diagram must be pwmap\.Diagram, got 'x'"),
     "drawn map": (lambda: DRAW[1]("x"), "expected a PiecewiseLinearMap"),
@@ -56,8 +61,8 @@ def test_what_is_of_another_kind_is_named(name: str) -> None:
 
 def test_settings_are_taken_where_they_are_settings() -> None:
     settings = Settings(span=(-1, 0), window=(-3, 3))
-    assert len(API.connected(LINES, -1.0, -0.5, settings).branches) == 1
-    assert API.borders_in(ToyPieces(TOY), 0.5, (-0.9, -0.8)) is not None
+    assert len(API.continuation(LINES, ORBIT, settings=settings).branches) == 1
+    assert API.slices.borders_in(ToyPieces(TOY), 0.5, (-0.9, -0.8)) is not None
 
 
 @pytest.mark.parametrize("api", [EXACT, API], ids=["pwmap", "woodpecker"])

@@ -82,12 +82,13 @@ class Settings:
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, connected, from_sympy
+    >>> from woodpecker import Settings, continuation, from_sympy, shoot
     >>> x, p = symbols("x p")
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
     >>> lines = from_sympy(formula, x, p, words=["L", "R"])
     >>> settings = Settings(span=(-1, 2), window=(-3, 3), max_step=0.2)
-    >>> [point.parameter for point in connected(lines, -1.0, -0.5, settings).points]
+    >>> diagram = continuation(lines, shoot(lines, -1.0, p=-0.5), settings=settings)
+    >>> [point.parameter for point in diagram.points]
     [-1.0, 0.0, 1.0, 2.0]
     """
 

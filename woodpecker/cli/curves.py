@@ -104,7 +104,7 @@ def _followed(
     spans: tuple[tuple[float, float], tuple[float, float]], results: Results,
 ) -> dict[str, Curve]:  # fmt: skip
     """Curves by the names of their points; those that are finished, if Ctrl-C ends the search."""
-    from woodpecker import continuation
+    from woodpecker import curve_in_two
 
     found: dict[str, Curve] = {}
     refused: list[str] = []
@@ -112,7 +112,7 @@ def _followed(
         task = bar.add_task(", ".join(over), total=len(names))
         for name in names:
             try:
-                found[name] = continuation(toy, diagram.point(name), over, spans)
+                found[name] = curve_in_two(toy, diagram.point(name), over, spans)
             except ValueError as error:
                 refused.append(f"{name}: {error}")
             except KeyboardInterrupt:
@@ -142,7 +142,7 @@ def write_curves(found: dict[str, Curve], target: Path) -> None:
     from pwmap import write_graph
     from pwmap.diagrams.files import write_table
     from pwmap.diagrams.record import PROGRAM, attributes
-    from woodpecker import graph_of_curves
+    from woodpecker.plane import graph_of_curves
 
     first, second = next(iter(found.values())).names
     write_table(

@@ -14,14 +14,13 @@ from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.help import option
 from woodpecker.cli.options import GUESS, Out, Window, motion, progress
 from woodpecker.cli.results import INTERRUPTED, Results, results_in
-from woodpecker.mechanics.toy import Toy, known_parameter
-from woodpecker.window import WINDOW
+from woodpecker.mechanics.toy import WINDOW, Toy, known_parameter
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
     from pwmap import Diagram
-    from woodpecker import Found, Stage
+    from woodpecker.search import Found, Stage
 
 RUN = "run.jsonl"
 PAPER = "A=0.111,-0.884 B=0.29,-0.884 C=0.185,-0.757"
@@ -166,12 +165,12 @@ def _of_orders(
     toy: Toy, orders: list[int], parameter: str, workers: int | None, keep: dict[str, Any]
 ) -> _Search:
     """How to find everything in the window."""
-    from woodpecker import find_all
+    from woodpecker.diagrams import bifurcation_search
 
     span, window = keep["settings"].span, keep["settings"].window
 
     def search(show: _Show) -> _Searched:
-        everything = find_all(
+        everything = bifurcation_search(
             toy, parameter, span, orders, window, workers=workers, progress=show, **keep
         )
         return _Searched(everything.diagram, _summary(everything))
@@ -298,7 +297,7 @@ def places_of(text: str) -> dict[str, tuple[float, float] | str]:
 
 def _columns(text: str) -> tuple[str, ...]:
     """Names of observables."""
-    from woodpecker.solutions import known_observables
+    from woodpecker.branches import known_observables
 
     names = tuple(part.strip() for part in text.split(","))
     known_observables(names)

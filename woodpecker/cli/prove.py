@@ -43,8 +43,8 @@ def prove(
 
     Example: woodpecker prove --eps-n1 0.5 --out results
     """
-    from woodpecker import Undecided
     from woodpecker import prove as proved
+    from woodpecker.proofs import NotProved
 
     if span is not None and point:
         raise ValueError("either a span or a point can be proved, not both")
@@ -57,7 +57,7 @@ def prove(
                 certificate = _branch(toy, orbit, span)
             else:
                 certificate = proved(orbit)
-        except Undecided as answer:
+        except NotProved as answer:
             raise CommandError(f"undecided: {answer}") from None
         with results.tables(FILE) as folder:
             certificate.save(folder / FILE)

@@ -14,14 +14,14 @@ from woodpecker.cli.diagram import orders_of
 from woodpecker.cli.help import option
 from woodpecker.cli.options import Out, Window, progress
 from woodpecker.cli.results import Results, results_in
-from woodpecker.mechanics.toy import Toy
-from woodpecker.plane.survey import Survey
-from woodpecker.window import WINDOW
+from woodpecker.mechanics.toy import WINDOW, Toy
+from woodpecker.regions.survey import Survey
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from woodpecker import Curve, Regions
+    from woodpecker import Curve
+    from woodpecker.regions import Regions
 
 PICTURE, TABLES = "regions.png", ("regions.csv", "region_borders.csv")
 
@@ -46,8 +46,8 @@ def regions(
 
     Example: woodpecker regions --second-span 0.29 0.34 --window -0.9 -0.45
     """
-    from woodpecker import parameter_regions
     from woodpecker.plot.regions import plot_regions
+    from woodpecker.regions import parameter_regions
 
     (file,) = in_format((PICTURE,), picture_format(picture))
     first, second = two_of(parameters)

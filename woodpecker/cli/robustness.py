@@ -1,4 +1,4 @@
-"""The command ``woodpecker robustness``: how far trouble is from the periodic motion."""
+"""The command ``woodpecker robustness``: the smallest changes of the toy that end its motion."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from woodpecker.mechanics.toy import Toy
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from woodpecker import Limit, Robustness, Trouble
+    from woodpecker.robustness import Limit, Robustness, SmallestChange
 
 FILES = ("robustness.csv", "limits.csv")
 SHOWN = 5  # changes of a row that are printed, the largest; the table on disk has them all
@@ -35,21 +35,21 @@ def robustness(
 
     Example: woodpecker robustness --eps-n1 0.5 --out results
     """
-    from woodpecker import robustness as measured
+    from woodpecker.robustness import smallest_changes
 
     picture_format(format_)
     names = [name.strip() for name in parameters.split(",")] if parameters else None
     with results_in(out) as results:
-        found = measured(toy, motion(toy, phi_s), names)
+        found = smallest_changes(toy, motion(toy, phi_s), names)
         with results.tables(*FILES) as folder:
             _write(found, folder)
-        show(_troubles(found), _limits(found))
+        show(_critical(found), _limits(found))
 
 
 def _write(found: Robustness, target: Path) -> None:
     from pwmap.diagrams.files import write_table
 
-    rows = (*found.troubles, *found.harmless)
+    rows = (*found.critical, *found.harmless)
     names = list(rows[0].changes) if rows else []
     write_table(
         target / FILES[0],
@@ -72,13 +72,13 @@ def _write(found: Robustness, target: Path) -> None:
     )
 
 
-def _troubles(found: Robustness) -> Table:
+def _critical(found: Robustness) -> Table:
     from rich.table import Table
 
     table = Table(
         "what", "size", "largest changes", "confirmed", "evidence", title="All parameters at once"
     )
-    for row in (*found.troubles, *found.harmless):
+    for row in (*found.critical, *found.harmless):
         seen = "yes" if row.confirmed else "open"
         already = "" if row.stable else "; unstable before"
         what = f"{row.effect.value} ({row.kind}): {row.cause}{already}"
@@ -86,7 +86,7 @@ def _troubles(found: Robustness) -> Table:
     return table
 
 
-def _largest(row: Trouble) -> str:
+def _largest(row: SmallestChange) -> str:
     ordered = sorted(row.changes.items(), key=lambda item: -abs(item[1]))
     return ", ".join(f"{name} {value:+.3g} %" for name, value in ordered[:SHOWN])
 

@@ -24,7 +24,7 @@ NEAREST = min(DISTANCES)
 
 
 class Imaged(Protocol):
-    """What a piece of a map of the line makes of a point, see :class:`woodpecker.Image`."""
+    """What a piece of a map of the line makes of a point, see :class:`woodpecker.maps.Image`."""
 
     @property
     def value(self) -> float:
@@ -67,7 +67,7 @@ class OfLine(Protocol):
 
 
 class PieceOfLine(OfLine, Protocol):
-    """A piece of one, see :class:`woodpecker.Piece`."""
+    """A piece of one, see :class:`woodpecker.maps.Piece`."""
 
     @property
     def key(self) -> Hashable:

@@ -17,7 +17,6 @@ from pwmap import Branch, BranchKind, Diagram
 from pwmap.explore.diagrams import Shown, shown
 from woodpecker import (
     PeriodicOrbit,
-    Stage,
     Toy,
     ToyPieces,
     bifurcation_diagram,
@@ -28,6 +27,7 @@ from woodpecker import (
     shoot,
 )
 from woodpecker.explore.state import GUESS, PageState, home
+from woodpecker.search import Stage
 
 Floats = npt.NDArray[np.float64]
 

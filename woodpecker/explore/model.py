@@ -15,7 +15,6 @@ import numpy.typing as npt
 
 from woodpecker import (
     Event,
-    Impulse,
     PeriodicOrbit,
     Toy,
     Trajectory,
@@ -27,6 +26,7 @@ from woodpecker import (
 from woodpecker.explore.state import PageState
 from woodpecker.mechanics.modes import ContactState, mode_states
 from woodpecker.plot.curve import Detail, Link, MapSamples, refined
+from woodpecker.simulation import Impulse
 
 Floats = npt.NDArray[np.float64]
 Ints = npt.NDArray[np.int64]

@@ -1,1 +1,12 @@
-"""Piecewise-smooth maps of the line: from formulas, functions or pieces, and their iterates."""
+"""Maps of the line, made of smooth pieces: formulas of your own, of sympy and of pwmap.
+
+A map says at each point which piece it takes, with value, derivatives, and margins: functions that
+are positive inside of the piece, and of which one vanishes at its border (its distance, if x is
+measured along it). Whatever has a method ``at(x, p)`` that returns an :class:`Image` is a map.
+
+A name is loaded with what it needs when it is first used; ``__init__.pyi`` says where each is.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

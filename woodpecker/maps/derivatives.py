@@ -42,7 +42,8 @@ def check_derivatives(
 
     Examples
     --------
-    >>> from woodpecker import FormulaMap, FormulaPiece, Smooth, check_derivatives
+    >>> from woodpecker import FormulaMap, FormulaPiece, Smooth
+    >>> from woodpecker.maps import check_derivatives
     >>> wrong = Smooth(lambda x, p: p - x*x, dx=lambda x, p: -x, dp=lambda x, p: 1.0)
     >>> check_derivatives(FormulaMap([FormulaPiece("A", wrong, {})]), [(0.5, 0.2)])
     Traceback (most recent call last):

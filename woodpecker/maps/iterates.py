@@ -43,7 +43,8 @@ class Iterate:
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Iterate, from_sympy
+    >>> from woodpecker import from_sympy
+    >>> from woodpecker.maps import Iterate
     >>> x, p = symbols("x p")
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
     >>> lines = from_sympy(formula, x, p, words=["L", "R"])

@@ -127,7 +127,8 @@ class Piece(Protocol):
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Piece, from_sympy
+    >>> from woodpecker import from_sympy
+    >>> from woodpecker.maps import Piece
     >>> x, p = symbols("x p")
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
     >>> lines = from_sympy(formula, x, p, words=["L", "R"])

@@ -17,7 +17,7 @@ class Sweep(NamedTuple):
     Examples
     --------
     >>> import numpy as np
-    >>> from woodpecker import Sweep
+    >>> from woodpecker.maps import Sweep
     >>> x = np.array([-1.0, 2.0])
     >>> found = Sweep(value=abs(x), slope=np.sign(x))
     >>> found.slope.tolist()

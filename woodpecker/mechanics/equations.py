@@ -201,7 +201,8 @@ def free_frequency(toy: Toy) -> float:
 
     Examples
     --------
-    >>> from woodpecker import Toy, free_frequency
+    >>> from woodpecker import Toy
+    >>> from woodpecker.mechanics import free_frequency
     >>> print(f"{free_frequency(Toy()):.6f} Hz")
     72.908498 Hz
     """
@@ -241,7 +242,8 @@ def energy(toy: Toy, q: Any, u: Any) -> tuple[Any, Any]:
 
     Examples
     --------
-    >>> from woodpecker import Toy, energy
+    >>> from woodpecker import Toy
+    >>> from woodpecker.mechanics import energy
     >>> kinetic, potential = energy(Toy(), [0.0, -0.1, -0.5], [0.0, 0.0, 2.0])  # y, phi_M, phi_S
     >>> f"{1e6 * kinetic:.6f} {1e6 * potential:.6f}"  # micro-joule
     '3.425000 72.767500'

@@ -14,6 +14,7 @@ from pwmap.diagrams.shown import changed
 from woodpecker.base.shown import real, shown
 
 LAW = "expansion_friction"  # the one field of a toy that is no number
+WINDOW = (-2.5, -0.24)  # [rad], left of the band of centres: where cycles are looked for
 
 
 class Domain(Enum):

@@ -36,13 +36,17 @@ class PlaneStretch:
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, connected, curve_through, family_from_sympy
+    >>> from woodpecker import Settings, continuation, curve_in_two, shoot
+    >>> from woodpecker.plane import family_from_sympy
     >>> x, a, r = symbols("x a r")
     >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
     >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
     >>> settings = Settings(span=(-1, 1), window=(-4, 4))
-    >>> point = connected(family.over(0, (0.0, 1.25)), 0.2, 0.45, settings).points[0]
-    >>> curve = curve_through(family, point, 1.25, span=((-1, 1), (1.1, 2)), settings=settings)
+    >>> over = family.over(0, (0.0, 1.25))
+    >>> point = continuation(over, shoot(over, 0.2, p=0.45), settings=settings).points[0]
+    >>> curve = curve_in_two(
+    ...     family, point, ("r", "a"), ((-1, 1), (1.1, 2)), value=1.25, settings=settings
+    ... )
     >>> [(stretch.word, stretch.beyond) for stretch in curve.words]
     [('R', 'L')]
     """
@@ -76,18 +80,22 @@ class PlanePoint:
     status
         Whether it was located, or the curve was given up here.
     starts
-        Kinds of other curves that start here, for :func:`woodpecker.continuation` to follow.
+        Kinds of other curves that start here, for :func:`woodpecker.curve_in_two` to follow.
 
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, connected, curve_through, family_from_sympy
+    >>> from woodpecker import Settings, continuation, curve_in_two, shoot
+    >>> from woodpecker.plane import family_from_sympy
     >>> x, a, r = symbols("x a r")
     >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
     >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
     >>> settings = Settings(span=(-1, 1), window=(-4, 4))
-    >>> point = connected(family.over(0, (0.0, 1.25)), 0.2, 0.45, settings).points[0]
-    >>> curve = curve_through(family, point, 1.25, span=((-1, 1), (0.5, 2)), settings=settings)
+    >>> over = family.over(0, (0.0, 1.25))
+    >>> point = continuation(over, shoot(over, 0.2, p=0.45), settings=settings).points[0]
+    >>> curve = curve_in_two(
+    ...     family, point, ("r", "a"), ((-1, 1), (0.5, 2)), value=1.25, settings=settings
+    ... )
     >>> for each in curve.points:
     ...     print(each.kind.label, *(f"{value:.9f}" for value in each.values))
     end point 0.000000000 0.500000000
@@ -150,13 +158,17 @@ class Curve:
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, connected, curve_through, family_from_sympy
+    >>> from woodpecker import Settings, continuation, curve_in_two, shoot
+    >>> from woodpecker.plane import family_from_sympy
     >>> x, a, r = symbols("x a r")
     >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
     >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
     >>> settings = Settings(span=(-1, 1), window=(-4, 4))
-    >>> point = connected(family.over(0, (0.0, 1.25)), 0.2, 0.45, settings).points[0]
-    >>> curve = curve_through(family, point, 1.25, span=((-1, 1), (1.1, 2)), settings=settings)
+    >>> over = family.over(0, (0.0, 1.25))
+    >>> point = continuation(over, shoot(over, 0.2, p=0.45), settings=settings).points[0]
+    >>> curve = curve_in_two(
+    ...     family, point, ("r", "a"), ((-1, 1), (1.1, 2)), value=1.25, settings=settings
+    ... )
     >>> curve.names, [tuple(round(value, 9) for value in end.values) for end in curve.ends]
     (('r', 'a'), [(0.0, 1.1), (0.0, 2.0)])
     """

@@ -34,7 +34,7 @@ class Family(Protocol):
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Family, family_from_sympy
+    >>> from woodpecker.plane import Family, family_from_sympy
     >>> x, a, r = symbols("x a r")
     >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
     >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
@@ -97,7 +97,7 @@ class SymbolicFamily:
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import family_from_sympy
+    >>> from woodpecker.plane import family_from_sympy
     >>> x, p, q = symbols("x p q")
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - q, True))
     >>> family = family_from_sympy(formula, x, (p, q))
@@ -182,7 +182,7 @@ def family_from_sympy(
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import family_from_sympy
+    >>> from woodpecker.plane import family_from_sympy
     >>> x, a, r = symbols("x a r")
     >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
     >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
@@ -225,7 +225,7 @@ def family_from_pwmap(
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap
-    >>> from woodpecker import family_from_pwmap
+    >>> from woodpecker.plane import family_from_pwmap
     >>> p1 = PiecewiseLinearMap.from_sympy(
     ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
     ... )

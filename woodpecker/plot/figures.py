@@ -321,7 +321,8 @@ def plot_local(
     --------
     >>> from sympy import Piecewise, symbols
     >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
-    >>> from woodpecker import family_from_sympy, local_model
+    >>> from woodpecker import local_model
+    >>> from woodpecker.plane import family_from_sympy
     >>> from woodpecker.plot.figures import plot_local
     >>> x, a, r = symbols("x a r")
     >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))

@@ -15,9 +15,9 @@ from matplotlib.path import Path
 
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, new_axes, styled
 from pwmap.plot.palette import of_period
-from woodpecker.plane.census import Census
-from woodpecker.plane.regions import Region, Regions
 from woodpecker.plot.plane import draw_curve, label, line_handles
+from woodpecker.regions.census import Census
+from woodpecker.regions.regions import Region, Regions
 
 NO_STABLE = "#7f7f7f"  # no cycle is stable: the same shades of grey
 LIGHTEST, STEP = 0.28, 0.18  # part of the colour beside white: the more unstable cycles, the darker
@@ -33,7 +33,7 @@ def plot_regions(
     Parameters
     ----------
     regions
-        From :func:`woodpecker.parameter_regions`.
+        From :func:`woodpecker.regions.parameter_regions`.
     ax
         Where to draw; a new figure by default.
     legend
@@ -54,7 +54,9 @@ def plot_regions(
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, Survey, family_from_sympy, regions_of
+    >>> from woodpecker import Settings
+    >>> from woodpecker.plane import family_from_sympy
+    >>> from woodpecker.regions import Survey, regions_of
     >>> from woodpecker.plot.regions import plot_regions
     >>> x, a, r = symbols("x a r")
     >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))

@@ -1,1 +1,10 @@
-"""Computer-assisted proofs in ball arithmetic: certificates of periodic motions of the toy."""
+"""Proofs in ball arithmetic of what a computation has found; they need the extra ``proof``.
+
+A proof is a certificate, which other code with other arithmetic checks.
+
+A name is loaded with what it needs when it is first used; ``__init__.pyi`` says where each is.
+"""
+
+import lazy_loader
+
+__getattr__, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)

@@ -22,11 +22,11 @@ from typing import Any, NamedTuple
 from flint import arb, arb_poly, arb_series
 
 from woodpecker.mechanics.toy import Toy
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, decimal, fraction, number, rounded
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import VALUE, sign
 from woodpecker.proofs.model import BallToy
+from woodpecker.proofs.not_proved import NotProved
 from woodpecker.proofs.pieces import (
     Fractions,
     Route,
@@ -110,7 +110,7 @@ def marched(
 
     Raises
     ------
-    Undecided
+    NotProved
         Where it could not be followed; the sentence says at which value, and why.
     """
     walk = _Pieces(toy, parameter, span, [arb(x) for x in points])
@@ -159,7 +159,7 @@ class _Pieces:
             if fresh:
                 self._plan = [self._next_line()]
             piece = self._tried(self._plan[0])
-        except Undecided as reason:
+        except NotProved as reason:
             if self._plan:
                 self._divide(self._plan[0], str(reason))
             else:
@@ -203,14 +203,14 @@ class _Pieces:
             low, gap = last.low, 2 * last.length
         high = rounded(low + gap, PLACES)
         if gap > LEAP or high >= self._span.high:
-            raise Undecided(
+            raise NotProved(
                 f"the branch could be followed to {self._parameter} = {float(low):.12g} only: "
                 f"{reason}"
             )
         there = self._toy.replace(**{self._parameter: float(high)})
         found = shoot(there, float(self._points[0]), len(self._points))
         if not found.success:
-            raise Undecided(f"no cycle was found at {self._parameter} = {float(high):.12g}")
+            raise NotProved(f"no cycle was found at {self._parameter} = {float(high):.12g}")
         self.gaps.append(Fractions(low, high))
         self._points, self._curves, self._plan = [arb(x) for x in found.points], [], []
         self.at = high
@@ -287,20 +287,20 @@ class _Pieces:
             return self._accepted(planned)
         try:
             return self._accepted(planned._replace(plateaus=False))
-        except Undecided as reason:  # sharper where it can be had
+        except NotProved as reason:  # sharper where it can be had
             first = str(reason)
         try:
             return self._accepted(planned)
-        except Undecided as reason:
-            raise Undecided(MAY_FLIP if MAY_FLIP in (first, str(reason)) else str(reason)) from None
+        except NotProved as reason:
+            raise NotProved(MAY_FLIP if MAY_FLIP in (first, str(reason)) else str(reason)) from None
 
     def _accepted(self, planned: Planned) -> Tubes:
         piece = self._enclosed(planned)
         if planned.flips:
             if not sign(piece.turn):
-                raise Undecided("the multiplier may not be monotone")
+                raise NotProved("the multiplier may not be monotone")
         elif not sign(piece.multiplier + 1):
-            raise Undecided(MAY_FLIP)
+            raise NotProved(MAY_FLIP)
         return piece
 
     def _enclosed(self, planned: Planned) -> Tubes:
@@ -323,7 +323,7 @@ class _Pieces:
             if self._new(line) or joined(end_of(self.pieces[-1], 1), end_of(piece, -1)):
                 return piece
             radii = [max(r, 2 * need) for r, need in zip(radii, self._needs(piece), strict=True)]
-        raise Undecided("two parts side by side may not join")
+        raise NotProved("two parts side by side may not join")
 
     def _new(self, line: Route) -> bool:
         """Whether nothing is proved where a line begins."""
@@ -354,7 +354,7 @@ class _Pieces:
             a, b = max(found.low - width, -line.half), min(found.high + width, line.half)
             try:
                 self._tried(Planned(part_of(line, a, b), True))
-            except Undecided:
+            except NotProved:
                 width = width / 4
                 continue
             before, after = (
@@ -379,7 +379,7 @@ class _Pieces:
                     low = middle
                 else:
                     high = middle
-        except Undecided:
+        except NotProved:
             return None
         self._flip = line.at((low + high) / 2)
         return Fractions(low, high)

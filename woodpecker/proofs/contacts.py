@@ -15,10 +15,10 @@ from flint import arb
 from woodpecker.mechanics.cases import FORWARD, HOLD, REST
 from woodpecker.mechanics.contact_problems import one_contact_case
 from woodpecker.mechanics.modes import SIGN
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, ball
 from woodpecker.proofs.forms import box, sign
 from woodpecker.proofs.model import BallToy, sum_of
+from woodpecker.proofs.not_proved import NotProved
 
 Numbers = Sequence[Any]
 
@@ -58,7 +58,7 @@ def impulses_of(
 
     Raises
     ------
-    Undecided
+    NotProved
         Unless one index combination holds strictly and each other one is violated strictly.
     """
     low = floors if floors is not None else [ZERO] * len(contacts)
@@ -75,11 +75,11 @@ def only(candidates: Iterable[tuple[bool | None, Callable[[], Any]]], what: str)
     kept: Callable[[], Any] | None = None
     for holds, made in candidates:
         if holds is None or (holds and kept is not None):
-            raise Undecided(f"{what} is not decided")
+            raise NotProved(f"{what} is not decided")
         if holds:
             kept = made
     if kept is None:
-        raise Undecided(f"{what} has no solution")
+        raise NotProved(f"{what} has no solution")
     return kept()
 
 
@@ -182,7 +182,7 @@ def _combination(
 
 
 def _not_unique() -> BallPhase:
-    raise Undecided("the impulses of an impact are not unique")
+    raise NotProved("the impulses of an impact are not unique")
 
 
 def _momentum(model: BallToy, sleeve: int, free: Numbers) -> Numbers:

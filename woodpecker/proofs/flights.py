@@ -14,16 +14,16 @@ from typing import Any
 
 from flint import arb
 
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.forms import Form, box, sign
-from woodpecker.proofs.oscillator import Derivatives, Fired, Guard, shapes, zero
+from woodpecker.proofs.not_proved import NotProved
+from woodpecker.proofs.oscillator import Derivatives, Guard, ZeroCrossing, shapes, zero
 from woodpecker.proofs.stumpff import shape_balls
 
 LONGEST = 10.0  # of |kappa| t^2: half a swing; h need not fall beyond
 PARTS = 16  # of a flight, over each of which the slope of h is enclosed
 
 
-def landing(guard: Guard, guess: float) -> Fired | None:
+def landing(guard: Guard, guess: float) -> ZeroCrossing | None:
     """When a gap closes that has opened at rest; None if this is no short flight.
 
     Around the result h falls from h(0) >= 0 through zero once, so the gap is positive before, and
@@ -41,7 +41,7 @@ def landing(guard: Guard, guess: float) -> Fired | None:
 
     try:
         time, bracket = zero(at, over, guess, -1)
-    except Undecided:
+    except NotProved:
         return None
     if sign(4 * over(bracket, 1) + bracket * over(bracket, 2)) != -1:
         return None
@@ -50,7 +50,7 @@ def landing(guard: Guard, guess: float) -> Fired | None:
     parts = [low.union(high) for low, high in pairwise(ends)]
     if any(sign(over(part, 1)) != -1 for part in (bracket, *parts)):
         return None
-    return Fired(guard.code, time, bracket, lands=True)
+    return ZeroCrossing(guard.code, time, bracket, lands=True)
 
 
 def _height(jet: Any, kappa: Any, t: Any) -> Derivatives:

@@ -39,7 +39,6 @@ from woodpecker.mechanics.modes import (
     ContactState,
     watched,
 )
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, ball
 from woodpecker.proofs.contacts import impulses_of, only, rests, verdict
 from woodpecker.proofs.flights import landing
@@ -57,7 +56,8 @@ from woodpecker.proofs.motions import (
     slip,
     touch,
 )
-from woodpecker.proofs.oscillator import Fired, Guard, crossing, name_of
+from woodpecker.proofs.not_proved import NotProved
+from woodpecker.proofs.oscillator import Guard, ZeroCrossing, crossing, name_of
 from woodpecker.proofs.pausing import paused
 from woodpecker.proofs.taylor import Frame
 from woodpecker.simulation.codes import DETACH, IMPACT, REVERSAL, SLIP_START, STICK_START
@@ -84,12 +84,12 @@ def follow(model: BallToy, frame: Frame, curve: Sequence[Any], plateaus: bool = 
 
     Raises
     ------
-    Undecided
+    NotProved
         If more than one decision is open over the box, or one of another kind.
     """
     phi_s = start(frame, curve)
     if sign(model.limits[0] - phi_s) != 1:
-        raise Undecided("the beak may touch the pole at the start")
+        raise NotProved("the beak may touch the pole at the start")
     motion = BallState(
         [ZERO, model.limits[1], phi_s], [ZERO] * 3, ZERO, (OPEN, STICK, OPEN), [0, 2, 0]
     )
@@ -103,7 +103,7 @@ def follow(model: BallToy, frame: Frame, curve: Sequence[Any], plateaus: bool = 
             else:
                 todo.append(after)
         if len(current.log) > MOST_EVENTS:
-            raise Undecided("the toy does not return within so many events")
+            raise NotProved("the toy does not return within so many events")
     return sorted(found, key=lambda way: [-side for _, side in way.forks])
 
 
@@ -183,7 +183,7 @@ def _next(model: BallToy, motion: BallState, plateaus: bool) -> list[BallState]:
     guesses = {guard.code: _guess(guard) for guard in guards}
     first = min(guards, key=lambda guard: guesses[guard.code])
     if guesses[first.code] == math.inf:
-        raise Undecided("no event follows: the toy falls freely, or rests")
+        raise NotProved("no event follows: the toy falls freely, or rests")
     if plateaus and first.code < NORMAL and _let_go(motion, motion.states, first.code):
         others = [guard for guard in guards if guard is not first]
         found = paused(model, motion, first, others, guesses[first.code], _survives)
@@ -191,20 +191,20 @@ def _next(model: BallToy, motion: BallState, plateaus: bool) -> list[BallState]:
             return found
     fires = _fires(first, guesses[first.code])
     if motion.since > 0 and not box(fires.duration).lower() > motion.since:
-        raise Undecided("an event may follow at a plateau")
+        raise NotProved("an event may follow at a plateau")
     end = box(fires.duration).upper()
     if not end > 0:
-        raise Undecided("an event may lie in the past")
+        raise NotProved("an event may lie in the past")
     rivals = [guard for guard in guards if guard is not first and not _survives(guard, end)]
     if rivals:
         return _meeting(model, motion, first, fires, rivals, guesses)
     if not fires.lands and not _survives(first, fires.bracket.lower(), fires.bracket):
-        raise Undecided(f"{name_of(first.code)} may fire earlier")
+        raise NotProved(f"{name_of(first.code)} may fire earlier")
     return _arrive(model, _moved(model, motion, fires))
 
 
 def _meeting(
-    model: BallToy, motion: BallState, first: Guard, fires: Fired, rivals: list[Guard],
+    model: BallToy, motion: BallState, first: Guard, fires: ZeroCrossing, rivals: list[Guard],
     guesses: dict[int, float],
 ) -> list[BallState]:  # fmt: skip
     """Two gaps close nearly at once: both ways.
@@ -214,12 +214,12 @@ def _meeting(
     """
     second = rivals[0]
     if len(rivals) > 1 or first.code >= NORMAL or second.code >= NORMAL:
-        raise Undecided(f"{name_of(second.code)} may fire before {name_of(first.code)}")
+        raise NotProved(f"{name_of(second.code)} may fire before {name_of(first.code)}")
     other = crossing(second, guesses[second.code])
     span = fires.bracket.union(other.bracket)
     for guard in (first, second):
         if not _survives(guard, span.lower(), span):
-            raise Undecided(f"{name_of(guard.code)} may fire earlier")
+            raise NotProved(f"{name_of(guard.code)} may fire earlier")
     fork = OpenDecision(
         ForkKind.MEETING, second.at(fires.duration), (first.code + 1, second.code + 1)
     )
@@ -248,15 +248,15 @@ def _guess(guard: Guard) -> float:
     return float(first_root(max(0.0, f0), f1, f2, f3, kappa, omega, math.inf))
 
 
-def _fires(guard: Guard, guess: float) -> Fired:
+def _fires(guard: Guard, guess: float) -> ZeroCrossing:
     """When a guard fires."""
     if guard.code == SECTION:
         turns = crossing(guard, guess, falls=1)
         if not turns.bracket > 0:
-            raise Undecided("the bird may turn where the sleeve jams")
+            raise NotProved("the bird may turn where the sleeve jams")
         return turns
     if guard.code < NORMAL and guard.order == 1 and sign(guard.jet[1]) != 1:
-        raise Undecided("impacts may accumulate")
+        raise NotProved("impacts may accumulate")
     if guard.code < NORMAL and guard.order == 2:
         lands = landing(guard, guess)
         if lands is not None:
@@ -296,7 +296,7 @@ def _no_turn(guard: Guard, end: Any) -> bool:
     return False
 
 
-def _moved(model: BallToy, motion: BallState, fires: Fired) -> BallState:
+def _moved(model: BallToy, motion: BallState, fires: ZeroCrossing) -> BallState:
     """The motion at the end of a phase, before its event."""
     t, fired = fires.duration, fires.guard
     after = motion.copy()
@@ -344,13 +344,13 @@ def _strike(model: BallToy, motion: BallState, contacts: list[int]) -> list[Ball
     visible = sign(free[2 * contacts.index(striking)]) == -1
     approaches = not visible and motion.lands == striking and len(contacts) == 1
     if not visible and not approaches:
-        raise Undecided(f"contact {striking + 1} may only graze")
+        raise NotProved(f"contact {striking + 1} may only graze")
     first = impulses_of(model, contacts, free, None, approaches)
     floors = [_floor(model.equations.eps[i], first.impulses[2 * k]) for k, i in enumerate(contacts)]
     second = None
     if any(sign(floor) != 0 for floor in floors):
         if any(sign(floor) is None for floor in floors):
-            raise Undecided("an impact may store no impulse")
+            raise NotProved("an impact may store no impulse")
         second = impulses_of(model, contacts, first.velocities, floors, False)
     last = second or first
     for k, i in enumerate(contacts):
@@ -433,7 +433,7 @@ def _stays_or_leaves(
     mu = ball(model.equations.mu[i])
     friction = -mu if stay[i] == SLIP_POSITIVE else mu
     if sign(model.delassus[n][n] + friction * model.delassus[n][t]) != 1:
-        raise Undecided("a contact may be neither left nor held")
+        raise NotProved("a contact may be neither left nor held")
     force = _guard(model, motion, stay, NORMAL + i).jet[0]
     fork = OpenDecision(ForkKind.REST, force, (i + 1,))
     found = []
@@ -463,7 +463,7 @@ def _admissible(model: BallToy, motion: BallState, closed: set[int], trial: Stat
     if sum(state == STICK for state in trial) == 2:
         if rests(model, max(closed), motion.q[2] - motion.q[1]) is False:
             return False
-        raise Undecided("the toy may come to rest")
+        raise NotProved("the toy may come to rest")
     conditions: list[Any] = []
     for i in closed:
         if trial[i] == OPEN:

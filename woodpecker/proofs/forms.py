@@ -16,8 +16,8 @@ from typing import Any
 
 from flint import arb_poly, ctx
 
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, ball
+from woodpecker.proofs.not_proved import NotProved
 from woodpecker.proofs.taylor import Frame, Taylor, constant, cut, inverse
 
 ALONG: tuple[tuple[int, ...], ...] = ((), (0,), (1,), (0, 0), (0, 1), (1, 1))
@@ -147,10 +147,10 @@ def _polynomial(frame: Frame, coefficients: Sequence[Any], along_s: Any) -> Form
 
 
 def reciprocal(x: Any) -> Any:
-    """1 / x of a form or a ball; Undecided where x may vanish."""
+    """1 / x of a form or a ball; NotProved where x may vanish."""
     x = ball(x)
     if box(x).contains(0):
-        raise Undecided("a divisor may vanish")
+        raise NotProved("a divisor may vanish")
     if not isinstance(x, Form):
         return 1 / x
     over = inverse(x.near[VALUE])

@@ -28,9 +28,9 @@ from woodpecker.mechanics.equations import (
 )
 from woodpecker.mechanics.modes import OPEN, SIGN, SLIP_POSITIVE, STICK
 from woodpecker.mechanics.toy import ExpansionFriction, Toy, parameters
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ball
 from woodpecker.proofs.forms import varying
+from woodpecker.proofs.not_proved import NotProved
 from woodpecker.proofs.taylor import Frame
 
 Numbers = Sequence[Any]
@@ -247,9 +247,9 @@ def sum_of(terms: Any) -> Any:
 
 
 def solved(matrix: list[list[Any]], right: list[list[Any]]) -> list[list[Any]]:
-    """Solve a linear system of rationals; Undecided if it is singular."""
+    """Solve a linear system of rationals; NotProved if it is singular."""
     try:
         found: list[list[Any]] = fmpq_mat(matrix).solve(fmpq_mat(right)).tolist()
     except ZeroDivisionError:
-        raise Undecided("a contact problem is singular") from None
+        raise NotProved("a contact problem is singular") from None
     return found

@@ -8,11 +8,11 @@ from enum import Enum
 from typing import Any, NamedTuple
 
 from woodpecker.mechanics.modes import ANGLE
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO
 from woodpecker.proofs.forms import Form, sign
 from woodpecker.proofs.model import BallToy, Mode, State, sum_of
-from woodpecker.proofs.oscillator import Fired, stumpff
+from woodpecker.proofs.not_proved import NotProved
+from woodpecker.proofs.oscillator import ZeroCrossing, stumpff
 
 NO_GUARD = -1
 
@@ -59,7 +59,7 @@ class Way(NamedTuple):
     """
 
     word: str
-    fired: tuple[Fired, ...]
+    fired: tuple[ZeroCrossing, ...]
     image: Form
     period: Form
     drop: Form
@@ -107,7 +107,7 @@ class BallState:
     lands: int = NO_GUARD
     since: Any = ZERO
     codes: list[int] = field(default_factory=list)
-    log: list[Fired] = field(default_factory=list)
+    log: list[ZeroCrossing] = field(default_factory=list)
     forks: list[tuple[OpenDecision, int]] = field(default_factory=list)
 
     def copy(self) -> BallState:
@@ -153,8 +153,8 @@ def slip(model: BallToy, i: int, u: Sequence[Any]) -> Any:
 
 
 def direction_of_slip(model: BallToy, i: int, u: Sequence[Any]) -> int:
-    """Its sign; Undecided where it may slip or not."""
+    """Its sign; NotProved where it may slip or not."""
     found = sign(slip(model, i, u))
     if not found:
-        raise Undecided(f"contact {i + 1} may slip or not")
+        raise NotProved(f"contact {i + 1} may slip or not")
     return found

@@ -14,9 +14,9 @@ from typing import Any, NamedTuple
 from flint import arb, ctx
 
 from woodpecker.mechanics.modes import SECTION
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO
 from woodpecker.proofs.forms import ALONG, VALUE, Form, box, chained, sign
+from woodpecker.proofs.not_proved import NotProved
 from woodpecker.proofs.stumpff import shape_models, stumpff_balls, stumpff_models
 from woodpecker.proofs.taylor import Taylor, constant, inverse, thin
 
@@ -153,7 +153,7 @@ def _value(
             return kappa * (f2 * s[0] + f3 * s[1])
 
 
-class Fired(NamedTuple):
+class ZeroCrossing(NamedTuple):
     """The guard that ends a phase, the duration of the phase, and a bracket of it.
 
     In the bracket the guard crosses zero once from every start of the box, and its derivative has
@@ -195,15 +195,15 @@ def name_of(guard: int) -> str:
     return kind if guard == SECTION else f"{kind} {guard % 3 + 1}"
 
 
-def crossing(guard: Guard, guess: float, falls: int = -1) -> Fired:
+def crossing(guard: Guard, guess: float, falls: int = -1) -> ZeroCrossing:
     """When a guard crosses zero near a guess, with a derivative of the sign ``falls``.
 
     Raises
     ------
-    Undecided
+    NotProved
         If this could not be shown.
     """
-    return Fired(guard.code, *zero(guard.near, guard.over, guess, falls))
+    return ZeroCrossing(guard.code, *zero(guard.near, guard.over, guess, falls))
 
 
 def zero(
@@ -226,7 +226,7 @@ def zero(
     there = at(near)
     value, speed = there(0), there(1)
     if sign(speed) != falls:
-        raise Undecided("a guard may turn where it fires")
+        raise NotProved("a guard may turn where it fires")
     residual, head = value.box, near.parts[VALUE].head
     reach = (abs(residual / speed.box) * arb(1.5) + arb(2) ** (20 - ctx.prec)).upper()
     for _ in range(8):
@@ -234,11 +234,11 @@ def zero(
         bracket = head + arb(0, wide)
         slope = over(bracket, 1)
         if sign(slope) != falls:
-            raise Undecided("a guard may turn where it fires")
+            raise NotProved("a guard may turn where it fires")
         if abs(residual / slope) < reach:
             return _form(at, near, value, slope, arb(0, reach)), bracket
         reach = (reach * 2).upper()
-    raise Undecided("the time of an event has no enclosure")
+    raise NotProved("the time of an event has no enclosure")
 
 
 def _approximate(at: Callable[[Any], Derivatives], guess: float) -> Form:
@@ -250,7 +250,7 @@ def _approximate(at: Callable[[Any], Derivatives], guess: float) -> Form:
         there = at(t)
         value, speed = there(0).parts[VALUE], there(1).parts[VALUE]
         if speed.poly[0].contains(0):
-            raise Undecided("a guard turns where it fires")
+            raise NotProved("a guard turns where it fires")
         exact = [Taylor(frame, thin(part.poly, frame.terms), ZERO) for part in (value, speed)]
         step = exact[0] * inverse(exact[1])
         poly = thin(t.parts[VALUE].poly - step.poly, frame.terms)
@@ -261,7 +261,7 @@ def _approximate(at: Callable[[Any], Derivatives], guess: float) -> Form:
                 return t
         elif not step.poly[0].is_finite():
             break
-    raise Undecided("the time of an event has no enclosure")
+    raise NotProved("the time of an event has no enclosure")
 
 
 def _nothing(frame: Any) -> Sequence[Taylor]:

@@ -11,7 +11,6 @@ from woodpecker.mechanics.cases import REST
 from woodpecker.mechanics.contact_problems import UNSOLVED
 from woodpecker.mechanics.impacts import mark
 from woodpecker.mechanics.modes import ANGLE, NORMAL, OPEN, SIGN, SLIP_NEGATIVE, SLIP_POSITIVE
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, ball
 from woodpecker.proofs.contacts import impulses_of
 from woodpecker.proofs.forms import VALUE, Form, box, sign
@@ -26,7 +25,8 @@ from woodpecker.proofs.motions import (
     slip,
     touch,
 )
-from woodpecker.proofs.oscillator import Fired, Guard
+from woodpecker.proofs.not_proved import NotProved
+from woodpecker.proofs.oscillator import Guard, ZeroCrossing
 from woodpecker.proofs.plateaus import Landed, Plateau, effect
 from woodpecker.simulation.codes import DETACH, IMPACT
 
@@ -125,7 +125,7 @@ def paused(
                     place[k] = place[k] + term * (stretch * sliding.b[k])
         way.since = near.last
         span = pause.middle + (ZERO.union(near.sigma * side)).union(near.last)
-        way.log.append(Fired(first.code, first.jet[0] * ZERO + pause.middle, span, side))
+        way.log.append(ZeroCrossing(first.code, first.jet[0] * ZERO + pause.middle, span, side))
         struck = 64 * _mark(model, slide, i) + 8 * IMPACT + (1 << i)
         way.codes += [struck] if side == 1 else [struck, 8 * DETACH + (1 << i), struck]
         if decided is None:
@@ -161,7 +161,7 @@ def _slide(model: BallToy, i: int, u: Sequence[Any]) -> _Slide:
     ]
     speed = impulse[ANGLE[i]] * int(SIGN[i])
     if not speed > 0:
-        raise Undecided("a contact may be neither left nor held")
+        raise NotProved("a contact may be neither left nor held")
     return _Slide((states[0], states[1], states[2]), direction, [x / speed for x in impulse])
 
 
@@ -191,7 +191,7 @@ def _clear(
     j, free = ANGLE[i], model.mode(FREE)
     until = (pause.middle + landing.sigma.max(ZERO) * (side == 1)).upper()
     if any(guard.code >= NORMAL or not survives(guard, until) for guard in others):
-        raise Undecided("something may happen before a contact lands at a plateau")
+        raise NotProved("something may happen before a contact lands at a plateau")
     start_q, start_u = [box(x) for x in motion.q], [box(x) for x in motion.u]
     strikes = pause.middle + landing.sigma * side
     q, u = flown(free, start_q, start_u, strikes)
@@ -203,15 +203,15 @@ def _clear(
         for guard in others:
             k = guard.code
             if not (q[ANGLE[k]] - model.limits[k]) * int(SIGN[k]) > 0:
-                raise Undecided("something may happen while a contact lands at a plateau")
+                raise NotProved("something may happen while a contact lands at a plateau")
     seen += [_stopped(slide, u, j)]
     for velocities in seen:
         if direction_of_slip(model, i, velocities) != slide.direction:
-            raise Undecided(f"contact {i + 1} may slip or not")
+            raise NotProved(f"contact {i + 1} may slip or not")
         speed = velocities[j] * (model.levers[i] * int(SIGN[i]))
         approach = [speed, slip(model, i, velocities)]
         if impulses_of(model, [i], approach, None, True).cases[0] // 3 != REST:
-            raise Undecided("an impact is not decided")
+            raise NotProved("an impact is not decided")
 
 
 def _stopped(slide: _Slide, u: Sequence[Any], j: int) -> list[Any]:

@@ -18,12 +18,12 @@ from typing import Any, NamedTuple
 from flint import arb, arb_poly
 
 from woodpecker.mechanics.toy import Toy
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO, decimal, number
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import SP, SS, VALUE, Form, P, S
 from woodpecker.proofs.model import BallToy
 from woodpecker.proofs.motions import ForkKind, Way
+from woodpecker.proofs.not_proved import NotProved
 from woodpecker.proofs.taylor import Frame, Taylor, cut, inverse, thin
 
 ROOM = 0.7  # of a tube that may be filled: other arithmetic needs some room, too
@@ -177,12 +177,12 @@ def proved(
 
     Raises
     ------
-    Undecided
+    NotProved
         If that could not be shown.
     """
     ball, poly = arb(0, number(line.half).upper()), [number(c) for c in line.poly]
     if len(poly) > 1 and not arb_poly(poly).derivative()(ball) > 0:
-        raise Undecided("the parameter may turn round")
+        raise NotProved("the parameter may turn round")
     ways, misses, slopes = [], [], []
     for k, tube in enumerate(tubes):
         frame = Frame(arb(0, number(tube.radius).upper()), ball, terms, 6 if turns else 2)
@@ -190,9 +190,9 @@ def proved(
         curve = [number(c) for c in tube.curve]
         found = tuple(follow(model, frame, curve, plateaus))
         if any(fork.kind is ForkKind.MEETING for way in found for fork, _ in way.forks):
-            raise Undecided("the map may jump")
+            raise NotProved("the map may jump")
         if turns and len(found) > 1:
-            raise Undecided("the word may change")
+            raise NotProved("the word may change")
         following = _line(frame, tubes[(k + 1) % len(tubes)])
         misses.append(_hull([(way.image.parts[VALUE] - following).box for way in found]))
         slopes.append(_hull([way.image.parts[S].box for way in found]))
@@ -207,7 +207,7 @@ def proved(
 
 
 def _apart(tubes: Sequence[Tube], ball: Any) -> None:
-    """Undecided if the cycle in the tubes may be a shorter one that is passed several times."""
+    """NotProved if the cycle in the tubes may be a shorter one that is passed several times."""
     n = len(tubes)
 
     def meet(a: Tube, b: Tube) -> bool:
@@ -216,10 +216,10 @@ def _apart(tubes: Sequence[Tube], ball: Any) -> None:
 
     for period in range(1, n):
         if n % period == 0 and all(meet(tubes[k], tubes[(k + period) % n]) for k in range(n)):
-            raise Undecided(f"the cycle may be one of {period}, passed several times")
+            raise NotProved(f"the cycle may be one of {period}, passed several times")
 
 
-class TooNarrow(Undecided):
+class TooNarrow(NotProved):
     """What was found does not lie inside the tubes: balls for each point."""
 
     def __init__(self, off: Sequence[Any]) -> None:
@@ -228,10 +228,10 @@ class TooNarrow(Undecided):
 
 
 def around(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
-    """Solve s_(i+1) = e_i + slope_i s_i around a cycle; Undecided if the product may be 1."""
+    """Solve s_(i+1) = e_i + slope_i s_i around a cycle; NotProved if the product may be 1."""
     n, whole = len(e), 1 - _product(slopes)
     if whole.contains(0):
-        raise Undecided("the multiplier may be 1")
+        raise NotProved("the multiplier may be 1")
     found = []
     for i in range(n):
         total = ZERO

@@ -29,9 +29,9 @@ from typing import Any, NamedTuple
 
 from flint import arb, arb_poly
 
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import ZERO
 from woodpecker.proofs.forms import VALUE, Form, chained
+from woodpecker.proofs.not_proved import NotProved
 from woodpecker.proofs.stumpff import shape_balls, stumpff_balls
 from woodpecker.proofs.taylor import Taylor
 
@@ -134,12 +134,12 @@ class Plateau:
         """The solution of s_3(sigma) = eta; zero where eta is negative."""
         high = _root(eta.upper() * 7).upper()
         if not abs(self.kappa) * high**2 < LARGEST:
-            raise Undecided("a landing is too far from a plateau")
+            raise NotProved("a landing is too far from a plateau")
         c3 = shape_balls(self.kappa * ZERO.union(high) ** 2, 3)[3]
         low = _root(eta.lower() / c3.upper()).lower()
         most = _root(eta.upper() / c3.lower()).upper()
         if most > high:
-            raise Undecided("a landing at a plateau has no enclosure")
+            raise NotProved("a landing at a plateau has no enclosure")
         return low.union(most)
 
     def _slides(self, times: Any) -> list[Any]:
@@ -157,15 +157,15 @@ class Plateau:
         turn_2, turn_3 = n[3] - 2 * n[4], n[4] - 3 * n[5]
         curl = self.kappa * sigma**2 * reach
         if not c1 * turn_2 * curl - c * (n[3] + turn_3 * x) < 0:
-            raise Undecided("a contact may not land again")
+            raise NotProved("a contact may not land again")
         h = sigma * AGAIN
         n = shape_balls(self.kappa * h**2, 3)
         z = c1 * n[2] / (c * n[3])
         if not AGAIN.contains_interior(z):
-            raise Undecided("a contact may not land again")
+            raise NotProved("a contact may not land again")
         approach, force = c1 * n[1] - c * z * n[2], c1 * n[0] - c * z * n[1]
         if not (approach < 0 and force < 0):
-            raise Undecided("a contact may not land again for good")
+            raise NotProved("a contact may not land again for good")
         return z, sigma * z
 
 
@@ -193,7 +193,7 @@ def effect(eta: Form, on_curve: SmallTerm, near: SmallTerm) -> Form:
     """A small term as a form; it has no second derivatives."""
     frame = eta.parts[VALUE].frame
     if len(eta.parts) > 3:
-        raise Undecided("a return is once differentiable only where a contact lands at a plateau")
+        raise NotProved("a return is once differentiable only where a contact lands at a plateau")
 
     def wide(ball: Any) -> Taylor:
         return Taylor(frame, arb_poly([ball.mid()]), ball - ball.mid())

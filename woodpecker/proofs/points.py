@@ -21,12 +21,12 @@ from typing import Any
 from flint import arb
 
 from woodpecker.mechanics.toy import Toy
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs.balls import decimal, number
 from woodpecker.proofs.following import follow
 from woodpecker.proofs.forms import Form, P, S, sign
 from woodpecker.proofs.model import BallToy
 from woodpecker.proofs.motions import ForkKind, OpenDecision, Way
+from woodpecker.proofs.not_proved import NotProved
 from woodpecker.proofs.taylor import Frame
 
 FIRST, SHRINK, LAST = Fraction(1, 10**11), 10**6, Fraction(1, 10**25)  # radii of the boxes
@@ -79,7 +79,7 @@ def proved_point(toy: Toy, parameter: str, p: float, x: float) -> ProvedPoint:
 
     Raises
     ------
-    Undecided
+    NotProved
         If it is none at a jump where two gaps close at once, or something could not be shown.
     """
     at_p, at_x, radius = Fraction(p), Fraction(x), FIRST
@@ -93,7 +93,7 @@ def proved_point(toy: Toy, parameter: str, p: float, x: float) -> ProvedPoint:
         at_p = decimal(number(at_p) + moved_p, DECIMALS)
         radius = max(radius / SHRINK, LAST)
     if not (abs(moved_x) < number(radius) and abs(moved_p) < number(radius)):
-        raise Undecided("the point could not be enclosed")
+        raise NotProved("the point could not be enclosed")
     return _classified(toy, parameter, at_x, at_p, radius, ways, own, fork, (moved_x, moved_p))
 
 
@@ -106,7 +106,7 @@ def _both(
     model = BallToy.of(toy, parameter, frame, [number(p), arb(1)])
     found = follow(model, frame, [number(x)])
     if len(found) != 2 or found[0].forks[0][0].kind is not ForkKind.MEETING:
-        raise Undecided("no two gaps close at once here")
+        raise NotProved("no two gaps close at once here")
     return (found[0], found[1]), found[0].forks[0][0]
 
 
@@ -124,7 +124,7 @@ def _krawczyk(image: Form, border: Form, x: Fraction, radius: Fraction) -> tuple
     (a, b), (c, d) = ([entry.mid() for entry in row] for row in jacobian)
     determinant = a * d - b * c
     if determinant.contains(0):
-        raise Undecided("the point may be degenerate")
+        raise NotProved("the point may be degenerate")
     inverse = [[d / determinant, -b / determinant], [-c / determinant, a / determinant]]
     ball = arb(0, number(radius).upper())
     found = []
@@ -147,7 +147,7 @@ def _classified(
     border, image, limit = fork.comparator, ways[own].image, ways[1 - own].image.box
     along = sign(border.parts[S].box)
     if not along:
-        raise Undecided("the border may turn")
+        raise NotProved("the border may turn")
     side = along if own == 0 else -along
     slope = image.parts[S].box
     moves = -border.parts[P].box / border.parts[S].box  # of the border in p
@@ -155,7 +155,7 @@ def _classified(
     gap = sign(limit - found_x)
     stays, steep = sign(1 - slope), sign(abs(slope) - 1)
     if not (sign(speed) and gap and stays and steep):
-        raise Undecided("the kind of the point is open")
+        raise NotProved("the kind of the point is open")
     fold = side * stays == -gap
     slopes = tuple(way.image.parts[S].box for way in ways)
     return ProvedPoint(

@@ -13,7 +13,6 @@ from flint import arb
 from pwmap.diagrams.diagram import Branch, BranchKind, PointKind, SpecialPoint
 from woodpecker.base.executors import processes
 from woodpecker.mechanics.toy import Toy
-from woodpecker.not_proved import Undecided
 from woodpecker.proofs import certificates
 from woodpecker.proofs.branches import (
     PieceEnd,
@@ -26,6 +25,7 @@ from woodpecker.proofs.branches import (
 from woodpecker.proofs.certificates import Certificate
 from woodpecker.proofs.forms import precision
 from woodpecker.proofs.model import rational
+from woodpecker.proofs.not_proved import NotProved
 from woodpecker.proofs.pieces import Fractions, Route, Tube, curves_near, proved
 from woodpecker.proofs.points import proved_point
 from woodpecker.shooting import PeriodicOrbit, shoot
@@ -53,7 +53,7 @@ def prove_orbit(orbit: PeriodicOrbit) -> Certificate:
             try:
                 outer = proved(toy, AT, line, [Tube(curve, radius) for curve in curves])
                 break
-            except Undecided:
+            except NotProved:
                 continue
         return certificates.of_orbit(toy, AT, outer, inner, DIGITS["orbit"])
 
@@ -82,7 +82,7 @@ def prove_branch(
     for before, after in pairwise(parts):
         if not joined(before.high, after.low):
             at = f"{parameter} = {float(after.low.p):.12g}"
-            raise Undecided(f"two parts may hold different cycles at {at}")
+            raise NotProved(f"two parts may hold different cycles at {at}")
     return certificates.merged([part.certificate for part in parts])
 
 
@@ -108,7 +108,7 @@ def _starts(
             if orbit.success:
                 x = orbit.phi_s
         if not orbit.success:
-            raise Undecided(f"no cycle was found at {parameter} = {p}: {orbit.message}")
+            raise NotProved(f"no cycle was found at {parameter} = {p}: {orbit.message}")
         found.append(orbit.points[: orbit.minimal_period])
         at = p
     return found

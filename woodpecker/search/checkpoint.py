@@ -44,7 +44,9 @@ class Record:
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Record, Search, Settings, from_sympy, whole_diagram
+    >>> from woodpecker import Search, Settings, from_sympy
+    >>> from woodpecker.search.diagrams import whole_diagram
+    >>> from woodpecker.search import Record
     >>> x, p = symbols("x p")
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
     >>> lines = from_sympy(formula, x, p, words=["L", "R"])

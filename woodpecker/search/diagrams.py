@@ -46,7 +46,8 @@ class Found:
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Search, Settings, whole_diagram, from_sympy
+    >>> from woodpecker import Search, Settings, from_sympy
+    >>> from woodpecker.search.diagrams import whole_diagram
     >>> x, p = symbols("x p")
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
     >>> lines = from_sympy(formula, x, p, words=["L", "R"])
@@ -100,7 +101,8 @@ def cycle_near(map_: PiecewiseMap, x: npt.ArrayLike, p: float, settings: Setting
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, cycle_near, from_sympy
+    >>> from woodpecker import Settings, from_sympy
+    >>> from woodpecker.search.diagrams import cycle_near
     >>> x, p = symbols("x p")
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
     >>> lines = from_sympy(formula, x, p, words=["L", "R"])
@@ -174,7 +176,8 @@ def connected(
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, connected, from_sympy
+    >>> from woodpecker import Settings, from_sympy
+    >>> from woodpecker.search.diagrams import connected
     >>> x, p = symbols("x p")
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
     >>> lines = from_sympy(formula, x, p, words=["L", "R"])
@@ -273,7 +276,8 @@ def whole_diagram(
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Search, Settings, whole_diagram, from_sympy
+    >>> from woodpecker import Search, Settings, from_sympy
+    >>> from woodpecker.search.diagrams import whole_diagram
     >>> x, p = symbols("x p")
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
     >>> lines = from_sympy(formula, x, p, words=["L", "R"])

@@ -45,7 +45,9 @@ class Stage(NamedTuple):
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Search, Settings, Stage, whole_diagram, from_sympy
+    >>> from woodpecker import Search, Settings, from_sympy
+    >>> from woodpecker.search.diagrams import whole_diagram
+    >>> from woodpecker.search import Stage
     >>> x, p = symbols("x p")
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
     >>> lines = from_sympy(formula, x, p, words=["L", "R"])
@@ -87,7 +89,8 @@ class Seen(NamedTuple):
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Search, Settings, whole_diagram, from_sympy
+    >>> from woodpecker import Search, Settings, from_sympy
+    >>> from woodpecker.search.diagrams import whole_diagram
     >>> x, p = symbols("x p")
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
     >>> lines = from_sympy(formula, x, p, words=["L", "R"])

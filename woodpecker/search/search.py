@@ -45,13 +45,13 @@ class Search:
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Search, Settings, whole_diagram, from_sympy
+    >>> from woodpecker import Search, Settings, bifurcation_diagram, from_sympy
     >>> x, p = symbols("x p")
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
     >>> lines = from_sympy(formula, x, p, words=["L", "R"])
     >>> settings = Settings(span=(-1, 2), window=(-3, 3))
-    >>> found = whole_diagram(lines, settings, search=Search(slices=4))
-    >>> [str(branch.kind) for branch in found.diagram.branches]
+    >>> diagram = bifurcation_diagram(lines, settings=settings, search=Search(slices=4))
+    >>> [str(branch.kind) for branch in diagram.branches]
     ['fixed-point', 'jump', 'fixed-point']
     """
 

@@ -46,6 +46,7 @@ class Status(Enum):
     CONTACT_AMBIGUOUS = "a contact problem has several solutions"
     NEVER_JAMS = "the sleeve cannot jam at any angle, mu_2 is too small: the toy never returns"
     OVERFLOW = "the motion leaves the numbers that double precision can hold"
+    NO_IMAGE = "the map has no value at a point on the way"
 
     @property
     def success(self) -> bool:

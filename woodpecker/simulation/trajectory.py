@@ -384,7 +384,8 @@ class EnergyBalance:
 
     Examples
     --------
-    >>> from woodpecker import Toy, energy_balance, simulate
+    >>> from woodpecker import Toy, simulate
+    >>> from woodpecker.simulation import energy_balance
     >>> balance = energy_balance(simulate(Toy(), -0.53, t_end=0.1))
     >>> f"{1e6 * balance.friction:.4f} {1e6 * balance.impacts:.4f}"  # micro-joule, lost
     '83.2612 125.1273'
@@ -429,7 +430,8 @@ def energy_balance(trajectory: Trajectory) -> EnergyBalance:
 
     Examples
     --------
-    >>> from woodpecker import Toy, energy_balance, simulate
+    >>> from woodpecker import Toy, simulate
+    >>> from woodpecker.simulation import energy_balance
     >>> balance = energy_balance(simulate(Toy(), -0.53, t_end=0.1))
     >>> f"{1e6 * balance.friction:.4f} {1e6 * balance.impacts:.4f}"  # micro-joule, lost
     '83.2612 125.1273'

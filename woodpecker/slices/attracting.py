@@ -33,7 +33,8 @@ class Swept(Protocol):
 
     Examples
     --------
-    >>> from woodpecker import Sweep, Swept
+    >>> from woodpecker.maps import Sweep
+    >>> from woodpecker.slices import Swept
     >>> def steepest(found: Swept) -> float:  # whatever has arrays of both will do
     ...     return float(max(abs(slope) for slope in found.slope))
     >>> steepest(Sweep(value=[0.5, 0.25], slope=[0.5, -1.25]))
@@ -56,7 +57,9 @@ class SweptMap(Protocol):
     Examples
     --------
     >>> import numpy as np
-    >>> from woodpecker import Sweep, SweptMap, orbit_diagram
+    >>> from woodpecker import orbit_diagram
+    >>> from woodpecker.maps import Sweep
+    >>> from woodpecker.slices import SweptMap
     >>> class Tent:
     ...     def sweep(self, x, p):
     ...         return Sweep(p * np.minimum(x, 1 - x), np.where(x < 0.5, p, -p))
@@ -309,12 +312,14 @@ def unexplained(
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, connected, orbit_diagram, unexplained, from_sympy
+    >>> from woodpecker import Settings, continuation, from_sympy, orbit_diagram, shoot
+    >>> from woodpecker.slices import unexplained
     >>> x, p = symbols("x p")
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
     >>> lines = from_sympy(formula, x, p, words=["L", "R"])
     >>> orbits = orbit_diagram(lines, [-0.5, 1.5], [0.3], (-3, 3), transient=100, keep=8)
-    >>> left = connected(lines, -1.0, -0.5, Settings(span=(-1, 0), window=(-3, 3)))  # ends at p = 0
+    >>> settings = Settings(span=(-1, 0), window=(-3, 3))  # all branches end at p = 0
+    >>> left = continuation(lines, shoot(lines, -1.0, p=-0.5), settings=settings)
     >>> [(orbit.p, orbit.period) for orbit in unexplained(orbits, left, lines)]
     [(1.5, 1)]
     """

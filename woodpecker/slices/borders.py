@@ -38,7 +38,8 @@ class BorderKind(Enum):
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, borders_in, from_sympy
+    >>> from woodpecker import Settings, from_sympy
+    >>> from woodpecker.slices import borders_in
     >>> x, p = symbols("x p")
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
     >>> lines = from_sympy(formula, x, p, words=["L", "R"])
@@ -73,7 +74,8 @@ class Border:
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import borders_in, from_sympy
+    >>> from woodpecker import from_sympy
+    >>> from woodpecker.slices import borders_in
     >>> x, p = symbols("x p")
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
     >>> lines = from_sympy(formula, x, p, words=["L", "R"])

@@ -48,7 +48,8 @@ class Start:
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import family_from_sympy, local_model
+    >>> from woodpecker import local_model
+    >>> from woodpecker.plane import family_from_sympy
     >>> x, a, r = symbols("x a r")
     >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
     >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
@@ -90,7 +91,8 @@ class LocalModel:
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import family_from_sympy, local_model
+    >>> from woodpecker import local_model
+    >>> from woodpecker.plane import family_from_sympy
     >>> x, a, r = symbols("x a r")
     >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
     >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
@@ -155,7 +157,7 @@ def local_model(
     ----------
     map_
         For instance :class:`woodpecker.ToyPieces`; of a cycle of P_n that collides,
-        :class:`woodpecker.Iterate`.
+        :class:`woodpecker.maps.Iterate`.
     x, p
         The collision, for instance a BC or FF point of a diagram. It is located anew, and lies
         within ``Settings.beside`` of these.

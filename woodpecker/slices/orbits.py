@@ -45,7 +45,8 @@ class Orbit:
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, cycle_near, from_sympy
+    >>> from woodpecker import Settings, from_sympy
+    >>> from woodpecker.search.diagrams import cycle_near
     >>> x, p = symbols("x p")
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
     >>> lines = from_sympy(formula, x, p, words=["L", "R"])

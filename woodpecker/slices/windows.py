@@ -22,7 +22,7 @@ def borders_in(
     """All borders of a map in a window of x, in ascending order.
 
     Each is the root of a margin, to rounding, and says what happens there
-    (:attr:`~woodpecker.Border.cause`).
+    (:attr:`~woodpecker.slices.Border.cause`).
 
     Parameters
     ----------
@@ -48,7 +48,8 @@ def borders_in(
 
     Examples
     --------
-    >>> from woodpecker import Toy, ToyPieces, borders_in
+    >>> from woodpecker import Toy, ToyPieces
+    >>> from woodpecker.slices import borders_in
     >>> for border in borders_in(ToyPieces(Toy(), "eps_n1"), 0.15, (-0.9, -0.88)):
     ...     print(f"{border.x:.9f} {border.jump:+.6f} {border.cause}")
     -0.884773344 +0.305658 the beak and the upper sleeve strike at once
@@ -90,7 +91,8 @@ def nearest_border(
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import nearest_border, from_sympy
+    >>> from woodpecker import from_sympy
+    >>> from woodpecker.slices import nearest_border
     >>> x, p = symbols("x p")
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
     >>> lines = from_sympy(formula, x, p, words=["L", "R"])
@@ -139,7 +141,8 @@ def crosses(border: Border) -> bool:
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import borders_in, crosses, from_sympy
+    >>> from woodpecker import from_sympy
+    >>> from woodpecker.slices import borders_in, crosses
     >>> x, p = symbols("x p")
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
     >>> lines = from_sympy(formula, x, p, words=["L", "R"])

@@ -10,20 +10,22 @@ from typing import Any
 
 import numpy as np
 import pytest
+from maps import two_lines
 
 from woodpecker.base.checks import interval, number, positive, real_array, whole
 from woodpecker.base.settings import Settings
-from woodpecker.continued import continuation
-from woodpecker.diagram import bifurcation_diagram
+from woodpecker.diagrams import bifurcation_diagram, continuation
 from woodpecker.maps.iterates import Iterate
 from woodpecker.mechanics.toy import Toy
+from woodpecker.returns import return_map
 from woodpecker.shooting import shoot
-from woodpecker.simulation.returns import first_return, return_map
+from woodpecker.simulation.returns import first_return
 from woodpecker.simulation.trajectory import simulate
 from woodpecker.toy_map import ToyPieces
 
 TOY = Toy()
 TWO = np.array([-0.5, -0.6])
+LINES = two_lines()
 
 
 @pytest.mark.parametrize(
@@ -85,7 +87,14 @@ REFUSED: list[tuple[Callable[[], Any], str]] = [
     (lambda: first_return(TOY, -0.5, np.True_), "order must be a whole number of at least 1"),
     (lambda: return_map(TOY, TWO + 0j), "phi_s must be real numbers, got array"),
     (lambda: return_map(TOY, ["-0.5"]), "phi_s must be real numbers, got"),
-    (lambda: shoot(TOY, TWO), "phi_s must be one real number, got array"),
+    (lambda: shoot(TOY, TWO + 0j), "guess must be real numbers, got array"),
+    (lambda: shoot(TOY, TWO, 3), "guess must have one point or 3, as order says, got array"),
+    (lambda: shoot(TOY, -0.5, p=0.5), r"a toy has its own values: toy\.replace\(eps_n1=0\.5\)"),
+    (lambda: shoot(LINES, -0.5), "p is needed: a map has no value of its parameter"),
+    (lambda: shoot(LINES, math.nan, p=0.5), "guess must be finite, got nan"),
+    (lambda: shoot(LINES, -0.5, p=math.inf), "p must be finite, got inf"),
+    (lambda: return_map(LINES, [-0.5]), "p is needed"),
+    (lambda: bifurcation_diagram(LINES), "needs a finite window"),
     (lambda: simulate(TOY, TWO, 0.1), "phi_s must be one real number, got array"),
     (lambda: simulate(TOY, -0.5, 0.1j), "t_end must be one real number, got 0.1j"),
     (lambda: simulate(TOY, -0.5, 0.1, samples=-5), "samples must be a whole number of at least 2"),

@@ -22,11 +22,12 @@ from typer.testing import CliRunner
 
 import woodpecker
 from pwmap.diagrams.shown import counted
-from woodpecker import Curve, Stage, Toy, load_diagram, return_map, saved_diagram
+from woodpecker import Curve, Toy, diagrams, load_diagram, return_map, saved_diagram
 from woodpecker.base import linking
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli import curves as curves_command
 from woodpecker.cli.app import app
+from woodpecker.search import Stage
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="asks /proc who is there")
 AT_ONCE = 2.0  # s, on a machine that has nothing else to do; busy ones take a multiple
@@ -240,7 +241,7 @@ def test_curves_that_are_finished_are_kept(tmp_path: Path, monkeypatch: pytest.M
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_curves_between_regions_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    search = woodpecker.parameter_regions
+    search = woodpecker.regions.parameter_regions
 
     def interrupted(*arguments: Any, progress: Callable[[Curve], None], **options: Any) -> Any:
         def show(curve: Curve) -> None:
@@ -285,7 +286,7 @@ def test_where_nothing_is_finished_nothing_is_left(
 def test_a_search_that_loses_a_process_keeps_what_is_finished(
     error: BaseException, status: int, said: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    search = woodpecker.find_all
+    search = diagrams.bifurcation_search
 
     def broken(*arguments: Any, **options: Any) -> Any:
         def show(stage: Stage) -> None:
@@ -294,7 +295,7 @@ def test_a_search_that_loses_a_process_keeps_what_is_finished(
 
         return search(*arguments, **options | {"progress": show, "workers": 1})
 
-    monkeypatch.setattr(woodpecker, "find_all", broken)
+    monkeypatch.setattr(diagrams, "bifurcation_search", broken)
     near = ("--orders", "1", "--span", "0.33", "0.4", "--window", "-1.2", "-0.7")
     result = CliRunner().invoke(app, ["diagram", *near, "--out", str(tmp_path)])
     assert result.exit_code == status

@@ -10,10 +10,10 @@ from needs import NEEDS_NUMBA
 from typer.testing import CliRunner
 
 from pwmap.plot.palette import of_period
-from woodpecker import Count
 from woodpecker.cli.app import app
 from woodpecker.cli.regions import PICTURE, TABLES
 from woodpecker.plot.regions import described, face
+from woodpecker.regions import Count
 
 BESIDE_THE_FLIP = (
     "regions", "--span", "0.6", "0.7", "--second-span", "0.298", "0.302", "--window", "-0.6",

@@ -6,18 +6,11 @@ import math
 
 import pytest
 from diagrams import JUMP, assert_curve, assert_graph, assert_places, chain, of_kind
-from maps import A, logistic, paper, two_lines
+from maps import A, continued, logistic, paper, two_lines
 
-from woodpecker import (
-    Iterate,
-    Settings,
-    Toy,
-    ToyPieces,
-    borders_in,
-    check_derivatives,
-    connected,
-    crosses,
-)
+from woodpecker import Settings, Toy, ToyPieces
+from woodpecker.maps import Iterate, check_derivatives
+from woodpecker.slices import borders_in, crosses
 
 NEAR = 1e-15  # a few roundings at 1
 
@@ -58,7 +51,7 @@ def test_borders_of_the_papers_second_iterate() -> None:
 def test_point_a_of_the_papers_second_iterate() -> None:
     """0 and r/a, the ends of its piece R | R, meet in A: the jump at r/a starts there."""
     settings = Settings(span=(-1.0, 3.0))
-    diagram = connected(Iterate(paper(), 2), 1.0 / (1.0 + A), 1.0, settings)
+    diagram = continued(Iterate(paper(), 2), 1.0 / (1.0 + A), 1.0, settings)
     assert_graph(diagram, chain("EP F FF J EP"))
     assert_places(diagram, {"FF": [(0.0, 0.0)], "EP": [(3.0, 3.0 / (1.0 + A)), (3.0, 3.0 / A)]})
     (jump,) = of_kind(diagram, JUMP)

@@ -7,21 +7,22 @@ from dataclasses import dataclass
 import networkx as nx
 import numpy as np
 import pytest
+from maps import continued, everything
 from sympy import Piecewise, Rational, exp, log, sqrt, symbols
 
 from woodpecker import (
     FormulaMap,
     Search,
     Settings,
-    check_derivatives,
-    connected,
-    cycle_near,
+    ShootingStatus,
     from_sympy,
     orbit_diagram,
-    unexplained,
-    whole_diagram,
+    shoot,
 )
+from woodpecker.maps import check_derivatives
 from woodpecker.maps.pieces import Image
+from woodpecker.search.diagrams import cycle_near
+from woodpecker.slices import unexplained
 
 x, p = symbols("x p")
 LINES = Piecewise((x / 2 + p, x < 0), (x / 3 + p - 1, True))
@@ -36,9 +37,14 @@ def lines_() -> FormulaMap:
 def test_a_virtual_cycle_is_refused(lines: FormulaMap, guess: float, at: float, found: str) -> None:
     """x/2 + p has the fixed point 2 p, which is its own for p < 0; the other one 3 (p - 1)/2."""
     settings = Settings(span=(-1, 1))
-    for call in (connected, cycle_near):
-        with pytest.raises(ValueError, match=f"a virtual one is found, at {found} the map takes"):
-            call(lines, guess, at, settings)
+    with pytest.raises(ValueError, match=f"a virtual one is found, at {found} the map takes"):
+        cycle_near(lines, guess, at, settings)
+
+
+def test_shooting_leaves_a_virtual_cycle_for_one_of_the_map(lines: FormulaMap) -> None:
+    """At 1/2 there is none, but a jump across the diagonal; at -1/2 there is that of x/2 + p."""
+    assert shoot(lines, -0.005, p=0.5).status is ShootingStatus.AT_JUMP
+    assert shoot(lines, 50.0, p=-0.5).points == (-1.0,)
 
 
 def test_a_cycle_right_at_a_border_is_none_that_is_virtual(lines: FormulaMap) -> None:
@@ -46,10 +52,10 @@ def test_a_cycle_right_at_a_border_is_none_that_is_virtual(lines: FormulaMap) ->
 
 
 def test_a_start_must_lie_in_span_and_window(lines: FormulaMap) -> None:
-    with pytest.raises(ValueError, match=r"span must hold the cycle, at -0.5, got \(0.0, 1.0\)"):
-        connected(lines, -1.0, -0.5, Settings(span=(0, 1)))
-    with pytest.raises(ValueError, match=r"window must hold the cycle, at -1, got \(0.0, 3.0\)"):
-        connected(lines, -1.0, -0.5, Settings(span=(-1, 1), window=(0, 3)))
+    with pytest.raises(ValueError, match=r"span must hold p = -0.5, got \(0.0, 1.0\)"):
+        continued(lines, -1.0, -0.5, Settings(span=(0, 1)))
+    with pytest.raises(ValueError, match=r"window must hold the orbit, x = -1, got \(0.0, 3.0\)"):
+        continued(lines, -1.0, -0.5, Settings(span=(-1, 1), window=(0, 3)))
 
 
 def test_coarse_samples_of_a_stable_branch_explain_settled_orbits() -> None:
@@ -57,7 +63,7 @@ def test_coarse_samples_of_a_stable_branch_explain_settled_orbits() -> None:
     ricker = from_sympy(p * x * exp(-x), x, p)
     places = np.linspace(1.01, 7.0, 200)
     settled = orbit_diagram(ricker, places, [0.5], (-1, 30), transient=3000, keep=64)
-    diagram = connected(
+    diagram = continued(
         ricker, float(log(2.0)), 2.0, Settings(span=(0.5, 7), window=(-1, 30)), orders=(1,)
     )
     assert unexplained(settled, diagram, ricker) == []
@@ -68,8 +74,8 @@ def test_cycles_that_are_born_at_a_kink_are_connected() -> None:
     """2 x/5 + p and p - 2 x: below 0 and above it one fixed point, and for p > 0 a 2-cycle."""
     kinked = from_sympy(Piecewise((2 * x / 5 + p, x < 0), (p - 2 * x, True)), x, p)
     settings = Settings(span=(-1, 1), window=(-3, 3))
-    diagram = connected(kinked, -1.0, -0.6, settings, orders=(1, 2))
-    whole = whole_diagram(kinked, settings, orders=(1, 2), search=Search(slices=8)).diagram
+    diagram = continued(kinked, -1.0, -0.6, settings, orders=(1, 2))
+    whole = everything(kinked, settings, orders=(1, 2), search=Search(slices=8)).diagram
     assert nx.number_connected_components(diagram.graph()) == 1
     assert [len(each.branches) for each in (diagram, whole)] == [4, 4]
     (upper, lower) = (b for b in diagram.branches if b.order == 2)
@@ -82,8 +88,8 @@ def test_cycles_that_are_born_at_a_square_root_are_connected() -> None:
     rooted = from_sympy(Piecewise((x / 2 + p, x < 0), (p - Rational(6, 5) * sqrt(x), True)), x, p)
     settings = Settings(span=(-1, 1), window=(-3, 3))
     orders = 1, 2, 3, 4
-    diagram = connected(rooted, -0.5, -0.25, settings, orders=orders)
-    whole = whole_diagram(rooted, settings, orders=orders, search=Search(slices=8)).diagram
+    diagram = continued(rooted, -0.5, -0.25, settings, orders=orders)
+    whole = everything(rooted, settings, orders=orders, search=Search(slices=8)).diagram
     ends = [
         sorted((b.order, *sorted(np.round(b.parameter[[0, -1]], 9))) for b in each.branches)
         for each in (diagram, whole)
@@ -132,7 +138,7 @@ class OwnMap:
 
 def test_numbers_of_numpy_are_numbers(lines: FormulaMap) -> None:
     settings, search = Settings(span=(-1, 2), window=(-3, 3)), Search(slices=4)
-    own, known = (whole_diagram(m, settings, search=search).diagram for m in (OwnMap(), lines))
+    own, known = (everything(m, settings, search=search).diagram for m in (OwnMap(), lines))
     assert [b.word for b in own.branches] == ["L", "L / R", "R"]
     assert [q.parameter for q in own.points] == [q.parameter for q in known.points]
 

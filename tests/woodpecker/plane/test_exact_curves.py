@@ -8,21 +8,19 @@ from fractions import Fraction
 import numpy as np
 import pytest
 import sympy
+from maps import everything
 
 from pwmap import PiecewiseLinearMap
 from pwmap.diagrams.diagram import SpecialPoint
-from woodpecker import (
-    BorderKind,
-    Curve,
+from woodpecker import Curve, Settings, curve_in_two
+from woodpecker.plane import (
     Family,
     PlaneKind,
-    Settings,
-    curve_through,
     family_from_pwmap,
     family_from_sympy,
     graph_of_curves,
-    whole_diagram,
 )
+from woodpecker.slices import BorderKind
 
 X, A, B, R, P, Q = sympy.symbols("x a b r p q")
 ROUNDED = 1e-12  # values are of size ten, equations are solved to some spacings of doubles
@@ -35,7 +33,7 @@ def points(
 ) -> list[SpecialPoint]:
     """The border collisions over the first parameter."""
     settings = replace(SETTINGS, span=span)
-    found = whole_diagram(family.over(0, values), settings, orders).diagram
+    found = everything(family.over(0, values), settings, orders).diagram
     return [point for point in found.points if point.kind in ("BC", "FF")]
 
 
@@ -49,7 +47,7 @@ def through(
         for point in points(family, at, span[0], tuple(range(1, order + 1)))
         if abs(point.parameter - parameter) < ROUNDED * 10 and point.order == order
     ]
-    return curve_through(family, met[0], at[1], span=span, settings=SETTINGS)
+    return curve_in_two(family, met[0], family.names, span, value=at[1], settings=SETTINGS)
 
 
 class TestPaper:
@@ -115,7 +113,9 @@ class TestPaper:
             if point.order == 3 and abs(point.x) < ROUNDED
         ]
         span = ((1.05, 3.0), (-1.0, 11.0))
-        other = curve_through(turned, point, float(first[0]), span=span, settings=SETTINGS)
+        other = curve_in_two(
+            turned, point, turned.names, span, value=float(first[0]), settings=SETTINGS
+        )
         a, r = other.values.T
         assert np.abs(r - 2.0 * a**2 / (a**2 - a + 1.0)).max() < ROUNDED * 10
 

@@ -9,8 +9,9 @@ import pytest
 import sympy
 
 from pwmap import PiecewiseLinearMap
-from woodpecker import Family, Toy, ToyFamily, ToyPieces, family_from_pwmap, family_from_sympy
+from woodpecker import Toy, ToyPieces
 from woodpecker.maps.symbolic import from_sympy
+from woodpecker.plane import Family, ToyFamily, family_from_pwmap, family_from_sympy
 
 X, P, Q = sympy.symbols("x p q")
 MAP = sympy.Piecewise((sympy.sin(P * X) + Q, X < P * Q), (Q * X - P**2, True))

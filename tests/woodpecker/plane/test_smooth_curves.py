@@ -7,9 +7,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import sympy
+from maps import everything
 
 from pwmap.diagrams.diagram import PointKind
-from woodpecker import Curve, PlaneKind, Settings, curve_through, family_from_sympy, whole_diagram
+from woodpecker import Curve, Settings, curve_in_two
+from woodpecker.plane import PlaneKind, family_from_sympy
 
 X, P, Q = sympy.symbols("x p q")
 SETTINGS = Settings(window=(-2.0, 2.0))
@@ -19,9 +21,9 @@ SPAN = ((-2.0, 2.0), (-2.0, 2.0))
 def curve(formula: sympy.Expr, second: float, kind: PointKind) -> Curve:
     """The curve through the first special point of a kind over p."""
     family = family_from_sympy(formula, X, (P, Q))
-    found = whole_diagram(family.over(0, (0.0, second)), replace(SETTINGS, span=SPAN[0])).diagram
+    found = everything(family.over(0, (0.0, second)), replace(SETTINGS, span=SPAN[0])).diagram
     (point, *_) = [each for each in found.points if each.kind is kind]
-    return curve_through(family, point, second, span=SPAN, settings=SETTINGS)
+    return curve_in_two(family, point, family.names, SPAN, value=second, settings=SETTINGS)
 
 
 def test_cusp() -> None:
@@ -60,23 +62,25 @@ def test_it_ends_at_the_window() -> None:
     """x^2 + p - q x: its folds lie at x = (1 + q)/2, which leaves a window."""
     family = family_from_sympy(X**2 + P - Q * X, X, (P, Q))
     narrow = Settings(window=(-0.25, 0.75))
-    found = whole_diagram(family.over(0, (0.0, 0.0)), replace(narrow, span=SPAN[0])).diagram
+    found = everything(family.over(0, (0.0, 0.0)), replace(narrow, span=SPAN[0])).diagram
     (fold,) = [each for each in found.points if each.kind is PointKind.LP]
-    met = curve_through(family, fold, 0.0, span=SPAN, settings=narrow)
+    met = curve_in_two(family, fold, family.names, SPAN, value=0.0, settings=narrow)
     assert sorted(float(each.x[0]) for each in met.ends) == pytest.approx([-0.25, 0.75], abs=1e-12)
     assert {each.cause for each in met.ends} == {"end of the window"}
 
 
 def test_what_has_no_curve() -> None:
     family = family_from_sympy(X**2 + P - Q * X, X, (P, Q))
-    found = whole_diagram(family.over(0, (0.0, 0.0)), replace(SETTINGS, span=SPAN[0])).diagram
+    found = everything(family.over(0, (0.0, 0.0)), replace(SETTINGS, span=SPAN[0])).diagram
     end = next(each for each in found.points if each.kind is PointKind.EP)
     fold = next(each for each in found.points if each.kind is PointKind.LP)
     with pytest.raises(ValueError, match="or at an end of the window, got EP"):
-        curve_through(family, end, 0.0, span=SPAN, settings=SETTINGS)
+        curve_in_two(family, end, family.names, SPAN, value=0.0, settings=SETTINGS)
     with pytest.raises(ValueError, match=r"there is no LP near p = 0\.25, x = 0\.5 at q = 1"):
-        curve_through(family, fold, 1.0, span=SPAN, settings=SETTINGS)
+        curve_in_two(family, fold, family.names, SPAN, value=1.0, settings=SETTINGS)
     with pytest.raises(ValueError, match=r"span must hold q = 0\.0, got \(1.0, 2.0\)"):
-        curve_through(family, fold, 0.0, span=(SPAN[0], (1.0, 2.0)), settings=SETTINGS)
+        curve_in_two(
+            family, fold, family.names, (SPAN[0], (1.0, 2.0)), value=0.0, settings=SETTINGS
+        )
     with pytest.raises(ValueError, match="needs a value of q"):
-        curve_through(family, fold, span=SPAN, settings=SETTINGS)
+        curve_in_two(family, fold, family.names, SPAN, settings=SETTINGS)

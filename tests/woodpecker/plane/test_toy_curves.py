@@ -9,7 +9,8 @@ import pytest
 from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import Diagram, PointKind
-from woodpecker import Curve, PlaneKind, Toy, ToyPieces, continuation, local_model, shoot
+from woodpecker import Curve, Toy, ToyPieces, continuation, curve_in_two, local_model, shoot
+from woodpecker.plane import PlaneKind
 from woodpecker.runs import DEFAULT
 
 pytestmark = [pytest.mark.slow, NEEDS_NUMBA]
@@ -30,7 +31,7 @@ def diagram() -> Diagram:
 @lru_cache
 def curve(name: str) -> Curve:
     """The curve of a point of that diagram."""
-    return continuation(Toy(), diagram().point(name), OVER, SPAN)
+    return curve_in_two(Toy(), diagram().point(name), OVER, SPAN)
 
 
 def test_it_passes_through_the_point_that_it_is_of() -> None:
@@ -84,7 +85,7 @@ def test_it_ends_where_the_span_does() -> None:
 def test_a_step_over_a_margin_that_dips_does_not_turn_back() -> None:
     """Near (0.152, 0.288) the word changes four times within a step of C, by one margin."""
     point = diagram().point("C")
-    found = continuation(Toy(), point, OVER, ((0.0, 1.0), (0.28, 0.36)))
+    found = curve_in_two(Toy(), point, OVER, ((0.0, 1.0), (0.28, 0.36)))
     assert abs(found.ends[0].values[0] - found.ends[1].values[0]) > 0.05
     closes = [each.values for each in found.points if each.kind is PlaneKind.JUMP_CLOSES]
     assert len(closes) == len(set(closes)) == 2
@@ -93,12 +94,12 @@ def test_a_step_over_a_margin_that_dips_does_not_turn_back() -> None:
 def test_flips_start_where_a_collision_has_the_multiplier_minus_one() -> None:
     found = curve("C")
     flip = next(point for point in found.points if PointKind.PD in point.starts)
-    flips = continuation(Toy(), flip, OVER, SPAN, kind="PD")
+    flips = curve_in_two(Toy(), flip, OVER, SPAN, kind="PD")
     assert flips.kind is PointKind.PD
     assert flips.values[0] == pytest.approx(flip.values, abs=CLOSE)
     assert np.nanmax(np.abs(flips.multipliers[1:, 0] + 1.0)) < 1e-6
     with pytest.raises(ValueError, match="kind must be one of PD"):
-        continuation(Toy(), flip, OVER, SPAN, kind="LP")
+        curve_in_two(Toy(), flip, OVER, SPAN, kind="LP")
 
 
 def test_a_fold_flip_becomes_a_collision_where_the_multiplier_passes_minus_one() -> None:
@@ -125,4 +126,4 @@ def test_wrong_arguments() -> None:
     with pytest.raises(TypeError, match="are for one parameter, not for two"):
         continuation(toy, point, OVER, SPAN, orders=(1,))  # type: ignore[call-overload]
     with pytest.raises(ValueError, match="there is no FF near eps_n1"):
-        continuation(toy.replace(c_phi=0.006), point, OVER, SPAN)
+        continuation(toy.replace(c_phi=0.006), point, OVER, SPAN)  # the same as curve_in_two

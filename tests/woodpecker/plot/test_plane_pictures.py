@@ -11,7 +11,8 @@ import sympy
 mpl.use("Agg")
 
 from pwmap.plot.labels import Labels
-from woodpecker import Curve, Settings, connected, curve_through, family_from_sympy
+from woodpecker import Curve, Settings, continuation, curve_in_two, shoot
+from woodpecker.plane import family_from_sympy
 from woodpecker.plot.plane import plot_curves
 
 
@@ -22,8 +23,11 @@ def curve() -> Curve:
     map_: Any = sympy.Piecewise((r - 2, x <= 0), (r - a * x, True))
     family = family_from_sympy(map_, x, (r, a), words=["L", "R"])
     settings = Settings(span=(-1, 1), window=(-4, 4))
-    point = connected(family.over(0, (0.0, 1.25)), 0.2, 0.45, settings).points[0]
-    return curve_through(family, point, 1.25, span=((-1, 1), (0.5, 2)), settings=settings)
+    over = family.over(0, (0.0, 1.25))
+    point = continuation(over, shoot(over, 0.2, p=0.45), settings=settings).points[0]
+    return curve_in_two(
+        family, point, family.names, ((-1, 1), (0.5, 2)), value=1.25, settings=settings
+    )
 
 
 def test_curves_and_points_have_the_names_of_the_table(curve: Curve) -> None:

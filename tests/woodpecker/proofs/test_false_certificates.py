@@ -15,11 +15,11 @@ pytest.importorskip("flint")
 from needs import NEEDS_NUMBA
 from tampering import moved
 
-from woodpecker import Toy, Undecided, prove, shoot
+from woodpecker import Toy, prove, shoot
 from woodpecker.checking.certificate import check
 from woodpecker.checking.intervals import I, unit
 from woodpecker.checking.pieces import Rejected, claimed
-from woodpecker.proofs import certificates
+from woodpecker.proofs import NotProved, certificates
 from woodpecker.proofs.branches import PieceEnd, joined
 from woodpecker.proofs.certificates import branch_sentence, orbit_sentence, point_sentence, sealed
 from woodpecker.proofs.forms import precision
@@ -196,7 +196,7 @@ def test_a_fixed_point_is_no_cycle_of_two() -> None:
     tube = Tube((rational(-0.529471967110851),), Fraction(1, 10**8))
     with (
         precision(140),
-        pytest.raises(Undecided, match="the cycle may be one of 1, passed several times"),
+        pytest.raises(NotProved, match="the cycle may be one of 1, passed several times"),
     ):
         proved(toy, "eps_n1", Route((Fraction(1, 2),), Fraction(0)), [tube, tube])
 

@@ -11,11 +11,12 @@ from flint import arb
 from mpmath import mp, mpf
 from needs import NEEDS_NUMBA
 
-from woodpecker import Toy, Undecided, shoot
+from woodpecker import Toy, shoot
 from woodpecker.checking.certificate import check
 from woodpecker.checking.intervals import Context, I
 from woodpecker.checking.pieces import Rejected
 from woodpecker.checking.plateaus import Landing
+from woodpecker.proofs import NotProved
 from woodpecker.proofs.balls import fraction
 from woodpecker.proofs.branches import ProvedBranch, marched
 from woodpecker.proofs.certificates import of_branch, sealed
@@ -155,7 +156,7 @@ def test_a_plateau_between_has_both_words_in_one_piece() -> None:
         assert [way.forks[0][1] for way in ways] == [1, -1]
         for way, end in zip(ways, ("D3 I2 J2", "I2 D2 I2 J2"), strict=True):
             assert way.word.endswith(end)
-        with pytest.raises(Undecided):
+        with pytest.raises(NotProved):
             follow(model, frame, [arb("-0.682418551989")])
 
 

@@ -16,8 +16,9 @@ from needs import NEEDS_NUMBA
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, SpecialPoint
 from studies.peers.reference_mpmath import PAPER
 from studies.peers.reference_mpmath import first_return as reference
-from woodpecker import Toy, Undecided, bifurcation_diagram, prove, shoot
+from woodpecker import Toy, bifurcation_diagram, prove, shoot
 from woodpecker.checking.certificate import check
+from woodpecker.proofs import NotProved
 from woodpecker.proofs.balls import fraction, number
 from woodpecker.proofs.branches import marched
 from woodpecker.proofs.certificates import of_branch, text
@@ -133,7 +134,7 @@ def returns(count: int, seed: int) -> tuple[int, list[str]]:
         with precision(128):
             try:
                 (way,) = follow(BallToy.of(toy), Frame(ZERO, ZERO), [number(x)])
-            except Undecided:
+            except NotProved:
                 open_.append(there.word if there.status == "returned" else there.status)
                 continue
             assert there.status == "returned"
@@ -282,5 +283,5 @@ def test_what_cannot_be_proved_is_said() -> None:
     with pytest.raises(ValueError, match="only branches of fixed points can be proved, got jump"):
         prove(next(b for b in branches if b.kind is BranchKind.JUMP), (0.1, 0.2))
     nowhere = SpecialPoint(id="P", kind=PointKind.BC, parameter=0.3, x=-0.6)
-    with pytest.raises(Undecided, match="no two gaps close at once here"):
+    with pytest.raises(NotProved, match="no two gaps close at once here"):
         prove(nowhere)

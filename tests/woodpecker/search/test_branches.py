@@ -25,6 +25,7 @@ from hypothesis import strategies as st
 from maps import (
     BORDER,
     Line,
+    continued,
     fold,
     island,
     lines,
@@ -35,14 +36,14 @@ from maps import (
 from thoroughness import thorough
 
 from pwmap.diagrams.diagram import Diagram, PointKind, PointStatus
-from woodpecker import FormulaMap, FormulaPiece, PiecewiseMap, Smooth, connected
+from woodpecker import FormulaMap, FormulaPiece, PiecewiseMap, Smooth
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 
 
 def followed(map_: PiecewiseMap, x: float | list[float], p: float, settings: Settings) -> Diagram:
     """The diagram, which is sound whatever it shows."""
-    found = connected(map_, x, p, settings)
+    found = continued(map_, x, p, settings)
     assert_sound(found, settings)
     return found
 
@@ -123,7 +124,7 @@ def test_a_flip_beside_a_fold_is_a_point_unless_it_cannot_be_told(
         Smooth(lambda x, p: p - bend * x * x, lambda x, _: -2.0 * bend * x, lambda _x, _p: 1.0)
     )
     x = 0.5 * (-1.0 + 3.0 * arm) / bend
-    diagram = connected(map_, [x], 2.0 / bend, Settings(span=(-1.0, 1.0), window=(-1.0, 1.0)))
+    diagram = continued(map_, [x], 2.0 / bend, Settings(span=(-1.0, 1.0), window=(-1.0, 1.0)))
     met = sorted((q for q in diagram.points if q.kind.value != "EP"), key=lambda q: q.kind.value)
     assert [q.kind.value for q in met] == names
     places = {"LP": (-0.25 / bend, -0.5 / bend), "PD": (0.75 / bend, 0.5 / bend)}
@@ -223,7 +224,7 @@ def test_steps_keep_to_the_settings(max_step: float) -> None:
 
 def test_steps_are_parts_of_the_scales() -> None:
     """In other units of x and p the same samples, in these units."""
-    one = connected(island(0.0, 0.0, 1.2), 1.2, 0.0, Settings(span=(-2.0, 2.0), window=(-3.0, 3.0)))
+    one = continued(island(0.0, 0.0, 1.2), 1.2, 0.0, Settings(span=(-2.0, 2.0), window=(-3.0, 3.0)))
     unit = 2.0**20
 
     def value(x: float, p: float) -> float:
@@ -231,7 +232,7 @@ def test_steps_are_parts_of_the_scales() -> None:
 
     scaled = Smooth(value, lambda x, _: 1.0 - 2.0 * x / unit, lambda _, p: -2.0 * p / unit)
     wide = Settings(span=(-2.0 * unit, 2.0 * unit), window=(-3.0 * unit, 3.0 * unit))
-    other = connected(one_piece(scaled), 1.2 * unit, 0.0, wide)
+    other = continued(one_piece(scaled), 1.2 * unit, 0.0, wide)
     assert [len(b) for b in one.branches] == [len(b) for b in other.branches]
     for a, b in zip(one.points, other.points, strict=True):
         assert a.kind is b.kind
@@ -322,7 +323,7 @@ def test_collisions_against_counting(
     side = next(p for p in (-1.0, 1.0) if inner * p / (1.0 - m) > 0.0)
     p, settings = 0.1 * side, Settings(span=(-0.2, 0.2), window=(-10.0, 10.0))
     map_ = lines(here, there) if inner < 0 else lines(there, here)
-    diagram = connected(map_, p / (1.0 - m), p, settings)
+    diagram = continued(map_, p / (1.0 - m), p, settings)
     (point,) = [q for q in diagram.points if abs(q.parameter) + abs(q.x) < LOCATED]
     assert point.cause == BORDER
     met = sorted(diagram.branch(name).kind for name in point.branches)

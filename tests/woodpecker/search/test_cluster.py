@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from diagrams import to_the_last_bit
+from maps import everything
 from needs import NEEDS_NUMBA
 from scenes import ROOT
 
@@ -21,12 +22,11 @@ from woodpecker import (
     Search,
     Settings,
     Smooth,
-    Stage,
     Toy,
     bifurcation_diagram,
     saved_diagram,
-    whole_diagram,
 )
+from woodpecker.search import Stage
 
 distributed = pytest.importorskip("distributed", reason="needs the extra cluster")
 
@@ -60,7 +60,7 @@ def client() -> Iterator[Any]:
 
 
 def searched(**options: Any) -> Any:
-    return whole_diagram(two_lines(), SETTINGS, (1, 2, 4), SEARCH, **options)
+    return everything(two_lines(), SETTINGS, (1, 2, 4), SEARCH, **options)
 
 
 def test_a_cluster_finds_the_same_diagram(client: Any, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -26,6 +26,8 @@ from maps import (
     BORDER,
     A,
     Line,
+    continued,
+    everything,
     fold,
     grazing,
     island,
@@ -43,16 +45,17 @@ from maps import (
 )
 
 from pwmap.diagrams.diagram import Diagram, PointStatus
-from woodpecker import FormulaMap, FormulaPiece, PiecewiseMap, Search, Stage, connected
+from woodpecker import FormulaMap, FormulaPiece, PiecewiseMap, Search
 from woodpecker.base.settings import Settings
 from woodpecker.maps.formulas import NOWHERE
-from woodpecker.search.diagrams import cycle_near, whole_diagram
+from woodpecker.search import Stage
+from woodpecker.search.diagrams import cycle_near
 
 
 def explored(map_: PiecewiseMap, x: npt.ArrayLike, p: float, span: tuple[float, float]) -> Diagram:
     """The diagram, which is sound whatever it shows."""
     settings = Settings(span=span)
-    found = connected(map_, x, p, settings)
+    found = continued(map_, x, p, settings)
     assert_sound(found, settings)
     return found
 
@@ -144,7 +147,7 @@ def test_a_jump_cut_by_the_span() -> None:
 def test_a_branch_never_hops_over_a_jump(jump: float, max_step: float) -> None:
     """Fixed points 2 p and, on the other side of a small jump, 2 (p + jump) await the hop."""
     settings = Settings(span=(-2.0, 2.0), max_step=max_step)
-    diagram = connected(lines(Line(0.5, 1.0), Line(0.5, 1.0, jump)), -2.0, -1.0, settings)
+    diagram = continued(lines(Line(0.5, 1.0), Line(0.5, 1.0, jump)), -2.0, -1.0, settings)
     assert_graph(diagram, chain("EP F BC J BC F EP"))
     assert_places(
         diagram,
@@ -299,7 +302,7 @@ def test_flips_of_an_island() -> None:
 def test_a_jump_of_the_second_iterate_starts_at_point_a() -> None:
     """P2^L jumps at r/a, beside the fixed point r/(1 + a) of slope a^2 [Leine2001, Eq. 15]."""
     settings = Settings(span=(-1.0, 3.0), window=(-20.0, 20.0))
-    diagram = whole_diagram(paper(), settings, (1, 2), Search(slices=7)).diagram
+    diagram = everything(paper(), settings, (1, 2), Search(slices=7)).diagram
     assert_sound(diagram, settings)
     (a,) = points_of(diagram, "FF")
     (jump,) = [b for b in map(diagram.branch, a.branches) if b.order == 2]
@@ -336,7 +339,7 @@ def test_a_cycle_of_period_two_and_its_jumps() -> None:
 def test_two_jumps_that_merge_give_birth_to_a_fixed_point() -> None:
     """Further on, 2 - 2 p meets 0 at p = 1, where the fixed point 2 (p - 1) begins."""
     settings = Settings(span=(-2.0, 2.0), window=(-6.0, 6.0))
-    found = whole_diagram(two_cycle(), settings, (1, 2), Search(slices=15)).diagram
+    found = everything(two_cycle(), settings, (1, 2), Search(slices=15)).diagram
     (birth,) = [p for p in points_of(found, "BC") if abs(p.parameter - 1.0) < 1e-6]
     assert (birth.parameter, birth.x) == pytest.approx((1.0, 0.0), abs=LOCATED)
     meeting = [found.branch(name) for name in birth.branches]
@@ -350,11 +353,10 @@ def test_two_jumps_that_merge_give_birth_to_a_fixed_point() -> None:
 
 def test_names_and_progress_are_passed_on() -> None:
     seen: list[Stage] = []
-    diagram = connected(
-        two_lines(), -1.0, -0.5, Settings(span=(-2.0, 2.0)),
-        parameter_name="mu", x_name="phi", progress=seen.append,
-    )  # fmt: skip
-    assert (diagram.parameter_name, diagram.x_name) == ("mu", "phi")
+    diagram = continued(
+        two_lines(), -1.0, -0.5, Settings(span=(-2.0, 2.0)), parameter="mu", progress=seen.append
+    )
+    assert (diagram.parameter_name, diagram.x_name) == ("mu", "x")
     assert [stage.branches for stage in seen] == [0, 1, 2, 3]  # before the first, and with each
     assert {stage.order for stage in seen} == {1}
 
@@ -367,9 +369,9 @@ def test_a_guess_must_lead_to_a_cycle() -> None:
 
 def test_a_map_must_have_pieces() -> None:
     with pytest.raises(TypeError, match="a map must be one of pieces, such as ToyPieces"):
-        connected(lambda x, p: x, 0.0, 0.0, Settings())  # type: ignore[arg-type]
+        continued(lambda x, p: x, 0.0, 0.0, Settings())  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="a map must be one of pieces"):
-        whole_diagram(None, Settings(window=(0.0, 1.0)))  # type: ignore[arg-type]
+        everything(None, Settings(window=(0.0, 1.0)))  # type: ignore[arg-type]
 
 
 def test_maps_may_have_margins_in_any_order() -> None:

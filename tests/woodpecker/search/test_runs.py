@@ -26,22 +26,21 @@ from needs import NEEDS_NUMBA
 from pwmap import Diagram
 from woodpecker import (
     FormulaMap,
-    Found,
     PiecewiseMap,
     Search,
     Settings,
     Toy,
     __version__,
     bifurcation_diagram,
-    find_all,
     parameters,
     saved_diagram,
-    whole_diagram,
 )
 from woodpecker.base.checkpoint import Entry, line_of
 from woodpecker.base.executors import Serial
+from woodpecker.diagrams import bifurcation_search
 from woodpecker.maps.formulas import FormulaPiece
 from woodpecker.maps.pieces import Image
+from woodpecker.search import Found
 from woodpecker.search.checkpoint import (
     Record,
     entry_of,
@@ -50,6 +49,7 @@ from woodpecker.search.checkpoint import (
     record_of,
     restore,
 )
+from woodpecker.search.diagrams import whole_diagram
 from woodpecker.search.explorer import Explorer, Finished, Kept, Seen, Step
 from woodpecker.search.network import Network
 from woodpecker.search.search import Past, complete
@@ -445,7 +445,7 @@ def test_a_killed_run_of_the_toy_goes_on(tmp_path: Path) -> None:
     kept = saved_diagram(path)
     assert len(kept.branches) >= 1
     found = of_toy(run=path, resume=True)
-    whole = find_all(Toy(), "eps_n1", SPAN, (1,), WINDOW, search=FEW)
+    whole = bifurcation_search(Toy(), "eps_n1", SPAN, (1,), WINDOW, search=FEW)
     assert to_the_last_bit(found) == to_the_last_bit(whole.diagram)
     assert whole.evaluations > 1000
 

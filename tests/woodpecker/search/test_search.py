@@ -11,12 +11,11 @@ import pytest
 import sympy
 from diagrams import LOCATED, assert_sound, points_of
 from exact import same_graph
-from maps import skew_tent, two_lines
+from maps import continued, everything, skew_tent, two_lines
 
 from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind, bifurcation_diagram
 from woodpecker.base.settings import Settings
 from woodpecker.maps.symbolic import from_pwmap
-from woodpecker.search.diagrams import connected, whole_diagram
 from woodpecker.search.search import Search, _Plan, first_places
 
 R = sympy.Symbol("r")
@@ -52,7 +51,7 @@ def computed(name: str) -> Diagram:
     pieces, span, orders = MAPS[name]
     settings = Settings(span=(float(span[0]), float(span[1])), window=(-20.0, 20.0))
     map_ = from_pwmap(PiecewiseLinearMap(pieces), R)
-    found = whole_diagram(map_, settings, orders, SEARCH).diagram
+    found = everything(map_, settings, orders, SEARCH).diagram
     assert_sound(found, settings)
     return found
 
@@ -96,7 +95,7 @@ def test_an_island_is_found_by_a_slice() -> None:
 def test_a_cycle_ends_where_its_points_meet_in_a_corner() -> None:
     """A continuous map of slopes 1/2 and -3/2: 6 p / 7 and -2 p / 7 are a cycle, p > 0."""
     settings = Settings(span=(-1.0, 1.0), window=(-5.0, 5.0))
-    found = whole_diagram(skew_tent(0.5, -1.5), settings, (1, 2), SEARCH).diagram
+    found = everything(skew_tent(0.5, -1.5), settings, (1, 2), SEARCH).diagram
     twos = found.of_order(2).branches
     assert len(twos) == 2
     (meeting,) = set(twos[0].ends) & set(twos[1].ends)
@@ -170,7 +169,7 @@ def test_slices_gather_where_special_points_do() -> None:
 
 def test_what_each_slice_came_to_is_told() -> None:
     settings = Settings(span=(0.5, 1.0), window=(-5.0, 5.0))
-    found = whole_diagram(two_lines(), settings, (1,), Search(slices=3))
+    found = everything(two_lines(), settings, (1,), Search(slices=3))
     assert len(found.slices) >= 5
     assert found.slices[0].new == (1,)
     assert {seen.new for seen in found.slices[1:]} == {()}
@@ -186,13 +185,13 @@ def test_what_each_slice_came_to_is_told() -> None:
 @pytest.mark.parametrize("orders", [(), (0,), (1.5,), (1, True), (np.True_,), ("1",), (1, None)])
 def test_orders_are_checked(orders: tuple[int, ...]) -> None:
     with pytest.raises(ValueError, match="orders must "):
-        whole_diagram(two_lines(), Settings(window=(-5.0, 5.0)), orders)
+        everything(two_lines(), Settings(window=(-5.0, 5.0)), orders)
 
 
 def test_orders_may_be_integers_of_any_kind() -> None:
     settings, few = Settings(span=(0.5, 1.0), window=(-5.0, 5.0)), Search(slices=1)
     found = [
-        whole_diagram(two_lines(), settings, orders, few).diagram
+        everything(two_lines(), settings, orders, few).diagram
         for orders in ((1, 2), np.array([2, 1, 2]), (np.int8(1), sympy.Integer(2)))
     ]
     branches = [[(b.id, b.order, b.word) for b in each.branches] for each in found]
@@ -205,8 +204,8 @@ def test_a_search_needs_a_finite_window(window: tuple[float, float]) -> None:
     settings = Settings(span=(-2.0, 2.0), window=window)
     sentence = r"a search for every branch needs a finite window, got \(.*inf\)"
     with pytest.raises(ValueError, match=sentence):
-        whole_diagram(two_lines(), settings)
-    branches = connected(two_lines(), 0.9, 0.4, settings).branches
+        everything(two_lines(), settings)
+    branches = continued(two_lines(), 0.9, 0.4, settings).branches
     assert str(branches[0].kind) == "fixed-point"
 
 

@@ -14,8 +14,9 @@ import rounding
 from diagrams import to_the_last_bit
 from needs import NEEDS_NUMBA
 
-from woodpecker import Search, Toy, bifurcation_diagram, continuation, find_all, shoot
+from woodpecker import Search, Toy, bifurcation_diagram, continuation, shoot
 from woodpecker.base.settings import Settings
+from woodpecker.diagrams import bifurcation_search
 
 FRICTIONS = (0.30, 0.31, 0.32, 0.33)
 Shown = list[tuple[object, ...]]
@@ -108,7 +109,7 @@ def test_a_search_that_is_refused_leaves_an_older_run_as_it_was(
     path = tmp_path / "run.jsonl"
     path.write_text("kept\n", encoding="utf-8")
     with pytest.raises(ValueError, match=sentence):
-        find_all(Toy(), run=str(path), **options)
+        bifurcation_search(Toy(), run=str(path), **options)
     assert path.read_text(encoding="utf-8") == "kept\n"
     assert list(tmp_path.iterdir()) == [path]
 

@@ -24,6 +24,8 @@ from diagrams import (
 from maps import (
     BORDER,
     Line,
+    continued,
+    everything,
     logistic,
     logistic_pair,
     one_piece,
@@ -33,19 +35,19 @@ from maps import (
 )
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
-from woodpecker import FormulaMap, Smooth, Toy, connected, continuation, shoot, slices_at, solutions
+from woodpecker import FormulaMap, Smooth, Toy, continuation, shoot, slices_at, solutions
 from woodpecker.base.settings import Settings
 from woodpecker.engine.newton import branch_point
+from woodpecker.mechanics.toy import WINDOW
 from woodpecker.runs import saved_diagram
 from woodpecker.search.curves import BranchCurve
-from woodpecker.search.diagrams import cycle_near, whole_diagram
+from woodpecker.search.diagrams import cycle_near
 from woodpecker.search.lines import base_of
 from woodpecker.search.network import Network
 from woodpecker.search.search import Search
 from woodpecker.search.tasks import Tasks
 from woodpecker.slices.orbits import orbit_of, to_engine
 from woodpecker.toy_map import ToyPieces
-from woodpecker.window import WINDOW
 
 # A branch point is a regular root of its own equations, so it is located to rounding of them.
 # Beside it rounding of what a cycle is off by, 1e-16, is divided by its distance from the branch
@@ -88,7 +90,7 @@ def fan(centre: str, ends: int) -> nx.MultiGraph:
 @pytest.mark.parametrize("low", [0.0, 0.013])
 def test_a_pitchfork_whichever_branch_leads_to_it(x: float, p: float, low: float) -> None:
     settings = Settings(span=(low, 1.9))
-    diagram = connected(pitchfork(), x, p, settings)
+    diagram = continued(pitchfork(), x, p, settings)
     assert_sound(diagram, settings)
     assert_graph(diagram, fan("BP", 4))
     end = cubic(1.9)
@@ -110,7 +112,7 @@ def test_a_pitchfork_whichever_branch_leads_to_it(x: float, p: float, low: float
 @pytest.mark.parametrize(("x", "p"), [(0.0, 0.7), (0.0, 1.7), (0.5, 2.0), (1.0 - 1.0 / 0.7, 0.7)])
 def test_a_transcritical_point_whichever_branch_leads_to_it(x: float, p: float) -> None:
     settings = Settings(span=(0.5, 2.9), window=(-10.0, 10.0))
-    diagram = connected(transcritical(), x, p, settings)
+    diagram = continued(transcritical(), x, p, settings)
     assert_sound(diagram, settings)
     assert_graph(diagram, fan("BP", 4))
     assert_places(
@@ -127,9 +129,9 @@ def test_a_transcritical_point_whichever_branch_leads_to_it(x: float, p: float) 
 def test_branches_that_only_come_close_do_not_cross(unfolded: float) -> None:
     """p x - x^3 + c: the branch from x < 0 at p < 1 has no branch point; the other one folds."""
     settings = Settings(span=(0.0, 1.9))
-    diagram = connected(pitchfork(unfolded), cubic(1.9), 1.9, settings)
+    diagram = continued(pitchfork(unfolded), cubic(1.9), 1.9, settings)
     assert_graph(diagram, chain("EP F EP"))
-    other = connected(pitchfork(unfolded), -cubic(1.9), 1.9, settings)
+    other = continued(pitchfork(unfolded), -cubic(1.9), 1.9, settings)
     assert_graph(other, chain("EP F LP F EP"))
     fold = -((0.5 * unfolded) ** (1.0 / 3.0))  # where 2 x^3 = -c, at p = 1 + 3 x^2
     # a square root of rounding, in x; the parameter is off by the square of that
@@ -165,7 +167,7 @@ def doubled(diagram: Diagram) -> list[tuple[float, float]]:
 def test_the_doubled_branch_of_the_logistic_map(map_: FormulaMap) -> None:
     """Also where the word changes beside the flip, 3.3e-5 from x = 2/3."""
     settings = Settings(span=(2.5, 3.4))
-    diagram = connected(map_, 0.6, 2.5, settings, orders=(1, 2))
+    diagram = continued(map_, 0.6, 2.5, settings, orders=(1, 2))
     assert_sound(diagram, settings)
     assert_graph(diagram, fan("PD", 4))
     assert {branch.order for branch in diagram.branches} == {1, 2}
@@ -190,7 +192,7 @@ def test_the_doubled_branch_of_the_logistic_map(map_: FormulaMap) -> None:
 def test_doubled_branches_flip_again() -> None:
     """P_4 starts at 1 + sqrt(6); at its own flip, 3.5440903, nothing does, for 8 is not wanted."""
     settings = Settings(span=(2.5, 3.6))
-    diagram = connected(logistic(), 0.6, 2.5, settings, orders=(4, 2, 1))
+    diagram = continued(logistic(), 0.6, 2.5, settings, orders=(4, 2, 1))
     flips = sorted({round(point.parameter, 9) for point in points_of(diagram, "PD")})
     assert flips == pytest.approx([3.0, 1.0 + math.sqrt(6.0), 3.544090360], abs=1e-9)
     per_order = {n: sum(branch.order == n for branch in diagram.branches) for n in (1, 2, 4)}
@@ -199,23 +201,23 @@ def test_doubled_branches_flip_again() -> None:
 
 @pytest.mark.parametrize("orders", [None, (1,), (1, 3)])
 def test_nothing_starts_at_a_flip_unless_it_is_asked_for(orders: tuple[int, ...] | None) -> None:
-    diagram = connected(logistic(), 0.6, 2.5, Settings(span=(2.0, 3.5)), orders=orders)
+    diagram = continued(logistic(), 0.6, 2.5, Settings(span=(2.0, 3.5)), orders=orders)
     assert_graph(diagram, chain("EP F PD F EP"))
 
 
 def test_the_fixed_point_is_found_from_its_doubled_branch() -> None:
     settings = Settings(span=(2.5, 3.4))
     start = list(logistic_pair(3.2))
-    diagram = connected(logistic(), start, 3.2, settings, orders=(1, 2))
+    diagram = continued(logistic(), start, 3.2, settings, orders=(1, 2))
     assert_sound(diagram, settings)
     assert_graph(diagram, fan("PD", 4))
     with pytest.raises(ValueError, match=r"orders must hold 2, the period .* got \(1,\)"):
-        connected(logistic(), start, 3.2, settings, orders=(1,))
+        continued(logistic(), start, 3.2, settings, orders=(1,))
 
 
 def test_a_cycle_passed_twice_is_followed_once() -> None:
     settings = Settings(span=(2.0, 3.5))
-    twice = connected(logistic(), [0.6, 0.6], 2.5, settings)
+    twice = continued(logistic(), [0.6, 0.6], 2.5, settings)
     assert_graph(twice, chain("EP F PD F EP"))
     assert {branch.order for branch in twice.branches} == {1}
 
@@ -296,7 +298,7 @@ def test_branches_with_the_same_ends_are_one(length: float, short_of: float, sam
 def test_a_doubled_cycle_knows_its_birth() -> None:
     """Found alone, without the fixed point: p = 3 to the precision that it states, and 1e-12."""
     settings = Settings(span=(2.5, 3.4))
-    diagram = connected(logistic(), list(logistic_pair(3.2)), 3.2, settings)
+    diagram = continued(logistic(), list(logistic_pair(3.2)), 3.2, settings)
     (birth,) = points_of(diagram, "PD")
     assert birth.precision < 1e-12
     assert abs(birth.parameter - 3.0) <= min(birth.precision, 1e-12)
@@ -308,7 +310,7 @@ def test_a_flip_right_before_a_border() -> None:
     the usual first step is over. It is met from the collision there, and not followed twice."""
     value = Smooth(lambda x, p: -x - x * x + p, lambda x, _p: -1.0 - 2.0 * x, lambda _x, _p: 1.0)
     map_ = two_pieces(value, Line(0.0, 0.0, 5.0).smooth(), at=2e-4)
-    diagram = connected(map_, -0.1, -0.19, Settings(span=(-0.5, 0.5)), orders=(1, 2))
+    diagram = continued(map_, -0.1, -0.19, Settings(span=(-0.5, 0.5)), orders=(1, 2))
     pair = [b for b in diagram.branches if (b.order, b.kind) == (2, BranchKind.FIXED_POINT)]
     far = sorted(float(max(b.x.tolist(), key=abs)) for b in pair)
     assert far == pytest.approx([-2e-4, 2e-4], abs=BESIDE)
@@ -324,8 +326,8 @@ def test_a_flip_right_before_a_border() -> None:
 def test_jump_branches_of_the_orders_start_at_collisions() -> None:
     """The jump of P_2 that leaves point A of the paper's map, as a search for everything has it."""
     settings = Settings(span=(-1.0, 3.0), window=(-4.0, 4.0))
-    diagram = connected(paper(), 0.4, 0.9, settings, orders=(1, 2))
-    whole = whole_diagram(paper(), settings, (1, 2), Search(slices=4, finest=0.1)).diagram
+    diagram = continued(paper(), 0.4, 0.9, settings, orders=(1, 2))
+    whole = everything(paper(), settings, (1, 2), Search(slices=4, finest=0.1)).diagram
 
     def jumps(found: Diagram) -> list[tuple[float, ...]]:
         return sorted(

@@ -16,18 +16,18 @@ from pwmap.plot import plot_diagram
 from pwmap.plot.palette import of_period
 from woodpecker import (
     Search,
-    Sweep,
     Toy,
     ToyPieces,
     bifurcation_diagram,
     first_return,
     from_sympy,
     orbit_diagram,
-    unexplained,
 )
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
+from woodpecker.maps import Sweep
 from woodpecker.plot.orbits import plot_orbits
+from woodpecker.slices import unexplained
 from woodpecker.slices.attracting import periods_of
 
 WIDE = (-100.0, 100.0)

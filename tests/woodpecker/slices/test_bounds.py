@@ -7,28 +7,26 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from maps import continued, everything
 from sympy import Piecewise, cos, symbols
 
 from pwmap import PointStatus
 from woodpecker import (
     FormulaMap,
     FormulaPiece,
-    Record,
     Search,
     Settings,
     Smooth,
-    Stage,
     Toy,
     ToyPieces,
-    connected,
-    find_all,
     from_sympy,
     shoot,
     slices_at,
-    whole_diagram,
 )
+from woodpecker.diagrams import bifurcation_search
 from woodpecker.engine.curves import Stop
 from woodpecker.maps.counting import Allowance, as_counting
+from woodpecker.search import Stage
 from woodpecker.slices.partition import partition
 
 X, P = symbols("x p")
@@ -69,7 +67,7 @@ def test_windows_and_spans_may_be_narrow_and_far_from_zero(x0: int, p0: int, siz
     """
     low, high = -0.5 * size, 0.25 * size
     settings = Settings(span=(p0 + low, p0 + high), window=(x0 - 2.0 * size, x0 + 2.0 * size))
-    found = connected(shifted(x0, p0), x0 + 2.0 * low, p0 + low, settings)
+    found = continued(shifted(x0, p0), x0 + 2.0 * low, p0 + low, settings)
     ends = sorted(point.parameter - p0 for point in found.points if point.kind.name == "BC")
     assert ends == pytest.approx([0.0], abs=4e-16 * max(1, abs(p0), abs(x0)))
     assert all(point.status is PointStatus.LOCATED for point in found.points)
@@ -78,7 +76,7 @@ def test_windows_and_spans_may_be_narrow_and_far_from_zero(x0: int, p0: int, siz
 
 def test_the_toy_is_followed_in_a_narrow_window() -> None:
     """16 spacings of doubles at 0.25 are less than rounding of -1.03: no step was accepted."""
-    found = find_all(
+    found = bifurcation_search(
         Toy(mu_2=0.323), "eps_n1", (0.02, 0.14), (1,), (-1.05, -0.8), search=Search(slices=2),
         workers=1,
     )  # fmt: skip
@@ -91,7 +89,7 @@ def test_the_toy_is_followed_in_a_narrow_window() -> None:
 def test_a_span_may_be_as_narrow_as_rounding_lets_it() -> None:
     """Over 1e-9 the stable motion hardly moves: it is one branch from end to end."""
     low, high = 0.5, 0.5 + 1e-9
-    found = find_all(
+    found = bifurcation_search(
         Toy(), "eps_n1", (low, high), (1,), (-0.54, -0.52), search=Search(slices=2), workers=1
     )
     (branch,) = found.diagram.branches
@@ -162,8 +160,8 @@ def test_a_branch_ends_after_as_many_evaluations_as_allowed() -> None:
     """It keeps what it has: the same samples as the one that goes on."""
     map_, start = shifted(0, 0), (-1.0, -0.5)
     settings = Settings(span=(-1.0, 2.0), max_step=1e-3, step=1e-3)
-    whole = connected(map_, *start, settings).branches[0]
-    found = connected(map_, *start, Settings(span=(-1.0, 2.0), max_step=1e-3, step=1e-3,
+    whole = continued(map_, *start, settings).branches[0]
+    found = continued(map_, *start, Settings(span=(-1.0, 2.0), max_step=1e-3, step=1e-3,
                                              max_evaluations=200))  # fmt: skip
     cut = found.branches[0]
     notes = {(point.note, point.status) for point in found.points}
@@ -176,7 +174,7 @@ def test_a_search_says_what_it_left() -> None:
     map_ = many_pieces(30)
     settings = Settings(span=(0.0, 0.4), window=(0.0, 1.0), max_evaluations=2_000)
     told = list[Stage]()
-    found = whole_diagram(map_, settings, search=Search(slices=31), progress=told.append)
+    found = everything(map_, settings, search=Search(slices=31), progress=told.append)
     assert 2_000 <= found.evaluations <= 2_000 + settings.of_branch(1) + settings.of_slice((1,))
     assert found.left.startswith("given up after 2000 evaluations, as many as allowed")
     assert found.left.endswith(" not taken")
@@ -184,7 +182,7 @@ def test_a_search_says_what_it_left() -> None:
     assert found.left in repr(found)
     assert len(found.slices) < 33
     assert told[0].branches == 0  # from the beginning
-    whole = whole_diagram(map_, Settings(span=(0.0, 0.4), window=(0.0, 1.0)),
+    whole = everything(map_, Settings(span=(0.0, 0.4), window=(0.0, 1.0)),
                           search=Search(slices=31))  # fmt: skip
     assert not whole.left
     assert "left" not in whole.diagram.about
@@ -194,17 +192,13 @@ def test_a_search_that_was_given_up_resumes_to_the_same(tmp_path: Path) -> None:
     """At whatever line it was interrupted: evaluations of earlier runs count, too."""
     map_ = many_pieces(12)
     settings = Settings(span=(0.0, 0.4), window=(0.0, 1.0), max_evaluations=300)
-    path, run, few = tmp_path / "run.jsonl", {"map": "steps"}, Search(slices=7)
-    record = Record(path, run)
-    whole = whole_diagram(map_, settings, search=few, record=record)
-    record.close()
+    path, few = tmp_path / "run.jsonl", Search(slices=7)
+    whole = everything(map_, settings, search=few, run=path)
     assert whole.left
     lines = path.read_text().splitlines(keepends=True)
     for first, _ in pairwise(range(1, len(lines) + 1, 3)):
         path.write_text("".join(lines[:first]))
-        record = Record(path, run, resume=True)
-        again = whole_diagram(map_, settings, search=few, record=record)
-        record.close()
+        again = everything(map_, settings, search=few, run=path, resume=True)
         assert again.left == whole.left
         assert path.read_text() == "".join(lines)
 
@@ -212,7 +206,7 @@ def test_a_search_that_was_given_up_resumes_to_the_same(tmp_path: Path) -> None:
 def test_without_friction_a_search_ends() -> None:
     """It took more than twenty minutes; as many evaluations are allowed as take a second."""
     settings = Settings(max_evaluations=20_000)
-    found = find_all(
+    found = bifurcation_search(
         Toy(mu_1=0, mu_2=0, mu_3=0), "eps_n1", (0.0, 1.0), (1,), settings=settings, workers=1
     )
     assert not found.diagram.branches

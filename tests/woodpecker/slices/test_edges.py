@@ -7,18 +7,18 @@ import math
 import numpy as np
 import pytest
 from diagrams import assert_graph, assert_places, chain
-from maps import grazing, skew_tent
+from maps import continued, grazing, skew_tent
 from needs import NEEDS_NUMBA
 from test_jumps import divided, jump_at, places
 from test_partition import fixed, rising, shown
 
-from woodpecker import Settings, Toy, ToyPieces, connected, slices_at
+from woodpecker import Settings, Toy, ToyPieces, slices_at
 
 
 def test_a_grazing_met_from_its_root() -> None:
     """The branch x = s^2, s = sqrt(1 + 2 p) - 1, comes down to the grazing at (0, 0)."""
     start = (math.sqrt(2.0) - 1.0) ** 2
-    diagram = connected(grazing(-1.0), start, 0.5, Settings(span=(-1.0, 1.0)))
+    diagram = continued(grazing(-1.0), start, 0.5, Settings(span=(-1.0, 1.0)))
     for branch in diagram.branches:
         for x, p in zip(branch.x.tolist(), branch.parameter.tolist(), strict=True):
             exact = (math.sqrt(1.0 + 2.0 * p) - 1.0) ** 2 if p >= 0.0 else 2.0 * p
@@ -28,7 +28,7 @@ def test_a_grazing_met_from_its_root() -> None:
 
 def test_a_grazing_that_folds_met_from_its_root() -> None:
     start = (1.0 + math.sqrt(0.5)) ** 2
-    diagram = connected(grazing(1.0), start, -0.25, Settings(span=(-1.0, 1.0)))
+    diagram = continued(grazing(1.0), start, -0.25, Settings(span=(-1.0, 1.0)))
     assert_graph(diagram, chain("EP F BC F LP F EP"))
     end = (1.0 + math.sqrt(3.0)) ** 2
     assert_places(
@@ -38,7 +38,7 @@ def test_a_grazing_that_folds_met_from_its_root() -> None:
 
 def test_a_branch_has_its_own_multiplier_at_its_end() -> None:
     """L has slope 1/2 up to the corner, from whichever side the corner was met."""
-    diagram = connected(skew_tent(0.5, -1.5), 0.04, 0.1, Settings(span=(-1.0, 1.0)))
+    diagram = continued(skew_tent(0.5, -1.5), 0.04, 0.1, Settings(span=(-1.0, 1.0)))
     (left,) = [branch for branch in diagram.branches if branch.word == "L"]
     assert set(left.multiplier.tolist()) == {0.5}
 
@@ -47,7 +47,7 @@ def test_a_margin_in_the_parameter_alone() -> None:
     """The name of the right piece changes at p = -0.6, for every x: no step in x leads beyond."""
     curve = jump_at(divided(0.0), 0.0, -0.3)
     assert places(curve) == pytest.approx(np.array([[-1.0, 0.0], [0.0, 0.0]]), abs=1e-13)
-    diagram = connected(divided(0.0), 0.9, 0.35, Settings(span=(-2.0, 2.0)))
+    diagram = continued(divided(0.0), 0.9, 0.35, Settings(span=(-2.0, 2.0)))
     assert_graph(diagram, chain("EP F BC J BC F EP"))
 
 

@@ -9,8 +9,10 @@ import pytest
 from maps import A, Line, lines, moving, paper, skew_tent, two_lines
 
 from pwmap import BranchKind
-from woodpecker import Iterate, Start, Toy, ToyPieces, borders_in, crosses, local_model
+from woodpecker import Toy, ToyPieces, local_model
 from woodpecker.base.settings import Settings
+from woodpecker.maps import Iterate
+from woodpecker.slices import Start, borders_in, crosses
 
 SCALES = Settings(window=(-2.5, -0.24), finest=1e-9)  # borders are looked for in 1e-6 rad
 LOWER = -0.8847733440  # phi_S of A

@@ -28,22 +28,18 @@ from maps import (
 from needs import NEEDS_NUMBA
 
 from woodpecker import (
-    BorderKind,
     FormulaMap,
     FormulaPiece,
-    Iterate,
     PiecewiseMap,
-    Slice,
     Smooth,
     Toy,
     ToyPieces,
-    borders_in,
-    crosses,
-    nearest_border,
     slices_at,
 )
 from woodpecker.base.settings import Settings
+from woodpecker.maps import Iterate
 from woodpecker.maps.pieces import Image
+from woodpecker.slices import BorderKind, Slice, borders_in, crosses, nearest_border
 from woodpecker.slices.partition import partition
 
 NEAR = 1e-15  # a few roundings at 1

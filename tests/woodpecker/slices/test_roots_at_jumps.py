@@ -1,9 +1,10 @@
 """Pieces that end in a root right at a jump: the map is steep there, and jumps all the same."""
 
 import pytest
+from maps import continued
 from sympy import Expr, Piecewise, Rational, cbrt, sqrt, symbols
 
-from woodpecker import Settings, connected, from_sympy
+from woodpecker import Settings, from_sympy
 
 x, p = symbols("x p")
 SETTINGS = Settings(span=(-2, 3), window=(-3, 3))
@@ -27,7 +28,7 @@ def test_branches_meet_the_jump_between_them(
     left: Expr, right: Expr, border: Expr, start: tuple[float, float], where: tuple[float, float]
 ) -> None:
     map_ = from_sympy(Piecewise((left, x < border), (right, True)), x, p)
-    diagram = connected(map_, *start, SETTINGS)
+    diagram = continued(map_, *start, SETTINGS)
     jumps = [branch for branch in diagram.branches if branch.kind.value == "jump"]
     assert len(jumps) == 1
     ends = sorted((diagram.point(end) for end in jumps[0].ends), key=lambda end: end.parameter)

@@ -5,17 +5,10 @@ from __future__ import annotations
 import pytest
 from maps import moving, paper, skew_tent, two_lines
 
-from woodpecker import (
-    BorderKind,
-    Iterate,
-    Toy,
-    ToyPieces,
-    borders_in,
-    crosses,
-    equilibrium,
-    nearest_border,
-)
+from woodpecker import Toy, ToyPieces, equilibrium
 from woodpecker.base.settings import Settings
+from woodpecker.maps import Iterate
+from woodpecker.slices import BorderKind, borders_in, crosses, nearest_border
 
 SETTINGS = Settings(window=(-2.5, -0.24))
 # Jumps of P_1 whatever the restitution of the beak: between which doubles its words change, found

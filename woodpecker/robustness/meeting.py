@@ -13,13 +13,13 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.engine.line import LinePiece
 from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, Orbit, orbit_of
+from woodpecker.robustness.changes import FARTHEST, Space
+from woodpecker.robustness.found import Effect
+from woodpecker.robustness.lines import ToyLine
 from woodpecker.search.curves import BranchCurve, Followed
 from woodpecker.search.ends import End
 from woodpecker.search.tasks import Tasks
 from woodpecker.slices import orbits
-from woodpecker.trouble.changes import FARTHEST, Space
-from woodpecker.trouble.found import Effect
-from woodpecker.trouble.lines import ToyLine
 
 MANY = 64  # changes on a line after which it is left: words change without end there
 SPIKE = 1e-4  # of a change: where a motion is unstable for less it is so in a spike only

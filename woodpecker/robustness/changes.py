@@ -11,8 +11,8 @@ import numpy as np
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.mechanics.toy import Domain, Toy, description
+from woodpecker.robustness.lines import ToyLine
 from woodpecker.shooting import PeriodicOrbit
-from woodpecker.trouble.lines import ToyLine
 
 FARTHEST = 1.0  # largest change that is looked at: by as much as a parameter's own value
 FLOOR = 1e-9  # of a restitution that is zero: contacts that rest begin to bounce, and it is

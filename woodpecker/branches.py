@@ -19,7 +19,7 @@ from woodpecker.search.lines import base_of
 from woodpecker.shooting import DEFAULT, PeriodicOrbit, periodic_orbit, shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.slices.orbits import Orbit, is_inside, of_engine, to_engine
-from woodpecker.toy_map import ToyPieces
+from woodpecker.toy_map import Mapped, ToyPieces
 
 
 class OnBranch(NamedTuple):
@@ -96,7 +96,7 @@ def _solution(toy: Toy, map_: ToyPieces, diagram: Diagram, hit: Hit, value: floa
     for k in _beside(hit, value):
         found = _led(map_, _cycle(map_, diagram, hit.branch, k), value)
         if found is not None and is_inside(found):
-            return periodic_orbit(toy, found, DEFAULT)
+            return periodic_orbit(Mapped(toy, map_, value), found, DEFAULT)
     return shoot(toy, hit.x, hit.branch.order)
 
 

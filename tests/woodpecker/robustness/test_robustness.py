@@ -1,4 +1,4 @@
-"""How far trouble is: known limits, stationarity, and nothing nearer in random directions."""
+"""Smallest changes: known limits, stationarity, and nothing nearer in random directions."""
 
 from functools import cache
 
@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
 
-from woodpecker import Effect, Robustness, Toy, Trouble, robustness, shoot
+from woodpecker import Toy, shoot
+from woodpecker.robustness import Effect, Robustness, SmallestChange, smallest_changes
+from woodpecker.robustness.changes import space_of
+from woodpecker.robustness.lines import ToyLine
+from woodpecker.robustness.nearest import first_guesses
+from woodpecker.robustness.smallest import STEPPING
 from woodpecker.toy_map import ToyPieces
-from woodpecker.trouble.changes import space_of
-from woodpecker.trouble.lines import ToyLine
-from woodpecker.trouble.nearest import first_guesses
-from woodpecker.trouble.robustness import STEPPING
 
 GUESS = -0.53  # rad, near the stable cycle
 NAMES = ("r_m", "l_s", "mu_2", "eps_n1", "eps_n2")
@@ -21,7 +22,7 @@ NAMES = ("r_m", "l_s", "mu_2", "eps_n1", "eps_n2")
 def of_some() -> Robustness:
     """Over some parameters, one at zero among them."""
     toy = Toy()
-    return robustness(toy, shoot(toy, GUESS), NAMES)
+    return smallest_changes(toy, shoot(toy, GUESS), NAMES)
 
 
 @pytest.mark.slow
@@ -114,15 +115,15 @@ def test_what_is_no_stable_motion_is_refused() -> None:
     toy = Toy()
     orbit = shoot(toy, GUESS)
     with pytest.raises(ValueError, match="another toy"):
-        robustness(toy.replace(mu_2=0.31), orbit)
+        smallest_changes(toy.replace(mu_2=0.31), orbit)
     with pytest.raises(ValueError, match="other than the pole"):
-        robustness(toy, orbit, ["pole"])
+        smallest_changes(toy, orbit, ["pole"])
     unstable = shoot(toy.replace(eps_n1=0.7), orbit.phi_s)
     with pytest.raises(ValueError, match="stable motion"):
-        robustness(unstable.toy, unstable)
+        smallest_changes(unstable.toy, unstable)
     lost = shoot(toy, -0.1)
     with pytest.raises(ValueError, match="needs a periodic motion"):
-        robustness(toy, lost)
+        smallest_changes(toy, lost)
 
 
 # --- Spikes ---------------------------------------------------------------------------------------
@@ -136,7 +137,7 @@ def test_a_spike_at_a_grazing_is_no_end() -> None:
     The ordinary flip lies twice as far.
     """
     toy = Toy(m_s=0.006, h_s=0.021, mu_1=0.35, mu_2=0.29, mu_3=0.28)
-    found = robustness(toy, shoot(toy, GUESS))
+    found = smallest_changes(toy, shoot(toy, GUESS))
     nearest = found.nearest
     assert nearest is not None
     assert (nearest.effect, nearest.kind) == (Effect.DESTABILISED, "PD")
@@ -144,7 +145,7 @@ def test_a_spike_at_a_grazing_is_no_end() -> None:
     assert nearest.size == pytest.approx(0.006176, abs=1e-6)  # as many digits as are written here
     flip = shoot(nearest.toy, nearest.phi_s)
     assert flip.multiplier == pytest.approx(-1.0, abs=1e-6)
-    confirmed = [row.confirmed for row in found.troubles]
+    confirmed = [row.confirmed for row in found.critical]
     assert confirmed == sorted(confirmed, reverse=True)
     (spike,) = [row for row in found.harmless if row.effect is Effect.SPIKED]
     assert "grazes the pole" in spike.cause
@@ -152,8 +153,8 @@ def test_a_spike_at_a_grazing_is_no_end() -> None:
     assert spike.confirmed, spike.evidence
 
 
-def row(size: float, *, confirmed: bool) -> Trouble:
-    return Trouble(
+def row(size: float, *, confirmed: bool) -> SmallestChange:
+    return SmallestChange(
         effect=Effect.DESTROYED, kind="BC", cause="", size=size, changes={}, toy=Toy(), phi_s=0.0,
         word="", stable=True, angle=0.0, confirmed=confirmed, evidence="",
     )  # fmt: skip
@@ -162,8 +163,8 @@ def row(size: float, *, confirmed: bool) -> Trouble:
 def test_what_is_nearest_is_confirmed() -> None:
     orbit = shoot(Toy(), GUESS)
     for rows, size in (((row(0.2, confirmed=True), row(0.1, confirmed=False)), 0.2), ((), None)):
-        found = Robustness(orbit=orbit, troubles=rows, harmless=(), limits=())
+        found = Robustness(orbit=orbit, critical=rows, harmless=(), limits=())
         assert (found.nearest.size if found.nearest else None) == size
-    only = Robustness(orbit=orbit, troubles=(row(0.1, confirmed=False),), harmless=(), limits=())
+    only = Robustness(orbit=orbit, critical=(row(0.1, confirmed=False),), harmless=(), limits=())
     assert only.nearest is None
-    assert repr(only).startswith("Robustness(nothing confirmed; 1 trouble")
+    assert repr(only).startswith("Robustness(nothing confirmed; 1 critical change")

@@ -6,14 +6,13 @@ from collections.abc import Sequence
 
 from woodpecker.base.checks import interval
 from woodpecker.base.settings import Settings
-from woodpecker.curves import Spans, pair
-from woodpecker.mechanics.toy import Toy
+from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.plane.curve import Curve
-from woodpecker.plane.regions import Progress, Regions, regions_of
-from woodpecker.plane.survey import Survey
-from woodpecker.runs import possible, settings_for
-from woodpecker.toy_family import ToyFamily
-from woodpecker.window import WINDOW
+from woodpecker.plane.toys import ToyFamily
+from woodpecker.regions.regions import Progress, Regions, regions_of
+from woodpecker.regions.survey import Survey
+from woodpecker.runs import DEFAULT, possible, settings_for
+from woodpecker.two_parameters import Spans, pair
 
 
 def parameter_regions(
@@ -41,7 +40,7 @@ def parameter_regions(
     parameters, span
         Two parameters of the toy, and an interval of each, cut to what the toy can have.
     curves
-        That are known already, from :func:`woodpecker.continuation`; none is needed.
+        That are known already, from :func:`woodpecker.curve_in_two`; none is needed.
     orders
         Periods of the cycles that are counted.
     window
@@ -70,7 +69,8 @@ def parameter_regions(
 
     Examples
     --------
-    >>> from woodpecker import Toy, Survey, parameter_regions
+    >>> from woodpecker import Toy
+    >>> from woodpecker.regions import Survey, parameter_regions
     >>> small = Survey(checks=4)
     >>> span = ((0.45, 0.5), (0.3, 0.31))
     >>> names, window = ("eps_n1", "mu_2"), (-0.7, -0.45)
@@ -83,7 +83,7 @@ def parameter_regions(
         possible(toy, name, interval(f"span of {name}", each, finite=True))
         for name, each in zip(family.names, pair(span), strict=True)
     )
-    chosen = settings_for(settings, window=interval("window", window, finite=True))
+    chosen = settings_for(settings, DEFAULT, window=interval("window", window, finite=True))
     return regions_of(
         family, curves, span=(one, other), settings=chosen, orders=orders, survey=survey,
         progress=progress, within=WINDOW,

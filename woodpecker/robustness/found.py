@@ -1,4 +1,4 @@
-"""What :func:`woodpecker.robustness` finds."""
+"""What :func:`woodpecker.robustness.smallest_changes` finds."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ class Effect(Enum):
 
     Examples
     --------
-    >>> from woodpecker import Effect
+    >>> from woodpecker.robustness import Effect
     >>> [(effect.name, effect.value) for effect in Effect][:2]
     [('DESTROYED', 'destroyed'), ('DESTABILISED', 'unstable beyond')]
     """
@@ -33,7 +33,7 @@ ENDS = (Effect.DESTROYED, Effect.DESTABILISED, Effect.OPEN)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
-class Trouble:
+class SmallestChange:
     """The smallest change of parameters that leads to one condition.
 
     Attributes
@@ -64,9 +64,10 @@ class Trouble:
 
     Examples
     --------
-    >>> from woodpecker import Toy, robustness, shoot
+    >>> from woodpecker import Toy, shoot
+    >>> from woodpecker.robustness import smallest_changes
     >>> toy = Toy()
-    >>> nearest = robustness(toy, shoot(toy, -0.53), ["mu_2"]).nearest
+    >>> nearest = smallest_changes(toy, shoot(toy, -0.53), ["mu_2"]).nearest
     >>> nearest.effect.name, str(nearest.kind), f"{nearest.toy.mu_2:.9f}", nearest.confirmed
     ('DESTABILISED', 'PD', '0.289509232', True)
     """
@@ -100,9 +101,10 @@ class Limit:
 
     Examples
     --------
-    >>> from woodpecker import Toy, robustness, shoot
+    >>> from woodpecker import Toy, shoot
+    >>> from woodpecker.robustness import smallest_changes
     >>> toy = Toy()
-    >>> down, up = robustness(toy, shoot(toy, -0.53), ["mu_2"]).limits
+    >>> down, up = smallest_changes(toy, shoot(toy, -0.53), ["mu_2"]).limits
     >>> [(limit.direction, round(limit.value, 9), str(limit.kind)) for limit in (down, up)]
     [(-1, 0.289509232, 'PD'), (1, 0.315812983, 'PD')]
     """
@@ -118,13 +120,13 @@ class Limit:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Robustness:
-    """How far trouble is from a periodic motion.
+    """How far the parameters can be changed until a periodic motion ends.
 
     Attributes
     ----------
     orbit
         The motion.
-    troubles
+    critical
         What destroys or destabilises it: what is confirmed first, and of that the nearest.
     harmless
         Borders on the way at which it only gets another word or multiplier, or is unstable in a
@@ -134,17 +136,18 @@ class Robustness:
 
     Examples
     --------
-    >>> from woodpecker import Toy, robustness, shoot
+    >>> from woodpecker import Toy, shoot
+    >>> from woodpecker.robustness import smallest_changes
     >>> toy = Toy()
-    >>> found = robustness(toy, shoot(toy, -0.53), ["mu_2"])
+    >>> found = smallest_changes(toy, shoot(toy, -0.53), ["mu_2"])
     >>> nearest = found.nearest
-    >>> len(found.troubles), str(nearest.kind), f"{100 * nearest.size:.4f} %", nearest.cause
+    >>> len(found.critical), str(nearest.kind), f"{100 * nearest.size:.4f} %", nearest.cause
     (2, 'PD', '3.4969 %', 'the multiplier is -1')
     """
 
     orbit: PeriodicOrbit
-    troubles: tuple[Trouble, ...]
-    harmless: tuple[Trouble, ...]
+    critical: tuple[SmallestChange, ...]
+    harmless: tuple[SmallestChange, ...]
     limits: tuple[Limit, ...]
 
     def __repr__(self) -> str:
@@ -155,13 +158,13 @@ class Robustness:
         )
         cause = "" if first is None else f", {first.cause}"
         sizes = (
-            counted(len(self.troubles), "trouble"), f"{len(self.harmless)} harmless",
+            counted(len(self.critical), "critical change"), f"{len(self.harmless)} harmless",
             counted(len(self.limits), "limit"),
         )  # fmt: skip
         return f"Robustness({what}{cause}; {', '.join(sizes)})"
 
     @property
-    def nearest(self) -> Trouble | None:
+    def nearest(self) -> SmallestChange | None:
         """What is nearest of all that is confirmed to end the motion; None if nothing is."""
-        first = self.troubles[0] if self.troubles else None
+        first = self.critical[0] if self.critical else None
         return first if first is not None and first.confirmed else None

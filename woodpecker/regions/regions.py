@@ -25,9 +25,12 @@ from pwmap.diagrams.diagram import PointStatus, SpecialPoint
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import interval
 from woodpecker.base.settings import Settings
-from woodpecker.plane.census import Attractor, Census, attractors_at, census_at
 from woodpecker.plane.curve import Curve
-from woodpecker.plane.cutting import (
+from woodpecker.plane.families import Family, Pair
+from woodpecker.plane.following import curve_through
+from woodpecker.plane.starting import has_curve
+from woodpecker.regions.census import Attractor, Census, attractors_at, census_at
+from woodpecker.regions.cutting import (
     SQUARE,
     Spans,
     faces_of,
@@ -38,10 +41,7 @@ from woodpecker.plane.cutting import (
     unscaled,
     way_between,
 )
-from woodpecker.plane.families import Family, Pair
-from woodpecker.plane.following import curve_through
-from woodpecker.plane.starting import has_curve
-from woodpecker.plane.survey import Survey
+from woodpecker.regions.survey import Survey
 from woodpecker.search.diagrams import finite_window, iterates, whole_diagram
 from woodpecker.search.search import Search
 
@@ -79,7 +79,9 @@ class Region:
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, Survey, family_from_sympy, regions_of
+    >>> from woodpecker import Settings
+    >>> from woodpecker.plane import family_from_sympy
+    >>> from woodpecker.regions import Survey, regions_of
     >>> x, a, r = symbols("x a r")
     >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
     >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
@@ -122,7 +124,9 @@ class Regions:
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, Survey, family_from_sympy, regions_of
+    >>> from woodpecker import Settings
+    >>> from woodpecker.plane import family_from_sympy
+    >>> from woodpecker.regions import Survey, regions_of
     >>> x, a, r = symbols("x a r")
     >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
     >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
@@ -226,7 +230,9 @@ def regions_of(
     Examples
     --------
     >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, Survey, family_from_sympy, regions_of
+    >>> from woodpecker import Settings
+    >>> from woodpecker.plane import family_from_sympy
+    >>> from woodpecker.regions import Survey, regions_of
     >>> x, a, r = symbols("x a r")
     >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
     >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])

@@ -1,4 +1,4 @@
-"""How far is trouble: the smallest change of the toy's parameters that ends a periodic motion.
+"""The smallest change of the toy's parameters that ends a periodic motion.
 
 A change counts each parameter as part of its own value, and one that is zero as part of the range 1
 of a restitution, upwards only.
@@ -13,13 +13,12 @@ import numpy as np
 
 from woodpecker.base.checks import instance
 from woodpecker.base.settings import Settings
-from woodpecker.mechanics.toy import Toy, known_parameter, parameters
+from woodpecker.mechanics.toy import WINDOW, Toy, known_parameter, parameters
+from woodpecker.robustness.changes import FARTHEST, FLOOR, Space, space_of
+from woodpecker.robustness.found import ENDS, Effect, Limit, Robustness, SmallestChange
+from woodpecker.robustness.meeting import SPIKE, Key, MetOnLine, met_along
+from woodpecker.robustness.nearest import LEVEL, first_guesses, keep, nearest
 from woodpecker.shooting import PeriodicOrbit, shoot
-from woodpecker.trouble.changes import FARTHEST, FLOOR, Space, space_of
-from woodpecker.trouble.found import ENDS, Effect, Limit, Robustness, Trouble
-from woodpecker.trouble.meeting import SPIKE, Key, MetOnLine, met_along
-from woodpecker.trouble.nearest import LEVEL, first_guesses, keep, nearest
-from woodpecker.window import WINDOW
 
 STEPPING = Settings(window=WINDOW, step=0.02, max_step=0.1)  # longer steps than for a picture: what
 # lies between two of them is known from margins
@@ -37,7 +36,7 @@ NEAR = 0.02
 PERCENT = 100.0
 
 
-def robustness(
+def smallest_changes(
     toy: Toy,
     orbit: PeriodicOrbit,
     names: Sequence[str] | None = None,
@@ -76,9 +75,10 @@ def robustness(
 
     Examples
     --------
-    >>> from woodpecker import Toy, robustness, shoot
+    >>> from woodpecker import Toy, shoot
+    >>> from woodpecker.robustness import smallest_changes
     >>> toy = Toy()
-    >>> found = robustness(toy, shoot(toy, -0.53), ["mu_2"])
+    >>> found = smallest_changes(toy, shoot(toy, -0.53), ["mu_2"])
     >>> print(f"{100 * found.nearest.size:.4f} %, {found.nearest.cause}")
     3.4969 %, the multiplier is -1
     """
@@ -96,7 +96,7 @@ def robustness(
     rows = sorted(_rows(orbit, space, found), key=lambda row: (not row.confirmed, row.size))
     harmless = [row for row in rows if row.effect not in ENDS]
     return Robustness(
-        orbit=orbit, troubles=tuple(row for row in rows if row.effect in ENDS),
+        orbit=orbit, critical=tuple(row for row in rows if row.effect in ENDS),
         harmless=tuple(harmless), limits=single,
     )  # fmt: skip
 
@@ -156,7 +156,7 @@ def _differ(one: MetOnLine, other: MetOnLine) -> bool:
 
 def _rows(
     orbit: PeriodicOrbit, space: Space, found: Sequence[tuple[MetOnLine, float]]
-) -> Iterator[Trouble]:
+) -> Iterator[SmallestChange]:
     """What is reported of places.
 
     Borders of restitutions that are raised to ``FLOOR`` and that are none at zero do not count.
@@ -183,11 +183,11 @@ def _at_zero(orbit: PeriodicOrbit, space: Space, met: MetOnLine) -> tuple[Space,
 
 def _row(
     own: Space, there: MetOnLine, effect: Effect, angle: float, names: Sequence[str]
-) -> Trouble:
+) -> SmallestChange:
     """What is reported of a place."""
     confirmed, evidence = _evidence(own, there)
     percents = dict(zip(own.names, (PERCENT * there.u).tolist(), strict=True))
-    return Trouble(
+    return SmallestChange(
         effect=effect, kind=there.kind, cause=there.cause, size=there.size,
         changes={name: percents.get(name, 0.0) for name in names},
         toy=own.toy_at(there.u), phi_s=float(there.orbit.x[0, 0]), word=there.orbit.word,

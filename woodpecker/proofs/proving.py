@@ -64,7 +64,7 @@ def prove(
 
     Raises
     ------
-    Undecided
+    NotProved
         If it could not be proved; the sentence says what was open.
     ValueError
         If it is nothing that can be proved here.

@@ -17,9 +17,9 @@ from scipy.optimize import Bounds, minimize
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.line import LinePiece
 from woodpecker.engine.orbits import Closed, Condition, Multiplier, OnBorder, Orbit, orbit_of
+from woodpecker.robustness.changes import FARTHEST, Space
+from woodpecker.robustness.meeting import SPIKE, Key, MetOnLine, cycle_on, met_along
 from woodpecker.slices.orbits import first_piece, to_engine
-from woodpecker.trouble.changes import FARTHEST, Space
-from woodpecker.trouble.meeting import SPIKE, Key, MetOnLine, cycle_on, met_along
 
 SEEDS = 16  # conditions, the nearest to first order, that are looked for
 STEPS = 40  # towards the nearest place of a condition; about ten are usual

@@ -31,7 +31,7 @@ class Count(NamedTuple):
 
     Examples
     --------
-    >>> from woodpecker import Count
+    >>> from woodpecker.regions import Count
     >>> Count(2, stable=1, unstable=3)
     Count(period=2, stable=1, unstable=3)
     """
@@ -50,7 +50,7 @@ class Settles(StrEnum):
 
     Examples
     --------
-    >>> from woodpecker import Settles
+    >>> from woodpecker.regions import Settles
     >>> [(settles.name, settles.value) for settles in Settles][:3]
     [('CYCLE', 'cycle'), ('REST', 'rest'), ('CHAOS', 'chaos')]
     """
@@ -78,7 +78,7 @@ class Attractor(NamedTuple):
 
     Examples
     --------
-    >>> from woodpecker import Attractor, Settles
+    >>> from woodpecker.regions import Attractor, Settles
     >>> print(Attractor(Settles.CYCLE, 2), "and", Attractor(Settles.CHAOS, 0))
     period 2 and chaos
     """

@@ -1,17 +1,18 @@
 """The answer of a proof that could not be made."""
 
 
-class Undecided(Exception):  # noqa: N818  (no error: an answer)
+class NotProved(Exception):  # noqa: N818  (no error: an answer)
     """What ball arithmetic could not decide over a box; the text says what.
 
     Examples
     --------
     >>> from pwmap import SpecialPoint
-    >>> from woodpecker import Undecided, prove
+    >>> from woodpecker import prove
+    >>> from woodpecker.proofs import NotProved
     >>> nowhere = SpecialPoint(id="A", kind="FF", parameter=0.3, x=-0.8)
     >>> try:
     ...     prove(nowhere)
-    ... except Undecided as error:
+    ... except NotProved as error:
     ...     print(error)
     no two gaps close at once here
     """

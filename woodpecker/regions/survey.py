@@ -33,7 +33,7 @@ class Survey:
 
     Examples
     --------
-    >>> from woodpecker import Survey
+    >>> from woodpecker.regions import Survey
     >>> survey = Survey(checks=20, seed=1)  # 20 random places; the same each time
     >>> survey.checks
     20

@@ -11,17 +11,10 @@ from needs import NEEDS_NUMBA
 from shapely import LineString, MultiLineString
 
 from pwmap import PiecewiseLinearMap, parameter_plane
-from woodpecker import (
-    Regions,
-    Settings,
-    Survey,
-    Toy,
-    family_from_sympy,
-    parameter_regions,
-    regions_of,
-    shoot,
-)
-from woodpecker.plane.cutting import SQUARE, way_between
+from woodpecker import Settings, Toy, shoot
+from woodpecker.plane import family_from_sympy
+from woodpecker.regions import Regions, Survey, parameter_regions, regions_of
+from woodpecker.regions.cutting import SQUARE, way_between
 
 X, A, R = sympy.symbols("x a r")
 PAPER = sympy.Piecewise((-2 + R, X < 0), (-A * X + R, True))

@@ -30,7 +30,8 @@ class ToyFamily:
 
     Examples
     --------
-    >>> from woodpecker import Toy, ToyFamily
+    >>> from woodpecker import Toy
+    >>> from woodpecker.plane import ToyFamily
     >>> family = ToyFamily(Toy(), ("eps_n1", "mu_2"))
     >>> over_mu_2 = family.over(1, (0.4, 0.3))  # with eps_n1 = 0.4
     >>> round(over_mu_2.at(-0.53, 0.3).value, 9)

@@ -1,0 +1,410 @@
+"""Diagrams of the toy, or of any map: what is connected with an orbit, or all in a window."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from concurrent.futures import Executor
+from dataclasses import asdict, replace
+from typing import TYPE_CHECKING, cast, overload
+
+import numpy as np
+
+from pwmap.diagrams.diagram import Diagram, PointKind, SpecialPoint
+from pwmap.diagrams.diagram import load_diagram as load_diagram  # for the users of woodpecker, too
+from woodpecker.base.checkpoint import START
+from woodpecker.base.checks import instance
+from woodpecker.base.executors import Serial, worker_count
+from woodpecker.base.settings import Settings
+from woodpecker.maps.pieces import PiecewiseMap
+from woodpecker.mechanics.toy import WINDOW, Toy
+from woodpecker.plane.curve import Curve, PlanePoint
+from woodpecker.runs import AT, Subject, nothing, recorded, subject
+from woodpecker.search.diagrams import (
+    Found,
+    cycle_near,
+    finite_window,
+    iterates,
+    orders_with,
+    restored,
+    whole_diagram,
+)
+from woodpecker.search.explorer import Explorer, Progress
+from woodpecker.search.samples import StopRule
+from woodpecker.search.search import Search
+from woodpecker.search.tasks import Worker
+from woodpecker.shooting import PeriodicOrbit
+from woodpecker.simulation.returns import RESTITUTIONS
+from woodpecker.slices.orbits import Orbit
+from woodpecker.two_parameters import Spans, curve_in_two
+
+if TYPE_CHECKING:
+    from pwmap import PiecewiseLinearMap
+
+WORKERS = 1  # of a search for the branches of a map: evaluations of formulas are not worth more
+
+
+# --- What is connected with an orbit --------------------------------------------------------------
+
+
+@overload
+def continuation(
+    source: Toy | PiecewiseMap | PiecewiseLinearMap,
+    orbit: PeriodicOrbit,
+    parameter: str | None = None,
+    span: tuple[float, float] | None = None,
+    *,
+    orders: Sequence[int] | None = None,
+    settings: Settings | None = None,
+    stop: StopRule | None = None,
+    progress: Progress | None = None,
+    run: str | os.PathLike[str] | None = None,
+    resume: bool = False,
+) -> Diagram: ...
+
+
+@overload
+def continuation(
+    source: Toy,
+    orbit: SpecialPoint | PlanePoint,
+    parameter: tuple[str, str],
+    span: Spans,
+    *,
+    kind: PointKind | str | None = None,
+    settings: Settings | None = None,
+) -> Curve: ...
+
+
+def continuation(
+    source: Toy | PiecewiseMap | PiecewiseLinearMap,
+    orbit: PeriodicOrbit | SpecialPoint | PlanePoint,
+    parameter: str | tuple[str, str] | None = None,
+    span: tuple[float, float] | Spans | None = None,
+    *,
+    kind: PointKind | str | None = None,
+    orders: Sequence[int] | None = None,
+    settings: Settings | None = None,
+    stop: StopRule | None = None,
+    progress: Progress | None = None,
+    run: str | os.PathLike[str] | None = None,
+    resume: bool = False,
+) -> Diagram | Curve:
+    """Follow a periodic solution both ways over a parameter, and every branch connected to it.
+
+    A special point of the toy with two parameters is handed to :func:`woodpecker.curve_in_two`,
+    which says what is followed then.
+
+    Parameters
+    ----------
+    source
+        The toy, or any piecewise-smooth map of the line with one parameter.
+    orbit
+        A periodic solution of it, from :func:`woodpecker.shoot`. It is followed with its minimal
+        period, also where a multiple of that was shot for.
+    parameter
+        Parameter of the toy that varies, by default eps_n1; or what the diagram calls that of a
+        map, by default p.
+    span
+        Its interval, by default (0, 1) for a toy, that of the settings for a map. Where the toy
+        cannot have all of these values, branches end at the last that it can have.
+    kind
+        Only for a point of codimension two, see :func:`woodpecker.curve_in_two`.
+    orders
+        The iterates of which branches are followed, the minimal period of the orbit among them; by
+        default no other. Where P_n flips the doubled branch starts if 2 n is one of them; jump
+        branches of all of them start at collisions with jumps, cycles at kinks and grazings.
+    settings
+        Steps, window and tolerances. By default the window of a toy is (-2.5, -0.24) rad, and that
+        of a map has no ends.
+    stop
+        A rule that ends branches, such as ``lambda state: abs(state.multiplier) > 5``. It is asked
+        at every sample, with a :class:`woodpecker.search.BranchState`; where it comes to be true
+        the branch ends (EP, "stopped as asked"), a place that is bracketed to rounding, and nothing
+        that begins beyond is followed.
+    progress
+        Called before the first branch, and with every one that is finished.
+    run
+        A file that keeps every finished branch, so that an interrupted run can go on.
+    resume
+        Go on with the run in that file. It does not keep ``stop``: a rule that is wanted is given
+        again.
+
+    Returns
+    -------
+    Diagram
+        Fixed-point and jump branches of these iterates with their special points. Of a toy
+        ``given`` says under which law of impact, and how derivatives in the parameter were found.
+
+    Raises
+    ------
+    ValueError
+        If the orbit did not converge or is one of another toy or map, span, window or orders do not
+        hold it, or there is no such run to resume.
+    TypeError
+        If a parameter is unknown, the settings are no :class:`Settings`, or what is given for one
+        parameter does not go with two.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, continuation, shoot
+    >>> toy = Toy()
+    >>> diagram = continuation(toy, shoot(toy, -0.53), "eps_n1", span=(0.45, 0.7))
+    >>> for point in diagram.points:
+    ...     print(point.kind, f"{point.parameter:.9f} {point.x:.9f}", point.cause)
+    EP 0.450000000 -0.537769080 end of the parameter span
+    PD 0.648549200 -0.518581245 the multiplier is -1
+    EP 0.700000000 -0.515717105 end of the parameter span
+
+    A map of one's own:
+
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> diagram = continuation(lines, shoot(lines, -1.0, p=-0.5), "p", span=(-1, 2))
+    >>> [(branch.id, branch.word, branch.ends) for branch in diagram.branches]
+    [('F1', 'L', ('EP1', 'BC1')), ('J1', 'L / R', ('BC1', 'BC2')), ('F2', 'R', ('BC2', 'EP2'))]
+    """
+    if isinstance(orbit, str):
+        raise TypeError(
+            f"continuation needs the point itself, found by diagram.point({orbit!r}), got its name"
+        )
+    if isinstance(orbit, PeriodicOrbit) and (parameter is None or isinstance(parameter, str)):
+        if kind is not None:
+            raise TypeError(f"kind is for a point of codimension two, got {kind!r} for an orbit")
+        followed = subject(source, parameter, cast("tuple[float, float] | None", span), settings)
+        return _connected(
+            followed, orbit, orders=orders, stop=stop, progress=progress, run=run, resume=resume
+        )
+    if isinstance(orbit, PeriodicOrbit) or isinstance(parameter, str | None):
+        raise TypeError(
+            "a periodic solution is followed over one parameter, a special point over two, got "
+            f"{type(orbit).__name__} and {parameter!r}"
+        )
+    if any(each is not None for each in (orders, stop, progress, run)) or resume:
+        raise TypeError("orders, stop, progress, run and resume are for one parameter, not for two")
+    instance("source", source, Toy)
+    return curve_in_two(
+        cast("Toy", source), orbit, parameter, cast("Spans", span), kind=kind, settings=settings
+    )
+
+
+def _connected(
+    followed: Subject, orbit: PeriodicOrbit, *, orders: Sequence[int] | None,
+    stop: StopRule | None, progress: Progress | None, run: str | os.PathLike[str] | None,
+    resume: bool,
+) -> Diagram:  # fmt: skip
+    """What is connected to a periodic solution over one parameter."""
+    settings, map_ = followed.settings, followed.map_
+    start = _start(followed, orbit)
+    wanted = orders_with(start, orders)
+    run_of = followed.about | {
+        AT: _value(followed, orbit), START: orbit.points, "orders": wanted
+    }  # fmt: skip
+    with recorded(run, run_of, resume) as record:
+        worker = Serial(Worker(map_, settings, stop))
+        explorer = Explorer(map_, worker, settings, wanted, progress or nothing, record)
+        explorer.take_over(restored(explorer, record, map_).since)
+        explorer.follow(start)
+    return followed.finished(explorer.diagram(followed.parameter, followed.x_name))
+
+
+def _value(followed: Subject, orbit: PeriodicOrbit) -> float:
+    """The parameter at which an orbit lives: that of the toy is any of its own."""
+    toy = followed.source
+    return float(getattr(toy, followed.parameter)) if isinstance(toy, Toy) else orbit.p
+
+
+def _start(followed: Subject, orbit: PeriodicOrbit) -> Orbit:
+    """The cycle from which everything is followed, with its minimal period.
+
+    Passed several times over it would hide its flips, and meet the same borders again and again.
+    """
+    if not orbit.success:
+        raise ValueError(f"continuation needs a periodic solution, got one with: {orbit.message}")
+    if orbit.source is not followed.source and orbit.source != followed.source:
+        what = "toy" if isinstance(followed.source, Toy) else "map"
+        raise ValueError(f"continuation needs an orbit of this {what}, got one of another {what}")
+    settings, p = followed.settings, _value(followed, orbit)
+    low, high = followed.wanted
+    if not low <= p <= high:
+        of_toy = " of the toy" if isinstance(followed.source, Toy) else ""
+        raise ValueError(f"span must hold {followed.parameter} = {p}{of_toy}, got ({low}, {high})")
+    x = np.array(orbit.points[: orbit.minimal_period])
+    low, high = settings.window
+    if not (low <= x.min() and x.max() <= high):
+        name = "phi_S" if isinstance(followed.source, Toy) else followed.x_name
+        raise ValueError(
+            f"window must hold the orbit, {name} = {', '.join(f'{v:.6g}' for v in x.tolist())}, "
+            f"got ({low}, {high})"
+        )
+    if p == 0.0 and followed.parameter in RESTITUTIONS:  # contacts that rest at zero bounce beyond
+        p = settings.same * settings.p_scale
+    return cycle_near(followed.map_, x, p, settings)
+
+
+# --- Everything in a window -----------------------------------------------------------------------
+
+
+def bifurcation_diagram(
+    source: Toy | PiecewiseMap | PiecewiseLinearMap,
+    parameter: str | None = None,
+    span: tuple[float, float] | None = None,
+    orders: Sequence[int] = (1,),
+    window: tuple[float, float] | None = None,
+    *,
+    settings: Settings | None = None,
+    search: Search | None = None,
+    progress: Progress | None = None,
+    run: str | os.PathLike[str] | None = None,
+    resume: bool = False,
+    workers: int | None = None,
+    executor: Executor | None = None,
+) -> Diagram:
+    """Every branch of some iterates in a window, and how they hang together.
+
+    Slices of the parameter are taken until they show nothing that no branch explains; see
+    :mod:`woodpecker.search.search`. An iterate P_j counts orbits all of whose returns lie in the
+    window.
+
+    Parameters
+    ----------
+    source
+        The toy, of which the own value of ``parameter`` does not matter; or any piecewise-smooth
+        map of the line with one parameter.
+    parameter
+        Parameter of the toy that varies, by default eps_n1; or what the diagram calls that of a
+        map, by default p.
+    span
+        Its interval, by default (0, 1) for a toy, that of the settings for a map. Where the toy
+        cannot have all of these values, branches end at the last that it can have.
+    orders
+        The iterates j.
+    window
+        Finite interval of phi_S [rad] or x, by default (-2.5, -0.24) rad for a toy, that of the
+        settings for a map.
+    settings
+        Steps and tolerances.
+    search
+        How many slices.
+    progress
+        Called with every branch that is finished, and before every slice.
+    run
+        A file that keeps every finished branch, so that an interrupted run can go on.
+    resume
+        Go on with the run in that file.
+    workers
+        How many processes do the work, this one among them, by default one for each core, for a map
+        this one alone; see :func:`woodpecker.base.executors.scheduler`. A map goes to others by
+        cloudpickle, with lambdas in it too. The result does not depend on it.
+    executor
+        Any executor of :mod:`concurrent.futures` (threads, processes, dask, MPI) that helps
+        instead; it is not shut down, and has as many tasks at once as ``workers`` says.
+
+    Returns
+    -------
+    Diagram
+        Fixed points of P_j are listed with their minimal period only. Of a toy ``given`` says under
+        which law of impact, and how derivatives in the parameter were found.
+
+    Raises
+    ------
+    ValueError
+        If an order is not at least 1, the span or window does not ascend or is not finite, or there
+        is no such run to resume.
+    TypeError
+        If it is neither a toy nor a map, the parameter is unknown, or the settings are no
+        :class:`Settings`.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, Search, bifurcation_diagram
+    >>> few = Search(slices=4)
+    >>> top = bifurcation_diagram(Toy(), "eps_n1", (0.33, 0.4), (1,), (-1, -0.8), search=few)
+    >>> sorted((round(p.parameter, 9), str(p.kind)) for p in top.points if p.kind.name != "EP")
+    [(0.341923454, 'BC'), (0.388349589, 'FF')]
+
+    A map of one's own:
+
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import from_sympy
+    >>> x, p = symbols("x p")
+    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
+    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), (1, 2), (-3, 3), search=few)
+    >>> [(branch.id, branch.order) for branch in diagram.branches]
+    [('F1', 1), ('J1', 1), ('J2', 2), ('F2', 1), ('J3', 2), ('F3', 2), ('F4', 2), ('J4', 2)]
+    """
+    return bifurcation_search(
+        source, parameter, span, orders, window, settings=settings, search=search,
+        progress=progress, run=run, resume=resume, workers=workers, executor=executor,
+    ).diagram  # fmt: skip
+
+
+def bifurcation_search(
+    source: Toy | PiecewiseMap | PiecewiseLinearMap,
+    parameter: str | None = None,
+    span: tuple[float, float] | None = None,
+    orders: Sequence[int] = (1,),
+    window: tuple[float, float] | None = None,
+    *,
+    settings: Settings | None = None,
+    search: Search | None = None,
+    progress: Progress | None = None,
+    run: str | os.PathLike[str] | None = None,
+    resume: bool = False,
+    workers: int | None = None,
+    executor: Executor | None = None,
+) -> Found:
+    """Like :func:`woodpecker.bifurcation_diagram`, with what the slices came to.
+
+    Parameters
+    ----------
+    source, parameter, span, orders, window
+        What is searched, as there.
+    settings, search, progress, run, resume, workers, executor
+        How, as there.
+
+    Returns
+    -------
+    Found
+        The diagram, its slices, and how often P_1 was evaluated.
+
+    Raises
+    ------
+    ValueError, TypeError
+        As there.
+
+    Examples
+    --------
+    >>> from woodpecker import Search, Toy
+    >>> from woodpecker.diagrams import bifurcation_search
+    >>> few = Search(slices=4)
+    >>> found = bifurcation_search(Toy(), "eps_n1", (0.33, 0.4), (1,), (-1, -0.8), search=few)
+    >>> len(found.diagram.branches), len(found.slices) >= 4
+    (3, True)
+    """
+    of_toy = isinstance(source, Toy)
+    if window is None and of_toy:
+        window = WINDOW
+    looked = Search() if search is None else search
+    instance("search", looked, Search)
+    followed = subject(source, parameter, span, settings, window)
+    chosen, map_ = followed.settings, followed.map_
+    finite_window(chosen)
+    worker_count(workers)
+    run_of = followed.about | {"orders": iterates(orders), "search": asdict(looked)}
+    if of_toy:
+        map_.at(*map(_middle, (chosen.window, chosen.span)))  # compiled before there are processes
+    with recorded(run, run_of, resume) as record:
+        found = whole_diagram(
+            map_, chosen, orders, looked, parameter_name=followed.parameter,
+            x_name=followed.x_name, progress=progress, executor=executor, record=record,
+            workers=WORKERS if workers is None and executor is None and not of_toy else workers,
+        )  # fmt: skip
+    return replace(found, diagram=followed.finished(found.diagram))
+
+
+def _middle(interval: tuple[float, float]) -> float:
+    return 0.5 * (interval[0] + interval[1])

@@ -1,0 +1,10 @@
+"""Regions of two parameters in which the same cycles live."""
+
+from .census import Attractor as Attractor
+from .census import Count as Count
+from .census import Settles as Settles
+from .regions import Region as Region
+from .regions import Regions as Regions
+from .regions import regions_of as regions_of
+from .survey import Survey as Survey
+from .toys import parameter_regions as parameter_regions

@@ -1,0 +1,155 @@
+"""The toy, or any map, from many points: its return map, and what orbits settle on."""
+
+from __future__ import annotations
+
+import math
+from concurrent.futures import Executor
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from woodpecker.base.checks import real_array, whole
+from woodpecker.base.settings import Settings
+from woodpecker.maps.pieces import PiecewiseMap
+from woodpecker.mechanics.toy import Toy
+from woodpecker.shooting import value_of
+from woodpecker.simulation import returns
+from woodpecker.simulation.returns import ReturnMap
+from woodpecker.simulation.status import Status
+from woodpecker.slices import attracting
+from woodpecker.slices.attracting import OrbitDiagram, SweptMap
+from woodpecker.toy_map import Mapped, named
+
+if TYPE_CHECKING:
+    from pwmap import PiecewiseLinearMap
+
+
+def return_map(
+    source: Toy | PiecewiseMap | PiecewiseLinearMap,
+    x: npt.ArrayLike,
+    order: int = 1,
+    *,
+    p: float | None = None,
+    executor: Executor | None = None,
+) -> ReturnMap:
+    """P_order at many starts; of the toy on all cores.
+
+    Parameters
+    ----------
+    source
+        The toy, or any piecewise-smooth map of the line with one parameter.
+    x
+        Starts, phi_S [rad] for the toy, of any shape; the result is flat.
+    order
+        So many returns in turn.
+    p
+        The parameter of a map. A toy has its values.
+    executor
+        For the toy, any executor of :mod:`concurrent.futures` (a process pool, dask, MPI) to carry
+        the work. By default the compiled kernel runs in threads and the plain one serially.
+
+    Returns
+    -------
+    ReturnMap
+        Arrays of shape (n,) in the order of the starts. A map has images, slopes and words; period,
+        drop and the derivative in eps_n1 are nan.
+
+    Raises
+    ------
+    TypeError
+        If it is neither a toy nor a map, or the executor has no method ``map``.
+    ValueError
+        If starts are no real numbers, or none of the toy, the order is no positive whole number, a
+        map has no ``p`` or a toy one, or doubles cannot hold the equations of motion.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, return_map
+    >>> found = return_map(Toy(), [-1.0, -0.8, -0.6])
+    >>> found.phi_s.round(9).tolist()
+    [-0.364324882, -0.491027576, -0.479415128]
+    >>> found.slope.round(6).tolist()
+    [-0.901261, -0.54036, -0.635028]
+    """
+    if isinstance(source, Toy):
+        value_of(source, p)
+        return returns.return_map(source, x, order, executor=executor)
+    mapped = Mapped(source, named(source).map_, value_of(source, p))
+    starts, order = real_array("x", x).ravel(), whole("order", order, most=returns.ORDER_MOST)
+    found = [_returned(mapped, start, order) for start in starts.tolist()]
+    unknown = np.full(len(starts), math.nan)
+    return ReturnMap(
+        start=starts, phi_s=np.array([each[0] for each in found]), period=unknown, drop=unknown,
+        slope=np.array([each[1] for each in found]), d_eps_n1=unknown,
+        words=tuple(each[2] for each in found), status=tuple(each[3] for each in found),
+    )  # fmt: skip
+
+
+def _returned(mapped: Mapped, x: float, order: int) -> tuple[float, float, str, Status]:
+    """Image, slope, word and status of one start."""
+    slope, words = 1.0, list[str]()
+    for _ in range(order):
+        image = mapped.at(x)
+        words.append(image.piece.word)
+        if image.reason:
+            return math.nan, math.nan, " | ".join(words), Status.NO_IMAGE
+        x, slope = image.value, slope * image.slope
+    return x, slope, " | ".join(words), Status.RETURNED
+
+
+def orbit_diagram(
+    source: Toy | PiecewiseMap | SweptMap | PiecewiseLinearMap,
+    parameters: npt.ArrayLike,
+    starts: npt.ArrayLike,
+    window: tuple[float, float],
+    *,
+    parameter: str | None = None,
+    transient: int = 300,
+    keep: int = 128,
+    settings: Settings | None = None,
+) -> OrbitDiagram:
+    """Follow orbits from many starts at many values of a parameter.
+
+    Parameters
+    ----------
+    source
+        The toy, or any map of the line with one parameter. Of its pieces nothing is asked but
+        values and slopes; a map that takes many points at once (``sweep``) gets all starts at all
+        parameters in one array.
+    parameters, starts
+        Values of the parameter, and first points, of shapes (n,) and (m,).
+    window
+        Interval of x; an orbit that leaves it is lost.
+    parameter
+        Of the toy: the one that has these values, by default eps_n1.
+    transient, keep
+        How many iterates are cut, and how many are kept after that.
+    settings
+        The unit of x: an orbit that repeats itself to 1e-6 of it after at most 64 points has that
+        period. By default in units of x.
+
+    Returns
+    -------
+    OrbitDiagram
+        At most n m orbits, each with its last ``keep`` points; those lost are counted.
+
+    Raises
+    ------
+    TypeError
+        If it is neither a toy nor a map, or the parameter is unknown.
+    ValueError
+        If nothing is to be kept, the window is no two ascending numbers, or parameters or starts
+        are no real numbers.
+
+    Examples
+    --------
+    >>> from woodpecker import Toy, orbit_diagram
+    >>> found = orbit_diagram(Toy(), [0.5, 0.66], [-0.53], (-2.5, -0.24), transient=200, keep=8)
+    >>> [(orbit.p, orbit.period) for orbit in found.orbits], found.lost
+    ([(0.5, 1), (0.66, 2)], 0)
+    """
+    map_ = source if isinstance(source, SweptMap) else named(source, parameter).map_
+    return attracting.orbit_diagram(
+        map_, parameters, starts, window, transient=transient, keep=keep, settings=settings
+    )

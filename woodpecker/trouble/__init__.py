@@ -1,1 +1,0 @@
-"""How far the stable motion is from trouble, in all parameters at once."""

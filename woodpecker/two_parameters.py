@@ -1,0 +1,163 @@
+"""Special points of the toy, or of any family of maps, followed over two parameters."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from pwmap.diagrams.diagram import PointKind, PointStatus, SpecialPoint
+from pwmap.plane.kinds import PlaneKind
+from woodpecker.base.checks import interval
+from woodpecker.base.settings import Settings
+from woodpecker.base.shown import shown
+from woodpecker.mechanics.toy import Toy, limits
+from woodpecker.plane.curve import Curve, PlanePoint
+from woodpecker.plane.families import Family
+from woodpecker.plane.following import curve_through
+from woodpecker.plane.toys import ToyFamily
+from woodpecker.runs import DEFAULT, OUT_OF_DOMAIN, given, possible, settings_for
+
+if TYPE_CHECKING:
+    from pwmap import PiecewiseLinearMap
+
+SAMPLES = 2000  # of a curve each way: most have some hundred, and what needs more comes to nothing
+
+Spans = tuple[tuple[float, float], tuple[float, float]]
+
+
+def curve_in_two(
+    source: Toy | Family | PiecewiseLinearMap,
+    point: SpecialPoint | PlanePoint,
+    parameters: tuple[str, str],
+    span: Spans,
+    *,
+    value: float | None = None,
+    kind: PointKind | str | None = None,
+    settings: Settings | None = None,
+) -> Curve:
+    """Follow a special point both ways over two parameters.
+
+    The curve goes on through points of codimension two and changes of word.
+
+    Parameters
+    ----------
+    source
+        The toy, of which the value of the second parameter is where the point lives; an exact map
+        of :mod:`pwmap` with two parameters; or a family of maps, such as
+        :func:`woodpecker.plane.family_from_sympy` makes.
+    point
+        A special point, LP, PD, BC or FF, of a diagram over the first of the two parameters; or one
+        of a curve, of codimension two, at which a curve of another kind starts.
+    parameters, span
+        Two parameters, those of a family in its order, and an interval of each. Where the toy
+        cannot have all of these values, curves end at the last that it can have.
+    value
+        Of a map or a family: the second parameter of the diagram that holds the point.
+    kind
+        Of a point of codimension two: which of the curves that start there, see its ``starts``.
+    settings
+        Steps, window and tolerances. By default the window of a toy is (-2.5, -0.24) rad, and that
+        of a map has no ends.
+
+    Returns
+    -------
+    Curve
+        At the point itself the second parameter rises, or the first if the second does not change;
+        from a point of codimension two on it leads away.
+
+    Raises
+    ------
+    ValueError
+        If there is no such point, it is of a kind that has no curve, the spans are not two pairs of
+        ascending numbers that hold it, or ``value`` is missing or one too many.
+    TypeError
+        If a parameter is unknown, or the settings are no :class:`Settings`.
+
+    Examples
+    --------
+    >>> from sympy import Piecewise, symbols
+    >>> from woodpecker import Settings, continuation, curve_in_two, shoot
+    >>> from woodpecker.plane import family_from_sympy
+    >>> x, a, r = symbols("x a r")
+    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
+    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
+    >>> over_r, settings = family.over(0, (0.0, 1.25)), Settings(span=(-1, 1), window=(-4, 4))
+    >>> diagram = continuation(over_r, shoot(over_r, 0.2, p=0.45), settings=settings)
+    >>> border, spans = diagram.points[0], ((-1, 1), (1.1, 2))
+    >>> curve = curve_in_two(family, border, ("r", "a"), spans, value=1.25, settings=settings)
+    >>> str(curve.kind), curve.values[[0, -1]].round(9).tolist()  # r and a
+    ('BC', [[0.0, 1.1], [0.0, 2.0]])
+    """
+    if isinstance(source, Toy):
+        if value is not None:
+            raise ValueError(f"a toy has its own values, got value = {value!r}")
+        return _of_toy(source, point, parameters, span, kind, settings)
+    family = _family(source, parameters)
+    if tuple(parameters) != family.names:
+        raise ValueError(
+            f"parameters must be those of the family, {family.names}, got {parameters}"
+        )
+    chosen = settings_for(settings, Settings())
+    return curve_through(family, point, value, span=pair(span), kind=kind, settings=chosen)
+
+
+def _family(source: Family | PiecewiseLinearMap, parameters: tuple[str, str]) -> Family:
+    """Maps over two parameters that a user has given."""
+    from pwmap import PiecewiseLinearMap
+    from woodpecker.plane.families import family_from_pwmap
+
+    if isinstance(source, PiecewiseLinearMap):
+        return family_from_pwmap(source, parameters)
+    if not callable(getattr(source, "over", None)):
+        raise TypeError(
+            "curve_in_two needs a toy, an exact map of two parameters or a family, got "
+            f"{shown(source)}"
+        )
+    return source
+
+
+def _of_toy(
+    toy: Toy, point: SpecialPoint | PlanePoint, parameters: tuple[str, str], span: Spans,
+    kind: PointKind | str | None, settings: Settings | None,
+) -> Curve:  # fmt: skip
+    """A curve of the toy, which ends where a parameter can have no other values."""
+    family = ToyFamily(toy, parameters)
+    first, second = family.names
+    wanted = [interval(f"span of {name}", each, finite=True) for name, each in
+              zip(family.names, pair(span), strict=True)]  # fmt: skip
+    spans = possible(toy, first, wanted[0]), possible(toy, second, wanted[1])
+    chosen = settings_for(settings, DEFAULT, span=spans[0])
+    found = curve_through(
+        family, point, getattr(toy, second), span=spans, kind=kind,
+        settings=replace(chosen, max_samples=min(chosen.max_samples, SAMPLES)),
+    )  # fmt: skip
+    law = given(toy, first)[:1]
+    rates = f"derivatives in {first} and {second}: the variational flow"
+    points = tuple(_of_domain(each, toy, family.names, spans, wanted) for each in found.points)
+    return replace(found, points=points, given=(*law, rates))
+
+
+def pair(span: Spans) -> Spans:
+    """Intervals of two parameters."""
+    try:
+        first, second = span
+        len(first), len(second)
+    except (TypeError, ValueError):
+        raise ValueError(
+            f"span must be an interval of each of the two parameters, got {span!r}"
+        ) from None
+    return first, second
+
+
+def _of_domain(
+    point: PlanePoint, toy: Toy, names: tuple[str, str], spans: Spans,
+    wanted: list[tuple[float, float]],
+) -> PlanePoint:  # fmt: skip
+    """An end point with the reason why a parameter goes no further, if that is why."""
+    if point.kind is not PlaneKind.END or point.status is PointStatus.OPEN:
+        return point
+    for name, value, span, asked in zip(names, point.values, spans, wanted, strict=True):
+        for end, limit, beyond in zip(span, limits(toy, name), asked, strict=True):
+            if value == end == limit != beyond:
+                return replace(point, kind=PlaneKind.DOMAIN, cause=f"{OUT_OF_DOMAIN}: {name}")
+    return point
