@@ -21,6 +21,7 @@ from pwmap.cli_screen import (
     Formats,
     bar_on,
     complain,
+    in_paragraphs,
     in_words,
     picture_format,
     say,
@@ -334,6 +335,7 @@ app.command("plane")(draw_plane)
 app.command("prove")(prove_map)
 app.command("check")(check_files)
 app.command("explore")(explore)
+in_paragraphs(app)
 
 
 def run() -> None:
