@@ -135,7 +135,7 @@ class Seen:
 
     def complete(self) -> None:
         """Wait for the whole diagram."""
-        self.wait("/^\\d+ branches/.test(explorer.answer.stage)", 120.0)
+        self.wait("/^\\d+ branch/.test(explorer.answer.stage)", 120.0)
         self.page.wait_for_timeout(300)
 
     def colours(self, selector: str) -> int:

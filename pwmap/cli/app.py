@@ -23,6 +23,7 @@ from pwmap.cli.screen import (
     Formats,
     bar_on,
     complain,
+    in_paragraphs,
     picture_format,
     say,
     screen,
@@ -305,6 +306,7 @@ app.command("plane")(draw_plane)
 app.command("prove")(prove_map)
 app.command("check")(check_files)
 app.command("explore")(explore)
+in_paragraphs(app)
 
 
 def run() -> None:

@@ -8,6 +8,7 @@ brackets and all.
 from __future__ import annotations
 
 import csv
+import inspect
 import json
 import os
 from collections.abc import Callable, Iterable, Iterator, Sequence
@@ -215,3 +216,11 @@ def tell_written(folder: Path, names: Sequence[str], gone: Sequence[str] = ()) -
     say("wrote " + ", ".join(str(folder / name) for name in names))
     if gone:
         say("removed what an earlier run wrote: " + ", ".join(gone))
+
+
+def in_paragraphs(app: typer.Typer) -> None:
+    """Let the help of each command break its lines where the screen ends, not where code does."""
+    for command in app.registered_commands:
+        text = inspect.getdoc(command.callback) or ""
+        paragraphs = (" ".join(each.split()) for each in text.split("\n\n"))
+        command.help = "\n\n".join(paragraphs)

@@ -64,9 +64,15 @@ def summary(found: Shown) -> str:
     left = [text for text in diagram.given if text.startswith("stopped")]
     given_up = sum(point.status is PointStatus.OPEN for point in diagram.points)
     if given_up:
-        left.append(f"{given_up} {'end was' if given_up == 1 else 'ends were'} given up")
-    counts = f"{len(diagram.branches)} branches, {len(diagram.points)} points"
+        left.append(_counted(given_up, "end was given up", "ends were given up"))
+    counts = f"{_counted(len(diagram.branches), 'branch', 'branches')}, " + _counted(
+        len(diagram.points), "point", "points"
+    )
     return "; ".join([counts, *left])
+
+
+def _counted(number: int, one: str, several: str) -> str:
+    return f"{number} {one if number == 1 else several}"
 
 
 def style_of(branch: Branch, sample: int) -> str:

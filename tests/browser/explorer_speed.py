@@ -120,7 +120,7 @@ def measured(fast: bool) -> dict[str, float]:
             page.goto(address)
             page.wait_for_function(READY, timeout=120_000)
             first = time.monotonic() - begun
-            page.wait_for_function("/^\\d+ branches/.test(explorer.answer.stage)", timeout=120_000)
+            page.wait_for_function("/^\\d+ branch/.test(explorer.answer.stage)", timeout=120_000)
             clock = time.monotonic()
             page.evaluate("explorer.ask({ do: 'search' })")
             page.wait_for_function("explorer.answer.running && explorer.answer.branches.length")

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from pwmap.cli.screen import say
+from pwmap.cli.screen import in_paragraphs, say
 from woodpecker.cli.curves import curves
 from woodpecker.cli.diagram import diagram
 from woodpecker.cli.explore import explore
@@ -41,6 +41,7 @@ for name, command in (
 ):
     app.command(name=name)(with_toy(command, name))
 app.command(name="check")(check)
+in_paragraphs(app)
 
 
 def _tell_version(asked: bool) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any
@@ -17,11 +17,20 @@ from woodpecker.base.arrays import Floats
 from woodpecker.explore.branches import DiagramProgress
 from woodpecker.explore.model import DrawnMotion, MapCurve, Mark
 from woodpecker.explore.system_state import Explored, SystemState, explored
-from woodpecker.systems import MotionEvent, SystemMap, continuation, return_map, shoot, simulate
+from woodpecker.systems import (
+    MotionEvent,
+    SystemCycle,
+    SystemMap,
+    continuation,
+    return_map,
+    shoot,
+    simulate,
+)
 
 FIRST, DOUBLED = 17, 4  # starts of a map of one dimension, and how often others are put between
 SAMPLES = 400  # of a motion
 BREAK = 0.05  # of the height: neighbours with other words that differ more are not joined
+AFTER = 60  # returns of an orbit until a periodic motion is looked for beside it
 NEAR = 0.25  # of the window: a periodic motion that is followed jumps no further
 BRANCHES = (1, 4, 16, 64)  # that are followed at most, for a diagram that grows
 ORDERS = (1, 2)  # of a diagram
@@ -41,13 +50,29 @@ class SystemModel:
         """The start goes with its periodic motion as long as that is near."""
         if not state.periodic:
             return state, ""
-        cycle = shoot(self._map(state), state.x, order=state.order)
-        room = np.array([high - low for low, high in state.window])
+        near = shoot(self._map(state), state.x, order=state.order)
+        cycle = near if near.success else self._on_orbit(state, (state.order,))
         if not cycle.success:
-            return state, f"{cycle.status.value}; the motion from the start is shown"
-        if (np.abs(cycle.x[0] - state.x) > NEAR * room).any():
+            return state, f"{near.status.value}; the motion from the start is shown"
+        room = np.array([high - low for low, high in state.window])
+        if near.success and (np.abs(cycle.x[0] - state.x) > NEAR * room).any():
             return state, "the nearest periodic motion is another one; the start is kept"
-        return replace(state, x=tuple(cycle.x[0].tolist())), ""
+        message = "" if near.success else f"{near.status.value}; this one is where orbits go"
+        return replace(state, x=tuple(cycle.x[0].tolist())), message
+
+    def _on_orbit(self, state: SystemState, orders: Sequence[int]) -> SystemCycle:
+        """A periodic motion near where the orbit of the start is after a while, of some order."""
+        map_, x = self._map(state), np.array(state.x)
+        for _ in range(AFTER):
+            image = return_map(map_, x[None]).images[0]
+            if not np.isfinite(image).all():
+                break
+            x = image
+        for order in orders:
+            cycle = shoot(map_, x, order=order)
+            if cycle.success:
+                break
+        return cycle
 
     def curves(self, state: SystemState, *, fine: bool) -> Iterator[MapCurve]:
         """The map P_order in the window, if it has one coordinate; else only its cycle."""
@@ -107,6 +132,8 @@ class SystemModel:
             held.system, base.section, [state.parameter], x_scale=base.x_scale, p_scale=(width,)
         )
         cycle = shoot(map_, state.x, order=state.order)
+        if not cycle.success:
+            cycle = self._on_orbit(state, (state.order, *ORDERS))
         orders = tuple(sorted({*ORDERS, state.order, 2 * state.order}))
         for most in BRANCHES:
             found = continuation(

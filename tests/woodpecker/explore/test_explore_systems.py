@@ -36,6 +36,20 @@ map_ = map_of(Toy(), "eps_n1")
 start, window = [-0.53], [(-2.5, 0.11)]
 """
 
+RATTLE = """
+import sympy
+
+from woodpecker.systems import Contact, ContactSystem, Section, SystemMap
+
+x, v, t, m, d, F, w, gap, eps = sympy.symbols("x u_x t m d F w gap eps")
+flanks = [Contact(name="left", gap=gap + x, eps_n=eps),
+          Contact(name="right", gap=gap - x, eps_n=eps)]
+values = {m: 1.0, d: 0.1, F: 1.0, w: 1.0, gap: 0.5, eps: 0.6}
+system = ContactSystem([x], [[m]], [F * sympy.cos(w * t) - d * v], flanks, values)
+map_ = SystemMap(system, Section(when=sympy.sin(w * t), free=[x, v], at={t: 0}), ["F"])
+start, window = [0.0, 0.5], [(-0.5, 0.5), (-3.0, 3.0)]
+"""
+
 
 @pytest.fixture(scope="module")
 def stop(tmp_path_factory: pytest.TempPathFactory) -> str:
@@ -98,6 +112,21 @@ def test_a_diagram_is_the_branches_connected_with_the_motion(stop: str) -> None:
 
 
 @pytest.mark.slow
+def test_a_periodic_motion_is_looked_for_where_orbits_go(tmp_path: Path) -> None:
+    """A tooth between two flanks: from this start Newton's method finds no motion."""
+    path = tmp_path / "rattle.py"
+    path.write_text(RATTLE, encoding="utf-8")
+    given = explored(str(path))
+    first = first_state(given)
+    assert not shoot_system(given.map_, first.x).success
+    state, message = SystemModel(given).settled(first)
+    assert message.endswith("this one is where orbits go")
+    cycle = shoot_system(given.map_, state.x)
+    assert cycle.success
+    assert np.abs(cycle.x[0] - state.x).max() < 1e-9  # it is one already
+
+
+@pytest.mark.slow
 def test_what_was_not_followed_is_said(stop: str) -> None:
     """One branch of several: how many more begin is a part of the diagram."""
     map_ = explored(stop).map_
@@ -107,7 +136,7 @@ def test_what_was_not_followed_is_said(stop: str) -> None:
         continuation(map_, cycle, (6.0, 10.0), window, max_branches=most).diagram for most in (1, 2)
     )
     assert one.given[0].startswith("stopped after 1 branches: ")
-    assert summary(shown(one)).startswith("1 branches, 2 points; stopped after 1 branches")
+    assert summary(shown(one)).startswith("1 branch, 2 points; stopped after 1 branches")
     assert len(two.branches) > len(one.branches)
 
 
