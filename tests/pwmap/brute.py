@@ -1,8 +1,8 @@
-"""Brute force for piecewise-linear maps of the line, in fractions and by following points only.
+"""Brute force for piecewise-linear maps of the line, in fractions.
 
-Nothing of pwmap is used. A map is a tuple of pieces from left to right. All that is known of an
-iterate comes from nested evaluation of single points: its slopes are differences between two of
-them, its one-sided limits follow a point together with the side from which it is approached.
+Nothing of pwmap is used. A map is a tuple of pieces from left to right. Values and one-sided limits
+come from following single points, with the side from which they are approached; pieces of iterates
+and what lies on the diagonal from following intervals (``independent``).
 """
 
 from __future__ import annotations
@@ -13,10 +13,13 @@ from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
+import independent
+
 ONE = Fraction(1)
 IDENTITY = (ONE, 0 * ONE)  # slope and intercept
 LEFT, EXACT, RIGHT = -1, 0, 1  # where the followed points lie, seen from the point itself
 
+SPLIT = "|"  # between the words on two sides; no map here has so many pieces
 Word = tuple[int, ...]
 
 
@@ -52,7 +55,7 @@ class Side(NamedTuple):
 
 
 class FixedPoint(NamedTuple):
-    """A fixed point that is no inner point of an interval of fixed points."""
+    """A fixed point that lies in no interval of fixed points."""
 
     x: Fraction
     word: Word
@@ -168,24 +171,20 @@ def composition(outer: Map, first: Map) -> Map:
 
 
 @lru_cache(maxsize=32)
+def parts(f: Map, j: int) -> independent.Parts:
+    """The pieces of P_j, found by following intervals; a word has a character for each piece."""
+    base = tuple(independent.Part(*part, chr(i)) for i, part in enumerate(f))
+    return independent.iterated(base, j)[-1]
+
+
+def word_of(text: str) -> Word:
+    """A word as indices of pieces."""
+    return tuple(map(ord, text))
+
+
 def breaks(f: Map, j: int) -> list[Fraction]:
     """All points around which the words of P_j are not the same, from left to right."""
-    own = {part.lo for part in f if part.lo is not None}
-    found = set(own)
-    for _ in range(j - 1):
-        back = {
-            (y - part.intercept) / part.slope
-            for part in f
-            if part.slope != 0
-            for y in found
-            if part.holds((y - part.intercept) / part.slope)
-        }
-        found = own | back
-    return [
-        x
-        for x in sorted(found)
-        if len({followed(f, x, j, side).word for side in (LEFT, EXACT, RIGHT)}) > 1
-    ]
+    return list(dict.fromkeys(part.lo for part in parts(f, j)[1:]))
 
 
 def gaps(points: Sequence[Fraction]) -> list[tuple[Fraction | None, Fraction | None]]:
@@ -204,92 +203,29 @@ def inner(lo: Fraction | None, hi: Fraction | None) -> tuple[Fraction, Fraction]
     return lo + (hi - lo) / 3, lo + (hi - lo) * 2 / 3
 
 
-def affine(f: Map, j: int, lo: Fraction | None, hi: Fraction | None) -> tuple[Fraction, Fraction]:
-    """Slope and intercept of P_j between two neighbouring breaks, from two points."""
-    p, q = inner(lo, hi)
-    (low, word), (high, other) = followed(f, p, j), followed(f, q, j)
-    assert word == other
-    slope = (high - low) / (q - p)
-    return slope, low - slope * p
-
-
 @lru_cache(maxsize=32)
 def pieces(f: Map, j: int) -> list[Piece]:
-    """The pieces of P_j from left to right."""
-    found: list[Piece] = []
-    lo_closed = False
-    for lo, hi in gaps(breaks(f, j)):
-        slope, intercept = affine(f, j, lo, hi)
-        word = followed(f, inner(lo, hi)[0], j).word
-        if hi is None:
-            found.append(Piece(Part(lo, lo_closed, None, False, slope, intercept), word))
-            break
-        at, left, right = (followed(f, hi, j, side).word for side in (EXACT, LEFT, RIGHT))
-        assert left == word
-        found.append(Piece(Part(lo, lo_closed, hi, at == left, slope, intercept), word))
-        lo_closed = at == right
-        if at not in (left, right):
-            flat = Part(hi, True, hi, True, 0 * ONE, value(f, hi, j))
-            found.append(Piece(flat, at))
+    """The pieces of P_j from left to right; of a point only the value counts."""
+    found = []
+    for p in parts(f, j):
+        line = (0 * ONE, p(p.lo)) if p.is_point else (p.slope, p.intercept)
+        found.append(Piece(Part(p.lo, p.lo_in, p.hi, p.hi_in, *line), word_of(p.word)))
     return found
 
 
 # --- The diagonal ---------------------------------------------------------------------------------
 
 
-def bands(f: Map, j: int) -> list[tuple[Fraction | None, Fraction | None]]:
-    """Open intervals between neighbouring breaks of which every point is fixed by P_j."""
-    return [ends for ends in gaps(breaks(f, j)) if affine(f, j, *ends) == IDENTITY]
-
-
 def fixed_points(f: Map, j: int) -> list[FixedPoint]:
-    """All fixed points of P_j but for inner points of bands, from left to right."""
-    cuts = breaks(f, j)
-    lines = {lo: affine(f, j, lo, hi) for lo, hi in gaps(cuts)}
-    found: list[tuple[Fraction, Fraction | None, bool]] = []
-    for lo, hi in gaps(cuts):
-        slope, intercept = lines[lo]
-        if slope != 1:
-            x = intercept / (1 - slope)
-            if (lo is None or lo < x) and (hi is None or x < hi):
-                assert value(f, x, j) == x
-                found.append((x, slope, False))
-        if hi is not None and value(f, hi, j) == hi:
-            at, left, right = (followed(f, hi, j, side).word for side in (EXACT, LEFT, RIGHT))
-            owner = lines[lo][0] if at == left else lines[hi][0] if at == right else None
-            found.append((hi, owner, True))
+    """All fixed points of P_j but for those in bands, from left to right."""
     return [
-        FixedPoint(
-            x, followed(f, x, j).word, slope, period(f, x, j), is_stable(f, j, x, cuts), border
-        )
-        for x, slope, border in found
+        FixedPoint(p.x, word_of(p.word), p.multiplier, p.period, p.stable, p.at_border)
+        for p in independent.fixed_points(parts(f, 1), parts(f, j), j)
     ]
-
-
-def is_stable(f: Map, j: int, x: Fraction, cuts: Sequence[Fraction]) -> bool:
-    """Whether points beside a fixed point x of P_j converge to it, by following one on each side.
-
-    They lie so near that three steps see the two affine pieces beside x only. The first step may
-    change the side, after it each step keeps it or each changes it: compare the third with it.
-    """
-    room = min([abs(cut - x) for cut in cuts if cut != x], default=ONE)
-    steepest = max([ONE, *(abs(part.slope) for part in f)])
-    eps = min(ONE, room) / (2 * steepest ** (4 * j))
-    for start in (-eps, eps):
-        far, near = (value(f, x + step, j) for step in (start, start / 2))
-        if 2 * near - far != x:  # the one-sided limit is elsewhere
-            return False
-        distances = [abs(value(f, x + start, n * j) - x) for n in (1, 3)]
-        if not (distances[0] == 0 or distances[1] < distances[0]):
-            return False
-    return True
 
 
 def crossings(f: Map, j: int) -> list[Crossing]:
     """Breaks of P_j whose one-sided limits lie strictly on opposite sides of the diagonal."""
-    found = []
-    for x in breaks(f, j):
-        left, right = (followed(f, x, j, side) for side in (LEFT, RIGHT))
-        if (left.value - x) * (right.value - x) < 0:
-            found.append(Crossing(x, left.value, right.value, left.word, right.word))
-    return found
+    found = independent.crossings(parts(f, j))
+    words = ((c, *map(word_of, c.words.split(SPLIT))) for c in found)
+    return [Crossing(c.x, c.left, c.right, left, right) for c, left, right in words]

@@ -86,7 +86,6 @@ def followed(f: Map, j: int) -> dict[str, Any]:
         if (piece.part.slope, piece.part.intercept) == brute.IDENTITY
         and (piece.part.lo is None or piece.part.lo != piece.part.hi)
     ]
-    inside = {piece.word for piece in bands}
     return {
         "fixed points": [
             {
@@ -97,7 +96,6 @@ def followed(f: Map, j: int) -> dict[str, Any]:
                 "stable": p.stable,
             }
             for p in brute.fixed_points(f, j)
-            if p.word not in inside
         ],
         "intervals": [
             {

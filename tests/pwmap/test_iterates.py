@@ -252,7 +252,6 @@ def test_fixed_points_and_bands_are_those_of_brute_force(f_and_j: tuple[Map, int
     expected: list[Record] = [
         (p.x, spelled(map_, p.word), p.multiplier, p.period, p.stable, p.at_border, j, True)
         for p in brute.fixed_points(f, j)
-        if not (p.at_border and p.multiplier == 1)  # that is the end of a band
     ]
     assert found == expected
     found = [
@@ -304,11 +303,7 @@ def test_cycles_are_orbits_of_fixed_points(f_and_j: tuple[Map, int]) -> None:
         slopes = [sympy.nan if p.lower == p.upper else p.slope for p in passed]  # of a point: none
         assert cycle.multiplier == sympy.prod(slopes)
         seen += [to_fraction(x) for x in cycle.points]
-    expected = [
-        p.x for p in brute.fixed_points(f, j)
-        if p.period == j and not (p.at_border and p.multiplier == 1)
-    ]  # fmt: skip
-    assert sorted(seen) == expected
+    assert sorted(seen) == isolated(f, j)
 
 
 def test_cycles_that_visit_a_point_piece_of_slope_one() -> None:
@@ -396,11 +391,7 @@ def unit_maps(draw: st.DrawFn) -> Map:
 @given(unit_maps(), st.integers(1, 3))
 def test_isolated_cycles_of_maps_with_slopes_of_one(f: Map, j: int) -> None:
     """Fixed points of P_j that end no band, by fractions, are the points of the cycles."""
-    band_ends = {x for ends in brute.bands(f, j) for x in ends}
-    expected = [
-        p.x for p in brute.fixed_points(f, j)
-        if p.period == j and not (p.x in band_ends and p.multiplier == 1)
-    ]  # fmt: skip
+    expected = isolated(f, j)
     found = [to_fraction(x) for cycle in exact_map(f).cycles(j) for x in cycle.points]
     assert sorted(found) == expected
     for cycle in exact_map(f).iterate(2).cycles(j):
@@ -414,10 +405,8 @@ def starts(map_: PiecewiseLinearMap, j: int) -> list[Fraction]:
 
 
 def isolated(f: Map, j: int) -> list[Fraction]:
-    """Points of minimal period j that end no band, by fractions."""
-    band_ends = {x for ends in brute.bands(f, j) for x in ends}
-    found = [p for p in brute.fixed_points(f, j) if p.period == j]
-    return [p.x for p in found if not (p.x in band_ends and p.multiplier == 1)]
+    """Points of minimal period j that lie in no band, by fractions."""
+    return [p.x for p in brute.fixed_points(f, j) if p.period == j]
 
 
 @pytest.mark.slow

@@ -362,28 +362,6 @@ def velocities(s: Scene, solution: ContactLcp) -> FloatArray:
     return np.asarray(s.delassus @ impulse + s.free)
 
 
-@thorough(400)
-@given(
-    seed=st.integers(0, 2**32 - 1),
-    n=st.integers(1, 3),
-    freedoms=st.integers(2, 7),
-    eps_n=st.floats(0.01, 1.0),  # at 0 all may be at rest, and free is nothing but rounding
-)
-def test_compression_and_expansion_satisfy_the_laws(
-    seed: int, n: int, freedoms: int, eps_n: float
-) -> None:
-    """Both phases always have a solution, G singular or not, and the path leads to one."""
-    s = scene(np.random.default_rng(seed), n, freedoms)
-    pressed = solve_contact_lcp(s.delassus, s.free, s.mu)
-    assert pressed.status is LcpStatus.SOLVED
-    assert contact_residual(pressed, s.delassus, s.free, s.mu) < RESIDUAL
-    between = np.append(pressed.gamma_n, pressed.gamma_t)
-    floor = eps_n * pressed.impulse_n
-    released = solve_contact_lcp(s.delassus, between, s.mu, floor)
-    assert released.status is LcpStatus.SOLVED
-    assert contact_residual(released, s.delassus, between, s.mu, floor) < RESIDUAL
-
-
 @pytest.mark.parametrize("seed", [359, 363, 1240, 5974])
 def test_strong_friction_does_not_end_in_a_ray(seed: int) -> None:
     """mu up to 7.5: covered with c mu > 1, each of these scenes ends in a ray."""
@@ -403,21 +381,28 @@ def test_three_contacts_of_a_body_with_few_freedoms(seed: int, freedoms: int) ->
 # --- A full friction matrix: the bound F Lambda_N ------------------------------------------------
 
 
-@thorough(400)
+FRICTION: dict[str, Callable[[np.random.Generator, FloatArray], FloatArray]] = {
+    "separate": lambda rng, mu: mu,
+    "summed": lambda rng, mu: np.outer(mu, np.ones(len(mu))),
+    "any": lambda rng, mu: rng.uniform(-0.5, 3.0, (len(mu), len(mu))).clip(0.0),
+}
+
+
+@thorough(600)
 @given(
     seed=st.integers(0, 2**32 - 1),
     n=st.integers(1, 3),
     freedoms=st.integers(2, 7),
-    eps_n=st.floats(0.01, 1.0),
-    summed=st.booleans(),
+    eps_n=st.floats(0.01, 1.0),  # at 0 all may be at rest, and free is nothing but rounding
+    law=st.sampled_from(sorted(FRICTION)),
 )
-def test_every_friction_matrix_has_a_solution(
-    seed: int, n: int, freedoms: int, eps_n: float, summed: bool
+def test_compression_and_expansion_satisfy_the_laws(
+    seed: int, n: int, freedoms: int, eps_n: float, law: str
 ) -> None:
-    """Any F >= 0, that of the summed law among them, in compression and expansion."""
+    """Both phases always have a solution, G singular or not, and the path leads to one."""
     rng = np.random.default_rng(seed)
     s = scene(rng, n, freedoms)
-    friction = np.outer(s.mu, np.ones(n)) if summed else rng.uniform(-0.5, 3.0, (n, n)).clip(0.0)
+    friction = FRICTION[law](rng, s.mu)
     pressed = solve_contact_lcp(s.delassus, s.free, friction)
     assert pressed.status is LcpStatus.SOLVED
     assert contact_residual(pressed, s.delassus, s.free, friction) < RESIDUAL
@@ -439,13 +424,14 @@ def test_friction_mostly_from_the_other_contact_does_not_end_in_a_ray(seed: int)
     assert contact_residual(result, s.delassus, s.free, friction) < RESIDUAL
 
 
-@pytest.mark.parametrize(("n", "scenes"), [(1, 100), (2, 100), (3, 10)])
-def test_solution_with_a_friction_matrix_is_among_the_enumerated(n: int, scenes: int) -> None:
+@pytest.mark.parametrize(("n", "scenes"), [(1, 200), (2, 100), (3, 12)])
+@pytest.mark.parametrize("is_matrix", [False, True])
+def test_a_contact_solution_is_among_the_enumerated(n: int, scenes: int, is_matrix: bool) -> None:
     rng = np.random.default_rng(40 + n)
     unique = 0
     for _ in range(scenes):
         s = scene(rng, n, 2 * n + 1)
-        friction = rng.uniform(0.0, 0.6, size=(n, n))
+        friction = rng.uniform(0.0, 0.6, size=(n, n)) if is_matrix else s.mu
         sliding = rng.integers(-1, 2, size=n)
         floor = rng.uniform(size=n) * np.abs(s.free[:n] / np.diag(s.delassus)[:n])
         arguments = (s.delassus, s.free, friction, floor, sliding)
@@ -536,30 +522,6 @@ def test_compression_never_adds_energy(seed: int, n: int, freedoms: int) -> None
     gain = 0.5 * impulse @ (s.free + velocities(s, pressed))
     # The gain is a sum of products of impulses and velocities, each good to RESIDUAL.
     assert gain <= RESIDUAL * (np.abs(impulse) @ np.abs(s.free))
-
-
-@pytest.mark.parametrize(("n", "scenes"), [(1, 300), (2, 100), (3, 15)])
-def test_contact_solution_is_among_the_enumerated(n: int, scenes: int) -> None:
-    rng = np.random.default_rng(10 + n)
-    unique = 0
-    for _ in range(scenes):
-        s = scene(rng, n, 2 * n + 1)
-        sliding = rng.integers(-1, 2, size=n)
-        result = solve_contact_lcp(s.delassus, s.free, s.mu, sliding=sliding)
-        every = enumerate_contacts(s.delassus, s.free, s.mu, sliding=sliding)
-        for other in every:
-            # 1e-9 is what the enumeration itself allows; a margin of 10.
-            assert contact_residual(other, s.delassus, s.free, s.mu, sliding=sliding) < 1e-8
-        if len(every) == 1 and result.success:
-            unique += 1
-            scale = np.abs(every[0].impulse_n).max(initial=1e-300)
-            np.testing.assert_allclose(
-                [result.impulse_n, result.impulse_t],
-                [every[0].impulse_n, every[0].impulse_t],
-                atol=SAME * scale,
-            )
-        assert result.success <= bool(every)
-    assert unique > 0.7 * scenes  # the comparison is not vacuous
 
 
 @thorough(200)
@@ -670,16 +632,6 @@ def test_expansion_of_one_contact() -> None:
     np.testing.assert_allclose(pressed.impulse_n, 1.5, rtol=EXACT)
     np.testing.assert_allclose(released.impulse_n, 1.5 * eps_n, rtol=EXACT)
     np.testing.assert_allclose(released.gamma_n, -eps_n * v, rtol=EXACT)
-
-
-def test_matrix_of_one_contact() -> None:
-    """The 3 x 3 matrix of the docstring written out, with floor 1."""
-    a, b = contact_lcp(ONE, [-7.0, 5.0], 0.3, 1.0)
-    expected = [[1.85, 0.5, 0.0], [0.2, 1.0, 1.0], [0.6, -1.0, 0.0]]
-    np.testing.assert_allclose(a, expected, atol=EXACT)
-    np.testing.assert_allclose(b, [-7.0 + 1.85, 5.0 + 0.2, 0.6], atol=EXACT)
-    a, b = contact_lcp(ONE, [-7.0, 5.0], 0.3, 1.0, sliding=-1)
-    np.testing.assert_allclose([a[0, 0], b[0]], [2.15, -7.0 + 2.15], atol=EXACT)
 
 
 @pytest.mark.parametrize(("mu_2", "jams"), [(0.30, True), (0.28, False)])

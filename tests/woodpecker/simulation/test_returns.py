@@ -363,16 +363,6 @@ def test_an_impact_that_the_laws_leave_open(law: str, low: float, high: float) -
     assert low < result.phi_s < high
 
 
-@pytest.mark.parametrize("pole", [0.5, 3.0])
-def test_a_fall_off_the_pole(pole: float) -> None:
-    lost = first_return(TOY.replace(pole=pole), -0.05)
-    assert (lost.status, lost.drop) == (Status.POLE_END, pole)
-    assert math.isnan(lost.phi_s)
-    assert math.isnan(lost.slope)
-    # The cycle falls by 19 mm only.
-    assert first_return(TOY.replace(pole=pole), -0.52947197).status is Status.RETURNED
-
-
 @pytest.mark.parametrize("phi_s", [math.nan, math.inf, 0.12 + 1e-15, 0.5])
 def test_starts_lie_below_the_contact_of_the_beak(phi_s: float) -> None:
     for call in (first_return, return_map):

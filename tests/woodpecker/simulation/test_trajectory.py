@@ -154,18 +154,10 @@ def test_the_pole_ends() -> None:
     assert path.t[-1] == path.t_end < 0.8
 
 
-def test_event_limit_is_reported() -> None:
-    path = simulate(TOY, -0.53, 1.0, max_events=5)
-    assert path.status is Status.EVENT_LIMIT
-    assert path.word == "S2 D2 I3 D3 I1"
-
-
 @pytest.mark.parametrize(
     ("start", "t_end", "sentence"),
     [
         (0.2, 1.0, "the start penetrates contact 1"),
-        (State(phi_m=-0.2, phi_s=0.0), 1.0, "the start penetrates contact 2"),
-        (State(phi_m=0.2, phi_s=0.0), 1.0, "the start penetrates contact 3"),
         (State(phi_m=0.0, phi_s=float("nan")), 1.0, "a state must be finite"),
         (-0.5, 0.0, "t_end must be positive and finite, got 0.0"),
         (-0.5, float("inf"), "t_end must be positive and finite, got inf"),
