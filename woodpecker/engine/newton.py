@@ -249,8 +249,18 @@ def newton_step(problem: Problem, orbit: Orbit) -> Floats:
 
 
 def _is_met(problem: Problem, orbit: Orbit, matrix: Floats, residual: Floats) -> bool:
-    """Whether nothing is left of the equations at an orbit but rounding."""
-    return bool((np.abs(residual) <= _noise(problem, orbit, matrix)).all())
+    """Whether nothing is left of the equations at an orbit but rounding.
+
+    Of a margin that may be more than its own derivatives say: those of events before, which cancel
+    in them, are steeper. It is zero here where it is zero for a border.
+    """
+    left, first = np.abs(residual) > _noise(problem, orbit, matrix), 0
+    for condition in problem.conditions if left.any() else ():
+        count = len(condition.residual(orbit))
+        if isinstance(condition, OnBorder) and not condition.value:
+            left[first] &= not condition.is_met(orbit)
+        first += count
+    return not left.any()
 
 
 def _towards(problem: Problem, orbit: Orbit, step: Floats) -> tuple[Orbit, bool]:

@@ -224,6 +224,12 @@ class OnBorder:
         """(1, ...) its derivatives."""
         return orbit.gradient(self.image, self.code)[None]
 
+    def is_met(self, orbit: Orbit) -> bool:
+        """Whether the margin vanishes but for rounding, as :meth:`Image.tied` has it."""
+        image, x = orbit.taken[self.image], orbit.x[orbit.place(self.image)]
+        k = image.place(self.code)
+        return k >= 0 and bool(image.tied(x, orbit.p)[k])
+
 
 @dataclass(frozen=True, slots=True)
 class AtLimit:

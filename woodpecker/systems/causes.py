@@ -11,10 +11,10 @@ from woodpecker.systems.motion import Leg
 # Kinds of margins, in the order in which a phase meets them.
 SLACK, BOUNCES, START, EARLY, SPEED, MEETING, DIP, PHASE, SETTLES = range(9)
 # SLACK: an inequality of an impact; BOUNCES: 1 - ratio of bounces that accumulate; START: a guard
-# of a contact at rest where the phase begins; EARLY: the duration of a phase, if it is negative;
-# SPEED: the rate of the guard that fires, times its modulus; MEETING: another guard then; DIP: the
-# least value of a guard at a minimum in the phase; PHASE: time from the ends of a period; SETTLES:
-# START times the speed of the impact before, where that has been slow
+# of a contact at rest where the phase begins; EARLY: the duration of a phase that ends on the
+# section; SPEED: the rate of the guard that fires, times its modulus; MEETING: another guard then;
+# DIP: the least value of a guard at a minimum in the phase; PHASE: time from the ends of a period;
+# SETTLES: START times the speed of the impact before, where that has been slow
 KINDS, ITEMS = 10, 512  # codes are (KINDS * phase + kind) * ITEMS + item
 
 _GUARDS = {

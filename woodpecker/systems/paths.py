@@ -454,8 +454,8 @@ class Following:
         certain = start.order and abs(start.root()) < SOON * length  # it falls
         if not certain and self._slow is None:
             self._note(k, SPEED, leg.guard, -slope * abs(slope), -2.0 * abs(slope) * turn)
-        if t < 0.0 and start.order == 0:
-            self._note(k, EARLY, leg.guard, t, delay)
+        if leg.guard == SECTION * self.eq.m and start.order == 0 and t < SOON * length:
+            self._note(k, EARLY, leg.guard, t, delay)  # it may not have counted before
         return delay
 
     def _is_slow(self, there: Local, leg: Leg) -> bool:

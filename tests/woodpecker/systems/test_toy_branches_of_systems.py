@@ -1,0 +1,66 @@
+"""The toy as a system, followed across its jumps: where its special points are.
+
+They are those of the closed-form kernel (which has A at 0.11197091 and C at 0.18512695, see the
+README), with which the general method shares no code. Both know a special point to 1e-13; the paper
+gives three digits.
+"""
+
+from __future__ import annotations
+
+import pytest
+from needs import NEEDS_HEYOKA
+
+from pwmap import Diagram, PointKind
+from pwmap.diagrams.diagram import BranchKind
+from studies.systems.toy import map_of
+from woodpecker import Toy
+from woodpecker.systems import continuation, shoot
+
+pytestmark = [NEEDS_HEYOKA, pytest.mark.slow]
+
+A, B, C = 0.11197091445662584, 0.29152171188504744, 0.18512695093091774
+LEFT, RIGHT, BACK = 0.3419234543808044, 0.3883495888810874, 0.1881586209253956  # of I1; J1 from C
+WINDOW = [(-2.5, -0.24)]
+
+
+def followed(eps: float, guess: float, span: tuple[float, float], most: int) -> Diagram:
+    """The branches of first order that are connected with the cycle near a guess."""
+    map_ = map_of(Toy(eps_n1=eps), "eps_n1")
+    cycle = shoot(map_, [guess])
+    assert cycle.success
+    return continuation(map_, cycle, span, WINDOW, orders=(1,), max_branches=most).diagram
+
+
+@pytest.mark.parametrize(
+    ("eps", "guess", "span", "point", "kind", "note", "words"),
+    [
+        (0.113, -0.8823, (0.11, 0.1158), A, PointKind.FF, "fold", 3),  # at least so many words
+        (0.2905, -0.886, (0.286, 0.292), B, PointKind.BC, "fold", 3),
+        (0.385, -0.888, (0.383, 0.39), RIGHT, PointKind.FF, "fold", 3),
+        (0.3415, -0.8865, (0.341, 0.344), LEFT, PointKind.BC, "persistence", 3),
+    ],
+)
+def test_a_point_and_the_crossing_that_starts_there(
+    eps: float, guess: float, span: tuple[float, float], point: float, kind: PointKind, note: str,
+    words: int,
+) -> None:  # fmt: skip
+    """The crossing goes on, through changes of word on both of its sides, to the span's end."""
+    diagram = followed(eps, guess, span, 2)
+    (found,) = (q for q in diagram.points if q.kind is not PointKind.EP)
+    assert (found.kind, found.note) == (kind, note)
+    assert found.parameter == pytest.approx(point, abs=1e-12)
+    (crossing,) = (each for each in diagram.branches if each.kind is BranchKind.JUMP)
+    ends = {q.id: q.parameter for q in diagram.points}
+    assert {ends[end] for end in crossing.ends} & set(span)
+    assert len(crossing.words) >= words
+
+
+def test_c_is_joined_with_the_branch_below() -> None:
+    """The stable branch ends at C, and a short crossing leads to the unstable branch."""
+    diagram = followed(0.187, -0.75, (0.184, 0.1885), 3)
+    found = sorted((q.kind, q.parameter) for q in diagram.points if q.kind is not PointKind.EP)
+    assert [kind for kind, _ in found] == [PointKind.BC, PointKind.FF]
+    assert [p for _, p in found] == pytest.approx([C, BACK], abs=1e-12)
+    kinds = [each.kind for each in diagram.branches]
+    assert kinds.count(BranchKind.JUMP) == 1
+    assert kinds.count(BranchKind.FIXED_POINT) == 2
