@@ -13,16 +13,14 @@ from woodpecker.base.checks import real_array, whole
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.mechanics.toy import Toy
-from woodpecker.shooting import value_of
 from woodpecker.simulation import returns
 from woodpecker.simulation.returns import ReturnMap
 from woodpecker.simulation.status import Status
-from woodpecker.slices import attracting
-from woodpecker.slices.attracting import OrbitDiagram, SweptMap
-from woodpecker.toy_map import Mapped, named
+from woodpecker.toy_map import Mapped, named, value_of
 
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
+    from woodpecker.slices import OrbitDiagram, SweptMap
 
 
 def return_map(
@@ -149,7 +147,12 @@ def orbit_diagram(
     >>> [(orbit.p, orbit.period) for orbit in found.orbits], found.lost
     ([(0.5, 1), (0.66, 2)], 0)
     """
-    map_ = source if isinstance(source, SweptMap) else named(source, parameter).map_
+    from woodpecker.slices import attracting  # a return map has no need of them
+
+    if isinstance(source, attracting.SweptMap):
+        map_: PiecewiseMap | SweptMap = source
+    else:
+        map_ = named(source, parameter).map_
     return attracting.orbit_diagram(
         map_, parameters, starts, window, transient=transient, keep=keep, settings=settings
     )

@@ -30,7 +30,7 @@ from woodpecker.slices.orbits import (
     stepped,
     to_engine,
 )
-from woodpecker.toy_map import Mapped, named
+from woodpecker.toy_map import Mapped, named, value_of
 
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
@@ -268,20 +268,6 @@ def _guesses(source: object, guess: npt.ArrayLike, order: int) -> tuple[Floats, 
     elif not np.isfinite(points).all():
         raise ValueError(f"guess must be finite, got {guess!r}")
     return points, order
-
-
-def value_of(source: object, p: float | None) -> float:
-    """The parameter: that of the map, or eps_n1 of a toy."""
-    if isinstance(source, Toy):
-        if p is not None:
-            raise ValueError(f"a toy has its own values: toy.replace(eps_n1={p!r}) has another one")
-        return source.eps_n1
-    if p is None:
-        raise ValueError("p is needed: a map has no value of its parameter")
-    value = number("p", p)
-    if not math.isfinite(value):
-        raise ValueError(f"p must be finite, got {value}")
-    return value
 
 
 def _taken(mapped: Mapped, x: Floats) -> Orbit:

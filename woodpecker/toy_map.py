@@ -18,7 +18,8 @@ import numpy as np
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, number, real_array
 from woodpecker.base.compiled import announce
-from woodpecker.maps.pieces import Image, PiecewiseMap, map_of_pieces
+from woodpecker.base.shown import shown
+from woodpecker.maps.pieces import Image, PiecewiseMap
 from woodpecker.maps.sweeps import Sweep
 from woodpecker.mechanics.equations import unsound
 from woodpecker.mechanics.modes import (
@@ -440,12 +441,31 @@ def named(source: Toy | PiecewiseMap | PiecewiseLinearMap, parameter: str | None
     from woodpecker.maps.symbolic import from_pwmap
 
     if not isinstance(source, PiecewiseLinearMap):
-        return Named(map_of_pieces(source), "p" if parameter is None else parameter, "x")
+        if not callable(getattr(source, "at", None)):
+            raise TypeError(
+                "source must be woodpecker.Toy or a map of pieces, such as FormulaMap([...]), got "
+                f"{shown(source)}"
+            )
+        return Named(source, "p" if parameter is None else parameter, "x")
     names = [str(symbol) for symbol in source.parameters]
     if parameter is None and len(names) != 1:
         raise ValueError(f"a map must have one parameter, got {names}: give the others values")
     name = names[0] if parameter is None else parameter
     return Named(from_pwmap(source, name), name, str(source.x))
+
+
+def value_of(source: object, p: float | None) -> float:
+    """The parameter: that of the map, or eps_n1 of a toy."""
+    if isinstance(source, Toy):
+        if p is not None:
+            raise ValueError(f"a toy has its own values: toy.replace(eps_n1={p!r}) has another one")
+        return source.eps_n1
+    if p is None:
+        raise ValueError("p is needed: a map has no value of its parameter")
+    value = number("p", p)
+    if not math.isfinite(value):
+        raise ValueError(f"p must be finite, got {value}")
+    return value
 
 
 class Mapped(NamedTuple):

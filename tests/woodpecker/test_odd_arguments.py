@@ -20,15 +20,19 @@ NO_TOYS: tuple[Any, ...] = (None, "toy", 0.5, [TOY], Toy, np.zeros(3), HUGE)
 OF_A_TOY: tuple[Callable[[Any], object], ...] = (
     API.equilibrium,
     API.jam_limit,
-    API.free_frequency,
+    API.mechanics.free_frequency,
     API.ToyPieces,
     lambda toy: API.first_return(toy, -0.5),
-    lambda toy: API.return_map(toy, [-0.5]),
-    lambda toy: API.shoot(toy, -0.5),
     lambda toy: API.simulate(toy, -0.5, 0.1),
-    lambda toy: API.energy(toy, np.zeros(3), np.zeros(3)),
+    lambda toy: API.mechanics.energy(toy, np.zeros(3), np.zeros(3)),
     lambda toy: State.on_section(toy, -0.5),
-    lambda toy: API.bifurcation_diagram(toy, "eps_n1", (0.4, 0.5)),
+)
+OF_A_TOY_OR_MAP: tuple[Callable[[Any], object], ...] = (
+    lambda source: API.return_map(source, [-0.5]),
+    lambda source: API.shoot(source, -0.5),
+    lambda source: API.orbit_diagram(source, [0.5], [-0.5], (-1.0, 0.0)),
+    lambda source: API.continuation(source, API.shoot(TOY, -0.53)),
+    lambda source: API.bifurcation_diagram(source, "eps_n1", (0.4, 0.5)),
 )
 
 
@@ -36,6 +40,13 @@ OF_A_TOY: tuple[Callable[[Any], object], ...] = (
 def test_what_is_no_toy_is_named(call: Callable[[Any], object]) -> None:
     for value in NO_TOYS:
         with pytest.raises(TypeError, match=r"^toy must be woodpecker\.Toy, got "):
+            call(value)
+
+
+@pytest.mark.parametrize("call", OF_A_TOY_OR_MAP)
+def test_what_is_neither_a_toy_nor_a_map_is_named(call: Callable[[Any], object]) -> None:
+    for value in NO_TOYS:
+        with pytest.raises(TypeError, match=r"^source must be woodpecker\.Toy or a map of pieces"):
             call(value)
 
 
@@ -54,8 +65,8 @@ NAMED: dict[str, Callable[[], object]] = {
     "samples must be .* most 1000000": lambda: API.simulate(TOY, -0.5, 0.1, samples=10**9),
     "max_events must be .* most 1000000": lambda: API.simulate(TOY, -0.5, 0.1, max_events=10**9),
     "phi_m must be one real number, got 'a'": lambda: API.State(phi_m="a", phi_s=0.0),
-    "q must be three finite numbers": lambda: API.energy(TOY, [0.0, 1.0], [0.0]),
-    r"trajectory must be woodpecker\.Trajectory, got": lambda: API.energy_balance(TOY),
+    "q must be three finite numbers": lambda: API.mechanics.energy(TOY, [0.0, 1.0], [0.0]),
+    r"trajectory must be woodpecker\.Trajectory, got": lambda: API.simulation.energy_balance(TOY),
     "slices must be .* at most 10000000, got": lambda: Search(slices=10**9),
     "crowded must be .* at least 1, got 1.5": lambda: API.Search(crowded=1.5),
     "x must be one real number, got 'a'": lambda: API.ToyPieces(TOY).at("a", 0.5),

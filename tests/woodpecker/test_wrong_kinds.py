@@ -29,7 +29,7 @@ KINDS: dict[str, tuple[Callable[[], object], str]] = {
              r"the point itself, found by diagram\.point\('PD1'\)"),
     "followed": (lambda: API.continuation(LINES, ORBIT, settings=PAIR), "settings must be"),
     "whole": (lambda: API.bifurcation_diagram(LINES, settings=PAIR), "settings must be"),
-    "shot": (lambda: API.shoot(lambda x, p: x, 0.0, p=0.0), "a map must be one of pieces"),
+    "shot": (lambda: API.shoot(lambda x, p: x, 0.0, p=0.0), "source must be"),
     "curve": (lambda: API.curve_in_two(LINES, "LP1", ("a", "b"), (PAIR, PAIR)),
               "needs a toy, an exact map of two parameters or a family"),
     "slices": (lambda: API.slices_at(LINES, 0.5, (1,), PAIR), "settings must be"),

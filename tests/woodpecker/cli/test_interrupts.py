@@ -219,17 +219,15 @@ def test_files_are_written_whole_before_a_request_is_taken() -> None:
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_curves_that_are_finished_are_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    follow, found = woodpecker.continuation, list[Curve]()
+    follow, found = woodpecker.curve_in_two, list[Curve]()
 
     def interrupted(*arguments: Any) -> Any:
         if found:
             raise KeyboardInterrupt
-        result = follow(*arguments)
-        if isinstance(result, Curve):
-            found.append(result)
-        return result
+        found.append(follow(*arguments))
+        return found[-1]
 
-    monkeypatch.setattr(woodpecker, "continuation", interrupted)
+    monkeypatch.setattr(woodpecker, "curve_in_two", interrupted)
     arguments = ("--from", "A,C", "--second-span", "0.298", "0.302", "--out", str(tmp_path))
     result = CliRunner().invoke(app, ["curves", *arguments])
     assert result.exit_code == 130
@@ -250,7 +248,7 @@ def test_curves_between_regions_are_kept(tmp_path: Path, monkeypatch: pytest.Mon
 
         return search(*arguments, progress=show, **options)
 
-    monkeypatch.setattr(woodpecker, "parameter_regions", interrupted)
+    monkeypatch.setattr(woodpecker.regions, "parameter_regions", interrupted)
     near = ("--span", "0.6", "0.7", "--second-span", "0.298", "0.302", "--window", "-0.6", "-0.45")
     result = CliRunner().invoke(app, ["regions", *near, "--out", str(tmp_path)])
     assert result.exit_code == 130

@@ -10,9 +10,9 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from maps import continued
 from needs import NEEDS_NUMBA
 
-import woodpecker
 from pwmap.diagrams.diagram import Diagram, PointKind
 from woodpecker import Settings, Toy, ToyPieces, shoot
 from woodpecker.engine.curves import CurveSettings
@@ -65,7 +65,7 @@ def needles(diagram: Diagram, within: float) -> set[str]:
 def assert_same(scene: Scene, branches: int) -> None:
     own = on_the_engine(scene)
     settings = Settings(span=scene.span, window=WINDOW)
-    known = woodpecker.connected(ToyPieces(Toy(), scene.parameter), scene.x, scene.p, settings)
+    known = continued(ToyPieces(Toy(), scene.parameter), scene.x, scene.p, settings)
     places = []
     for found in (own, known):
         sharp = needles(found, 1e-11 * scene.size)

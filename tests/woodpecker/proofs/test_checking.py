@@ -40,7 +40,8 @@ def test_it_imports_only_the_standard_library_and_mpmath() -> None:
 
 
 def test_nobody_who_proves_imports_it() -> None:
-    for file in (FOLDER.parent / "proofs").glob("*.py"):
+    """``proving`` has the verbs of both sides, and imports either when it is called."""
+    for file in {*(FOLDER.parent / "proofs").glob("*.py")} - {FOLDER.parent / "proofs/proving.py"}:
         assert "checking" not in {
             part
             for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
