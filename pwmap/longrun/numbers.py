@@ -143,11 +143,9 @@ def to_double(x: Exact) -> float:
 
 def exact_to_sympy(x: Exact) -> sympy.Expr:
     """A number as an expression."""
-    if isinstance(x, Infinite):
-        return x.side * sympy.oo
     if isinstance(x, Element):
         return x.root.element_to_sympy(x.value)
-    return QQ.to_sympy(x)
+    return x.to_sympy() if isinstance(x, Infinite) else QQ.to_sympy(x)
 
 
 def enclosed(x: Exact, bits: int = 64) -> tuple[Fraction, Fraction]:
