@@ -39,7 +39,8 @@ KINDS: dict[str, tuple[Callable[[], object], str]] = {
     "drawn diagram": (lambda: DRAW[0]("x"), r"diagram must be pwmap\.Diagram, got 'x'"),
     "drawn map": (lambda: DRAW[1]("x"), "expected a PiecewiseLinearMap"),
     "raster": (
-        lambda: EXACT.plane.plane_raster("x"), r"plane must be pwmap\.plane\.ParameterPlane, got 'x'",
+        lambda: EXACT.plane.plane_raster("x"),
+        r"plane must be pwmap\.plane\.ParameterPlane, got 'x'",
     ),
     "plane": (lambda: EXACT.parameter_plane("x", "a", "b", PAIR, PAIR), "a PiecewiseLinearMap"),
     "dynamics": (lambda: EXACT.dynamics("x"), "expected a PiecewiseLinearMap"),
