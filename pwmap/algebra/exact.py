@@ -138,6 +138,15 @@ class Infinite:
     def __float__(self) -> float:
         return self.side * math.inf
 
+    @property
+    def value(self) -> Infinite:
+        """What it is at a sample of other parameters."""
+        return self
+
+    def to_sympy(self, *_: Any) -> sympy.Expr:
+        """As an expression."""
+        return self.side * sympy.oo
+
     def __repr__(self) -> str:
         return "oo" if self.side > 0 else "-oo"
 

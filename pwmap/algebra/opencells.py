@@ -92,9 +92,7 @@ def _is_lifted(
         c for c in constraints
         if variable in variables(c.polynomial) and variables(c.polynomial) <= known
     ]  # fmt: skip
-    gaps = [
-        piece for piece in gaps_and_roots(roots) if piece[0] is None or piece[0] is not piece[1]
-    ]
+    gaps = [piece for piece in gaps_and_roots(roots) if piece[0] is not piece[1]]
     for value in sorted((simplest_between(*gap) for gap in gaps), key=lambda x: (abs(x), -x)):
         values[variable] = value
         if all(value_at(c.polynomial, values) > 0 for c in ready) and _is_lifted(

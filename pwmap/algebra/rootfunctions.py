@@ -17,6 +17,7 @@ from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.bivariate import coefficients_in, normalised, resultant
 from pwmap.algebra.exact import (
+    Infinite,
     Number,
     Portable,
     Ring,
@@ -96,7 +97,7 @@ class Root(Portable):
 
 @dataclass(frozen=True, slots=True)
 class Column(Portable):
-    """An open interval of one of two parameters; an end that is None is infinite.
+    """An open interval of one of two parameters; which may be the whole line.
 
     Attributes
     ----------
@@ -112,8 +113,8 @@ class Column(Portable):
 
     symbols: tuple[sympy.Symbol, sympy.Symbol]
     along: int
-    low: Real | None
-    high: Real | None
+    low: Real
+    high: Real
     sample: Number
 
     @property
@@ -123,7 +124,7 @@ class Column(Portable):
 
     def holds(self, value: Number) -> bool:
         """Whether a value of the other parameter lies inside."""
-        return (self.low is None or self.low < value) and (self.high is None or value < self.high)
+        return bool(self.low < value < self.high)
 
     def at_sample(self, polynomial: PolyElement) -> Dense:
         """A polynomial at the sample, in the parameter of roots."""
@@ -160,8 +161,10 @@ class Column(Portable):
             return self.keeps(polynomial)
         return self.keeps(resultant(root.factor, polynomial, self.along))
 
-    def number(self, root: Root, value: Number) -> Real | None:
+    def number(self, root: Root | Infinite, value: Number) -> Real | None:
         """A root at another value of the other parameter; None if that lies outside."""
+        if isinstance(root, Infinite):
+            return root
         if not self.holds(value):
             return None
         return real_roots(along(root.factor, (value, value), self.along))[root.number]

@@ -17,7 +17,18 @@ from sympy import QQ
 from sympy.polys.densearith import dup_mul, dup_rem, dup_sub
 from sympy.polys.euclidtools import dup_invert
 
-from pwmap.algebra.exact import Number, floor, pair, portable, restored, sign, to_float
+from pwmap.algebra.exact import (
+    HIGHEST,
+    LOWEST,
+    Infinite,
+    Number,
+    floor,
+    pair,
+    portable,
+    restored,
+    sign,
+    to_float,
+)
 
 Dense = tuple[Number, ...]  # coefficients in QQ, highest power first, no leading zero
 _T = sympy.Symbol("t")
@@ -313,6 +324,8 @@ class RealRoot:
         return self._hash
 
     def __lt__(self, other: Real) -> bool:
+        if isinstance(other, Infinite):
+            return NotImplemented
         if not isinstance(other, RealRoot):
             top, bottom = pair(other)
             scaled = top << self._bits
@@ -350,7 +363,7 @@ Real = Number | RealRoot
 
 def real_to_sympy(x: Real) -> sympy.Expr:
     """A rational or algebraic number as an expression."""
-    return x.to_sympy() if isinstance(x, RealRoot) else QQ.to_sympy(x)
+    return x.to_sympy() if isinstance(x, (RealRoot, Infinite)) else QQ.to_sympy(x)
 
 
 def bounds(x: Real) -> tuple[Number, Number]:
@@ -445,16 +458,13 @@ def value_at(polynomial: Dense, x: Number) -> Number:
     return value
 
 
-def simplest_between(low: Real | None, high: Real | None) -> Number:
-    """The rational of smallest denominator, then of smallest size, strictly between two numbers.
-
-    None stands for an infinite end.
-    """
-    if low is None and high is None:
+def simplest_between(low: Real, high: Real) -> Number:
+    """The rational of smallest denominator, then of smallest size, strictly between two ends."""
+    if isinstance(low, Infinite) and isinstance(high, Infinite):
         return QQ.zero
-    if low is None:
+    if isinstance(low, Infinite):
         return QQ(min(0, ceiling(high) - 1))
-    if high is None:
+    if isinstance(high, Infinite):
         return QQ(max(0, whole_part(low) + 1))
     while True:  # the numbers differ: their bounds move apart
         found = _simplest(bounds(low)[0], bounds(high)[1])
@@ -525,18 +535,13 @@ def may_vanish(polynomial: Sequence[Number], low: float, high: float) -> bool:
     return not abs(value) > half * change * (1.0 + 1e-9) + noise
 
 
-def gaps_and_roots(roots: Sequence[Real]) -> list[tuple[Real | None, Real | None]]:
+def gaps_and_roots(roots: Sequence[Real]) -> list[tuple[Real, Real]]:
     """The line cut at sorted roots: open gaps and, between them, the roots as (root, root)."""
-    ends: list[Real | None] = [None, *roots, None]
-    pieces: list[tuple[Real | None, Real | None]] = []
-    for low, high in pairwise(ends):
-        if low is not None:
-            pieces.append((low, low))
-        pieces.append((low, high))
-    return pieces
+    gaps = list(pairwise((LOWEST, *roots, HIGHEST)))
+    return [gaps[0], *(piece for gap in gaps[1:] for piece in ((gap[0], gap[0]), gap))]
 
 
-def inside(piece: tuple[Real | None, Real | None]) -> Real:
+def inside(piece: tuple[Real, Real]) -> Real:
     """The root of a piece that is one, or a rational inside a gap."""
     low, high = piece
-    return low if low is not None and low is high else simplest_between(low, high)
+    return low if low is high else simplest_between(low, high)

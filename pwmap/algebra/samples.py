@@ -19,7 +19,18 @@ from typing import Any
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.exact import Number, Ring, constant, degree_in, is_constant, sign
+from pwmap.algebra.bivariate import at_root_of
+from pwmap.algebra.exact import (
+    HIGHEST,
+    LOWEST,
+    Infinite,
+    Number,
+    Ring,
+    constant,
+    degree_in,
+    is_constant,
+    sign,
+)
 from pwmap.algebra.inequalities import (
     Constraint,
     affine,
@@ -104,21 +115,21 @@ def points(
 
 def _gap(
     limits: Sequence[Constraint], values: Sequence[Number], variable: int
-) -> tuple[Real | None, Real | None]:
+) -> tuple[Real, Real]:
     """How far one parameter can move from a point inside."""
     lines = [along(c.polynomial, values, variable) for c in limits]
-    roots = sorted({root for line in lines for root in real_roots(line)})
-    below = [root for root in roots if root < values[variable]]
-    above = [root for root in roots if root > values[variable]]
-    return (below[-1] if below else None), (above[0] if above else None)
+    roots = {root for line in lines for root in real_roots(line)}
+    below = (root for root in roots if root < values[variable])
+    above = (root for root in roots if root > values[variable])
+    return max(below, default=LOWEST), min(above, default=HIGHEST)
 
 
-def _within(gap: tuple[Real | None, Real | None], step: int, rng: Random) -> Number:
+def _within(gap: tuple[Real, Real], step: int, rng: Random) -> Number:
     """A rational inside a gap, near a random one of equal steps through it."""
     low, high = gap
     middle = simplest_between(low, high)
-    first = middle - WIDTH if low is None else bounds(low)[1]
-    last = middle + WIDTH if high is None else bounds(high)[0]
+    first = middle - WIDTH if isinstance(low, Infinite) else bounds(low)[1]
+    last = middle + WIDTH if isinstance(high, Infinite) else bounds(high)[0]
     k = rng.randrange(1, step)
     near = [first + (last - first) * QQ(n, 4 * step) for n in (4 * k - 1, 4 * k + 1)]
     return simplest_between(*near)  # other parameters have denominators too: these do not add up
@@ -245,15 +256,10 @@ def _peaks(factor: PolyElement, order: Sequence[int]) -> Iterator[Solved]:
 def _substituted(constraint: Constraint, solved: Solved) -> Constraint:
     """An inequality with a solution put for its parameter, times an even power of the bottom."""
     polynomial, variable = constraint.polynomial, solved.variable
-    power = degree_in(polynomial, variable)
-    power += power % 2
-    total, rest, numerator = polynomial.ring.zero, polynomial, polynomial.ring.one
-    for _ in range(power + 1):
-        coefficient = rest.subs(variable, 0)
-        total += coefficient * numerator * solved.bottom**power
-        rest = (rest - coefficient).quo(polynomial.ring.gens[variable])
-        numerator, power = numerator * solved.top, power - 1
-    return Constraint(total, constraint.strict)
+    line = solved.bottom * polynomial.ring.gens[variable] - solved.top
+    total = at_root_of(polynomial, line, variable)
+    odd = degree_in(polynomial, variable) % 2
+    return Constraint(total * solved.bottom if odd else total, constraint.strict)
 
 
 def _linear_point(

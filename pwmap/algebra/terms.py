@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numbers
 import unicodedata
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from fractions import Fraction
@@ -129,6 +129,14 @@ def own_name(name: object, symbols: Iterable[sympy.Symbol]) -> str:
     """The name of the symbol that a name or symbol means, or the name itself if there is none."""
     plain = plain_name(name)
     return next((str(s) for s in symbols if plain_name(s) == plain), str(name))
+
+
+def checked_parameter(name: object, symbols: Sequence[sympy.Symbol]) -> str:
+    """The name of a parameter of a map; ValueError if it has no such parameter."""
+    own, names = own_name(name, symbols), [str(symbol) for symbol in symbols]
+    if own not in names:
+        raise ValueError(f"{own} is no parameter of this map, it has {names or 'none'}")
+    return own
 
 
 def float_refusal(value: object) -> TypeError:

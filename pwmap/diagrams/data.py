@@ -483,6 +483,14 @@ def runs_of(flags: BoolArray) -> list[tuple[int, int]]:
     return [(int(a), int(b) - 1) for a, b in zip(steps[::2], steps[1::2], strict=True)]
 
 
+def stable_inside(branch: Branch) -> BoolArray:
+    """Whether samples are stable; ends, which may be flips but for rounding, as those beside."""
+    stable = branch.stable.copy()
+    if len(branch) > 2:
+        stable[0], stable[-1] = stable[1], stable[-2]
+    return stable
+
+
 def share_stable(branch: Branch) -> str:
     """``"yes"``, ``"no"`` or ``"partly"``: whether the branch is stable."""
     inner = branch.stable[1:-1] if len(branch) > 2 else branch.stable

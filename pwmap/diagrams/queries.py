@@ -19,6 +19,7 @@ from pwmap.diagrams.data import (
     StableInterval,
     Stretch,
     runs_of,
+    stable_inside,
 )
 from pwmap.diagrams.slices import ExactSlice, ExactValue, exact_number
 
@@ -150,9 +151,6 @@ def stable_intervals(branches: Iterable[Branch], order: int | None) -> Iterator[
     """Intervals of the parameter in which fixed points attract, of one iterate or of all."""
     for branch in branches:
         if branch.kind is BranchKind.FIXED_POINT and order in (None, branch.order):
-            stable = branch.stable.copy()
-            if len(branch) > 2:  # ends may be flips, where the multiplier is -1 up to rounding
-                stable[0], stable[-1] = stable[1], stable[-2]
-            for first, last in runs_of(stable):
+            for first, last in runs_of(stable_inside(branch)):
                 p = branch.parameter[first : last + 1]
                 yield StableInterval(branch, float(p.min()), float(p.max()))

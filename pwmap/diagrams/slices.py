@@ -17,7 +17,7 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
-from pwmap.algebra.exact import to_float
+from pwmap.algebra.exact import HIGHEST, LOWEST, to_float
 from pwmap.algebra.roots import Dense, Real, RealRoot, real_roots, real_to_sympy, sign_at, trimmed
 
 _T = sympy.Symbol("t")
@@ -66,12 +66,14 @@ class ExactSlice:
         if isinstance(interval, sympy.FiniteSet):
             return any(self._end(end) == self.at for end in interval)
         low, high = self._end(interval.start), self._end(interval.end)
-        above = low is None or low < self.at or (low == self.at and not interval.left_open)
-        below = high is None or self.at < high or (high == self.at and not interval.right_open)
-        return above and below
+        above = low < self.at or (low == self.at and not interval.left_open)
+        below = self.at < high or (high == self.at and not interval.right_open)
+        return bool(above and below)
 
-    def _end(self, end: sympy.Expr) -> Real | None:
-        return None if end.is_infinite else real(self._sampled(end))
+    def _end(self, end: sympy.Expr) -> Real:
+        if end.is_infinite:
+            return HIGHEST if end is sympy.oo else LOWEST
+        return real(self._sampled(end))
 
     def _sampled(self, expr: sympy.Expr) -> sympy.Expr:
         values = {s: self.sample[s.name] for s in expr.free_symbols if s.name in self.sample}

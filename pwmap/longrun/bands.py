@@ -7,7 +7,7 @@ bands are crises; so the graph of connections goes on where cycles end and chaos
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -63,15 +63,20 @@ def with_attractors(diagram: Diagram, found: AttractorDiagram) -> Diagram:
     >>> [(point.id, point.exact["parameter"]) for point in both.points if point.kind.name == "MC"]
     [('MC1', sqrt(2))]
     """
-    if diagram.parameter_name != str(found.parameter):
-        raise ValueError(
-            f"expected attractors over {diagram.parameter_name}, got them over {found.parameter}"
-        )
+    check_parameter(diagram, found)
     points = _Points(diagram, found)
     branches = tuple(
         piece.branch(f"B{number}", points) for number, piece in enumerate(_pieces(found), start=1)
     )
     return replace(diagram, branches=(*diagram.branches, *branches), points=points.all())
+
+
+def check_parameter(diagram: Diagram, found: AttractorDiagram) -> None:
+    """ValueError if a diagram and attractors are over different parameters."""
+    if diagram.parameter_name != str(found.parameter):
+        raise ValueError(
+            f"expected attractors over {diagram.parameter_name}, got them over {found.parameter}"
+        )
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -172,22 +177,26 @@ def _rows(found: AttractorDiagram, cell: AttractorCell) -> list[_Row]:
             for formula, end in zip(known, (band.start, band.end), strict=True)
         ):
             known = None
-        over = np.array([float(cell.lower), *map(to_float, places), float(cell.upper)])
+        over = [float(cell.lower), *map(to_float, places), float(cell.upper)]
         lines = [
-            _to_ends(over, np.array([float(band.args[which]) for band in values]))
+            np.array(to_ends(over, [float(band.args[which]) for band in values]))
             for which in (0, 1)
         ]
         for formula, line in zip(known or (), lines, strict=False):
             line[[0, -1]] = [float(formula.subs(name, end)) for end in (cell.lower, cell.upper)]
-        rows.append(_Row(cell, bands[0][k][1], over, lines[0], lines[1], known))
+        rows.append(_Row(cell, bands[0][k][1], np.array(over), lines[0], lines[1], known))
     return rows
 
 
-def _to_ends(over: FloatArray, values: FloatArray) -> FloatArray:
+def to_ends(over: Sequence[float], values: Sequence[float]) -> list[float]:
     """Values at inner places, with those at both ends on straight lines through the nearest two."""
-    first = values[0] + (values[1] - values[0]) * (over[0] - over[1]) / (over[2] - over[1])
-    last = values[-1] + (values[-2] - values[-1]) * (over[-1] - over[-2]) / (over[-3] - over[-2])
-    return np.array([first, *values, last])
+    if len(values) == 1:
+        return [*values, *values, *values]
+    first, last = (
+        values[i] + (values[i] - values[j]) * (over[end] - over[m]) / (over[m] - over[n])
+        for end, i, j, m, n in ((0, 0, 1, 1, 2), (-1, -1, -2, -2, -3))
+    )
+    return [first, *values, last]
 
 
 class _Points:

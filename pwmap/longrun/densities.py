@@ -15,6 +15,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import accumulate
 from typing import Any
 
 import mpmath
@@ -25,11 +26,11 @@ from pwmap.longrun.attractors import Bands
 from pwmap.longrun.fates import abs_
 from pwmap.longrun.line import Germ, Interval, MapLine
 from pwmap.longrun.numbers import (
-    Element,
     Exact,
     enclosed,
     exact_to_sympy,
     log_bounds,
+    quotient_enclosure,
     work_of,
 )
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
@@ -218,15 +219,20 @@ def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
     ]
     exact = all(end.rest == 0.0 for end in ends)
     number: Callable[[Any], Any] = (lambda x: x) if exact else _enclosure
-    rows = [_row(end.germ, ends, number, k, exact=exact) for k, end in enumerate(ends)]
+    rows = [_row(end.germ, ends, number, k) for k, end in enumerate(ends)]
     top = bands.intervals[-1][1]
     mass = [
         number(_sign(end) * sum((w * (top - x) for x, w in end.jumps), start=QQ.zero))
-        + (0 if exact else _slack(end.rest) * number(top - bands.intervals[0][0]))
+        + _slack(end.rest) * number(top - bands.intervals[0][0])
         for end in ends
     ]
-    found = _normed(rows, mass, number, exact=exact)
-    return None if found is None else _density(line, bands, ends, found, exact=exact)
+    found = _normed(rows, mass, number)
+    if found is None:
+        return None
+    places, values = _steps(bands, ends, found, number)
+    error = sum(float(abs(value).b) * end.rest for end, value in zip(ends, found, strict=True)
+                if end.rest)  # fmt: skip
+    return Density(line, bands, exact, places, values, error * (1.0 + 2.0**-40))
 
 
 def _sign(end: _BreakSide) -> int:
@@ -235,17 +241,13 @@ def _sign(end: _BreakSide) -> int:
 
 
 def _slack(rest: float) -> Any:
-    return mpmath.iv.mpf([-rest, rest])
+    """What is left of a sum, if anything is, as an interval around zero."""
+    return mpmath.iv.mpf([-rest, rest]) if rest else 0
 
 
 def _enclosure(x: Exact) -> Any:
     """A number as an interval of mpmath."""
-    if not isinstance(x, Element):
-        (low, _) = enclosed(x)
-        return mpmath.iv.mpf(low.numerator) / mpmath.iv.mpf(low.denominator)
-    low, high = (
-        mpmath.iv.mpf(e.numerator) / mpmath.iv.mpf(e.denominator) for e in enclosed(x, BITS)
-    )
+    low, high = map(quotient_enclosure, enclosed(x, BITS))
     return mpmath.iv.mpf([low.a, high.b])
 
 
@@ -300,45 +302,41 @@ def _tail(line: MapLine, bands: Bands, meter: Meter) -> float | None:
     return None
 
 
-def _row(
-    here: Germ, ends: Sequence[_BreakSide], number: Callable[[Any], Any], k: int, *, exact: bool
-) -> list[Any]:
+def _row(here: Germ, ends: Sequence[_BreakSide], number: Callable[[Any], Any], k: int) -> list[Any]:
     """Coefficients of the values at all ends: that at one of them, less the jumps before it."""
     row = []
     for i, end in enumerate(ends):
         before = (w for x, w in end.jumps if x < here.x or (here.side > 0 and x == here.x))
-        entry = number(-_sign(end) * sum(before, start=QQ.zero))
-        if not exact:
-            entry = entry + _slack(end.rest)
+        entry = number(-_sign(end) * sum(before, start=QQ.zero)) + _slack(end.rest)
         row.append(entry + 1 if i == k else entry)
     return row
 
 
 def _normed(
-    rows: list[list[Any]], mass: list[Any], number: Callable[[Any], Any], *, exact: bool
+    rows: list[list[Any]], mass: list[Any], number: Callable[[Any], Any]
 ) -> list[Any] | None:
     """The solution of homogeneous equations, of which one follows from the others, of mass one."""
     zero, one = number(QQ.zero), number(QQ.one)
     for left_out in range(len(rows)):
         kept = [row for k, row in enumerate(rows) if k != left_out]
         matrix = [[*row, zero] for row in kept] + [[*mass, one]]
-        found = _solved(matrix, exact=exact)
+        found = _solved(matrix)
         if found is not None:
             return found
     return None
 
 
-def _solved(matrix: list[list[Any]], *, exact: bool) -> list[Any] | None:
+def _solved(matrix: list[list[Any]]) -> list[Any] | None:
     """The solution of linear equations, the right side last; None if a pivot may be zero."""
     n = len(matrix)
     matrix = [list(row) for row in matrix]
     for k in range(n):
-        pivot = max(range(k, n), key=lambda i: _size(matrix[i][k], exact=exact))
-        if not _size(matrix[pivot][k], exact=exact):
+        pivot = max(range(k, n), key=lambda i: _size(matrix[i][k]))
+        if not _size(matrix[pivot][k]):
             return None
         matrix[k], matrix[pivot] = matrix[pivot], matrix[k]
         for i in range(k + 1, n):
-            if exact and not matrix[i][k]:
+            if matrix[i][k] == 0:
                 continue
             ratio = matrix[i][k] / matrix[k][k]
             matrix[i] = [a - ratio * b for a, b in zip(matrix[i], matrix[k], strict=True)]
@@ -351,34 +349,21 @@ def _solved(matrix: list[list[Any]], *, exact: bool) -> list[Any] | None:
     return found
 
 
-def _size(x: Any, *, exact: bool) -> Any:
+def _size(x: Any) -> Any:
     """The least size of a number, zero if it may be zero."""
-    if exact:
+    if not isinstance(x, mpmath.ctx_iv.ivmpf):
         return abs_(x)
     return mpmath.mpf(0) if 0 in x else min(abs(mpmath.mpf(x.a)), abs(mpmath.mpf(x.b)))
 
 
-def _density(
-    line: MapLine, bands: Bands, ends: Sequence[_BreakSide], found: Sequence[Any], *, exact: bool
-) -> Density:
-    """The steps that the values at ends make."""
-    number: Callable[[Any], Any] = (lambda x: x) if exact else _enclosure
-    heights = dict[Exact, Any]()
+def _steps(
+    bands: Bands, ends: Sequence[_BreakSide], found: Sequence[Any], number: Callable[[Any], Any]
+) -> tuple[tuple[Exact, ...], tuple[Any, ...]]:
+    """Where the steps are that the values at ends make, and how high."""
+    heights = {x: number(QQ.zero) for interval in bands.intervals for x in interval}
     for end, value in zip(ends, found, strict=True):
         for x, weight in end.jumps:
             jump = number(_sign(end) * weight) * value
             heights[x] = heights[x] + jump if x in heights else jump
-    for interval in bands.intervals:
-        for x in interval:
-            heights.setdefault(x, number(QQ.zero))
     places = sorted(heights)
-    values, height = list[Any](), number(QQ.zero)
-    for x in places[:-1]:
-        height = height + heights[x]
-        values.append(height)
-    error = (
-        0.0
-        if exact
-        else sum(float(abs(value).b) * end.rest for end, value in zip(ends, found, strict=True))
-    )
-    return Density(line, bands, exact, tuple(places), tuple(values), error * (1.0 + 2.0**-40))
+    return tuple(places), tuple(accumulate(heights[x] for x in places[:-1]))

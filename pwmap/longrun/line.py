@@ -127,14 +127,8 @@ class MapLine:
 
     def parts(self, interval: Interval) -> Iterator[tuple[AffinePiece, Interval]]:
         """An interval, longer than a point, cut at the breaks inside it."""
-        for k, part in self.cut(interval):
+        for k, part in cut_at(self.breaks, interval):
             yield self.branches[k], part
-
-    def cut(self, interval: Interval) -> Iterator[tuple[int, Interval]]:
-        """The same with numbers of pieces."""
-        low, high = interval
-        first, last = bisect_right(self.breaks, low), bisect_left(self.breaks, high)
-        return enumerate(pairwise((low, *self.breaks[first:last], high)), start=first)
 
     def images(self, intervals: Iterable[Interval]) -> list[Interval]:
         """The closures of the images of intervals, joined; a point maps to its value."""
@@ -146,6 +140,13 @@ class MapLine:
                 continue
             found += [branch.over(part) for branch, part in self.parts((low, high))]
         return joined(found)
+
+
+def cut_at(breaks: Sequence[Exact], interval: Interval) -> Iterator[tuple[int, Interval]]:
+    """The parts of an interval between breaks, with the numbers of their pieces."""
+    low, high = interval
+    first, last = bisect_right(breaks, low), bisect_left(breaks, high)
+    return enumerate(pairwise((low, *breaks[first:last], high)), start=first)
 
 
 def joined(intervals: Iterable[Interval]) -> list[Interval]:

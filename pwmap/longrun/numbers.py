@@ -143,11 +143,9 @@ def to_double(x: Exact) -> float:
 
 def exact_to_sympy(x: Exact) -> sympy.Expr:
     """A number as an expression."""
-    if isinstance(x, Infinite):
-        return x.side * sympy.oo
     if isinstance(x, Element):
         return x.root.element_to_sympy(x.value)
-    return QQ.to_sympy(x)
+    return x.to_sympy() if isinstance(x, Infinite) else QQ.to_sympy(x)
 
 
 def enclosed(x: Exact, bits: int = 64) -> tuple[Fraction, Fraction]:
@@ -198,10 +196,12 @@ def algebraic(expression: sympy.Expr) -> Real:
         digits *= 2
 
 
+def quotient_enclosure(x: Fraction) -> Any:
+    """A fraction as an interval of mpmath."""
+    return mpmath.iv.mpf(x.numerator) / mpmath.iv.mpf(x.denominator)
+
+
 def log_bounds(x: Exact) -> tuple[float, float]:
     """Doubles below and above the logarithm of a positive number."""
-    found = [
-        mpmath.iv.log(mpmath.iv.mpf(end.numerator) / mpmath.iv.mpf(end.denominator))
-        for end in enclosed(x)
-    ]
-    return math.nextafter(float(found[0].a), -math.inf), math.nextafter(float(found[1].b), math.inf)
+    low, high = (mpmath.iv.log(quotient_enclosure(end)) for end in enclosed(x))
+    return math.nextafter(float(low.a), -math.inf), math.nextafter(float(high.b), math.inf)

@@ -13,7 +13,7 @@ import sympy
 from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.bivariate import discriminant, divides, irreducible_factors, leading_in
-from pwmap.algebra.exact import Number, degree_in
+from pwmap.algebra.exact import Infinite, Number, degree_in
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import real_roots, sign_at, simplest_between
 from pwmap.maps.scopes import CellScope, Orders, between
@@ -21,11 +21,11 @@ from pwmap.maps.scopes import CellScope, Orders, between
 
 @dataclass(frozen=True, slots=True)
 class ColumnCell(CellScope):
-    """The part of a column between two roots, one that is None is infinite; or one root."""
+    """The part of a column between two roots, or the ends of the line; or one root."""
 
     column: Column
-    low: Root | None
-    high: Root | None
+    low: Root | Infinite
+    high: Root | Infinite
     orders: Orders = field(compare=False)
 
     @property
@@ -36,7 +36,7 @@ class ColumnCell(CellScope):
     @property
     def _root(self) -> Root | None:
         """That over which it lies, if it is an edge."""
-        return self.low if self.low is not None and self.low == self.high else None
+        return self.low if isinstance(self.low, Root) and self.low == self.high else None
 
     def _sign(self, polynomial: Number) -> int | None:
         root, column = self._root, self.column
@@ -45,9 +45,8 @@ class ColumnCell(CellScope):
                 return 0
             value = root.value if column.is_apart(root, polynomial) else None
         else:
-            ends = (None if end is None else end.value for end in (self.low, self.high))
             clear = all(map(self._is_clear, irreducible_factors(polynomial)))
-            value = simplest_between(*ends) if clear else None
+            value = simplest_between(self.low.value, self.high.value) if clear else None
         return None if value is None else sign_at(column.at_sample(polynomial), value)
 
     def _is_clear(self, factor: PolyElement) -> bool:
@@ -56,8 +55,7 @@ class ColumnCell(CellScope):
         if not degree_in(factor, column.along):
             return column.keeps(factor)
         for root in real_roots(column.at_sample(factor)):
-            above = self.low is None or self.low.value < root
-            if above and (self.high is None or root < self.high.value):
+            if self.low.value < root < self.high.value:
                 return False
         if not column.keeps(leading_in(factor, column.along)):
             return False
@@ -65,22 +63,18 @@ class ColumnCell(CellScope):
             discriminant(factor, column.along)
         ):
             return False
-        ends = (end for end in (self.low, self.high) if end is not None)
+        ends = (end for end in (self.low, self.high) if isinstance(end, Root))
         return all(end.factor == factor or column.is_apart(end, factor) for end in ends)
 
     def _holds(self, values: Mapping[str, Number]) -> bool:
         other, own = self.column.values(values)
         if other is None or not self.column.holds(other):
             return other is None
-        low, high = (
-            None if end is None else self.column.number(end, other) for end in (self.low, self.high)
-        )
+        low, high = (self.column.number(end, other) for end in (self.low, self.high))
         if own is None or self._root is not None:
             return own is None or own == low
-        return (low is None or low < own) and (high is None or own < high)
+        return bool(low < own < high)
 
     def __str__(self) -> str:
-        low, high = (
-            None if end is None else end.to_sympy(self.column) for end in (self.low, self.high)
-        )
+        low, high = (end.to_sympy(self.column) for end in (self.low, self.high))
         return between(low, self.symbol, high) if self._root is None else f"{self.symbol} = {low}"

@@ -23,7 +23,7 @@ from pwmap.algebra.exact import (
     to_ring,
 )
 from pwmap.algebra.inequalities import Constraint
-from pwmap.algebra.terms import own_name, shortened
+from pwmap.algebra.terms import checked_parameter, shortened
 from pwmap.maps import cylinders as cyl
 from pwmap.maps.budget import BUDGET, Meter
 from pwmap.maps.cylinders import Cut, Cylinder, StudiedIterate
@@ -147,11 +147,9 @@ def in_cell(
 def with_values(map_: Decided, values: Mapping[Any, object]) -> Decided:
     """The map with rational values for some of its parameters, by symbol or by name."""
     definition = map_.definition
-    numbers = {own_name(name, map_.parameters): rational(value) for name, value in values.items()}
-    names = [str(symbol) for symbol in map_.parameters]
-    for name in numbers:
-        if name not in names:
-            raise ValueError(f"{name} is no parameter of this map, it has {names or 'none'}")
+    numbers = {
+        checked_parameter(name, map_.parameters): rational(value) for name, value in values.items()
+    }
     if not numbers:
         return map_
     given = shortened(", ".join(f"{n} = {QQ.to_sympy(v)}" for n, v in numbers.items()))

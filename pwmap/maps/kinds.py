@@ -14,7 +14,7 @@ def check_map(map_: object) -> None:
         )
 
 
-def check_kind(name: str, value: object, kind: type) -> None:
+def check_kind(name: str, value: object, kind: type, room: str = "pwmap") -> None:
     """TypeError unless a value is of a kind that has a public name."""
     if not isinstance(value, kind):
-        raise TypeError(f"{name} must be pwmap.{kind.__name__}, got {shortened(repr(value), 100)}")
+        raise TypeError(f"{name} must be {room}.{kind.__name__}, got {shortened(repr(value), 100)}")

@@ -7,7 +7,6 @@ answer is the same throughout the cell, and refused otherwise.
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -16,11 +15,13 @@ from typing import Protocol
 import sympy
 
 from pwmap.algebra.assumptions import AssumedRegion, UndecidedError
+from pwmap.algebra.bivariate import at_root_of
 from pwmap.algebra.exact import (
     Fraction_,
     Number,
     Portable,
     constant,
+    degree_in,
     dense,
     fraction_to_sympy,
     is_constant,
@@ -95,17 +96,17 @@ class CellScope(Portable, ABC):
 
 @dataclass(frozen=True, slots=True)
 class NumberCell(CellScope):
-    """An open cell of the only parameter, with None for an infinite end, or one value of it."""
+    """An open cell of the only parameter, or one value of it."""
 
     symbol: sympy.Symbol
-    low: Real | None
-    high: Real | None
+    low: Real
+    high: Real
     orders: Orders = field(compare=False)
 
     @property
     def is_edge(self) -> bool:
         """Whether it is one value."""
-        return self.low is not None and self.low == self.high
+        return bool(self.low == self.high)
 
     def _sign(self, polynomial: Number) -> int | None:
         coefficients = dense(polynomial)
@@ -122,11 +123,10 @@ class NumberCell(CellScope):
     def _contains(self, value: Real) -> bool:
         if self.is_edge:
             return bool(value == self.low)
-        above = self.low is None or self.low < value
-        return bool(above and (self.high is None or value < self.high))
+        return bool(self.low < value < self.high)
 
     def __str__(self) -> str:
-        low, high = (None if end is None else real_to_sympy(end) for end in (self.low, self.high))
+        low, high = map(real_to_sympy, (self.low, self.high))
         return f"{self.symbol} = {low}" if self.is_edge else between(low, self.symbol, high)
 
 
@@ -142,8 +142,8 @@ class SymbolicInterval(CellScope):
 
     symbol: sympy.Symbol
     region: AssumedRegion
-    low: sympy.Expr | None
-    high: sympy.Expr | None
+    low: sympy.Expr
+    high: sympy.Expr
     orders: Orders = field(compare=False)
 
     @property
@@ -186,10 +186,14 @@ class SymbolicEdge(CellScope):
     @property
     def constraints(self) -> tuple[Constraint, ...]:
         """The equality as two inequalities, and what is assumed of the others."""
-        top, bottom = self.value
-        difference = self.region.ring.gens[self._index] * bottom - top
-        both = (Constraint(side * difference, False) for side in (1, -1))
+        both = (Constraint(side * self._line, False) for side in (1, -1))
         return (*self.region.constraints, *both)
+
+    @property
+    def _line(self) -> Number:
+        """The polynomial of degree one that is zero on it."""
+        top, bottom = self.value
+        return self.region.ring.gens[self._index] * bottom - top
 
     @property
     def _index(self) -> int:
@@ -197,14 +201,10 @@ class SymbolicEdge(CellScope):
 
     def _sign(self, polynomial: Number) -> int | None:
         """Put the value for the parameter; the rest must have one sign for all others."""
-        (top, bottom), ring, index = self.value, self.region.ring, self._index
-        degree, total = max(0, int(polynomial.degree(index))), ring.zero
-        for exponents, coefficient in polynomial.terms():
-            power = exponents[index]
-            rest = ring.from_dict({(*exponents[:index], 0, *exponents[index + 1 :]): coefficient})
-            total += math.prod([top] * power + [bottom] * (degree - power), start=rest)
-        found = _sign_in(self.region, total)
-        return None if found is None else found * int(self.region.sign(bottom) ** degree)
+        found = _sign_in(self.region, at_root_of(polynomial, self._line, self._index))
+        if found is None:
+            return None
+        return found * int(self.region.sign(self.value[1]) ** degree_in(polynomial, self._index))
 
     def _holds(self, values: Mapping[str, Number]) -> bool:
         return AssumedRegion(self.region.ring, self.constraints).contains(values) is None
@@ -232,7 +232,8 @@ def refusal(polynomial: Number, cell: object, orders: Orders) -> str:
     )
 
 
-def between(low: sympy.Expr | None, symbol: sympy.Symbol, high: sympy.Expr | None) -> str:
+def between(low: sympy.Expr, symbol: sympy.Symbol, high: sympy.Expr) -> str:
     """An open interval as text."""
-    left, right = ("" if low is None else f"{low} < "), ("" if high is None else f" < {high}")
+    left = "" if low == -sympy.oo else f"{low} < "
+    right = "" if high == sympy.oo else f" < {high}"
     return f"{left}{symbol}{right}" if left or right else f"of all {symbol}"

@@ -11,14 +11,14 @@ from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.assumptions import AssumedRegion
-from pwmap.algebra.exact import Number, degree_in, is_constant
+from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, Number, degree_in, is_constant
 from pwmap.algebra.inequalities import Constraint
 from pwmap.algebra.samples import EmptyRegionError
 from pwmap.algebra.terms import own_name
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.axis import Axis, ResampleError, identical
 
-Span = tuple[Number | None, Number | None]  # None is an infinite end
+Span = tuple[Number, Number]
 TRIES = 40  # samples: all but the first few are generic but for an accident
 
 
@@ -29,7 +29,7 @@ class AdmittedInterval:
     Attributes
     ----------
     low, high
-        Places, or None for an infinite end.
+        Places, or infinite ends.
     closed
         Whether they hold at these ends too.
     """
@@ -55,9 +55,9 @@ def admitted_intervals(axis: Axis, span: Span) -> list[AdmittedInterval]:
         If an interval inside a span with two ends is not admitted, or a value is admitted that has
         none beside it, or an assumption is of a degree that the axis does not take.
     """
-    low, high = (None if end is None else axis.place(end) for end in span)
+    low, high = (end if isinstance(end, Infinite) else axis.place(end) for end in span)
     limits = _limits(axis)
-    inner = [x for x in limits if (low is None or low < x) and (high is None or x < high)]
+    inner = [x for x in limits if low < x < high]
     found: list[AdmittedInterval] = []
     for left, right in pairwise([low, *inner, high]):
         broken = _broken(axis, axis.between(left, right))
@@ -67,7 +67,7 @@ def admitted_intervals(axis: Axis, span: Span) -> list[AdmittedInterval]:
                 found[-1] = AdmittedInterval(found[-1].low, right, (found[-1].closed[0], closed[1]))
             else:
                 found.append(AdmittedInterval(left, right, closed))
-        elif None not in (low, high):
+        elif low > LOWEST and high < HIGHEST:
             shown = f"{axis.name} = {axis.to_sympy(axis.between(left, right))}"
             raise ValueError(f"{shown} in the span contradicts the assumption {broken}")
     ends = [end for interval in found for end in (interval.low, interval.high)]
@@ -97,15 +97,12 @@ def _broken(axis: Axis, place: Any) -> Constraint | None:
 
 
 def _belongs(axis: Axis, place: Any) -> bool:
-    return place is not None and _broken(axis, place) is None
+    return not isinstance(place, Infinite) and _broken(axis, place) is None
 
 
 def _is_alone(axis: Axis, place: Any, found: Sequence[AdmittedInterval]) -> bool:
     """Whether a place is admitted, and is not inside an interval."""
-    inside = any(
-        (s.low is None or s.low < place) and (s.high is None or place < s.high) for s in found
-    )
-    return not inside and _belongs(axis, place)
+    return not any(s.low < place < s.high for s in found) and _belongs(axis, place)
 
 
 # --- Samples of the other parameters --------------------------------------------------------------
@@ -148,7 +145,7 @@ def _over(region: AssumedRegion, name: str, span: Span) -> AssumedRegion:
     One that is of degree one in the parameter of the axis holds inside a span just if it does at
     its ends, or is zero at one of them.
     """
-    if None in span:
+    if span == (LOWEST, HIGHEST):
         return region
     index = [str(symbol) for symbol in region.ring.symbols].index(name)
     constraints: list[Constraint] = []

@@ -24,6 +24,7 @@ from pwmap.algebra.assumptions import AssumedRegion
 from pwmap.algebra.bivariate import divides
 from pwmap.algebra.exact import (
     Fraction_,
+    Infinite,
     Number,
     degree_in,
     dense,
@@ -172,9 +173,8 @@ class Axis(ABC):
         """The number that a place is at the sample."""
 
     def between(self, low: Any, high: Any) -> Any:
-        """A place strictly between two others; None is an infinite end."""
-        ends = (None if end is None else self.real(end) for end in (low, high))
-        return self.place(simplest_between(*ends))
+        """A place strictly between two others."""
+        return self.place(simplest_between(self.real(low), self.real(high)))
 
     def spread(self, low: Any, high: Any, n: int) -> list[Any]:
         """Places inside an interval, in equal steps."""
@@ -398,18 +398,18 @@ class RecordedAxis(Axis):
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
         ring, symbol = self.definition.ring, self.definition.ring.symbols[self.index]
-        if low is not None and low is high:
+        if low is high:
             return SymbolicEdge(
                 symbol, self._quotient(low), AssumedRegion(ring, self._assumed), orders
             )
         limits = [*self._assumed]
         for side, end in ((1, low), (-1, high)):
-            if end is not None:
+            if not isinstance(end, Infinite):
                 top, bottom = self._quotient(end)
                 sense = side * sign(evaluate(bottom, self.sample, None))
                 limits.append(Constraint(sense * (self.identity[0] * bottom - top), True))
-        left, right = (None if end is None else self.to_sympy(end) for end in (low, high))
-        return SymbolicInterval(symbol, AssumedRegion(ring, tuple(limits)), left, right, orders)
+        ends = self.to_sympy(low), self.to_sympy(high)
+        return SymbolicInterval(symbol, AssumedRegion(ring, tuple(limits)), *ends, orders)
 
     @abstractmethod
     def _quotient(self, place: Any) -> Fraction_:

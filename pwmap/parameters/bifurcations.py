@@ -17,7 +17,7 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.assumptions import UndecidedError
-from pwmap.algebra.exact import Infinite, fraction_to_sympy, quotient_to_sympy
+from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, fraction_to_sympy, quotient_to_sympy
 from pwmap.algebra.roots import ceiling, whole_part
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import Diagram
@@ -121,7 +121,7 @@ def bifurcation_diagram(
     meter = metered(budget, on_interrupt)
     orders = checked_orders(orders, meter.budget)
     studied = tuple(sorted({d for n in orders for d in range(1, n + 1) if n % d == 0}))
-    limits: Span = (None, None) if span is None else checked_span(span)
+    limits = (LOWEST, HIGHEST) if span is None else checked_span(span)
     return with_stages(
         _Growing(map_, orders, limits, meter, progress, finished),
         map_,
@@ -188,7 +188,7 @@ class _Growing:
         """The diagram from cells of some order, what they ask of the axis recorded."""
         close(axis, cells)
         low, high = self.limits
-        if low is None:
+        if isinstance(low, Infinite):
             ends = _outermost(axis, cells)
             cells = _cut_off(axis, self.map.chain, cells, ends)
             close(axis, cells)
@@ -225,9 +225,9 @@ def _cut_off(
 ) -> list[Cell]:
     """Cells within a span that holds all edges; the assumptions may end before it does."""
     (low, high), kept = span, list(cells)
-    if kept[0].lower is None or kept[0].lower < low:
+    if kept[0].lower < low:
         kept[:1] = [studied_at(low, axis, chain, kept[0]), replace(kept[0], lower=low)]
-    if kept[-1].upper is None or high < kept[-1].upper:
+    if high < kept[-1].upper:
         kept[-1:] = [replace(kept[-1], upper=high), studied_at(high, axis, chain, kept[-1])]
     return kept
 

@@ -21,8 +21,8 @@ from typing import Any, NamedTuple, TypeVar
 import sympy
 
 from pwmap.algebra.arithmetic import rational
-from pwmap.algebra.exact import Number
-from pwmap.algebra.terms import own_name
+from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, Number
+from pwmap.algebra.terms import checked_parameter, own_name
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, checked_size, metered
 from pwmap.maps.cylinders import (
     WHOLE_LINE,
@@ -104,7 +104,7 @@ class Cell:
     @property
     def is_edge(self) -> bool:
         """Whether it is a single value of the parameter."""
-        return self.lower is not None and self.lower is self.upper
+        return self.lower is self.upper
 
     @property
     def is_excluded(self) -> bool:
@@ -207,8 +207,7 @@ def _parts(
     waiting = [(cell.lower, cell.upper)]
     while waiting:
         left, right = waiting.pop()
-        old = (left is None or left < cell.sample) and (right is None or cell.sample < right)
-        sample = cell.sample if old else axis.between(left, right)
+        sample = cell.sample if left < cell.sample < right else axis.between(left, right)
         study = study_at(sample)
         edge = _edge_at(axis, sample, answers)
         if edge is not None:  # the sample is no inner point of a cell
@@ -341,7 +340,7 @@ def parameter_cells(
         map_,
         parameter,
         orders,
-        (None, None) if span is None else checked_span(span),
+        (LOWEST, HIGHEST) if span is None else checked_span(span),
         sample,
         budget=meter,
     )
@@ -355,8 +354,7 @@ def shown_cells(
     for cell in merged(cells):
         if cell.is_excluded:
             continue
-        lower = -sympy.oo if cell.lower is None else axis.to_sympy(cell.lower)
-        upper = sympy.oo if cell.upper is None else axis.to_sympy(cell.upper)
+        lower, upper = axis.to_sympy(cell.lower), axis.to_sympy(cell.upper)
         scope = axis.scope(cell.lower, cell.upper, orders)
         decided = in_cell(
             map_.definition,
@@ -411,10 +409,7 @@ def with_stages(
     if they are admitted. Who builds has the axis record what its cells ask of it: :func:`close`.
     """
     check_map(map_)
-    name = own_name(parameter, map_.parameters)
-    names = [str(s) for s in map_.parameters]
-    if name not in names:
-        raise ValueError(f"{name} is no parameter of this map, it has {names or 'none'}")
+    name = checked_parameter(parameter, map_.parameters)
     meter = metered(budget)
     checked_size(max(orders), len(map_.chain), meter.budget)
     tried: list[Mapping[str, Number]] = []
@@ -473,7 +468,7 @@ def close(axis: Axis, cells: Sequence[Cell]) -> None:
     """Have the axis record the order of all ends of cells, and what was decided at edges."""
     places = [cells[0].lower, *(c.lower for c in cells if c.is_edge), cells[-1].upper]
     decided = (d for cell in cells if cell.is_edge for d in cell.study.oracle.signs)
-    axis.closing([place for place in places if place is not None], decided)
+    axis.closing([place for place in places if not isinstance(place, Infinite)], decided)
 
 
 def checked_orders(orders: Iterable[int], budget: Budget = BUDGET) -> tuple[int, ...]:

@@ -27,7 +27,10 @@ from pwmap.algebra.bivariate import (
     resultant,
 )
 from pwmap.algebra.exact import (
+    HIGHEST,
+    LOWEST,
     Fraction_,
+    Infinite,
     Number,
     degree_in,
     fraction_to_sympy,
@@ -68,7 +71,7 @@ class ColumnAxis(RecordedAxis):
     def __init__(self, definition: Definition, name: str, sample: dict[str, Number]) -> None:
         super().__init__(definition, name, sample)
         (value,) = sample.values()
-        self._column = Column(tuple(definition.ring.symbols), self.index, None, None, value)
+        self._column = Column(tuple(definition.ring.symbols), self.index, LOWEST, HIGHEST, value)
         self._factors: dict[PolyElement, tuple[Root, ...]] = {}
         self._conditions: dict[Dense, None] = {}
         self.upright: dict[Dense, None] = {}  # polynomials in the other parameter that decide
@@ -153,21 +156,21 @@ class ColumnAxis(RecordedAxis):
         constraints = self.definition.region.constraints
         return tuple(c for c in constraints if not self.degree(c.polynomial))
 
-    def bounds(self) -> tuple[Real | None, Real | None]:
+    def bounds(self) -> tuple[Real, Real]:
         """The interval of the other parameter in which all that was recorded persists."""
         value = self._column.sample
-        below: Real | None = None
-        above: Real | None = None
+        below: Real = LOWEST
+        above: Real = HIGHEST
         limits = [self._column.across(constraint.polynomial) for constraint in self._own]
         for dense in sorted((*limits, *self._conditions), key=len):
-            if below is not None and above is not None:
+            if below > LOWEST and above < HIGHEST:
                 ends = to_float(bounds(below)[0]), to_float(bounds(above)[1])
                 if not may_vanish(dense, *ends):
                     continue
             for root in real_roots(dense):
-                if root < value and (below is None or below < root):
+                if below < root < value:
                     below = root
-                if value < root and (above is None or root < above):
+                if value < root < above:
                     above = root
         return below, above
 
@@ -181,8 +184,8 @@ class ColumnAxis(RecordedAxis):
     def given(self) -> tuple[sympy.Basic, ...]:
         """The interval of the other parameter as inequalities."""
         symbol, (below, above) = self._column.symbols[1 - self.index], self.bounds()
-        lower = [] if below is None else [symbol > real_to_sympy(below)]
-        return (*lower, *([] if above is None else [symbol < real_to_sympy(above)]))
+        lower = [symbol > real_to_sympy(below)] if below > LOWEST else []
+        return (*lower, *([symbol < real_to_sympy(above)] if above < HIGHEST else []))
 
     # --- What a user sees -----------------------------------------------------------------------
 
@@ -201,7 +204,7 @@ class ColumnAxis(RecordedAxis):
         return self._column.shown(top * slope ** max(0, m - n), bottom * slope ** max(0, n - m))
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
-        ends = [end for end in (low, high) if end is not None]
+        ends = [end for end in (low, high) if isinstance(end, Root)]
         if any(degree_in(end.factor, self.index) > 1 for end in ends):
             return ColumnCell(self.column, low, high, orders)
         return super().scope(low, high, orders)
@@ -219,7 +222,7 @@ class ColumnAxis(RecordedAxis):
         """The strip as inequalities: an algebraic end with a rational one beyond."""
         ring, other = self.definition.ring, 1 - self.index
         for side, end, outer in zip((1, -1), self.bounds(), (0, 1), strict=True):
-            if end is not None:
+            if not isinstance(end, Infinite):
                 yield Constraint(side * (ring.gens[other] - bounds(end)[outer]), True)
             if isinstance(end, RealRoot):
                 polynomial = minimal_polynomial(ring, other, end)

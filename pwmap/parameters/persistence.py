@@ -36,7 +36,7 @@ class Answers:
     axis
         On which decisions have their roots.
     low, high
-        Places between which all others lie; None is an infinite end.
+        Places between which all others lie.
     """
 
     def __init__(self, axis: Axis, low: Any, high: Any) -> None:
@@ -98,7 +98,7 @@ class Answers:
         """Note the roots of a decision, as far as places lie beyond them."""
         low, high = self._ends
         for root in self._axis.roots(decision) or ():
-            if (low is None or not root < low) and (high is None or not high < root):
+            if not (root < low or high < root):
                 if root not in self._deciding:
                     self._roots.insert(bisect_left(self._roots, root), root)
                     self._deciding[root] = []
@@ -110,8 +110,7 @@ class Answers:
         One end or the other of an interval where there is none inside it.
         """
         roots = self._roots
-        first = 0 if low is None else bisect_right(roots, low)
-        last = len(roots) if high is None else bisect_left(roots, high)
+        first, last = bisect_right(roots, low), bisect_left(roots, high)
         here = bisect_left(roots, self._place)
         return (
             next(filter(self._may_change, reversed(roots[first:here])), low),

@@ -14,6 +14,7 @@ from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.exact import (
     Fraction_,
+    Infinite,
     Number,
     evaluate,
     factored_to_sympy,
@@ -140,6 +141,8 @@ class SymbolicAxis(RecordedAxis):
         return sign(one.value - other.value)
 
     def to_sympy(self, place: Threshold) -> sympy.Expr:
+        if isinstance(place, Infinite):
+            return place.to_sympy()
         return factored_to_sympy((place.expr.numer, place.expr.denom))
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:

@@ -115,7 +115,7 @@ def plane_raster(
     array([[1, 0, 1],
            [0, 0, 4]])
     """
-    check_kind("plane", plane, ParameterPlane)
+    check_kind("plane", plane, ParameterPlane, "pwmap.plane")
     if min(columns, rows) < 1:
         raise ValueError(f"a raster needs a column and a row, got {columns} and {rows}")
     across, along = (

@@ -105,9 +105,7 @@ class Rectangle:
                 except ResampleError:  # edges meet here: it is no strip, but lies between two
                     waiting[-1:] = [(sample, right), (left, sample)]
                     continue
-                low, high = strip.column.low, strip.column.high
-                start = left if low is None or not left < low else low
-                stop = right if high is None or not high < right else high
+                start, stop = max(left, strip.column.low), min(right, strip.column.high)
                 column = replace(strip.column, low=start, high=stop)
                 found.append(replace(strip, column=column))
                 beside = ((stop, right), (left, start))

@@ -18,7 +18,14 @@ from matplotlib.lines import Line2D
 from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
-from pwmap.diagrams.data import Branch, BranchKind, FloatArray, PointKind, SpecialPoint
+from pwmap.diagrams.data import (
+    Branch,
+    BranchKind,
+    FloatArray,
+    PointKind,
+    SpecialPoint,
+    stable_inside,
+)
 from pwmap.diagrams.diagram import Diagram
 from pwmap.maps.kinds import check_kind, check_map
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -130,12 +137,17 @@ def place_legend(
     ax: Axes, shown: Artists, legend: bool = True, more: Sequence[Line2D] = ()
 ) -> None:
     """A legend of what was drawn, where it covers least; labels for one that is made later."""
-    entries: dict[str, Artist] = {n: each[0] for n, each in shown.items() if n != NAMES and each}
+    entries = legend_entries(shown, more)
     for name, artist in entries.items():
         artist.set_label(name)
-    entries |= {str(line.get_label()): line for line in more}
     if legend and entries:
         ax.legend(entries.values(), entries.keys(), fontsize=7, loc="best", framealpha=0.9)
+
+
+def legend_entries(shown: Artists, more: Sequence[Line2D]) -> dict[str, Artist]:
+    """One artist for each name that a legend has, with samples that are not drawn."""
+    entries: dict[str, Artist] = {n: each[0] for n, each in shown.items() if n != NAMES and each}
+    return entries | {str(line.get_label()): line for line in more}
 
 
 def order_samples(
@@ -331,9 +343,7 @@ def _stretches(branch: Branch) -> list[tuple[str, slice]]:
     """Parts of a branch with one line style; neighbours share their common point."""
     if branch.kind is BranchKind.JUMP:
         return [("jump crossing", slice(0, len(branch)))]
-    stable = branch.stable.copy()
-    if len(branch) > 2:  # the ends may be flips, where the multiplier is -1 but for rounding
-        stable[0], stable[-1] = stable[1], stable[-2]
+    stable = stable_inside(branch)
     cuts = np.flatnonzero(stable[1:] != stable[:-1]) + 1
     edges = [0, *cuts.tolist(), len(branch)]
     return [
@@ -405,9 +415,7 @@ def plot_map(
     >>> list(plot_map(lines.at({"p": "1/2"})).artists)
     ['diagonal', 'pieces', 'ends', 'jump crossing']
     """
-    check_map(map_)
-    if map_.parameters:
-        raise ValueError(f"give {', '.join(map(str, map_.parameters))} a value first (.at)")
+    _check_values(map_)
     ax = ax if ax is not None else new_axes(4.6, 4.4)
     low, high = (float(end) for end in (window if window is not None else _window(map_)))
     if not low < high:
@@ -453,6 +461,12 @@ def plot_map(
     explained = {name: each for name, each in shown.items() if name not in PLAIN}
     place_legend(ax, explained, legend, _ENDS if shown["ends"] else ())
     return Drawn((ax,), shown)
+
+
+def _check_values(map_: PiecewiseLinearMap) -> None:
+    check_map(map_)
+    if map_.parameters:
+        raise ValueError(f"give {', '.join(map(str, map_.parameters))} a value first (.at)")
 
 
 _ENDS = [
@@ -518,8 +532,7 @@ def plot_cobweb(
     """
     if steps < 1:
         raise ValueError(f"a cobweb needs at least one step, got {steps}")
-    if map_.parameters:
-        raise ValueError(f"give {', '.join(map(str, map_.parameters))} a value first (.at)")
+    _check_values(map_)
     orbit = [QQ.to_sympy(rational(start))]
     for _ in range(steps):
         orbit.append(map_(orbit[-1]))

@@ -17,6 +17,7 @@ from sympy import QQ
 from pwmap.algebra.roots import simplest_between
 from pwmap.diagrams.data import FloatArray, PointKind
 from pwmap.diagrams.diagram import Diagram
+from pwmap.longrun.bands import check_parameter, to_ends
 from pwmap.longrun.crises.diagram import AttractorDiagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
 from pwmap.longrun.entropy.constant import constant_entropy
@@ -26,10 +27,10 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.plot.diagrams import (
     BAND,
     MARKERS,
-    NAMES,
     STABLE,
     axis_label,
     draw_branches,
+    legend_entries,
     order_samples,
 )
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, below, new_axes, styled
@@ -127,13 +128,9 @@ def plot_long_run(
     >>> sorted(name for name, artists in drawn.artists.items() if artists)
     ['bands', 'merging crisis', 'names', 'unstable']
     """
-    if diagram.parameter_name != str(found.parameter):
-        raise ValueError(
-            f"expected attractors over {diagram.parameter_name}, got them over {found.parameter}"
-        )
+    check_parameter(diagram, found)
     ax = ax if ax is not None else new_axes(7.0, 4.6)
-    shown = _draw_attractors(found, map_, ax, steps)
-    shown |= _draw_crises(found, map_, ax)
+    shown = _draw_attractors(found, map_, ax, steps) | _draw_crises(found, map_, ax)
     inner = ax.dataLim.frozen()
     every = draw_branches(diagram, ax, [k for k in MARKERS if k is not PointKind.EP], labels=labels)
     for name in (
@@ -184,8 +181,7 @@ def plot_attractors(
     ['bands', 'merging crisis']
     """
     ax = ax if ax is not None else new_axes(7.0, 4.6)
-    shown = _draw_attractors(found, map_, ax, steps)
-    shown |= _draw_crises(found, map_, ax)
+    shown = _draw_attractors(found, map_, ax, steps) | _draw_crises(found, map_, ax)
     _window(ax, found, ax.dataLim.frozen())
     ax.set_xlabel(axis_label(str(found.parameter)))
     ax.set_ylabel(axis_label(str(map_.x)))
@@ -204,8 +200,7 @@ def _window(ax: Axes, found: AttractorDiagram, inner: Any) -> None:
 
 
 def _legend_below(ax: Axes, shown: Artists, more: Sequence[Line2D] = ()) -> None:
-    entries: dict[str, Artist] = {n: each[0] for n, each in shown.items() if n != NAMES and each}
-    entries |= {str(line.get_label()): line for line in more}
+    entries = legend_entries(shown, more)
     periods = [named(k + 1) for k in range(len(PERIODS))]
     entries = {n: entries[n] for n in sorted(entries, key=lambda n: (n in periods and n) or "")}
     ax.legend(
@@ -254,13 +249,13 @@ def _areas(
             name, color = SHADES[min(number, len(SHADES) - 1)]
             for bands in zip(*(each.bands for each in attractors), strict=True):
                 ends = ([float(band.start) for band in bands], [float(band.end) for band in bands])
-                below, above = (_to_ends(over, values) for values in ends)
+                below, above = (to_ends(over, values) for values in ends)
                 area = ax.fill_between(over, below, above, color=color, linewidth=0.0, zorder=0.5)
                 add(shown, {name: [area]})
             for intervals in zip(*(each.neutral for each in attractors), strict=True):
                 ends = ([max(float(each.start), -FAR) for each in intervals],
                         [min(float(each.end), FAR) for each in intervals])  # fmt: skip
-                below, above = (_to_ends(over, values) for values in ends)
+                below, above = (to_ends(over, values) for values in ends)
                 area = ax.fill_between(over, below, above, linewidth=0.0, zorder=0.6,
                                        facecolor="none", edgecolor=STABLE, hatch="//")  # fmt: skip
                 add(shown, {NEUTRAL: [area]})
@@ -271,7 +266,7 @@ def _areas(
                     dot = ax.plot(inner, points, ".", color=color, markersize=1.5, zorder=1.5)
                     add(shown, {name: dot})
                     continue
-                values = _to_ends(over, points)
+                values = to_ends(over, points)
                 line = ax.plot(over, values, color=color, linewidth=0.8, zorder=1.5)
                 shown[name] = [*line, *shown.get(name, [])]  # a line first: the legend shows it
         first = last + 1
@@ -280,17 +275,6 @@ def _areas(
 def _shape(attractors: Iterable[Attractor]) -> tuple[tuple[int, int, int], ...]:
     """How many bands, neutral intervals and points attractors have."""
     return tuple((len(each.bands), len(each.neutral), len(each.points)) for each in attractors)
-
-
-def _to_ends(over: Sequence[float], values: Sequence[float]) -> list[float]:
-    """Values at inner places, with those at both ends on straight lines through the nearest two."""
-    if len(values) == 1:
-        return [*values, *values, *values]
-    first, last = (
-        values[i] + (values[i] - values[j]) * (over[end] - over[m]) / (over[m] - over[n])
-        for end, i, j, m, n in ((0, 0, 1, 1, 2), (-1, -1, -2, -2, -3))
-    )
-    return [first, *values, last]
 
 
 def _draw_crises(found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes) -> Artists:

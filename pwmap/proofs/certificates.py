@@ -14,7 +14,7 @@ import sympy
 from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
 
-from pwmap.algebra.exact import Number, dense, pair
+from pwmap.algebra.exact import HIGHEST, LOWEST, Number, dense, pair
 from pwmap.algebra.roots import (
     Dense,
     Real,
@@ -271,17 +271,14 @@ def _closed(map_: Map, edges: Iterable[Real], orders: Sequence[int]) -> list[Rea
     return sorted(found)
 
 
-def _number(x: Real, below: Real | None = None, above: Real | None = None) -> str | Row:
+def _number(x: Real, below: Real = LOWEST, above: Real = HIGHEST) -> str | Row:
     """A number as the checker reads it, isolated from its neighbours and its conjugates."""
     if not isinstance(x, RealRoot):
         return _text(x)
     same = real_roots(x.polynomial)
-    lower = [each for each in (*same, below) if each is not None and each < x]
-    upper = [each for each in (*same, above) if each is not None and x < each]
-    ends = (
-        simplest_between(max(lower) if lower else None, x),
-        simplest_between(x, min(upper) if upper else None),
-    )
+    low = max(each for each in (*same, below) if each < x)
+    high = min(each for each in (*same, above) if x < each)
+    ends = simplest_between(low, x), simplest_between(x, high)
     poly = [str(c) for c in reversed(integers(x.polynomial))]
     return {"polynomial": poly, "interval": [_text(end) for end in ends]}
 
@@ -364,7 +361,7 @@ class _DiagramWriter:
 
     def content(self) -> Row:
         """Everything but statement and seal."""
-        around = zip([None, *self._edges], self._edges, [*self._edges[1:], None], strict=False)
+        around = zip([LOWEST, *self._edges], self._edges, [*self._edges[1:], HIGHEST], strict=False)
         found: Row = {
             "kind": certificate.DIAGRAM,
             "map": self._map,

@@ -39,7 +39,7 @@ from sympy.polys.rings import PolyElement, PolyRing
 
 from pwmap.algebra.exact import Fraction_, Number, dense, fraction_to_sympy, to_sympy
 from pwmap.algebra.roots import Real, RealRoot, real_roots, sign_at
-from pwmap.algebra.terms import own_name
+from pwmap.algebra.terms import checked_parameter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit
 from pwmap.rotations.pieces import LEFT, RIGHT, TwoPieces, two_pieces
@@ -190,10 +190,7 @@ def _two_parameters(
     map_: PiecewiseLinearMap, across: object, along: object
 ) -> tuple[sympy.Symbol, sympy.Symbol]:
     own = {str(symbol): symbol for symbol in map_.parameters}
-    names = [own_name(name, map_.parameters) for name in (across, along)]
-    for name in names:
-        if name not in own:
-            raise ValueError(f"{name} is no parameter of this map, it has {list(own) or 'none'}")
+    names = [checked_parameter(name, map_.parameters) for name in (across, along)]
     if names[0] == names[1]:
         raise ValueError(f"expected two different parameters, got {names[0]} twice")
     return own[names[0]], own[names[1]]

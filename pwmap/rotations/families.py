@@ -35,6 +35,7 @@ from pwmap.algebra.exact import (
     quotient_to_sympy,
     to_sympy,
 )
+from pwmap.algebra.terms import checked_parameter
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
 from pwmap.maps.cycles import letter_bounds
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -225,11 +226,8 @@ class WordFamily:
         ValueError
             If it is no parameter of the map, or occurs in another way.
         """
-        names = [str(symbol) for symbol in self._powers.map_.parameters]
-        name = str(parameter)
-        if name not in names:
-            raise ValueError(f"{name} is no parameter of this map, it has {names or 'none'}")
-        index = names.index(name)
+        symbols = self._powers.map_.parameters
+        index = [str(each) for each in symbols].index(checked_parameter(parameter, symbols))
         roots = (self._powers.root(condition._bound, index) for condition in self.conditions)
         return tuple(root for root in roots if root is not None)
 

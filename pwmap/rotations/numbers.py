@@ -94,6 +94,11 @@ class TwoLines(NamedTuple):
         """R(x)."""
         return self.right[0] * x + self.right[1]
 
+    @property
+    def limits(self) -> tuple[Number, Number]:
+        """Both limits at the break, from the left and from the right."""
+        return self.go_left(self.at), self.go_right(self.at)
+
     def reflected(self) -> TwoLines:
         """The same map seen from behind, in -x: a rotation number r becomes 1 - r."""
         (s, c), (m, d) = self.left, self.right
@@ -207,7 +212,7 @@ def _fixed(lines: TwoLines) -> Fraction | None:
     ValueError
         If there is no rotation number.
     """
-    top, low = lines.go_left(lines.at), lines.go_right(lines.at)
+    top, low = lines.limits
     stays = top <= lines.at, low >= lines.at
     if all(stays):
         raise ValueError("both pieces map into themselves: orbits do not come round")
@@ -222,7 +227,7 @@ def _fixed(lines: TwoLines) -> Fraction | None:
 
 def _overlap(lines: TwoLines) -> bool:
     """Whether images of the two pieces overlap, so that the map is not invertible."""
-    top, low = lines.go_left(lines.at), lines.go_right(lines.at)
+    top, low = lines.limits
     return bool(low < lines.at < top and lines.go_right(top) > lines.go_left(low))
 
 
@@ -233,7 +238,7 @@ def _greatest(lines: TwoLines, iterates: int) -> RotationNumber:
     after n steps and k turns it lies in [l, t], so that the rotation number is between (k - 1)/n
     and k/n; it is (k - 1)/n if the orbit is on the level piece, k/n if it is back at t.
     """
-    top, low = lines.go_left(lines.at), lines.go_right(lines.at)
+    top, low = lines.limits
     floor_ = lines.go_right(top)
     level = max(low, (floor_ - lines.left[1]) / lines.left[0])
     x, turns = top, 0

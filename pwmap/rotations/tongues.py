@@ -37,7 +37,7 @@ from pwmap.rotations.pieces import LEFT, RIGHT, TwoPieces, increasing_pieces
 from pwmap.rotations.words import checked_count, farey, rotational_word
 
 LETTER = 4  # work that a letter of a word takes
-Piece_ = tuple[Real | None, Real | None]  # of the axis of the parameter; see gaps_and_roots
+Piece_ = tuple[Real, Real]  # of the axis of the parameter; see gaps_and_roots
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -237,6 +237,5 @@ def _as_set(pieces: list[Piece_]) -> sympy.Set:
 
 def _interval(first: Piece_, last: Piece_) -> sympy.Set:
     """From a gap or root to another, with the ends that are roots of their own."""
-    low = -sympy.oo if first[0] is None else real_to_sympy(first[0])
-    high = sympy.oo if last[1] is None else real_to_sympy(last[1])
+    low, high = real_to_sympy(first[0]), real_to_sympy(last[1])
     return sympy.Interval(low, high, first[0] is not first[1], last[0] is not last[1])

@@ -29,6 +29,7 @@ from pwmap import (
     tongues,
     word_family,
 )
+from pwmap.algebra.exact import HIGHEST, LOWEST
 from pwmap.cli import longrun
 from pwmap.diagrams import files, tables
 from pwmap.diagrams.encoding import to_plain
@@ -368,7 +369,7 @@ def test_copies_of_cells_and_their_axis_record_for_themselves() -> None:
         return before == (axis.given, [cell.study.oracle.signs for cell in cells])
 
     sample = {"a": "1/2", "b": "-3/2", "l": "1/3"}
-    assert with_cells(build, LEVELS, "m", (1, 2), (None, None), sample)
+    assert with_cells(build, LEVELS, "m", (1, 2), (LOWEST, HIGHEST), sample)
 
 
 def _upto(last: int) -> str:

@@ -9,6 +9,7 @@ import pytest
 from sympy import QQ
 
 from pwmap import PiecewiseLinearMap
+from pwmap.algebra.exact import HIGHEST, LOWEST
 from pwmap.maps.words import CriticalOrbit, SignOracle
 from pwmap.parameters.axes import axis_of
 from pwmap.parameters.axis import Axis
@@ -62,8 +63,8 @@ def test_an_answer_holds_up_to_the_next_root() -> None:
         at_root = [*answers.zeros()]
         if not at_root:
             answers.keep()
-            ends = answers.nearest(None, None)
-            assert ends == ((None, 0) if place < 0 else (0, 3) if place < 3 else (3, None))
+            ends = answers.nearest(LOWEST, HIGHEST)
+            assert ends == ((LOWEST, 0) if place < 0 else (0, 3) if place < 3 else (3, HIGHEST))
         assert len(at_root) == (place in (0, 3))
         asked.clear()
     assert found == [

@@ -19,7 +19,7 @@ from sympy import QQ, Rational
 from test_brute_force import Case, R, check_diagram, curves, number, written
 
 from pwmap import PiecewiseLinearMap, bifurcation_diagram
-from pwmap.algebra.exact import floor, to_float
+from pwmap.algebra.exact import HIGHEST, LOWEST, floor, to_float
 from pwmap.algebra.roots import RealRoot, ceiling, real_roots, simplest_between, whole_part
 
 GOLDEN = real_roots([QQ(1), QQ(-1), QQ(-1)])[1]
@@ -104,9 +104,9 @@ def test_floor_of_a_number_just_below_an_integer() -> None:
         (QQ(3), QQ(3) + QQ(1, 10**18), QQ(3) + QQ(1, 10**18 + 1)),
         (QQ(-1, 10**9), QQ(1, 10**30), QQ(0)),
         (QQ(-7, 2), QQ(-10, 3), QQ(-17, 5)),
-        (QQ(-(10**20)), None, QQ(0)),
-        (QQ(10**20) + QQ(1, 2), None, QQ(10**20 + 1)),
-        (None, QQ(-(10**20)), QQ(-(10**20) - 1)),
+        (QQ(-(10**20)), HIGHEST, QQ(0)),
+        (QQ(10**20) + QQ(1, 2), HIGHEST, QQ(10**20 + 1)),
+        (LOWEST, QQ(-(10**20)), QQ(-(10**20) - 1)),
     ],
 )
 def test_simplest_rational_between_two(low: Any, high: Any, simplest: Any) -> None:

@@ -43,7 +43,10 @@ KINDS: dict[str, tuple[Callable[[], object], str]] = {
     "drawn orbits": (lambda: DRAW[3]("x"), "found must be woodpecker.OrbitDiagram, got 'x'"),
     "drawn diagram": (lambda: DRAW[0]("x"), r"diagram must be pwmap\.Diagram, got 'x'"),
     "drawn map": (lambda: DRAW[1]("x"), "expected a PiecewiseLinearMap"),
-    "raster": (lambda: EXACT.plane_raster("x"), r"plane must be pwmap\.ParameterPlane, got 'x'"),
+    "raster": (
+        lambda: EXACT.plane.plane_raster("x"),
+        r"plane must be pwmap\.plane\.ParameterPlane, got 'x'",
+    ),
     "plane": (lambda: EXACT.parameter_plane("x", "a", "b", PAIR, PAIR), "a PiecewiseLinearMap"),
     "dynamics": (lambda: EXACT.dynamics("x"), "expected a PiecewiseLinearMap"),
     "attractors": (lambda: EXACT.attractor_diagram("x", "a", PAIR), "a PiecewiseLinearMap"),

@@ -22,7 +22,7 @@ from pwmap.longrun.crises.meetings import earliest
 from pwmap.longrun.crises.samples import CLOSER, Attracted, BreakImage, Samples
 from pwmap.longrun.cycles import closed_words
 from pwmap.longrun.line import line_at
-from pwmap.longrun.numbers import Exact, to_double
+from pwmap.longrun.numbers import to_double
 from pwmap.maps.words import CriticalOrbit, MultiplierSign, Word
 
 EFFORT = 24  # halvings of an interval in which samples differ, at most
@@ -295,7 +295,7 @@ class Changes:
                 polynomial = dense(self.orbits.polynomial(CriticalOrbit(end.k, end.word, other)))
                 yield from ((root, ()) for root in self._crossings(polynomial, low, high))
         lines = [doubles_of(line_at(self.samples.map, place)) for place in (low, high)]
-        at = [[to_double(self._value(end, place)) for end in ends] for place in (low, high)]
+        at = [[to_double(self.samples.value(end, place)) for end in ends] for place in (low, high)]
         for numbers in self._repelling(sample):
             word = tuple(self.samples.letters[k] for k in numbers)
             points = [line.cycle(numbers)[0] for line in lines]
@@ -328,6 +328,3 @@ class Changes:
         line = self.samples.at(place).line
         found = closed_words(line, max(PERIOD, self.order), self.samples.meter)
         return [word for word, multiplier in found if not -1 <= multiplier <= 1]
-
-    def _value(self, image: BreakImage, place: Number) -> Exact:
-        return self.axis.value(self.orbits.value(image.k, image.word), place)

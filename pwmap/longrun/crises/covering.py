@@ -11,14 +11,12 @@ said.
 from __future__ import annotations
 
 import math
-from bisect import bisect_left, bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 from pwmap.algebra.exact import Number, dense, to_float
-from pwmap.longrun.line import MapLine
+from pwmap.longrun.line import MapLine, cut_at
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.words import Layout, Table
 
@@ -52,10 +50,8 @@ class DoubleMap:
 
     def images(self, part: Part) -> Iterator[Part]:
         """The images of an interval that is cut at breaks, each a bit smaller than it is."""
-        low, high = part
-        first, last = bisect_right(self.breaks, low), bisect_left(self.breaks, high)
-        for k, (a, b) in enumerate(pairwise((low, *self.breaks[first:last], high)), start=first):
-            one, other = (self.slopes[k] * x + self.intercepts[k] for x in (a, b))
+        for k, ends in cut_at(self.breaks, part):
+            one, other = (self.slopes[k] * x + self.intercepts[k] for x in ends)
             slack = SLACK * (abs(one) + abs(other) + abs(self.intercepts[k]))
             one, other = min(one, other) + slack, max(one, other) - slack
             if one < other:

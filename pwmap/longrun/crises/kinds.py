@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from pwmap.algebra.exact import Number, dense
-from pwmap.algebra.roots import Real, RealRoot, bounds
+from pwmap.algebra.exact import Number
+from pwmap.algebra.roots import Real, bounds
 from pwmap.diagrams.data import PointKind
 from pwmap.longrun.crises.changes import Changes, Onset
-from pwmap.longrun.crises.samples import Attracted, BreakImage, Samples
+from pwmap.longrun.crises.samples import Attracted, Samples
 from pwmap.longrun.line import Interval, joined
-from pwmap.longrun.numbers import Element, Exact, to_double
+from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import MultiplierSign, Word
@@ -71,18 +71,10 @@ def _flip(samples: Samples, word: str) -> Number:
 def _set_at(samples: Samples, sample: Attracted, place: Real) -> list[Interval]:
     """All bands with their ends at another place, joined."""
     return joined(
-        (_value(samples, a, place), _value(samples, b, place))
+        (samples.value(a, place), samples.value(b, place))
         for bands in sample.ends
         for a, b in bands
     )
-
-
-def _value(samples: Samples, image: BreakImage, place: Real) -> Exact:
-    fraction = samples.axis.orbits.value(image.k, image.word)
-    if isinstance(place, RealRoot):
-        top, bottom = (Element(place, place.reduced(dense(part))) for part in fraction)
-        return top / bottom
-    return samples.axis.value(fraction, place)
 
 
 def _close(left: Attracted, right: Attracted) -> bool:

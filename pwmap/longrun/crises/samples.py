@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Hashable
 from dataclasses import dataclass
 
-from pwmap.algebra.exact import Number
-from pwmap.algebra.roots import Real, bounds, simplest_between
+from pwmap.algebra.exact import Number, dense
+from pwmap.algebra.roots import Real, RealRoot, bounds, simplest_between
 from pwmap.longrun.attractors import Attractors, attractors_of
 from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import MapLine, line_at
-from pwmap.longrun.numbers import key
+from pwmap.longrun.numbers import Element, Exact, key
 from pwmap.maps.budget import BUDGET, Budget, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit, OrbitReturn, Word, first_turn
@@ -132,6 +132,14 @@ class Samples:
             for orbit, (k, _), word in zip(found.orbits, self.germs, words, strict=True)
         )
         return Attracted(place, line, found, ends, cycles, neutral, special)
+
+    def value(self, image: BreakImage, place: Real) -> Exact:
+        """Where an image of a break is."""
+        fraction = self.axis.orbits.value(image.k, image.word)
+        if isinstance(place, RealRoot):
+            top, bottom = (Element(place, place.reduced(dense(part))) for part in fraction)
+            return top / bottom
+        return self.axis.value(fraction, place)
 
     def word(self, orbit: GermOrbit) -> Word:
         """The letters of an orbit."""

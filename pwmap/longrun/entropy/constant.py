@@ -72,6 +72,8 @@ PARTS = ((1, 2), (2, 5), (4, 7), (3, 8))  # of a gap around which samples are lo
 NEAR = 12  # part of a gap: so close to these places
 DEGREE = 24  # of an algebraic number at which the entropy is computed, at most
 
+Left = tuple[Real, Real, tuple[GapCause, ...]]  # an interval that is left out, and why
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Proved:
@@ -86,15 +88,6 @@ class _Proved:
     growth: Real
     sample: Number
     matches: bool
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Left:
-    """An interval that is left out."""
-
-    low: Real
-    high: Real
-    causes: tuple[GapCause, ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -176,10 +169,8 @@ def constant_entropy(
         parameter=map_.parameters[0],
         intervals=tuple(_joined(study, proved)),
         gaps=tuple(
-            EntropyGap(
-                lower=real_to_sympy(each.low), upper=real_to_sympy(each.high), causes=each.causes
-            )
-            for each in left
+            EntropyGap(lower=real_to_sympy(low), upper=real_to_sympy(high), causes=causes)
+            for low, high, causes in left
         ),
     )
 
@@ -371,9 +362,9 @@ class _Study:
 
 def _swept(
     study: _Study, low: Number, high: Number, least: Number, samples: int
-) -> tuple[list[_Proved], list[_Left]]:
+) -> tuple[list[_Proved], list[Left]]:
     """Proofs at samples in the widest gaps, and what is left, each from left to right."""
-    proved, left = list[_Proved](), list[_Left]()
+    proved, left = list[_Proved](), list[Left]()
     gaps: list[tuple[float, int, Real, Real, tuple[GapCause, ...]]] = []
     matching = set[Real]()  # ends of intervals in which orbits of a break match
     taken = 0
@@ -383,7 +374,7 @@ def _swept(
         if width > least:
             heappush(gaps, (-to_double(width), len(gaps) + 1000 * taken, a, b, causes))
         elif a != b:
-            left.append(_Left(a, b, causes or (GapCause.NARROW,)))
+            left.append((a, b, causes or (GapCause.NARROW,)))
 
     keep(low, high)
     while gaps:
@@ -406,7 +397,7 @@ def _swept(
             keep(a, found.low)
             keep(found.high, b)
         elif found is GapCause.BUDGET:
-            left.append(_Left(a, b, causes or (found,)))
+            left.append((a, b, causes or (found,)))
         else:
             keep(a, sample, (found,))
             keep(sample, b, (found,))
@@ -473,15 +464,14 @@ def _near(low: Real, high: Real, part: tuple[int, int]) -> Number:
     return simplest_between(middle - off, middle + off)
 
 
-def _contiguous(left: Sequence[_Left]) -> list[_Left]:
+def _contiguous(left: Sequence[Left]) -> list[Left]:
     """What is left, with parts that touch joined."""
-    found = list[_Left]()
-    for each in sorted(left, key=lambda each: each.low):
-        if found and found[-1].high == each.low:
-            causes = tuple(dict.fromkeys((*found[-1].causes, *each.causes)))
-            found[-1] = _Left(found[-1].low, each.high, causes)
-        else:
-            found.append(each)
+    found = list[Left]()
+    for low, high, causes in sorted(left, key=lambda each: each[0]):
+        if found and found[-1][1] == low:
+            start, _, before = found.pop()
+            low, causes = start, tuple(dict.fromkeys((*before, *causes)))
+        found.append((low, high, causes))
     return found
 
 

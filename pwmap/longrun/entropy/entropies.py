@@ -30,7 +30,7 @@ from pwmap.algebra.exact import HIGHEST, LOWEST
 from pwmap.algebra.roots import Real, RealRoot, real_roots, real_to_sympy
 from pwmap.longrun.attractors import Attractors
 from pwmap.longrun.fates import escapes
-from pwmap.longrun.line import Interval, MapLine
+from pwmap.longrun.line import Interval, MapLine, cut_at
 from pwmap.longrun.numbers import Element, Exact, log_bounds, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
@@ -186,7 +186,7 @@ def _onward(line: MapLine, node: Node, cut_off: Sequence[Interval]) -> Iterator[
     if not branch.slope:
         return
     for image in _clipped(branch.over((low, high)), cut_off):
-        yield from ((number, *part) for number, part in line.cut(image))
+        yield from ((number, *part) for number, part in cut_at(line.breaks, image))
 
 
 def entropy_of(
