@@ -11,16 +11,19 @@ from typing import Any
 import numpy as np
 import pytest
 
+from woodpecker import (
+    Iterate,
+    Settings,
+    Toy,
+    ToyPieces,
+    bifurcation_diagram,
+    continuation,
+    first_return,
+    return_map,
+    shoot,
+    simulate,
+)
 from woodpecker.base.checks import interval, number, positive, real_array, whole
-from woodpecker.base.settings import Settings
-from woodpecker.continued import continuation
-from woodpecker.diagram import bifurcation_diagram
-from woodpecker.maps.iterates import Iterate
-from woodpecker.mechanics.toy import Toy
-from woodpecker.shooting import shoot
-from woodpecker.simulation.returns import first_return, return_map
-from woodpecker.simulation.trajectory import simulate
-from woodpecker.toy_map import ToyPieces
 
 TOY = Toy()
 TWO = np.array([-0.5, -0.6])
