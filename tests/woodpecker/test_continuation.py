@@ -425,14 +425,3 @@ def test_a_run_with_settings_that_are_gone_is_refused(tmp_path: Path) -> None:
     resumed = r"cannot resume .*: there newton of settings is 12, now there is none"
     with pytest.raises(ValueError, match=resumed):
         Record(path, about(Toy(), "eps_n1", settings, SPAN), resume=True)
-
-
-def test_a_run_of_something_else_is_refused(tmp_path: Path, motion: PeriodicOrbit) -> None:
-    path = tmp_path / "run.jsonl"
-    entry_of(motion, path)
-    with pytest.raises(
-        ValueError, match=r"line 1: expected a run of the toy or of a map, got .*'param"
-    ):
-        saved_diagram(path)
-    with pytest.raises(ValueError, match="there is no saved run"):
-        saved_diagram(tmp_path / "none.jsonl")

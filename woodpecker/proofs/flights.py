@@ -34,10 +34,10 @@ def landing(guard: Guard, guess: float) -> ZeroCrossing | None:
         return None
 
     def at(t: Any) -> Derivatives:
-        return _height(guard.jet, kappa, t)
+        return height(guard.jet, kappa, t)
 
     def over(t: Any, derivative: int = 0) -> Any:
-        return _height([box(f) for f in guard.jet], kappa, t)(derivative)
+        return height([box(f) for f in guard.jet], kappa, t)(derivative)
 
     try:
         time, bracket = zero(at, over, guess, -1)
@@ -53,7 +53,7 @@ def landing(guard: Guard, guess: float) -> ZeroCrossing | None:
     return ZeroCrossing(guard.code, time, bracket, lands=True)
 
 
-def _height(jet: Any, kappa: Any, t: Any) -> Derivatives:
+def height(jet: Any, kappa: Any, t: Any) -> Derivatives:
     """The function h and its derivatives; d c_k / dt = kappa t (c_(k+1) - k c_(k+2))."""
     _, _, f2, f3 = jet
     x = kappa * (t * t)

@@ -12,16 +12,19 @@ import numpy as np
 import pytest
 from maps import two_lines
 
+from woodpecker import (
+    Settings,
+    Toy,
+    ToyPieces,
+    bifurcation_diagram,
+    continuation,
+    first_return,
+    return_map,
+    shoot,
+    simulate,
+)
 from woodpecker.base.checks import interval, number, positive, real_array, whole
-from woodpecker.base.settings import Settings
-from woodpecker.diagrams import bifurcation_diagram, continuation
-from woodpecker.maps.iterates import Iterate
-from woodpecker.mechanics.toy import Toy
-from woodpecker.returns import return_map
-from woodpecker.shooting import shoot
-from woodpecker.simulation.returns import first_return
-from woodpecker.simulation.trajectory import simulate
-from woodpecker.toy_map import ToyPieces
+from woodpecker.maps import Iterate
 
 TOY = Toy()
 TWO = np.array([-0.5, -0.6])

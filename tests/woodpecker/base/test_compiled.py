@@ -13,14 +13,13 @@ from types import SimpleNamespace
 import pytest
 from scenes import ROOT, in_another_process
 
+from woodpecker import Toy, first_return
 from woodpecker.base import compiled
-from woodpecker.mechanics.toy import Toy
-from woodpecker.simulation.returns import first_return
 
 ASK = """
 from woodpecker.base.compiled import COMPILED
-from woodpecker.simulation.returns import first_return
-from woodpecker.mechanics.toy import Toy
+from woodpecker import first_return
+from woodpecker import Toy
 result = first_return(Toy(), -0.53)
 print(COMPILED, repr(result.phi_s), repr(result.word))
 """

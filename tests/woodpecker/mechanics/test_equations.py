@@ -10,8 +10,8 @@ import numpy.typing as npt
 import pytest
 import sympy as sp
 
+from woodpecker import Toy, parameters
 from woodpecker.mechanics import equations as mechanics
-from woodpecker.mechanics.toy import Toy, parameters
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -40,13 +40,12 @@ from impacts import directions, frictions, laws, restitutions, scenes, strike
 from scipy.optimize import brentq
 from thoroughness import thorough
 
-from woodpecker import Status, first_return, simulate
+from woodpecker import ExpansionFriction, Status, Toy, first_return, simulate
 from woodpecker.base.compiled import COMPILED
 from woodpecker.mechanics import equations as mechanics
 from woodpecker.mechanics.contact_problems import INDETERMINATE, SOLVED
 from woodpecker.mechanics.lcp import enumerate_contacts, solve_contact_lcp
 from woodpecker.mechanics.modes import ANGLE, SIGN
-from woodpecker.mechanics.toy import ExpansionFriction, Toy
 
 FloatArray = npt.NDArray[np.float64]
 SUMMED, SEPARATE = ExpansionFriction.SUMMED, ExpansionFriction.SEPARATE

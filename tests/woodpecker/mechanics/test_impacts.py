@@ -26,6 +26,7 @@ from impacts import (
 from scipy.optimize import linprog
 from thoroughness import thorough
 
+from woodpecker import ExpansionFriction, Toy
 from woodpecker.base.compiled import COMPILED, jit
 from woodpecker.mechanics import equations as mechanics
 from woodpecker.mechanics.cases import BACKWARD, FORWARD, FREE, HOLD, REST, case_table, impulse_of
@@ -48,7 +49,6 @@ from woodpecker.mechanics.lcp import (
     solve_contact_lcp,
 )
 from woodpecker.mechanics.modes import model
-from woodpecker.mechanics.toy import ExpansionFriction, Toy
 
 # thousands of calls from here:
 one_contact, two_contacts, case_table = jit(one_contact), jit(two_contacts), jit(case_table)

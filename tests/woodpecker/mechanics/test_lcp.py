@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given
 from thoroughness import thorough
 
+from woodpecker import Toy
 from woodpecker.mechanics import equations as mechanics
 from woodpecker.mechanics import lcp
 from woodpecker.mechanics.lcp import (
@@ -25,7 +26,6 @@ from woodpecker.mechanics.lcp import (
     lemke,
     solve_contact_lcp,
 )
-from woodpecker.mechanics.toy import Toy
 
 FloatArray = npt.NDArray[np.float64]
 

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 
+from woodpecker import Toy
 from woodpecker.mechanics import equations as mechanics
 from woodpecker.mechanics.modes import (
     ALPHA,
@@ -43,7 +44,6 @@ from woodpecker.mechanics.modes import (
     mode_states,
     model,
 )
-from woodpecker.mechanics.toy import Toy
 
 FloatArray = npt.NDArray[np.float64]
 States = tuple[ContactState, ContactState, ContactState]

@@ -12,7 +12,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from woodpecker.mechanics.toy import ExpansionFriction, Toy, parameters
+from woodpecker import ExpansionFriction, Toy, parameters
 
 # As printed below Eq. 11; c_phi, which the paper omits, and the endless pole come last.
 PAPER = {

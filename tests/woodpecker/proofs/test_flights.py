@@ -12,10 +12,10 @@ pytest.importorskip("flint")
 from flint import arb
 from mpmath import mp, mpf
 
-from woodpecker.checking.guards import height
+from woodpecker.checking import guards
 from woodpecker.checking.intervals import I, unit
+from woodpecker.proofs import flights
 from woodpecker.proofs.balls import fraction, number
-from woodpecker.proofs.flights import _height
 from woodpecker.proofs.forms import precision
 
 BITS = 200
@@ -47,10 +47,10 @@ def test_both_programs_hold_a_flight_and_its_derivatives(
         )
     with precision(BITS):
         jet = [arb(0), arb(0), number(F2), number(F3)]
-        ball = _height(jet, arb(kappa), number(time))(order)
+        ball = flights.height(jet, arb(kappa), number(time))(order)
         low, high = fraction(ball.lower()), fraction(ball.upper())
     with unit(BITS):
-        found = height([None, None, I.of(F2), I.of(F3)], I.of(kappa), I.of(time), order)
+        found = guards.height([None, None, I.of(F2), I.of(F3)], I.of(kappa), I.of(time), order)
         assert isinstance(found, I)
         other = Fraction(found.a, 2**BITS), Fraction(found.b, 2**BITS)
     room = max(abs(known), Fraction(1)) / 10**25

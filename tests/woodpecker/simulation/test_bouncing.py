@@ -5,9 +5,7 @@ import pytest
 
 from pwmap.diagrams.diagram import PointKind
 from studies.peers import reference_mpmath
-from woodpecker import Status, Toy, continuation, first_return, shoot
-from woodpecker.mechanics.toy import ExpansionFriction
-from woodpecker.toy_map import ToyPieces
+from woodpecker import ExpansionFriction, Status, Toy, ToyPieces, continuation, first_return, shoot
 
 LAWS = list(ExpansionFriction)
 

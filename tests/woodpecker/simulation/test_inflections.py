@@ -8,10 +8,8 @@ import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
 
-from woodpecker import Toy, ToyPieces, return_map
-from woodpecker.base.settings import Settings
+from woodpecker import Settings, Toy, ToyPieces, return_map, slices_at
 from woodpecker.simulation.roots import root_at_inflection
-from woodpecker.slices.slices import slices_at
 
 
 @pytest.mark.parametrize("distance", [1e-3, 1e-9, 1e-15, 0.0, -1e-15, -1e-9, -1e-3])

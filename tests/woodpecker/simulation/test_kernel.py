@@ -11,11 +11,11 @@ import numpy.typing as npt
 import pytest
 from scenes import in_another_process, plain, run
 
+from woodpecker import State, Status, Toy, equilibrium, first_return, return_map, simulate
 from woodpecker.base.arrays import Ints
 from woodpecker.base.compiled import COMPILED
 from woodpecker.mechanics import equations as mechanics
 from woodpecker.mechanics.contact_problems import AMBIGUOUS, NO_SOLUTION, SOLVED
-from woodpecker.mechanics.equations import equilibrium
 from woodpecker.mechanics.lcp import enumerate_contacts, solve_contact_lcp
 from woodpecker.mechanics.modes import (
     ALPHA,
@@ -31,7 +31,6 @@ from woodpecker.mechanics.modes import (
     mode_index,
     model,
 )
-from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation import calls
 from woodpecker.simulation.calls import follow, make_work
 from woodpecker.simulation.codes import (
@@ -46,10 +45,8 @@ from woodpecker.simulation.codes import (
 from woodpecker.simulation.events import mode_of, time_to_minimum
 from woodpecker.simulation.flow import flow, measure
 from woodpecker.simulation.margins import NOTES
-from woodpecker.simulation.returns import first_return, return_map
 from woodpecker.simulation.settling import settle
-from woodpecker.simulation.status import Status, status
-from woodpecker.simulation.trajectory import State, simulate
+from woodpecker.simulation.status import status
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -436,8 +433,8 @@ ENDLESS = {
 def test_motions_of_many_events_end(phi_s: float, changes: dict[str, float]) -> None:
     """Asked in another process, because it might not; compilation takes 20 s of the minute."""
     code = f"""
-from woodpecker.simulation.returns import first_return
-from woodpecker.mechanics.toy import Toy
+from woodpecker import first_return
+from woodpecker import Toy
 print(first_return(Toy(**{changes}), {phi_s}).status.name)
 """
     reason = in_another_process(code, timeout=300.0, NUMBA_DISABLE_JIT="0").strip()
@@ -542,8 +539,8 @@ def test_plain_python_agrees_with_the_compiled_kernel() -> None:
     code = f"""
 import json
 from woodpecker.base.compiled import COMPILED
-from woodpecker.simulation.returns import first_return
-from woodpecker.mechanics.toy import Toy
+from woodpecker import first_return
+from woodpecker import Toy
 assert not COMPILED
 results = [first_return(Toy(eps_n1=eps), phi) for phi, eps in {starts}]
 print(json.dumps([[r.phi_s, r.period, r.drop, r.slope, r.d_eps_n1, r.word, r.status.name]

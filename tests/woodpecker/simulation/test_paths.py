@@ -8,9 +8,8 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from woodpecker import Toy, first_return
+from woodpecker import ExpansionFriction, Toy, first_return
 from woodpecker.mechanics.modes import EPSILONS, FIXED, change, model
-from woodpecker.mechanics.toy import ExpansionFriction
 from woodpecker.simulation.paths import Along, Follower, Path, Watch, cause_of
 
 LAWS = tuple(ExpansionFriction)

@@ -13,11 +13,9 @@ import pytest
 from scenes import plain
 from scipy.optimize import brentq
 
+from woodpecker import Return, ReturnMap, Status, Toy, equilibrium, first_return, return_map
 from woodpecker.base.compiled import COMPILED
-from woodpecker.mechanics.equations import equilibrium
-from woodpecker.mechanics.toy import Toy
-from woodpecker.simulation.returns import CHUNK, Return, ReturnMap, first_return, return_map
-from woodpecker.simulation.status import Status
+from woodpecker.simulation.returns import CHUNK
 
 FloatArray = npt.NDArray[np.float64]
 

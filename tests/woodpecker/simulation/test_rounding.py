@@ -12,8 +12,7 @@ from needs import NEEDS_NUMBA
 from rounding import OTHER, is_other
 from scenes import in_another_process
 
-from woodpecker import Toy, bifurcation_diagram, continuation, return_map, shoot
-from woodpecker.search.search import Search
+from woodpecker import Search, Toy, bifurcation_diagram, continuation, return_map, shoot
 
 Graph = dict[str, Any]
 

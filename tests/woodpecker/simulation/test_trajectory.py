@@ -6,12 +6,19 @@ import numpy as np
 import pytest
 from scenes import run
 
-from woodpecker import State, Status, Toy, first_return, shoot, simulate
+from woodpecker import (
+    EventKind,
+    State,
+    Status,
+    Toy,
+    Trajectory,
+    first_return,
+    shoot,
+    simulate,
+)
 from woodpecker.mechanics.equations import mass_matrix, normal_directions, tangential_directions
 from woodpecker.mechanics.modes import ALPHA, KAPPA, LAMBDA, A, B, ContactState, mode_states, model
 from woodpecker.simulation import energy_balance
-from woodpecker.simulation.trajectory import Trajectory
-from woodpecker.simulation.words import EventKind
 
 TOY = Toy()
 SCENES = [
