@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from maps import continued
 from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
@@ -14,6 +13,7 @@ from woodpecker.engine.arrivals import LIMIT_LOST
 from woodpecker.engine.maps import ACCUMULATE
 from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.search.accumulations import ENDLESS
+from woodpecker.search.diagrams import connected
 from woodpecker.shooting import shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.toy_map import ToyPieces
@@ -144,11 +144,11 @@ def test_a_doubled_cycle_beside_a_sharp_flip_stays_doubled() -> None:
     """
     map_, p = ToyPieces(Toy()), 0.4125
     settings = Settings(span=(0.412, 0.4135), window=WINDOW)
-    single = continued(map_, -1.30073, p, settings, orders=(1,))
+    single = connected(map_, -1.30073, p, settings, orders=(1,))
     (flip,) = [point for point in single.points if point.kind is PointKind.PD]
     (fold,) = [point for point in single.points if point.kind is PointKind.LP]
     assert fold.parameter - flip.parameter == pytest.approx(2.75e-8, rel=1e-3)
-    doubled = continued(map_, [-1.30075, -1.30071], p, settings, orders=(2,))
+    doubled = connected(map_, [-1.30075, -1.30071], p, settings, orders=(2,))
     assert len(doubled.branches) == 4  # two of P_2, each seen from both points of the cycle
     for one, other in (doubled.branches[:2], doubled.branches[2:]):
         apart = np.abs(one.x - other.x)
@@ -169,7 +169,7 @@ def test_a_border_right_before_the_flip_that_ends_a_doubled_branch() -> None:
     """
     settings = Settings(span=(0.3001, 0.3021), window=WINDOW)
     start, p = [-1.46590769798, -1.46580830841], 0.300233852927
-    diagram = continued(ToyPieces(Toy()), start, p, settings, orders=(1, 2))
+    diagram = connected(ToyPieces(Toy()), start, p, settings, orders=(1, 2))
     places = {
         (point.kind, point.order): point.parameter
         for point in diagram.points
