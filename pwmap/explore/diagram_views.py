@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -87,6 +88,7 @@ class DiagramView:
         figure.add_tools(hover(marks, OF_POINT), hover(samples, OF_BRANCH))
         for axis_range in (figure.x_range, figure.y_range):
             axis_range.on_change("end", self._renamed)
+        _when_resized(figure, self._renamed)
 
     @property
     def scale(self) -> tuple[float, float]:
@@ -160,6 +162,7 @@ class GraphView:
         _texts(figure, self.tags, GREY)
         _texts(figure, self.names)
         figure.add_tools(hover(nodes, OF_POINT), hover(edges, OF_EDGE))
+        _when_resized(figure, self._renamed)
 
     @property
     def scale(self) -> tuple[float, float]:
@@ -172,6 +175,15 @@ class GraphView:
         nodes, edges = (found.nodes, found.edges) if found is not None else ({}, {})
         patch(self.edges, **{name: edges.get(name, []) for name in EDGES})
         patch(self.nodes, **{name: nodes.get(name, []) for name in POINTS})
+        self._name()
+
+    def _renamed(self, attr: str, old: object, new: object) -> None:
+        self._name()
+
+    def _name(self) -> None:
+        """Write names of nodes and edges where they cover nothing."""
+        found = self._shown
+        nodes, edges = (found.nodes, found.edges) if found is not None else ({}, {})
         few = {**edges, "must": [False] * len(edges["x"])} if edges else None
         if few is not None and len(few["x"]) > MOST_LABELS:
             few["label"] = [""] * len(few["x"])
@@ -182,6 +194,12 @@ class GraphView:
     def select(self, branch: str) -> None:
         """Mark one edge."""
         patch(self.selected, **_part(self._shown.edges if self._shown else None, branch))
+
+
+def _when_resized(figure: Any, hear: Callable[[str, object, object], None]) -> None:
+    """Call a function when the page has told another size of a figure."""
+    for side in ("inner_width", "inner_height"):
+        figure.on_change(side, hear)
 
 
 def _size(figure: Any) -> tuple[float, float]:

@@ -22,7 +22,7 @@ OF_DIAGRAM = {
     "diagram.json": "the diagram, whole (JSON)", "graph.json": "graph of branches (JSON)",
     "graph.graphml": "graph of branches (GraphML)",
 }  # fmt: skip
-OF_STATE = {"state.json": "the state (JSON)", "lines.py": "lines of Python"}
+OF_STATE = {"state.json": "the state (JSON)", "lines.py": "lines of Python (file)"}
 
 
 def parts(name: str, files: Mapping[str, str]) -> tuple[str, str]:

@@ -22,6 +22,7 @@ MARKS = {  # symbols of pwmap.plot.MARKERS as Bokeh calls them
 }  # fmt: skip
 SELECTED = "#fec44f"  # around what is selected, under everything else
 SHORT = 100  # values that go as a list
+ROOM = 0.15  # of an interval: what an axis that is outgrown has beyond it while a slider moves
 SHRUNK = 0.6  # of an axis: what fills less of it is shown larger
 SMALL, PLAIN = "11px", "12px"
 Put = Callable[..., None]  # puts columns into a table: patch, or Frame.put while a slider moves
@@ -79,18 +80,23 @@ def hover(glyph: Any, tips: Sequence[tuple[str, str]] | str, mode: str = "mouse"
 def set_range(axis_range: Any, low: float, high: float) -> None:
     """Move the ends of an axis, both at once."""
     if (axis_range.start, axis_range.end) != (low, high):
-        axis_range.update(start=low, end=high, reset_start=low, reset_end=high)
+        axis_range.update(start=low, end=high)
 
 
 def keep_in(axis_range: Any, low: float, high: float, *, moving: bool) -> None:
     """Show an interval; while a slider moves only if it has outgrown what is shown, or shrunk.
 
-    An axis that moves is laid out anew, which costs more than its curves.
+    An axis that moves is laid out anew, which costs more than its curves: where the interval has
+    outgrown it there is room for what comes next.
     """
-    start, end = axis_range.start, axis_range.end
-    fits = start <= low and high <= end and (high - low) >= SHRUNK * (end - start)
-    if not (moving and fits):
-        set_range(axis_range, low, high)
+    if moving:
+        start, end = axis_range.start, axis_range.end
+        room = ROOM * (high - low)
+        left = start if start <= low else low - room
+        right = end if high <= end else high + room
+        if high - low >= SHRUNK * (right - left):
+            low, high = left, right
+    set_range(axis_range, low, high)
 
 
 def patch(table: ColumnDataSource, /, **columns: Any) -> None:

@@ -58,6 +58,7 @@ class MapTab(Tab[MapState]):
         self.due, self.chaotic = True, False
         self.rows: dict[str, dict[str, list[list[str]]]] = {}
         self.notes: dict[str, str] = {}
+        self._answered = set[str]()  # which parts of the last question
         self.hear(self.plane, self._tap_plane)
         self.show(state)
 
@@ -119,21 +120,29 @@ class MapTab(Tab[MapState]):
     def tick(self) -> None:
         """Begin what is due, and show what has come."""
         if self.due and is_warm():
-            self.due, self.stage = False, "working …"
+            self.due, self.stage, self._answered = False, "working …", set()
             self.begin("answers", answers, self.state, seconds=SECONDS)
         told = self.results("answers")
         for result in told:
             if isinstance(result, MapAnswer):
                 self._take(result)
             elif isinstance(result, Failure):
-                self.message = result.sentence
-                self.rows = {}
+                self._fail(result.sentence)
             elif isinstance(result, JobFinished):
                 self.message = next(filter(None, self.notes.values()), "")
         if told:
             self.say(self.answer())
 
+    def _fail(self, sentence: str) -> None:
+        """Keep the answers that have come, and none about an earlier state."""
+        self.message = sentence
+        self.rows = {name: rows for name, rows in self.rows.items() if name in self._answered}
+        if "diagram" not in self._answered:
+            self.draw_diagram(None)
+            self.stage = "no diagram"
+
     def _take(self, part: MapAnswer) -> None:
+        self._answered.add(part.name)
         self.rows[part.name], self.notes[part.name] = part.rows, part.message
         tables = part.tables
         if part.name == "map" and tables:

@@ -93,6 +93,8 @@ def test_another_map_is_typed(tab: Seen) -> None:
     assert rows(tab, "Entropy")[0][1] == "= log(2)"
     assert tab.table("density", 0)["top"] == [1]
     assert tab.colours("#plot-density") > 10
+    assert "two parameters" in tab.page.locator("#plane-told").inner_text()
+    assert tab.colours("#plot-plane") == 1  # no axes of nothing
     tab.picture("maps_tent")
 
 
@@ -106,6 +108,8 @@ def test_a_hostile_text_is_refused_with_a_sentence(
     seen = Seen(chromium, server.address, f"map={quote(formula)}")
     seen.wait("explorer.answer.message && explorer.answer.busy === false", 60)
     assert seen("document.querySelectorAll('img').length") == 0
+    assert seen.answer["rows"] == []
+    assert seen.answer["stage"] == "no diagram"
     seen.close()
 
 

@@ -260,6 +260,15 @@ def test_a_diagram_may_be_stopped_and_begun_again(tab: Seen) -> None:
     tab.ask(do="stop")
 
 
+def test_an_enlarged_view_is_drawn_anew(tab: Seen) -> None:
+    """Also where nothing moves."""
+    for view, part in (("toy", "#toy-canvas"), ("motion", "#plot-angles"), ("map", "#plot-map")):
+        tab.ask(do="focus", value=view)
+        tab.page.wait_for_timeout(400)
+        assert tab.page.locator(part).bounding_box()["width"] > 800
+        assert tab.colours(part) > 20, view
+
+
 def test_orbits_lie_under_the_branches(tab: Seen) -> None:
     tab.complete()
     tab.ask(do="orbits", value=True)
@@ -271,6 +280,11 @@ def test_orbits_lie_under_the_branches(tab: Seen) -> None:
     assert near.any()
     on_branch = np.abs(x[near] + 0.53) < 0.01  # the stable motion, beside another attractor
     assert 0.3 < on_branch.mean() < 1.0
+    tab.ask(do="search")
+    tab.ask(do="orbits", value=False)  # while more are looked for
+    tab.wait(f"{orbits}.length === 0")
+    tab.page.wait_for_timeout(1500)
+    assert tab(f"{orbits}.length") == 0
 
 
 # --- Links, exports, the tour ---------------------------------------------------------------------

@@ -172,7 +172,8 @@ class ToyTab(Tab[PageState]):
             self.diagram.orbits.data = {"x": [], "y": []}
             self.begin("orbits", orbits, self.state, seconds=SECONDS)
         if not self.state.orbits:
-            self.diagram.orbits.data = {"x": [], "y": []}
+            self.stop("orbits")
+            patch(self.diagram.orbits, x=[], y=[])
             self._orbits_of = None
 
     def _of_orbits(self) -> Any:

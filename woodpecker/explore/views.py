@@ -43,7 +43,7 @@ OF_EVENT = (
     "<div class='tip'><b>@symbol</b> at @time{0.0000} ms: @what<br>@impulses<br>@velocities</div>"
 )
 OF_FIXED = "<div class='tip'><b>@kind fixed point</b> of P_@order<br>at @x{0.000000}</div>"
-WORD_ROOM = 30  # events that have room for their times
+WORD_ROOM = 30  # events that have room for their symbols and times
 
 
 PHI = r"$$\varphi_S\ [\mathrm{rad}]$$"
@@ -229,7 +229,7 @@ class WordView:
     def __init__(self) -> None:
         self.figure = new_figure("word", "", "", y_range=Range1d(-0.62, 0.62))
         self.events = source(
-            "x", "color", "symbol", "time", "what", "impulses", "velocities", "t", "alpha"
+            "x", "color", "symbol", "time", "what", "impulses", "velocities", "t", "alpha", "label"
         )
         self.events.name = "events"
         figure = self.figure
@@ -240,7 +240,7 @@ class WordView:
             fill_alpha="alpha", line_color="color", border_radius=4,
         )  # fmt: skip
         figure.text(
-            "x", 0.14, text="symbol", source=self.events, text_font={"value": FONT},
+            "x", 0.14, text="label", source=self.events, text_font={"value": FONT},
             text_font_size="13px",
             text_align="center", text_baseline="middle", text_color=INK, text_font_style="bold",
         )  # fmt: skip
@@ -263,6 +263,7 @@ class WordView:
             what=[mark.what for mark in marks], impulses=[mark.impulses for mark in marks],
             velocities=[mark.velocities for mark in marks],
             t=[f"{1e3 * mark.time:.2f}" if n <= WORD_ROOM else "" for mark in marks],
+            label=[mark.symbol if n <= WORD_ROOM else "" for mark in marks],
             alpha=[0.45 if mark.symbol.startswith("I") else 0.12 for mark in marks],
         )  # fmt: skip
         set_range(self.figure.x_range, -0.7, max(n, 8) - 0.3)

@@ -22,8 +22,11 @@ explorer.heard.push((told) => {
     write("#density-told", told.chaotic ? "" : "nothing chaotic attracts here");
     $("#view-density").classList.toggle("empty", !told.chaotic);
   }
-  if (told.axes) for (const [k, name] of ["across", "along"].entries()) {
-    write(`#name-${name}`, told.axes[k] ?? "");
-    $("#" + name).hidden = !told.axes.length;
+  if (told.axes) {
+    const none = !told.axes.length;
+    write("#plane-told", none ? "a plane needs a map with two parameters" : "");
+    $("#view-plane").classList.toggle("empty", none);
+    for (const part of $$("#view-plane label, #view-plane .told")) part.hidden = none;
+    for (const [k, name] of ["across", "along"].entries()) write(`#name-${name}`, told.axes[k] ?? "");
   }
 });

@@ -16,14 +16,16 @@ const explorer = window.explorer = {
       return;
     }
     this.waiting = { ...wish, n: ++this.sent };
-    this.doc.get_model_by_name("wish").text = JSON.stringify(this.waiting);
+    this.model("wish").text = JSON.stringify(this.waiting);
   },
   rest: [],
+  models: {},
+  model(name) { return (this.models[name] ??= this.doc.get_model_by_name(name)); },
   answered(text) {
     const told = JSON.parse(text);
     this.count = told.count;
     this.answer = { ...this.answer, ...told };
-    if (told.tables) sketch.take(told.tables, this.doc.get_model_by_name("numbers").data.all);
+    if (told.tables) sketch.take(told.tables, this.model("numbers").data.all);
     if (told.message !== undefined) write("#message", told.message);
     if (told.values) { this.values = told.values; show_values(told.values); }
     if (told.query !== undefined && !this.waiting?.drag) {

@@ -10,9 +10,12 @@ from pwmap import PiecewiseLinearMap, bifurcation_diagram
 from woodpecker import Toy
 
 pytest.importorskip("bokeh")
-from pwmap.explore.diagram_views import DiagramView
+from bokeh.models import Range1d
+
+from pwmap.explore import diagram_views
+from pwmap.explore.diagram_views import DiagramView, GraphView
 from pwmap.explore.diagrams import nearest_line, nearest_sample, shown
-from pwmap.explore.figures import cobweb
+from pwmap.explore.figures import cobweb, keep_in
 from pwmap.explore.jobs import Failure, Job, JobFinished
 from pwmap.explore.labels import place
 from woodpecker.explore.branches import DiagramProgress, diagram, key_of
@@ -123,3 +126,27 @@ def test_jobs_end_with_their_error_or_their_time() -> None:
     job.stop()
     assert job.results() == []
     assert JobFinished() == JobFinished()
+
+
+def test_names_are_placed_anew_when_a_view_is_resized(monkeypatch: pytest.MonkeyPatch) -> None:
+    """In a small picture there is no room for all of them."""
+    view = GraphView("graph")
+    view.show(shown(lines()))
+    assert set(view.tags.data["text"]) == {"F1", "J1", "F2"}
+    monkeypatch.setattr(diagram_views, "_size", lambda _: (30.0, 25.0))
+    view.figure.trigger("inner_width", 520, 30)  # as when the page has told it
+    assert len(view.tags.data["text"]) < 3
+
+
+def test_an_axis_has_room_while_a_slider_moves() -> None:
+    """It is moved once for several steps; at rest it fits."""
+    axis = Range1d(0.0, 1.0)
+    ends = []
+    for high in (1.02, 1.05, 1.1, 0.9):
+        keep_in(axis, 0.0, high, moving=True)
+        ends.append((axis.start, axis.end))
+    assert ends == [(0.0, pytest.approx(1.02 * 1.15))] * 4
+    keep_in(axis, 0.0, 0.4, moving=True)  # less than 0.6 of it
+    assert (axis.start, axis.end) == (0.0, 0.4)
+    keep_in(axis, 0.1, 0.4, moving=False)
+    assert (axis.start, axis.end) == (0.1, 0.4)

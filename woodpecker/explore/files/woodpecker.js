@@ -2,8 +2,7 @@
 "use strict";
 const clock = {
   at: 0, playing: !matchMedia("(prefers-reduced-motion: reduce)").matches, last: 0, lit: { 1: 0, 2: 0, 3: 0 }, frames: 0, skipped: 0,
-  models: {},
-  model(name) { return (this.models[name] ??= explorer.doc.get_model_by_name(name)); },
+  model(name) { return explorer.model(name); },
   // The state at a part of the motion, between its samples.
   state(part) {
     const data = sketch.data(this.model("motion")), t = data.t, n = t.length;
@@ -60,6 +59,7 @@ const clock = {
   },
 };
 requestAnimationFrame((now) => clock.frame(now));
+new ResizeObserver(() => { clock.drawn = ""; }).observe($("#toy-canvas")); // even where nothing moves
 const play = (on) => { clock.playing = on; $("#play").textContent = on ? "❚❚" : "▶"; $("#play").setAttribute("aria-pressed", on); };
 play(clock.playing);
 $("#play").addEventListener("click", () => play(!clock.playing));
