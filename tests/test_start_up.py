@@ -111,6 +111,14 @@ def test_a_name_that_moved_into_a_room_says_where_it_is() -> None:
             assert getattr(pwmap, name) is getattr(getattr(pwmap, room), name)
 
 
+@pytest.mark.parametrize("name", ["Drawn", "plot_long_run", "plot_plane"])
+def test_files_of_pictures_have_their_old_names_for_one_release(name: str) -> None:
+    old = {"Drawn": "plot_drawn", "plot_long_run": "plot_longrun"}.get(name, name)
+    with pytest.warns(DeprecationWarning, match=r"use pwmap\.plot$"):
+        module = import_module(f"pwmap.{old}")
+    assert getattr(module, name) is getattr(import_module("pwmap.plot"), name)
+
+
 def test_a_function_is_not_hidden_by_the_file_it_is_in() -> None:
     """``solutions`` is in ``woodpecker/solutions.py``, which others import."""
     import_module("woodpecker.solutions")
