@@ -6,6 +6,7 @@ import pickle
 import pydoc
 import subprocess
 import sys
+from importlib import import_module
 from importlib.metadata import version
 from pathlib import Path
 
@@ -108,6 +109,14 @@ def test_a_name_that_moved_into_a_room_says_where_it_is() -> None:
     for room, name in moved:
         with pytest.warns(DeprecationWarning, match=rf"use pwmap\.{room}\.{name}$"):
             assert getattr(pwmap, name) is getattr(getattr(pwmap, room), name)
+
+
+@pytest.mark.parametrize("name", ["Drawn", "plot_long_run", "plot_plane"])
+def test_files_of_pictures_have_their_old_names_for_one_release(name: str) -> None:
+    old = {"Drawn": "plot_drawn", "plot_long_run": "plot_longrun"}.get(name, name)
+    with pytest.warns(DeprecationWarning, match=r"use pwmap\.plot$"):
+        module = import_module(f"pwmap.{old}")
+    assert getattr(module, name) is getattr(import_module("pwmap.plot"), name)
 
 
 def test_star_imports_everything() -> None:

@@ -36,7 +36,7 @@ class Advance(NamedTuple):
     total
         How many there are; 0 if that is not known in advance.
     work
-        That was done so far, as :class:`Budget` counts it.
+        That was done so far, as :class:`pwmap.Budget` counts it.
 
     Examples
     --------
@@ -78,7 +78,8 @@ class Budget:
     seconds
         None for no limit; with one, what is finished depends on the machine.
     progress
-        Is called with an :class:`Advance` at once, some times a second, and after each part.
+        Is called with a :class:`pwmap.maps.Advance` at once, some times a second, and after each
+        part.
     on_interrupt
         Is called at Ctrl-C, after which what is finished is returned; by default nothing is, and
         ``KeyboardInterrupt`` is raised.
@@ -228,7 +229,7 @@ class Meter:
         Parameters
         ----------
         what, done, total
-            As in an :class:`Advance`.
+            As in a :class:`pwmap.maps.Advance`.
         """
         self._loops[-1] = at = Advance(what, done, total, self.work)
         if self._outermost is at:

@@ -17,12 +17,12 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Callable, Hashable, Mapping, Sequence
 from dataclasses import dataclass
-from math import lcm, prod
 from typing import Any, NamedTuple, TypeVar
 
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.exact import Fraction_, Number, Portable, bits, constant, is_constant, pair
+from pwmap.algebra.exact import Fraction_, Number, Portable, bits, constant, is_constant
+from pwmap.algebra.roots import integers
 from pwmap.maps.budget import cost
 
 Word = tuple[int, ...]
@@ -78,6 +78,14 @@ class Table(Portable):
     def numbers(self) -> tuple[Number, ...]:
         """All of its numbers: slopes, intercepts, breaks, one and the denominator."""
         return (*self.slopes, *self.intercepts, *self.breaks, self.one, self.denominator)
+
+
+def in_integers(table: Table) -> Table:
+    """The same maps with rational coefficients as integers over one denominator."""
+    *numbers, unit = integers((*table.slopes, *table.intercepts, *table.breaks, table.one))
+    n = len(table.slopes)
+    groups = tuple(numbers[:n]), tuple(numbers[n : 2 * n]), tuple(numbers[2 * n :])
+    return Table(*groups, table.layouts, 1, unit)
 
 
 def _bits(number: Number) -> int:
@@ -162,6 +170,7 @@ class Orbits:
         self.table = table
         zero = table.one - table.one
         self._plain = table.denominator == table.one
+        self._whole = isinstance(table.one, int)
         self._bits = max(map(_bits, table.numbers()))
         self._powers: list[Number] = [table.one]
         self._affine: dict[Word, tuple[Number, Number]] = {(): (table.one, zero)}
@@ -174,7 +183,9 @@ class Orbits:
         return Orbits, (self.table,)
 
     def work(self, letters: int) -> int:
-        """The work of one operation with what follows so many letters: a polynomial."""
+        """The work of one operation with what follows so many letters: an integer, or more."""
+        if self._whole:
+            return cost(letters * self.table.denominator.bit_length())
         return (1 + letters) * cost(letters * self._bits)
 
     def power(self, n: int) -> Number:
@@ -204,7 +215,10 @@ class Orbits:
             return self.table.breaks[k]
         found = self._orbits.get((k, word))
         if found is None:
-            known = self._longest(word, lambda start: (k, start) in self._orbits)
+            if self._whole:  # to look for the longest start takes longer than to follow it
+                known = len(word) - 1 if (k, word[:-1]) in self._orbits else 0
+            else:
+                known = self._longest(word, lambda start: (k, start) in self._orbits)
             found = self._orbits[k, word[:known]] if known else self.table.breaks[k]
             for n, letter in enumerate(word[known:], start=known + 1):
                 c = self.table.intercepts[letter]
@@ -267,7 +281,9 @@ class Orbits:
 
     def _polynomial(self, decision: Decision) -> Number:
         found = self._numerator(decision)
-        while found and not self._plain:  # a factor that is positive decides nothing
+        while found and not (
+            self._plain or self._whole
+        ):  # a factor that is positive decides nothing
             quotient, rest = found.div(self.table.denominator)
             if rest:
                 break
@@ -290,75 +306,6 @@ class Orbits:
                 return self.affine(word)[1]
 
 
-class IntegerOrbits:
-    """Orbits of a map with rational coefficients, for their signs only: all in integers.
-
-    Slopes, intercepts and breaks are multiples of 1/d, so that n letters later an orbit is a
-    multiple of 1/d^(n + 1).
-
-    Parameters
-    ----------
-    table
-        The coefficients, in ``QQ``.
-    """
-
-    def __init__(self, table: Table) -> None:
-        self.table = table
-        parts = table.slopes, table.intercepts, table.breaks
-        pairs = [[pair(number) for number in part] for part in parts]
-        self._unit = lcm(*(bottom for part in pairs for _, bottom in part))
-        self._slopes, self._intercepts, self._breaks = (
-            [top * (self._unit // bottom) for top, bottom in part] for part in pairs
-        )
-        self._powers = [1, self._unit]
-        self._orbits: dict[tuple[int, Word], int] = {}
-
-    def __reduce__(self) -> tuple[type[IntegerOrbits], tuple[Table]]:
-        return IntegerOrbits, (self.table,)
-
-    def work(self, letters: int) -> int:
-        """The work of one operation with what follows so many letters."""
-        return cost(letters * self._unit.bit_length())
-
-    def polynomial(self, decision: Decision) -> int:
-        """An integer with the sign that makes a decision."""
-        match decision:
-            case CriticalOrbit(k, word, l):
-                return self._orbit(k, word) - self._breaks[l] * self._power(len(word))
-            case OrbitReturn(k, word, n, _):
-                return self._orbit(k, word) - self._orbit(k, word[:n]) * self._power(len(word) - n)
-            case Slope(letter):
-                return self._slopes[letter]
-            case MultiplierSign(word, unit):
-                return prod(self._slopes[i] for i in word) - unit * self._power(len(word))
-            case Offset(word):
-                return self._followed(0, word, 0)
-
-    def _orbit(self, k: int, word: Word) -> int:
-        found = self._orbits.get((k, word))
-        if found is None:
-            before = self._orbits.get((k, word[:-1]))
-            if before is None:
-                found = self._followed(self._breaks[k], word, 1)
-            else:
-                letter = word[-1]
-                shift = self._intercepts[letter] * self._power(len(word))
-                found = self._slopes[letter] * before + shift
-            self._orbits[k, word] = found
-        return found
-
-    def _followed(self, value: int, word: Word, scale: int) -> int:
-        """A multiple of d^-scale along a word."""
-        for n, letter in enumerate(word, start=scale):
-            value = self._slopes[letter] * value + self._intercepts[letter] * self._power(n)
-        return value
-
-    def _power(self, n: int) -> int:
-        while len(self._powers) <= n:
-            self._powers.append(self._powers[-1] * self._unit)
-        return self._powers[n]
-
-
 class SignOracle:
     """Gives the signs of decisions, and remembers them.
 
@@ -374,7 +321,7 @@ class SignOracle:
 
     def __init__(
         self,
-        orbits: Orbits | IntegerOrbits,
+        orbits: Orbits,
         sign_of: Callable[[Number], int],
         recorded: Mapping[Decision, int] | None = None,
     ) -> None:

@@ -51,7 +51,7 @@ from pwmap.algebra.roots import (
 )
 from pwmap.maps.reading import Definition
 from pwmap.maps.scopes import NumberCell, Scope, SymbolicEdge, SymbolicInterval
-from pwmap.maps.words import Decision, IntegerOrbits, Orbits, SignOracle
+from pwmap.maps.words import Decision, Orbits, SignOracle, in_integers
 
 INFINITE = "infinite"
 
@@ -230,7 +230,7 @@ class Axis(ABC):
         if isinstance(value, RealRoot):
             return SignOracle(self._orbits_here, SignAt(value))
         table = self._orbits_here.table.mapped(lambda number: value_at(dense(number), value))
-        return SignOracle(IntegerOrbits(table), sign)
+        return SignOracle(Orbits(in_integers(table)), sign)
 
     def sign(self, polynomial: Number, place: Any) -> int:
         """Sign of a polynomial in the parameters at a place."""

@@ -8,6 +8,7 @@ from itertools import groupby
 
 import sympy
 
+from pwmap.maps.words import first_turn
 from pwmap.parameters.results import ParameterCell
 from pwmap.plane.strips import Strip
 
@@ -63,12 +64,8 @@ def regions_of(strips: Sequence[Strip]) -> Iterator[PlaneRegion]:
 def attracting(cell: ParameterCell, orders: Sequence[int]) -> dict[str, int]:
     """Words of the cycles of some orders that attract in a cell, with their periods."""
     points = (p for order in orders for p in cell.map.iterate(order).fixed_points() if p.stable)
-    found = {min(_rotated(point.word[: point.period])): point.period for point in points}
+    found = {first_turn(point.word[: point.period]): point.period for point in points}
     return dict(sorted(found.items()))
-
-
-def _rotated(word: str) -> Iterator[str]:
-    return (word[k:] + word[:k] for k in range(len(word)))
 
 
 def _of_strip(strip: Strip) -> Iterator[PlaneRegion]:

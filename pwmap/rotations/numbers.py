@@ -111,7 +111,7 @@ def rotation_number_at(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Ro
     Parameters
     ----------
     map_
-        A map without parameters; see :meth:`PiecewiseLinearMap.at`.
+        A map without parameters; see :meth:`pwmap.PiecewiseLinearMap.at`.
     iterates
         How many may be used. A rational number is found exactly once this is enough; that of a
         contracted rotation, x -> a x + d mod 1, always is one [Laurent2018].
@@ -156,7 +156,7 @@ def rotation_interval(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Rot
     Parameters
     ----------
     map_
-        A map without parameters; see :meth:`PiecewiseLinearMap.at`.
+        A map without parameters; see :meth:`pwmap.PiecewiseLinearMap.at`.
     iterates
         How many may be used for each of the two.
 
