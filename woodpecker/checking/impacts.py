@@ -145,6 +145,12 @@ def rest_is_possible(
     return None
 
 
+def slip(toy: ExactToy, i: int, u: Sequence[Any]) -> Any:
+    """Tangential velocity of a contact, of forms or ranges."""
+    w = toy.tangent[i]
+    return u[0] * I.of(w[0]) + u[1] * I.of(w[1]) + u[2] * I.of(w[2])
+
+
 def total(row: Sequence[Fraction], x: Sequence[Any], ranges: bool) -> Any:
     """A linear combination of forms, of intervals, or of the ranges of forms."""
     found = None

@@ -16,7 +16,7 @@ from typing import Any
 
 from woodpecker.checking.forms import Box, F, constant, waves
 from woodpecker.checking.guards import Guard, GuardValue, named
-from woodpecker.checking.impacts import marked, rest_is_possible, solve_impact, verdict
+from woodpecker.checking.impacts import marked, rest_is_possible, slip, solve_impact, verdict
 from woodpecker.checking.intervals import I, NotSeparated
 from woodpecker.checking.pausing import Flight, pause
 from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, STICK, UP, Coasting, ExactToy
@@ -128,7 +128,7 @@ class Tracker:
             steady = sum((w[k] * m.a[k] for k in range(3)), Fraction(0))
             c = I.of(along) * side
             jet = [
-                self.slip(i) * side,
+                slip(self.toy, i, self.u) * side,
                 (d0 * I.of(along)).plus(I.of(steady)) * side,
                 d1 * c,
                 d2 * c,
@@ -158,16 +158,8 @@ class Tracker:
             raise NotSeparated("only a contact without restitution lands at a plateau")
         curves = self.curves()
         own = curves.pop(gap)
-
-        def lasts(end: I) -> bool:
-            return all(curve.lasts(end, None) for curve in curves.values())
-
-        def slides(free: list[F], direction: int) -> bool:
-            solution = solve_impact(self.toy, [i], free, [constant(self.box, I.of(0))], False, True)
-            return solution.rests[0] and solution.slips[0] == direction
-
         late = kind == "plateau+"
-        flight = Flight(self.toy, self.box, self.q, self.u, lasts, slides)
+        flight = Flight(self.toy, self.box, self.q, self.u, tuple(curves.values()))
         after = pause(flight, i, late, bracket, own.jet)
         self.q, self.u, self.states, level = after.q, after.u, after.states, after.level
         self.close(i)
@@ -187,11 +179,6 @@ class Tracker:
         """The range of a restitution coefficient."""
         eps = self.eps[i]
         return eps if isinstance(eps, I) else eps.value
-
-    def slip(self, i: int) -> F:
-        """Tangential velocity of a contact."""
-        w = self.toy.tangent[i]
-        return self.u[0] * I.of(w[0]) + self.u[1] * I.of(w[1]) + self.u[2] * I.of(w[2])
 
     def phase(self, guard: Guard, bracket: I) -> None:
         """Verify that a guard ends the phase within a bracket, and go there."""
@@ -290,7 +277,11 @@ class Tracker:
         for i in contacts:
             rate = self.u[ANGLE[i]] * I.of(SIDE[i] * toy.lever[i])
             free.append(rate if i == striking else constant(self.box, I.of(0)))
-            free.append(constant(self.box, I.of(0)) if self.states[i] == STICK else self.slip(i))
+            free.append(
+                constant(self.box, I.of(0))
+                if self.states[i] == STICK
+                else slip(self.toy, i, self.u)
+            )
         approach = free[2 * contacts.index(striking)].value.sign()
         known = approach != -1
         if known and (self.lands != striking or len(contacts) > 1):
@@ -346,7 +337,7 @@ class Tracker:
         """The contact problem on acceleration level, and the symbols of what changes."""
         slips = {}
         for i in closed:
-            slips[i] = 0 if i in self.still else self.slip(i).value.sign()
+            slips[i] = 0 if i in self.still else slip(self.toy, i, self.u).value.sign()
             if slips[i] is None:
                 raise NotSeparated("the direction of slip is open")
         choices = []

@@ -2,30 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from fractions import Fraction
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 from woodpecker.checking.forms import Box, F, chain, constant, over
+from woodpecker.checking.guards import GuardValue
+from woodpecker.checking.impacts import slip, solve_impact
 from woodpecker.checking.intervals import Context, I, NotSeparated, T, wave
 from woodpecker.checking.plateaus import Landing
 from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, UP, Coasting, ExactToy
 
 
 class Flight(NamedTuple):
-    """A free flight where it begins, and what is asked of the one who follows it.
-
-    ``lasts`` says whether all other guards are positive until some time, ``slides`` whether an
-    impact from velocities (N, T) of the contact leaves it closed and slipping in a direction.
-    """
+    """A free flight where it begins, and the guards but that of the contact that lands."""
 
     toy: ExactToy
     box: Box
     q: Sequence[F]
     u: Sequence[F]
-    lasts: Callable[[I], bool]
-    slides: Callable[[list[F], int], bool]
+    others: Sequence[GuardValue]
 
 
 class Sliding(NamedTuple):
@@ -71,18 +68,18 @@ def pause(motion: Flight, i: int, late: bool, bracket: I, jet: Sequence[F | I]) 
     if sign == (-1 if late else 1):
         raise NotSeparated("a contact lands on the other side of a pause")
     q, u = _flown(free, motion.q, motion.u, middle, motion.box)
-    slip = _slip(motion, i, u).value.sign()
-    if not slip:
+    direction = slip(toy, i, u).value.sign()
+    if not direction:
         raise NotSeparated("the direction of slip is open")
-    response = _response(motion, i, slip)
+    response = _response(motion, i, direction)
     states = [OPEN] * 3
-    states[i] = UP if slip == 1 else DOWN
+    states[i] = UP if direction == 1 else DOWN
     after = (states[0], states[1], states[2])
     slide, stretch = toy.mode(after), response[2] - response[1]
     turn = I.of(free.b[ANGLE[i]] * SIDE[i] * stretch)
     sizes = (kappa, I.of(slide.kappa), turn)
     whole = Landing(eta.value, late, *sizes)
-    _clear(motion, i, late, middle, response, slip, whole)
+    _clear(motion, i, late, middle, response, direction, whole)
     curve = Landing(eta.parts[0].range, late, *sizes)
     if motion.box.depth > 3:
         raise NotSeparated("a return is once differentiable only where a contact lands at a pause")
@@ -134,15 +131,10 @@ def _flown(mode: Coasting, q: Sequence[Any], u: Sequence[Any], t: I, box: Any) -
     return places, speeds
 
 
-def _slip(motion: Flight, i: int, u: Sequence[Any]) -> Any:
-    w = motion.toy.tangent[i]
-    return u[0] * I.of(w[0]) + u[1] * I.of(w[1]) + u[2] * I.of(w[2])
-
-
-def _response(motion: Flight, i: int, slip: int) -> list[Fraction]:
+def _response(motion: Flight, i: int, direction: int) -> list[Fraction]:
     """What an impulse of the slipping contact does to the velocities, per speed of the gap."""
     toy = motion.toy
-    friction = -slip * toy.mu[i]
+    friction = -direction * toy.mu[i]
     kick = [x + friction * y for x, y in zip(toy.kick[2 * i], toy.kick[2 * i + 1], strict=True)]
     speed = kick[ANGLE[i]] * SIDE[i]
     if speed <= 0:
@@ -157,12 +149,13 @@ def _term(eta: F, value: I, slope: I) -> F:
 
 
 def _clear(
-    motion: Flight, i: int, late: bool, middle: I, response: Sequence[Fraction], slip: int,
-    landing: Landing,
+    motion: Flight, i: int, late: bool, middle: I, response: Sequence[Fraction],
+    direction: int, landing: Landing,
 ) -> None:  # fmt: skip
     """No other guard fires until the contact has come to stay, and it slips all the time."""
-    free, j = motion.toy.mode((OPEN, OPEN, OPEN)), ANGLE[i]
-    if not motion.lasts((middle + landing.sigma).high if late else middle.high):
+    toy, j = motion.toy, ANGLE[i]
+    free, end = toy.mode((OPEN, OPEN, OPEN)), middle + landing.sigma if late else middle
+    if not all(guard.lasts(end.high, None) for guard in motion.others):
         raise NotSeparated("something may happen before a contact lands")
     strikes = middle + landing.sigma if late else middle - landing.sigma
     q, u = _flown(free, [x.value for x in motion.q], [x.value for x in motion.u], strikes, None)
@@ -176,12 +169,16 @@ def _clear(
         q, u = _flown(free, q, stopped(u), flight, None)
         moments += [u, stopped(u)]
         for k in range(3):
-            gap = (q[ANGLE[k]] - I.of(motion.toy.touch[k])) * I.of(SIDE[k])
+            gap = (q[ANGLE[k]] - I.of(toy.touch[k])) * I.of(SIDE[k])
             if k != i and gap.sign() != 1:
                 raise NotSeparated("something may happen while a contact lands")
+    none = constant(motion.box, I.of(0))
     for velocities in moments:
-        if _slip(motion, i, velocities).sign() != slip:
+        along = slip(toy, i, velocities)
+        if along.sign() != direction:
             raise NotSeparated("the direction of slip is open")
-        strike = [velocities[j] * I.of(SIDE[i] * motion.toy.lever[i]), _slip(motion, i, velocities)]
-        if not motion.slides([constant(motion.box, x) for x in strike], slip):
+        strike = [velocities[j] * I.of(SIDE[i] * toy.lever[i]), along]
+        before = [constant(motion.box, x) for x in strike]
+        solution = solve_impact(toy, [i], before, [none], False, True)
+        if not solution.rests[0] or solution.slips[0] != direction:
             raise NotSeparated("an impact is not decided")
