@@ -148,6 +148,19 @@ def test_a_doubled_cycle_beside_a_sharp_flip_stays_doubled() -> None:
     (flip,) = [point for point in single.points if point.kind is PointKind.PD]
     (fold,) = [point for point in single.points if point.kind is PointKind.LP]
     assert fold.parameter - flip.parameter == pytest.approx(2.75e-8, rel=1e-3)
+    for guess in (
+        -1.30072,
+        -1.3007,
+        -1.300735,
+        -1.30074,
+    ):  # the last bit of the start does not decide
+        again = connected(map_, guess, p, settings, orders=(1,))
+        places = sorted((point.kind, point.parameter) for point in again.points)
+        for (kind, place), point in zip(
+            places, sorted(single.points, key=lambda each: (each.kind, each.parameter)), strict=True
+        ):
+            assert kind is point.kind
+            assert place == pytest.approx(point.parameter, abs=1e-12)
     doubled = connected(map_, [-1.30075, -1.30071], p, settings, orders=(2,))
     assert len(doubled.branches) == 4  # two of P_2, each seen from both points of the cycle
     for one, other in (doubled.branches[:2], doubled.branches[2:]):

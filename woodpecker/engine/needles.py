@@ -38,32 +38,53 @@ def rounded(arc: Arc) -> Arc | None:
     way = _across(arc.samples, BENT * curve.settings.max_turn)
     if way is None or last.orbit.outer is not None or len(curve.problem.free) > 1:
         return None
-    along = last.tangent  # it turns by less than a right angle from one distance to the next
-    for doublings in range(DOUBLINGS):
-        away = CLOSEST * 2.0**doublings
-        other = _beside(curve, last, way, away, along)
-        along = along if other is None else other.tangent
-        if other is not None and agrees(curve, other.orbit) and _leads_on(curve, other):
-            break
-    else:
+    found = _other_arm(curve, last, way)
+    if found is None:
         return None
-    if _passes("LP", last, other):
-        if _rate(last) * _rate(other) > 0.0:
-            return None  # rounding makes its multipliers
+    other, away = found
+    if _folds(last, other):
         stop, test = Stop.LP, _rate
-    elif float(last.tangent @ other.tangent) > math.cos(curve.settings.max_turn) or _is_steep(last):
-        return None  # it does not bend, or the end of a root is near
+    elif _is_steep(last):
+        return None  # the end of a root is near
     elif _passes("PD", last, other):
         stop, test = Stop.PD, _flips
     else:
         return replace(arc, samples=(*arc.samples, other), beyond=other)
-    place = _located(curve, last, way, away, test)
+    place = _located(curve, last, way, other, away, test)
     if curve.problem.step_between(last.orbit, place.orbit) @ last.tangent < 0.0:
         return None
     if not agrees(curve, place.orbit):
         return None
     samples = arc.samples if place is last else (*arc.samples, place)
     return replace(arc, samples=samples, stop=stop, beyond=other, condition=Multiplier(stop.name))
+
+
+def _other_arm(curve: SolutionCurve, last: Sample, way: Floats) -> tuple[Sample, float] | None:
+    """A sample across a bend from which the curve can be followed, and how far across.
+
+    It is the nearest beyond a fold; if there is none, the nearest where the curve has turned.
+    """
+    along, nearest = last.tangent, None  # it turns by less than a right angle in between
+    for doublings in range(DOUBLINGS):
+        away = CLOSEST * 2.0**doublings
+        other = _beside(curve, last, way, away, along)
+        if other is None:
+            continue
+        along = other.tangent
+        turns = float(last.tangent @ along) <= math.cos(curve.settings.max_turn)
+        folds = _folds(last, other)
+        if (folds or (turns and nearest is None)) and (
+            agrees(curve, other.orbit) and _leads_on(curve, other)
+        ):
+            nearest = other, away
+            if folds:
+                break
+    return nearest
+
+
+def _folds(one: Sample, other: Sample) -> bool:
+    """Whether the parameter turns round between two samples, and not by rounding alone."""
+    return _passes("LP", one, other) and _rate(one) * _rate(other) <= 0.0
 
 
 def _is_steep(sample: Sample) -> bool:
@@ -110,13 +131,18 @@ def _beside(
 
 
 def _located(
-    curve: SolutionCurve, last: Sample, way: Floats, away: float, test: Callable[[Sample], float]
-) -> Sample:
-    """Where a test vanishes nearer than a distance across; or next to it, where rounding ends."""
+    curve: SolutionCurve, last: Sample, way: Floats, other: Sample, away: float,
+    test: Callable[[Sample], float],
+) -> Sample:  # fmt: skip
+    """Where a test vanishes between two samples, of which the second lies a distance across.
+
+    Or next to it, where rounding ends.
+    """
     found = [last]
 
     def value(distance: float) -> float:
-        sample = last if distance == 0.0 else _beside(curve, last, way, distance, way)
+        ends = {0.0: last, away: other}
+        sample = ends.get(distance) or _beside(curve, last, way, distance, way)
         if sample is None:
             return 0.0  # no closer than this
         found.append(sample)
