@@ -1,7 +1,5 @@
 """Random systems of 2 to 4 coordinates and 1 to 3 contacts: what every motion must keep.
 
-    python -m studies.systems.random_systems [--fast]
-
 M, K, C, gaps, slips, friction and restitution are drawn at random. Masses and the directions of
 contacts are drawn once for a family; all else are parameters, so that the integrators of a family
 serve all systems of it. All contacts of a system have the same restitution: no impact may add
@@ -12,14 +10,14 @@ from __future__ import annotations
 
 import time
 from collections import Counter
+from collections.abc import Sequence
 from functools import cache
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
 import sympy
 
-from studies.common.record import Results, command
+from studies.common.record import Results
 from woodpecker.base.arrays import Floats
 from woodpecker.systems import Contact, ContactSystem, MotionStatus
 from woodpecker.systems.modes import Touch
@@ -99,15 +97,15 @@ def faults(run: Run, mass: Floats) -> list[str]:
     return found
 
 
-def main(fast: bool = False, out: Path | None = None) -> Results:
-    """Follow random systems, and some of them with both backends.
+def survey(numbers: Sequence[int], compared: int) -> Results:
+    """Follow random systems, and the first of them with both backends.
 
     Parameters
     ----------
-    fast
-        Fewer systems.
-    out
-        Not used: there is no picture.
+    numbers
+        Which ones; 10 000 take eight minutes, half of it for compiling.
+    compared
+        How many of them; the second backend takes thirty times as long.
 
     Returns
     -------
@@ -115,8 +113,6 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         ``systems``; ``faults``: how many motions did what they must not; ``statuses``: how many
         ended so; ``compared``, ``same_words`` of both backends; ``slowest`` [s] of all motions.
     """
-    numbers = [0, 1, 9, 10, 18, 19] if fast else range(10_000)  # those: the two least shapes
-    compared = 6 if fast else 500  # the second backend takes thirty times as long
     statuses, wrong, took, same = Counter[MotionStatus](), 0, list[float](), 0
     for k, number in enumerate(numbers):
         start = time.perf_counter()
@@ -132,7 +128,3 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         "systems": len(numbers), "faults": wrong, "statuses": ended, "compared": compared,
         "same_words": same, "slowest": max(took),
     }  # fmt: skip
-
-
-if __name__ == "__main__":
-    command(main, "system_random")
