@@ -33,7 +33,6 @@ WINDOW = 4.0  # times the time at which a guard comes back, as its first derivat
 FLAT = 1e-24  # a polynomial that is no larger is zero all along
 CLOSE = 2.0**-51  # relative: Newton's steps that are shorter have converged
 SOLVING = 100  # steps of a bracketed Newton's method: bisection alone needs 53
-AWAY = 0.5  # of its largest value in a step: minima of a guard above that are no margins
 AT_ONCE = 1e-6  # of a step: a guard that begins below zero but for rounding fires so near its start
 
 _POINTS = np.cos(math.pi * (np.arange(NODES) + 0.5) / NODES)[::-1]  # ascending in (-1, 1)
@@ -312,11 +311,6 @@ class Power:
         """Its value, divided."""
         s = (t - self.low) / (self.high - self.low)
         return float(np.polynomial.polynomial.polyval(s, self.c))
-
-    @property
-    def is_positive(self) -> bool:
-        """Whether it stays away from zero, by more than the half of its largest value."""
-        return bool(self.b.min() > AWAY * self.b.max())
 
     def extremes(self) -> Floats:
         """Times inside at which its slope vanishes; ascending."""

@@ -508,12 +508,12 @@ class Following:
     def _dips(
         self, steps: _Steps, leg: Leg, k: int, t: float, starts: dict[int, GuardStart]
     ) -> None:
-        """Least values of guards at their minima within a phase, where they may come near zero."""
+        """Least values of guards at their minima within a phase, however far from zero."""
         least, highest, watch = Least(), Least(), list(starts)
         for window in self._windows(steps, leg, t, starts):
             ones: Iterable[Series | Power] = window
             for guard, one in zip(watch, ones, strict=True):
-                if guard == leg.guard or one.is_positive:
+                if guard == leg.guard:
                     continue
                 least.add(guard, one, t)
                 if guard == SECTION * self.eq.m:

@@ -28,12 +28,13 @@ def differences(image: Image, x: Floats, p: Floats, h: float) -> Floats:
 
 
 def margins_by_differences(image: Image, x: Floats, p: Floats, h: float) -> Floats:
-    """(m, d + k) of the margins that the piece has here."""
+    """(m, d + k) of the margins that the piece has here; nan of those that it has not beside it."""
     found, at = [], np.concatenate([x, p])
     for step in h * np.eye(len(at)):
         there = [image.piece.at(*np.split(at + k * step, [len(x)])) for k in (-1, 1)]
-        both = [each.margins[[each.place(int(c)) for c in image.codes]] for each in there]
-        found.append((both[1] - both[0]) / (2 * h))
+        known = [dict(zip(each.codes.tolist(), each.margins, strict=True)) for each in there]
+        both = [[each.get(c, np.nan) for c in image.codes.tolist()] for each in known]
+        found.append(np.subtract(both[1], both[0]) / (2 * h))
     return np.array(found).T
 
 
@@ -125,7 +126,13 @@ def test_gradients_of_margins() -> None:
     image = map_.at(x, p)
     exact = margins_by_differences(image, x, p, 1e-6)
     size = np.abs(image.gradients).max(axis=1, keepdims=True) + np.abs(image.margins)[:, None]
-    assert np.abs((image.gradients - exact) / size).max() < 1e-6  # differences of order two
+    known = np.isfinite(exact).all(axis=1)
+    # a minimum may leave a phase at its end, where the guard's value at the event takes over
+    assert all(
+        "grazes in phase" in image.piece.cause(code) for code in image.codes[~known].tolist()
+    )
+    assert known.mean() > 0.95
+    assert np.abs((image.gradients - exact) / size)[known].max() < 1e-6  # differences of order two
 
 
 @pytest.mark.slow

@@ -10,9 +10,11 @@ import pytest
 from needs import NEEDS_HEYOKA
 from scipy.optimize import brentq
 
+from pwmap import PointKind
+from pwmap.diagrams.diagram import BranchKind
 from studies.systems import rimless_wheel
 from studies.systems.rimless_wheel import ALPHA, MU, VALUES, J, map_of, walking
-from woodpecker.systems import return_map, shoot
+from woodpecker.systems import continuation, return_map, shoot
 
 
 @pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
@@ -73,3 +75,21 @@ def test_it_takes_forty_lines() -> None:
         for part in parts:
             lines |= {*range(part.lineno, (part.end_lineno or part.lineno) + 1)}
     assert 20 < len(lines) <= 40
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_beyond_the_slip_each_branch_is_listed_once() -> None:
+    """Two branches and the crossing between them, from one end of the span and back to it."""
+    map_ = map_of("gamma")
+    cycle, span = shoot(map_, [0.8], p=[0.37]), (0.36, 0.4)
+    diagram = continuation(map_, cycle, span, [(0, 2)], orders=(1,)).diagram
+    assert sorted(each.id for each in diagram.branches) == ["F1", "F2", "J1"]
+    assert sorted(q.id for q in diagram.points) == ["BC1", "EP1", "EP2", "FF1"]
+    assert all(len(q.branches) == (1 if q.kind is PointKind.EP else 2) for q in diagram.points)
+    (one,), (other,) = (
+        return_map(map_, [each.x[0 if each.parameter[0] == span[0] else -1]], p=[span[0]]).images
+        for each in diagram.branches
+        if each.kind is BranchKind.FIXED_POINT
+    )
+    assert abs(one - other) > 0.1

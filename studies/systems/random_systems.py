@@ -1,0 +1,130 @@
+"""Random systems of 2 to 4 coordinates and 1 to 3 contacts: what every motion must keep.
+
+M, K, C, gaps, slips, friction and restitution are drawn at random. Masses and the directions of
+contacts are drawn once for a family; all else are parameters, so that the integrators of a family
+serve all systems of it. All contacts of a system have the same restitution: no impact may add
+energy then. Where the contact laws leave open what follows, a status says so.
+"""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Sequence
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import sympy
+
+from studies.common.record import Results
+from woodpecker.base.arrays import Floats
+from woodpecker.systems import Contact, ContactSystem, MotionStatus
+from woodpecker.systems.modes import Touch
+from woodpecker.systems.motion import Machine, MotionSearch, Run
+
+SHAPES = [(n, m) for n in (2, 3, 4) for m in (1, 2, 3)]  # coordinates, contacts
+T_END, EVENTS_MOST = 4.0, 300
+SEED = 36
+
+
+class Family(NamedTuple):
+    """Systems of one shape, mass matrix and directions of contacts."""
+
+    system: ContactSystem
+    mass: Floats
+
+
+@cache
+def family(n: int, m: int) -> Family:
+    """One of n coordinates and m contacts; its parameters in the order in which they are drawn."""
+    rng = np.random.default_rng([SEED, n, m])
+    root, w_n, w_t = rng.normal(size=(n, n)), rng.normal(size=(m, n)), rng.normal(size=(m, n))
+    mass = root @ root.T + n * np.eye(n)
+    q, u = (sympy.Matrix(sympy.symbols(f"{name}:{n}")) for name in "xv")
+    stiffness, damping = (sympy.Matrix(n, n, sympy.symbols(f"{name}:{n * n}")) for name in "kc")
+    push, away = sympy.Matrix(sympy.symbols(f"f:{n}")), sympy.symbols(f"d:{m}")
+    mu, eps = sympy.symbols("mu eps")
+    contacts = [
+        Contact(
+            name=f"contact {i}", gap=sympy.Matrix(w_n[i]).dot(q) + away[i],
+            slip=sympy.Matrix(w_t[i]).dot(u), mu=mu, eps_n=eps,
+        )
+        for i in range(m)
+    ]  # fmt: skip
+    values = dict.fromkeys([*stiffness, *damping, *push, *away, mu, eps], 0.5)
+    force = push - stiffness * q - damping * u
+    return Family(ContactSystem(list(q), mass, force, contacts, values, u=list(u)), mass)
+
+
+def draw_values(n: int, m: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
+    """Parameters of a system of a family, and speeds to start with."""
+    spring, damper = rng.normal(size=(2, n, n))
+    p = [
+        spring @ spring.T, 0.01 * damper @ damper.T, 2.0 * rng.normal(size=n),
+        rng.uniform(0.1, 1.0, size=m), rng.uniform(0.0, 0.6), rng.uniform(0.0, 0.9),
+    ]  # fmt: skip
+    return np.concatenate([np.ravel(each) for each in p]), 2.0 * rng.normal(size=n)
+
+
+@cache
+def machine(n: int, m: int, backend: str) -> Machine:
+    """The equations of a family, and its integrators."""
+    return Machine(family(n, m).system, (), backend)
+
+
+def motion_of(number: int, backend: str) -> tuple[Run, Floats]:
+    """The motion of a random system from rest in its coordinates, and the mass matrix."""
+    n, m = SHAPES[number % len(SHAPES)]
+    p, speeds = draw_values(n, m, np.random.default_rng([SEED, number]))
+    search = MotionSearch(machine(n, m, backend), p, t_end=T_END, events_most=EVENTS_MOST)
+    z = np.concatenate([np.zeros(n), speeds, [0.0]])
+    run = search.run(z, Touch(frozenset(), frozenset(), frozenset()))
+    return run, family(n, m).mass
+
+
+def faults(run: Run, mass: Floats) -> list[str]:
+    """What a motion has done that it must not do."""
+    found = list[str]()
+    if not np.isfinite(run.z).all():
+        found.append("a state is not finite")
+    if run.status is MotionStatus.OVERFLOW:
+        found.append("a bounded motion overflows")
+    for event in run.events:
+        before, after = (0.5 * u @ mass @ u for u in (event.before, event.after))
+        if not after <= before * (1.0 + 1e-12) + 1e-12:  # rounding of two sums of squares
+            found.append("energy grows")
+    return found
+
+
+def survey(numbers: Sequence[int], compared: int) -> Results:
+    """Follow random systems, and the first of them with both backends.
+
+    Parameters
+    ----------
+    numbers
+        Which ones; 10 000 take eight minutes, half of it for compiling.
+    compared
+        How many of them; the second backend takes thirty times as long.
+
+    Returns
+    -------
+    dict
+        ``systems``; ``faults``: how many motions did what they must not; ``statuses``: how many
+        ended so; ``compared``, ``same_words`` of both backends; ``slowest`` [s] of all motions.
+    """
+    statuses, wrong, took, same = Counter[MotionStatus](), 0, list[float](), 0
+    for k, number in enumerate(numbers):
+        start = time.perf_counter()
+        run, mass = motion_of(number, "heyoka")
+        took.append(time.perf_counter() - start)
+        statuses[run.status] += 1
+        wrong += bool(faults(run, mass))
+        if k < compared:
+            other, _ = motion_of(number, "scipy")
+            same += other.symbols == run.symbols and other.status is run.status
+    ended = {status.name: k for status, k in statuses.items()}
+    return {
+        "systems": len(numbers), "faults": wrong, "statuses": ended, "compared": compared,
+        "same_words": same, "slowest": max(took),
+    }  # fmt: skip
