@@ -430,7 +430,7 @@ def named(source: Toy | PiecewiseMap | PiecewiseLinearMap, parameter: str | None
     Raises
     ------
     TypeError
-        If it is neither a toy nor a map, or the parameter is none of the toy.
+        If it is neither a toy nor a map, or the parameter is none of the toy, or no text.
     ValueError
         If an exact map has other parameters than one.
     """
@@ -446,7 +446,10 @@ def named(source: Toy | PiecewiseMap | PiecewiseLinearMap, parameter: str | None
                 "source must be woodpecker.Toy or a map of pieces, such as FormulaMap([...]), got "
                 f"{shown(source)}"
             )
-        return Named(source, "p" if parameter is None else parameter, "x")
+        name = "p" if parameter is None else parameter
+        if not isinstance(name, str):
+            raise TypeError(f"parameter must be what its axis is called, got {shown(name)}")
+        return Named(source, name, "x")
     names = [str(symbol) for symbol in source.parameters]
     if parameter is None and len(names) != 1:
         raise ValueError(f"a map must have one parameter, got {names}: give the others values")

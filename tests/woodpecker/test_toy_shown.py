@@ -43,7 +43,7 @@ def test_motions() -> None:
         "'S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2', 'the requested time was reached')"
     )
     assert repr(return_map(Toy(), [-0.5, -0.6, -0.7])) == (
-        "ReturnMap(3 starts, phi_s -0.7 to -0.5, 3 words: 3 returned)"
+        "ReturnMap(3 starts from -0.7 to -0.5, 3 words: 3 returned)"
     )
     assert repr(return_map(Toy(), [])) == "ReturnMap(0 starts, 0 words: )"
 

@@ -29,6 +29,8 @@ KINDS: dict[str, tuple[Callable[[], object], str]] = {
              r"the point itself, found by diagram\.point\('PD1'\)"),
     "followed": (lambda: API.continuation(LINES, ORBIT, settings=PAIR), "settings must be"),
     "whole": (lambda: API.bifurcation_diagram(LINES, settings=PAIR), "settings must be"),
+    "span as a name": (lambda: API.bifurcation_diagram(LINES, PAIR),
+                       r"parameter must be what its axis is called, got \(0, 1\)"),
     "shot": (lambda: API.shoot(lambda x, p: x, 0.0, p=0.0), "source must be"),
     "curve": (lambda: API.curve_in_two(LINES, "LP1", ("a", "b"), (PAIR, PAIR)),
               "needs a toy, an exact map of two parameters or a family"),

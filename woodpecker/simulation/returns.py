@@ -101,7 +101,7 @@ class ReturnMap:
 
     def __repr__(self) -> str:
         """How many starts, where, with how many words, and what became of them."""
-        where = f", phi_s {span(self.start)}" if len(self) else ""
+        where = f" from {span(self.start)}" if len(self) else ""
         outcomes = tally(reason.name.lower() for reason in self.status)
         return (
             f"ReturnMap({counted(len(self), 'start')}{where}, "
