@@ -105,6 +105,7 @@ def test_bands_begin_where_a_cycle_loses_its_stability() -> None:
     assert sum(name[0] == "B" for name in known.branches) == 4
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_where_the_attractor_is_open_nothing_is_claimed() -> None:
     """Right above a = 1 the tent map has more bands than are followed."""

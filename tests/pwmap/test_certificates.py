@@ -190,6 +190,7 @@ def edge_of(number: Any) -> independent.Number:
     return independent.Root(poly, *map(Fraction, number["interval"])).number
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("seeds", [range(k, k + 15) for k in range(0, 60, 15)], ids=str)
 def test_random_diagrams_agree_with_brute_force(seeds: range) -> None:
@@ -270,6 +271,7 @@ def means(text: str) -> str:
         return ""
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @EACH
 def test_no_tampered_claim_passes_with_a_new_seal(content: dict[str, Any]) -> None:

@@ -345,6 +345,7 @@ def disagreements(map_: PiecewiseLinearMap, found: EntropyIntervals, n: int) -> 
     return wrong, open_
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize(("map_", "name", "span", "samples"), CASES)
 def test_at_fifty_places_inside_it_is_the_same(

@@ -37,6 +37,7 @@ def test_following_intervals_is_nested_evaluation() -> None:
             assert (part(x), part.word) == nested(base, x, 3)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("part", range(3))
 def test_families(part: int) -> None:

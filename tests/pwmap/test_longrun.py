@@ -87,6 +87,7 @@ def test_what_escapes_has_no_attractor() -> None:
     assert found.entropy.value == log(2)  # of what stays, a Cantor set
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_orbits_settle_where_attractors_are() -> None:
     """Random maps P1^L with a slope on the left: exact orbits end up in the attractors found."""
@@ -290,6 +291,7 @@ def test_laps_are_counted_as_iterates_have_pieces() -> None:
     assert dynamics(map_).laps(9) == pieces
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_bounds_of_the_entropy_hold_for_a_thousand_maps() -> None:
     """It is the infimum of (log l_n)/n: no lower bound is above any, to order 14.

@@ -260,6 +260,7 @@ def test_attractors_are_kept_wherever_an_interrupt_comes(parts: int) -> None:
     assert all(one.upper == other.lower for one, other in pairwise(found.cells))
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="asks /proc for the time of a process")
 @pytest.mark.parametrize("number", SIGNALS)

@@ -58,6 +58,7 @@ SKEW = PiecewiseLinearMap([("a*x + 1", "x <= 0"), ("b*x + 1", "x > 0")], given=[
 LORENZ = PiecewiseLinearMap([("1 + a*x - b*x**0/3", "x < 0"), ("b*x - a", "x >= 0")])
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("map_", "across", "along", "spans", "orders"),

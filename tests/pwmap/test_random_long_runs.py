@@ -90,6 +90,7 @@ def is_excepted(case: Case, each: Attractor, orbit: Course) -> bool:
     return (orbit.end is End.CYCLE and repelling) or (at_break and inside)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_there_are_all_kinds() -> None:
     kinds = Counter(type(each.core).__name__ for case in cases() for each in case.found.attractors)

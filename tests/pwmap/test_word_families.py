@@ -41,6 +41,7 @@ def check(map_: PiecewiseLinearMap, family: WordFamily, n: int) -> None:
             assert condition.relation.subs(exponent) in (sympy.true, sympy.false)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("pattern", TWO_LETTERS)
 def test_families_with_symbols_agree_with_single_cycles(pattern: str) -> None:
@@ -77,6 +78,7 @@ SLOPES = [Rational(p, q) for p, q in ((1, 2), (-1, 2), (3, 2), (-3, 2), (0, 1), 
                                       (4, 5), (-6, 5), (1, 4), (-1, 5), (2, 1))]  # fmt: skip
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_conditions_that_bind_decide_in_random_maps() -> None:
     """Existence from the few conditions is existence from all; slopes 0, 1 and -1 are among them.

@@ -132,6 +132,7 @@ def assert_simulates(toy: Toy, start: float | State, t_end: float, tally: Counte
         assert finite(balance.initial, balance.final, balance.residual)
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 def test_every_call_refuses_or_has_a_status() -> None:
@@ -152,6 +153,7 @@ def test_every_call_refuses_or_has_a_status() -> None:
     assert tally["refused"] > 2000
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 def test_what_is_followed_refuses_or_has_a_status() -> None:

@@ -28,6 +28,7 @@ def _over(name: str, part: float = 0.2) -> Diagram:
     return continuation(toy, shoot(toy, START), name, span=span)
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 def test_through_infinitely_many_borders() -> None:
@@ -58,6 +59,7 @@ def test_through_infinitely_many_borders() -> None:
     assert last.multiplier[-1] == pytest.approx(first_return(Toy(eps_n2=1.0), last.x[-1]).slope)
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 def test_jumps_go_round_corners() -> None:
@@ -105,6 +107,7 @@ def test_a_border_at_a_square_root_is_where_the_piece_beyond_says() -> None:
         assert after.phi_s == pytest.approx(near[0].x, abs=2e-9)
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 def test_a_jump_that_vanishes_where_a_cycle_meets_it() -> None:

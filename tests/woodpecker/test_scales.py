@@ -77,6 +77,7 @@ VARIED = [
 ]
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 @pytest.mark.parametrize("name", VARIED)
@@ -99,6 +100,7 @@ def test_every_length_mass_and_stiffness(name: str) -> None:
         assert sorted(reached) == pytest.approx([0.8, 1.2], abs=1e-15)
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 @pytest.mark.parametrize("units", UNITS)
@@ -126,6 +128,7 @@ def test_folds_between_two_sets_of_one_word_are_found() -> None:
         assert kinds == {PointKind.BC, PointKind.LP, PointKind.PD}
 
 
+@pytest.mark.nightly
 @NEEDS_NUMBA
 @pytest.mark.slow
 def test_steep_branches_side_by_side_are_told_apart() -> None:

@@ -49,6 +49,7 @@ def test_wrong_values_are_refused(diagram: Diagram) -> None:
     assert solutions(TOY, diagram, 0.9) == ()
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 @pytest.mark.parametrize("value", [0.2259, 0.2261])

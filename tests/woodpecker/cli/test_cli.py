@@ -248,6 +248,7 @@ def test_a_motion_of_a_smaller_period_is_followed_and_said(tmp_path: Path) -> No
     assert {row["order"] for row in rows(tmp_path / "branches.csv")} == {"1"}
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_motion_that_ends_at_the_event_limit_fails_after_it_was_written(tmp_path: Path) -> None:

@@ -81,6 +81,7 @@ def test_a_search_keeps_what_is_finished(number: signal.Signals, tmp_path: Path)
     assert not list(tmp_path.glob("*.png"))  # pictures would take their time
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 @pytest.mark.parametrize("number", SIGNALS)
@@ -117,6 +118,7 @@ if __name__ == "__main__":
 """
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 @pytest.mark.parametrize("spawned", [False, True], ids=["fork", "spawn"])

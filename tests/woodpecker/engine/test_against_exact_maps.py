@@ -84,6 +84,7 @@ def described(diagram: Diagram, ids: set[str] | None = None) -> tuple[list[objec
     return sorted(branches, key=str), sorted(points, key=str)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("count", [6, pytest.param(150, marks=pytest.mark.slow)])
 def test_random_maps(count: int) -> None:
     rng = random.Random(11)

@@ -32,6 +32,7 @@ def real_multipliers(trace: float, determinant: float) -> tuple[int, int]:
     return int((real > 1.0).sum()), int((real < -1.0).sum())
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("count", [25, pytest.param(1000, marks=pytest.mark.slow)])
 def test_rule_of_feigin(normal_form: ExpressionMap, count: int) -> None:
     """Fold if there is an odd number of multipliers above 1 on both sides together.

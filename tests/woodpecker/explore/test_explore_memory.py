@@ -32,6 +32,7 @@ def answering(document: Document) -> None:
     document.on_change(send)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_changes_of_the_state_leave_nothing_behind() -> None:
     """Drags, rests and other iterates; a motion that is drawn takes 60 times as much as is left."""

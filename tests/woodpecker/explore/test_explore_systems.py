@@ -126,6 +126,7 @@ def test_a_periodic_motion_is_looked_for_where_orbits_go(tmp_path: Path) -> None
     assert np.abs(cycle.x[0] - state.x).max() < 1e-9  # it is one already
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_what_was_not_followed_is_said(stop: str) -> None:
     """One branch of several: how many more begin is a part of the diagram."""

@@ -124,6 +124,7 @@ def balance(toy: Toy, contacts: tuple[int, ...], u: FloatArray) -> Balance:
 # --- Where the bound holds ------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @laws
 @scenes
@@ -307,6 +308,7 @@ def test_the_sum_can_add_energy_to_other_bodies() -> None:
 # --- Along the motions of the toy -----------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @laws
 def test_random_returns_have_one_solution_and_lose_energy(law: ExpansionFriction) -> None:

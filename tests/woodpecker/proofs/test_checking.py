@@ -113,6 +113,7 @@ def orbit() -> dict[str, object]:
     return dict(prove(shoot(Toy(eps_n1=0.5), -0.53)).content)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_thousand_tampered_certificates_are_refused(

@@ -120,6 +120,7 @@ def test_the_part_about_the_flip_is_true(branch: Content) -> None:
     assert "with exactly one flip" in content["statement"]
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("change", BRANCHES)
 def test_false_branches_are_refused(branch: Content, change: Callable[[Content], None]) -> None:

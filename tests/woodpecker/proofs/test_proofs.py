@@ -148,6 +148,7 @@ def returns(count: int, seed: int) -> tuple[int, list[str]]:
     return held, open_
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_returns_hold_thirty_digits_of_another_program() -> None:
@@ -178,6 +179,7 @@ def test_the_stable_cycle() -> None:
     assert check(content) == certificate.statement
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_cycle_of_two_returns_and_an_unstable_one() -> None:
@@ -191,6 +193,7 @@ def test_a_cycle_of_two_returns_and_an_unstable_one() -> None:
     assert float(Fraction(steep.content["multiplier"][0])) == pytest.approx(-1398.76, abs=0.01)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 @pytest.mark.parametrize("name", POINTS)
@@ -225,6 +228,7 @@ def test_laws_have_different_points_a_and_b() -> None:
         assert abs(POINTS[name][1] - POINTS[f"{name} separate"][1]) > 0.02
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_branch_through_changes_of_its_word_and_a_flip() -> None:

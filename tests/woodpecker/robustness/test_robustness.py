@@ -25,6 +25,7 @@ def of_some() -> Robustness:
     return smallest_changes(toy, shoot(toy, GUESS), NAMES)
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_one_parameter_ends_where_its_diagram_says() -> None:
     values = {
@@ -129,6 +130,7 @@ def test_what_is_no_stable_motion_is_refused() -> None:
 # --- Spikes ---------------------------------------------------------------------------------------
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_a_spike_at_a_grazing_is_no_end() -> None:

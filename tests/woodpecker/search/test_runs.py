@@ -463,6 +463,7 @@ CUT: list[dict[str, Any]] = [
 ]  # fmt: skip
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 @pytest.mark.parametrize("what", CUT, ids=["island", "outside", "friction"])

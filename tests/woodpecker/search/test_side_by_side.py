@@ -71,6 +71,7 @@ def in_a_pool() -> list[Shown]:
         return pool.map(searched, FRICTIONS)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "way",
     [

@@ -44,6 +44,7 @@ SCENES = {
 }  # fmt: skip
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("scene", SCENES)
@@ -66,6 +67,7 @@ def test_both_contacts_close_in_one_symbol() -> None:
     assert word.endswith("I1 I3 I1 C1+3 D1 R3 D3 I2 J2")
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("bouncing", [("eps_n2",), ("eps_n3",), ("eps_n2", "eps_n3")])

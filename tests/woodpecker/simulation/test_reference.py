@@ -40,6 +40,7 @@ def test_return_agrees_with_thirty_digits(case: Case) -> None:
         assert abs(ours - exact) <= bound
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @cases
 def test_thirty_digits_computed_anew(case: Case) -> None:

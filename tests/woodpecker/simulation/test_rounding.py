@@ -45,6 +45,7 @@ def last_bits() -> str:
     return return_map(Toy(), np.linspace(-2.4, -0.3, 200)).phi_s.tobytes().hex()
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_graphs_do_not_depend_on_rounding(request: pytest.FixtureRequest, tmp_path: Path) -> None:

@@ -40,6 +40,7 @@ def test_folds_and_flips_are_those_of_the_closed_form(backend: str) -> None:
     assert kinds == {"fold", "flip"}
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 def test_continuation_finds_the_fold_and_the_flip() -> None:

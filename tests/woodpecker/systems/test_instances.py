@@ -111,6 +111,7 @@ def test_den_hartog_without_stops(w: float, f: float, backend: str) -> None:
     )
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
 @pytest.mark.parametrize(("w", "f"), [(0.6, 0.54), (0.6, 0.8), (0.7, 0.75)])
 @pytest.mark.slow

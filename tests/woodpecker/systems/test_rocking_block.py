@@ -49,6 +49,7 @@ def test_random_blocks_rock_as_the_closed_form_says(backend: str) -> None:
             assert np.linalg.det(jacobian) == pytest.approx(det**2, abs=CLOSE)
 
 
+@pytest.mark.nightly
 @NEEDS_HEYOKA
 @pytest.mark.slow
 def test_continuation_finds_fold_and_pitchfork(tmp_path: Path) -> None:

@@ -31,6 +31,7 @@ def followed(eps: float, guess: float, span: tuple[float, float], most: int) -> 
     return continuation(map_, cycle, span, WINDOW, orders=(1,), max_branches=most).diagram
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("eps", "guess", "span", "point", "kind", "note", "words"),
     [
