@@ -76,7 +76,7 @@ def without_cache(tmp_path: Path, **environment: str) -> subprocess.CompletedPro
         shutil.copytree(ROOT / package, tmp_path / package, ignore=ignored)
     for code in (tmp_path / "woodpecker").rglob("__init__.py"):
         code.with_name("__pycache__").touch()
-    blocked = str(tmp_path / "woodpecker" / "diagram.py" / "cache")
+    blocked = str(tmp_path / "woodpecker" / "diagrams.py" / "cache")
     places = {"HOME": blocked, "XDG_CACHE_HOME": blocked, "NUMBA_CACHE_DIR": ""}
     own = {"PYTHONPATH": str(tmp_path), "PYTHONDONTWRITEBYTECODE": "1"}
     return subprocess.run(
