@@ -53,6 +53,8 @@ NEAR = 1e-9  # scaled: a border closer than this to where steps become too short
 FARTHEST = 2.0**-10  # scaled: how far from where it meets a border a branch may leave it at most
 AGAIN = 4.0  # times the last step before a border: the first step beyond
 DENSE = 1e-4  # scaled: arcs shorter than that, some in a row, are those where borders are dense
+# As far they are passed over; near where the crossing ends by ever less, so that it is reached.
+LEAPS = tuple(DENSE * 4.0**-n for n in range(10))
 MANY_SHORT = 4  # of them
 MOST_ARCS = 2000  # of one branch
 
@@ -475,9 +477,10 @@ def _at_crossing(
     if arc.stop is Stop.SHARE:
         cycle = cycle_at_limit(orbit, curve.problem)
         return Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
-    over = crossing_beyond(begin, arc, cause, (DENSE,)) if dense else None
-    if isinstance(over, tuple):
-        return over
+    for away in LEAPS if dense else ():
+        over = crossing_beyond(begin, arc, cause, (away,))
+        if isinstance(over, tuple):
+            return over
     beyond = _one_side_beyond(begin, arc)
     if beyond is not None:
         return beyond, cause, True
