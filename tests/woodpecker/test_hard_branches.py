@@ -10,10 +10,14 @@ from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
 from woodpecker.base.settings import Settings
 from woodpecker.diagrams import continuation
 from woodpecker.engine.arrivals import LIMIT_LOST
+from woodpecker.engine.curves import Stop
+from woodpecker.engine.germs import beginnings
 from woodpecker.engine.maps import ACCUMULATE
+from woodpecker.engine.tracing import trace
 from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.search.accumulations import ENDLESS
 from woodpecker.search.diagrams import connected
+from woodpecker.search.lines import base_of
 from woodpecker.shooting import shoot
 from woodpecker.simulation.returns import first_return
 from woodpecker.toy_map import ToyPieces
@@ -221,3 +225,19 @@ def test_infinitely_many_fold_flips() -> None:
     assert limit.precision == pytest.approx(6.0e-10, rel=0.01)
     (last,) = (found.branch(name) for name in limit.branches)
     assert np.abs(last.parameter[[0, -1]] - limit.parameter).min() <= limit.precision
+
+
+@NEEDS_NUMBA
+def test_a_crossing_whose_words_are_dense_reaches_its_end() -> None:
+    """A leap over words that follow each other within 1e-4 of the span is longer than what is left.
+
+    From the fold-flip of P_2 at 0.6768693913711 the crossing leads down to where one of its limits
+    meets the diagonal; with leaps of one length only it crept towards that for 20 000 samples.
+    """
+    base = base_of(ToyPieces(Toy()), Settings(span=(0.012, 1.0), window=WINDOW))
+    x, p = np.array([[-1.1085130067290503]]), np.array([0.6768693913710906])
+    (down,) = (each for each in beginnings(base, x, p, (2,)) if each.is_crossing)
+    found = trace(down, (2,))
+    assert found.stop is Stop.SHARE
+    assert found.arrival.orbit.p[0] == pytest.approx(0.670591962749412, abs=1e-12)
+    assert len(found.samples) < 1000
