@@ -94,7 +94,7 @@ def test_another_map_is_typed(tab: Seen) -> None:
     assert tab.table("density", 0)["top"] == [1]
     assert tab.colours("#plot-density") > 10
     assert "two parameters" in tab.page.locator("#plane-told").inner_text()
-    assert tab.colours("#plot-plane") == 1  # no axes of nothing
+    assert not tab.page.locator("#plot-plane").is_visible()  # no axes of nothing
     tab.picture("maps_tent")
 
 
