@@ -252,9 +252,9 @@ def _look_for_dips(
 ) -> None:
     """UnclearError if a margin that is positive at both ends may be negative in between.
 
-    It is a cubic there, with the values and slopes of both ends. Where an arc starts it may do so
-    at a root, of which slopes say nothing: if the cubic dips, the curve is looked at where it does.
-    A margin that only one end has is taken for linear. One that falls at both ends, but by much
+    It is taken for a cubic with the values and slopes of both ends. An arc may start at a root,
+    where slopes say nothing: if the cubic dips there, the curve is looked at in the dip. A margin
+    that only one end has is taken for linear. One that falls at both ends, but by much
     less in between, is not the same all the way.
     """
     if step < COARSE * curve.settings.min_step:

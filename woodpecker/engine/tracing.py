@@ -53,7 +53,7 @@ NEAR = 1e-9  # scaled: a border closer than this to where steps become too short
 FARTHEST = 2.0**-10  # scaled: how far from where it meets a border a branch may leave it at most
 AGAIN = 4.0  # times the last step before a border: the first step beyond
 DENSE = 1e-4  # scaled: arcs shorter than that, some in a row, are those where borders are dense
-# As far they are passed over; near where the crossing ends by ever less, so that it is reached.
+# Scaled: how far such borders are leapt over; by ever less near the end of the crossing.
 LEAPS = tuple(DENSE * 4.0**-n for n in range(10))
 MANY_SHORT = 4  # of them
 MOST_ARCS = 2000  # of one branch
