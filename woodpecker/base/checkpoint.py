@@ -138,7 +138,11 @@ def _taken_beside(_: TextIO, path: Path) -> Callable[[], object]:
     lock = FileLock(f"{path}.lock", timeout=0)
     with suppress(NotImplementedError):  # a file system without locks
         lock.acquire()
-    return lock.release
+
+    def release() -> None:
+        lock.release()
+
+    return release
 
 
 def version_of(path: str | os.PathLike[str]) -> object:
