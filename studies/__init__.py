@@ -23,6 +23,8 @@ Folders import what stands above them, and scripts beside the folders import any
     the paper's Figures 4 to 12
 ``maps/``
     three maps of the literature
+``systems/``
+    systems of contacts, against what is known of them in closed form, and random ones
 ``data/``
     what was read off the paper's figures
 
