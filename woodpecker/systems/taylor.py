@@ -7,7 +7,7 @@ polynomials say when they fire.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import heyoka as hy
@@ -235,12 +235,18 @@ class _Expressions:
         return hy.sum([d * v for d, v in zip(slopes, self.rates, strict=True) if not _is_zero(d)])
 
 
-def _converted(entry: sympy.Expr, names: dict[sympy.Symbol, Any]) -> Any:
+def _converted(entry: sympy.Expr, names: Mapping[sympy.Symbol, Any]) -> Any:
+    """An expression of heyoka; whole powers as products, as those of heyoka are nan at zero."""
     if entry.is_number:
         return hy.expression(float(entry))
     rounded = {r: sympy.Float(float(r)) for r in entry.atoms(sympy.Rational) if r.q & (r.q - 1)}
+    known, products = dict(names), dict[sympy.Expr, sympy.Expr]()
+    for power in entry.atoms(sympy.Pow):
+        if power.exp.is_Integer and power.exp > 1:
+            products[power] = sympy.Dummy()
+            known[products[power]] = math.prod([_converted(power.base, names)] * int(power.exp))
     try:
-        return hy.from_sympy(entry.xreplace(rounded), names)
+        return hy.from_sympy(entry.xreplace(products).xreplace(rounded), known)
     except (TypeError, ValueError) as error:
         raise ValueError(f"heyoka has no Taylor series of {entry}: {error}") from error
 
