@@ -1,7 +1,7 @@
 """Contact problems over a box: one solution by strict inequalities, every other one refuted.
 
 The same problems as in :mod:`woodpecker.mechanics.contact_problems` and
-:mod:`woodpecker.simulation.settling`, but the answer holds for every start and parameter of a box,
+:mod:`woodpecker.motion.settling`, but the answer holds for every start and parameter of a box,
 or there is none.
 """
 

@@ -39,6 +39,8 @@ from woodpecker.mechanics.modes import (
     ContactState,
     watched,
 )
+from woodpecker.motion.codes import DETACH, IMPACT, REVERSAL, SLIP_START, STICK_START
+from woodpecker.motion.guards import first_root
 from woodpecker.proofs.balls import ZERO, ball
 from woodpecker.proofs.contacts import impulses_of, only, rests, verdict
 from woodpecker.proofs.flights import landing
@@ -60,8 +62,6 @@ from woodpecker.proofs.not_proved import NotProved
 from woodpecker.proofs.oscillator import Guard, ZeroCrossing, crossing, name_of
 from woodpecker.proofs.pausing import paused
 from woodpecker.proofs.taylor import Frame
-from woodpecker.simulation.codes import DETACH, IMPACT, REVERSAL, SLIP_START, STICK_START
-from woodpecker.simulation.guards import first_root
 from woodpecker.simulation.words import word
 
 MOST_EVENTS = 400

@@ -11,6 +11,7 @@ from woodpecker.mechanics.cases import REST
 from woodpecker.mechanics.contact_problems import UNSOLVED
 from woodpecker.mechanics.impacts import mark
 from woodpecker.mechanics.modes import ANGLE, NORMAL, OPEN, SIGN, SLIP_NEGATIVE, SLIP_POSITIVE
+from woodpecker.motion.codes import DETACH, IMPACT
 from woodpecker.proofs.balls import ZERO, ball
 from woodpecker.proofs.contacts import impulses_of
 from woodpecker.proofs.forms import VALUE, Form, box, sign
@@ -28,7 +29,6 @@ from woodpecker.proofs.motions import (
 from woodpecker.proofs.not_proved import NotProved
 from woodpecker.proofs.oscillator import Guard, ZeroCrossing
 from woodpecker.proofs.plateaus import Landed, Plateau, effect
-from woodpecker.simulation.codes import DETACH, IMPACT
 
 NEAR = 0.02  # of a swing: landings so near to the middle of a plateau are taken together with it
 FREE: State = (OPEN, OPEN, OPEN)

@@ -19,8 +19,8 @@ from woodpecker.base.compiled import COMPILED, announce
 from woodpecker.base.shown import shown
 from woodpecker.mechanics.modes import FIXED, model
 from woodpecker.mechanics.toy import Toy
+from woodpecker.motion.codes import FREE_FALL, POLE_END, RETURNED, RETURNED_NO_SLOPE
 from woodpecker.simulation.calls import compute, sweep
-from woodpecker.simulation.codes import FREE_FALL, POLE_END, RETURNED, RETURNED_NO_SLOPE
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import EventKind, word
 

@@ -19,8 +19,8 @@ from woodpecker.mechanics.modes import (
     A,
     B,
 )
-from woodpecker.simulation.codes import typed
-from woodpecker.simulation.events import mode_of, starting_jet
+from woodpecker.motion.codes import typed
+from woodpecker.motion.events import mode_of, starting_jet
 
 
 @part

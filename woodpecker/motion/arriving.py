@@ -8,7 +8,7 @@ from woodpecker.mechanics.cases import HOLD, REST
 from woodpecker.mechanics.contact_problems import AMBIGUOUS, INDETERMINATE, NO_SOLUTION, SOLVED
 from woodpecker.mechanics.impacts import MARKS, carry_out, decide, halts, hold, rates
 from woodpecker.mechanics.modes import ANGLE, GAP, OPEN, SIGN, SLIP, SLIP_POSITIVE, STICK
-from woodpecker.simulation.codes import (
+from woodpecker.motion.codes import (
     EVENT_COLUMNS,
     FIRST,
     HELD,
@@ -19,9 +19,9 @@ from woodpecker.simulation.codes import (
     Room,
     typed,
 )
-from woodpecker.simulation.flow import touch
-from woodpecker.simulation.recording import append, append_transitions
-from woodpecker.simulation.settling import settle
+from woodpecker.motion.flow import touch
+from woodpecker.motion.recording import append, append_transitions
+from woodpecker.motion.settling import settle
 
 
 @part

@@ -15,7 +15,7 @@ from scenes import in_another_process
 from thoroughness import thorough
 
 from woodpecker.base.compiled import COMPILED
-from woodpecker.simulation.guards import EPSILON, bracketed, first_root, stumpff, value
+from woodpecker.motion.guards import EPSILON, bracketed, first_root, stumpff, value
 
 FloatArray = npt.NDArray[np.float64]
 Jet = tuple[float, float, float, float]
@@ -403,7 +403,7 @@ def test_a_drift_too_slow_for_the_clock_ends_all_the_same(jet: Jet) -> None:
     """Asked in another process, because it might not."""
     code = f"""
 from math import inf
-from woodpecker.simulation.guards import first_root
+from woodpecker.motion.guards import first_root
 print(first_root(*{jet}, -209853.41532325107, 458.0976045814375, inf))
 """
     found = float(in_another_process(code, timeout=30.0))

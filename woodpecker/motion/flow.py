@@ -19,7 +19,7 @@ from woodpecker.mechanics.modes import (
     A,
     B,
 )
-from woodpecker.simulation.guards import stumpff
+from woodpecker.motion.guards import stumpff
 
 
 @part

@@ -30,8 +30,8 @@ from woodpecker.mechanics.modes import (
     A,
     B,
 )
-from woodpecker.simulation.flow import spring
-from woodpecker.simulation.guards import first_root
+from woodpecker.motion.flow import spring
+from woodpecker.motion.guards import first_root
 
 
 @part

@@ -5,7 +5,7 @@ from __future__ import annotations
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import part
 from woodpecker.mechanics.modes import OPEN, SLIP, STICK
-from woodpecker.simulation.codes import (
+from woodpecker.motion.codes import (
     DETACH,
     EVENT_COLUMNS,
     MODE,

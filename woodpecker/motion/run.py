@@ -14,9 +14,9 @@ from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import part
 from woodpecker.mechanics.contact_problems import NO_SOLUTION, SOLVED
 from woodpecker.mechanics.modes import FORCE, POLE, SECTION, SLIP, STICK
-from woodpecker.simulation.arriving import arrive
-from woodpecker.simulation.chatter import watch_bounces
-from woodpecker.simulation.codes import (
+from woodpecker.motion.arriving import arrive
+from woodpecker.motion.chatter import watch_bounces
+from woodpecker.motion.codes import (
     AT_REST,
     CONTACT_AMBIGUOUS,
     CONTACT_NO_SOLUTION,
@@ -31,9 +31,9 @@ from woodpecker.simulation.codes import (
     Room,
     typed,
 )
-from woodpecker.simulation.events import mode_of, never_jams, next_event
-from woodpecker.simulation.flow import advance, copy, measure, put_on_section, representable
-from woodpecker.simulation.recording import record_events, record_phase
+from woodpecker.motion.events import mode_of, never_jams, next_event
+from woodpecker.motion.flow import advance, copy, measure, put_on_section, representable
+from woodpecker.motion.recording import record_events, record_phase
 
 
 @part

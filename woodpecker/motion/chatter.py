@@ -9,8 +9,8 @@ from woodpecker.base.compiled import part
 from woodpecker.mechanics.contact_problems import SOLVED
 from woodpecker.mechanics.impacts import hold, rates
 from woodpecker.mechanics.modes import ANGLE, GAP, OMEGA, OPEN, SIGN, SLIP_POSITIVE, STICK, B
-from woodpecker.simulation.arriving import held, sign_of
-from woodpecker.simulation.codes import (
+from woodpecker.motion.arriving import held, sign_of
+from woodpecker.motion.codes import (
     CHATTER,
     CHATTER_END,
     CLOSED,
@@ -21,11 +21,11 @@ from woodpecker.simulation.codes import (
     Room,
     typed,
 )
-from woodpecker.simulation.events import jet, mode_of, next_event
-from woodpecker.simulation.flow import shut
-from woodpecker.simulation.guards import EPSILON
-from woodpecker.simulation.recording import append, append_transitions, record_events
-from woodpecker.simulation.settling import settle
+from woodpecker.motion.events import jet, mode_of, next_event
+from woodpecker.motion.flow import shut
+from woodpecker.motion.guards import EPSILON
+from woodpecker.motion.recording import append, append_transitions, record_events
+from woodpecker.motion.settling import settle
 
 
 @part
