@@ -18,11 +18,11 @@ from typing import Any
 
 from pwmap.diagrams.files import write_whole
 from pwmap.diagrams.shown import brief
+from woodpecker.enclosures.balls import fraction
+from woodpecker.enclosures.model import data
+from woodpecker.enclosures.motions import Way
 from woodpecker.mechanics.toy import LAW, Toy
-from woodpecker.proofs.balls import fraction
 from woodpecker.proofs.branches import TERMS, ProvedBranch
-from woodpecker.proofs.model import data
-from woodpecker.proofs.motions import Way
 from woodpecker.proofs.pieces import Tubes
 from woodpecker.proofs.points import ProvedPoint
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from pwmap.checking import check_certificate as pwmap_check
 from pwmap.diagrams.diagram import Branch, SpecialPoint
+from woodpecker.enclosures.not_proved import NotProved as NotProved  # what ``prove`` raises
 from woodpecker.mechanics.toy import Toy
 from woodpecker.shooting import PeriodicOrbit
 

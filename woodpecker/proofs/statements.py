@@ -12,6 +12,9 @@ from flint import arb
 
 from pwmap.diagrams.diagram import Branch, BranchKind, PointKind, SpecialPoint
 from woodpecker.base.executors import processes
+from woodpecker.enclosures.forms import precision
+from woodpecker.enclosures.model import rational
+from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.mechanics.toy import Toy
 from woodpecker.proofs import certificates
 from woodpecker.proofs.branches import (
@@ -23,9 +26,6 @@ from woodpecker.proofs.branches import (
     marched,
 )
 from woodpecker.proofs.certificates import Certificate
-from woodpecker.proofs.forms import precision
-from woodpecker.proofs.model import rational
-from woodpecker.proofs.not_proved import NotProved
 from woodpecker.proofs.pieces import Fractions, Route, Tube, curves_near, proved
 from woodpecker.proofs.points import proved_point
 from woodpecker.shooting import PeriodicOrbit, shoot

@@ -29,11 +29,11 @@ from typing import Any, NamedTuple
 
 from flint import arb, arb_poly
 
-from woodpecker.proofs.balls import ZERO
-from woodpecker.proofs.forms import VALUE, Form, chained
-from woodpecker.proofs.not_proved import NotProved
-from woodpecker.proofs.stumpff import shape_balls, stumpff_balls
-from woodpecker.proofs.taylor import Taylor
+from woodpecker.enclosures.balls import ZERO
+from woodpecker.enclosures.forms import VALUE, Form, chained
+from woodpecker.enclosures.not_proved import NotProved
+from woodpecker.enclosures.stumpff import shape_balls, stumpff_balls
+from woodpecker.enclosures.taylor import Taylor
 
 LARGEST = arb(0.1)  # of |kappa| sigma^2, where the shapes below are near their values at zero
 AGAIN = arb(3, 0.5)  # sigma to the second landing, in units of sigma: 3 for a weak spring

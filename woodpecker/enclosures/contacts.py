@@ -12,13 +12,13 @@ from typing import Any, NamedTuple
 
 from flint import arb
 
+from woodpecker.enclosures.balls import ZERO, ball
+from woodpecker.enclosures.forms import box, sign
+from woodpecker.enclosures.model import BallToy, sum_of
+from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.mechanics.cases import FORWARD, HOLD, REST
 from woodpecker.mechanics.contact_problems import one_contact_case
 from woodpecker.mechanics.modes import SIGN
-from woodpecker.proofs.balls import ZERO, ball
-from woodpecker.proofs.forms import box, sign
-from woodpecker.proofs.model import BallToy, sum_of
-from woodpecker.proofs.not_proved import NotProved
 
 Numbers = Sequence[Any]
 

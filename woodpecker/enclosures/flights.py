@@ -14,10 +14,10 @@ from typing import Any
 
 from flint import arb
 
-from woodpecker.proofs.forms import Form, box, sign
-from woodpecker.proofs.not_proved import NotProved
-from woodpecker.proofs.oscillator import Derivatives, Guard, ZeroCrossing, shapes, zero
-from woodpecker.proofs.stumpff import shape_balls
+from woodpecker.enclosures.forms import Form, box, sign
+from woodpecker.enclosures.not_proved import NotProved
+from woodpecker.enclosures.oscillator import Derivatives, Guard, ZeroCrossing, shapes, zero
+from woodpecker.enclosures.stumpff import shape_balls
 
 LONGEST = 10.0  # of |kappa| t^2: half a swing; h need not fall beyond
 PARTS = 16  # of a flight, over each of which the slope of h is enclosed

@@ -14,9 +14,9 @@ from mpmath import mp, mpf
 
 from woodpecker.checking import guards
 from woodpecker.checking.intervals import I, unit
-from woodpecker.proofs import flights
-from woodpecker.proofs.balls import fraction, number
-from woodpecker.proofs.forms import precision
+from woodpecker.enclosures import flights
+from woodpecker.enclosures.balls import fraction, number
+from woodpecker.enclosures.forms import precision
 
 BITS = 200
 F2, F3 = Fraction(7, 10), Fraction(-35)  # m/s^2, m/s^3: of the sizes that the toy has

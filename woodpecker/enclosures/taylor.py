@@ -14,7 +14,7 @@ from typing import Any
 
 from flint import arb, arb_poly
 
-from woodpecker.proofs.balls import ZERO
+from woodpecker.enclosures.balls import ZERO
 
 
 @dataclass(frozen=True)

@@ -11,8 +11,8 @@ from typing import Any
 
 from flint import arb, ctx
 
-from woodpecker.proofs.balls import ZERO
-from woodpecker.proofs.taylor import Taylor, composed
+from woodpecker.enclosures.balls import ZERO
+from woodpecker.enclosures.taylor import Taylor, composed
 
 LARGEST = 64  # of |x|, where the terms of a series soon fall
 

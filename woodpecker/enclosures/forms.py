@@ -16,9 +16,9 @@ from typing import Any
 
 from flint import arb_poly, ctx
 
-from woodpecker.proofs.balls import ZERO, ball
-from woodpecker.proofs.not_proved import NotProved
-from woodpecker.proofs.taylor import Frame, Taylor, constant, cut, inverse
+from woodpecker.enclosures.balls import ZERO, ball
+from woodpecker.enclosures.not_proved import NotProved
+from woodpecker.enclosures.taylor import Frame, Taylor, constant, cut, inverse
 
 ALONG: tuple[tuple[int, ...], ...] = ((), (0,), (1,), (0, 0), (0, 1), (1, 1))
 """Derivatives that a form may carry: 0 is along s, 1 along p."""

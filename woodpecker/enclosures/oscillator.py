@@ -13,12 +13,12 @@ from typing import Any, NamedTuple
 
 from flint import arb, ctx
 
+from woodpecker.enclosures.balls import ZERO
+from woodpecker.enclosures.forms import ALONG, VALUE, Form, box, chained, sign
+from woodpecker.enclosures.not_proved import NotProved
+from woodpecker.enclosures.stumpff import shape_models, stumpff_balls, stumpff_models
+from woodpecker.enclosures.taylor import Taylor, constant, inverse, thin
 from woodpecker.mechanics.modes import SECTION
-from woodpecker.proofs.balls import ZERO
-from woodpecker.proofs.forms import ALONG, VALUE, Form, box, chained, sign
-from woodpecker.proofs.not_proved import NotProved
-from woodpecker.proofs.stumpff import shape_models, stumpff_balls, stumpff_models
-from woodpecker.proofs.taylor import Taylor, constant, inverse, thin
 
 Derivatives = Callable[[int], Any]
 KINDS = ("gap", "normal", "cone+", "cone-", "slip", "section")

@@ -16,16 +16,16 @@ from woodpecker.checking.certificate import check
 from woodpecker.checking.intervals import Context, I
 from woodpecker.checking.pieces import Rejected
 from woodpecker.checking.plateaus import Landing
+from woodpecker.enclosures.balls import fraction
+from woodpecker.enclosures.following import follow
+from woodpecker.enclosures.forms import VALUE, S, precision
+from woodpecker.enclosures.model import BallToy
+from woodpecker.enclosures.plateaus import Plateau
+from woodpecker.enclosures.taylor import Frame
 from woodpecker.proofs import NotProved
-from woodpecker.proofs.balls import fraction
 from woodpecker.proofs.branches import ProvedBranch, marched
 from woodpecker.proofs.certificates import of_branch, sealed
-from woodpecker.proofs.following import follow
-from woodpecker.proofs.forms import VALUE, S, precision
-from woodpecker.proofs.model import BallToy
 from woodpecker.proofs.pieces import Fractions
-from woodpecker.proofs.plateaus import Plateau
-from woodpecker.proofs.taylor import Frame
 
 KAPPA, SLIDING, TURN = -209800, -57000, 31000  # 1/s^2, near those of the toy
 SIGMAS = (2e-5, 3e-4)  # s

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Any, NamedTuple
 
+from woodpecker.enclosures.balls import ZERO
+from woodpecker.enclosures.forms import Form, sign
+from woodpecker.enclosures.model import BallToy, Mode, State, sum_of
+from woodpecker.enclosures.not_proved import NotProved
+from woodpecker.enclosures.oscillator import ZeroCrossing, stumpff
 from woodpecker.mechanics.modes import ANGLE
-from woodpecker.proofs.balls import ZERO
-from woodpecker.proofs.forms import Form, sign
-from woodpecker.proofs.model import BallToy, Mode, State, sum_of
-from woodpecker.proofs.not_proved import NotProved
-from woodpecker.proofs.oscillator import ZeroCrossing, stumpff
 
 NO_GUARD = -1
 

@@ -7,16 +7,11 @@ from typing import Any, NamedTuple
 
 from flint import arb
 
-from woodpecker.mechanics.cases import REST
-from woodpecker.mechanics.contact_problems import UNSOLVED
-from woodpecker.mechanics.impacts import mark
-from woodpecker.mechanics.modes import ANGLE, NORMAL, OPEN, SIGN, SLIP_NEGATIVE, SLIP_POSITIVE
-from woodpecker.motion.codes import DETACH, IMPACT
-from woodpecker.proofs.balls import ZERO, ball
-from woodpecker.proofs.contacts import impulses_of
-from woodpecker.proofs.forms import VALUE, Form, box, sign
-from woodpecker.proofs.model import BallToy, State
-from woodpecker.proofs.motions import (
+from woodpecker.enclosures.balls import ZERO, ball
+from woodpecker.enclosures.contacts import impulses_of
+from woodpecker.enclosures.forms import VALUE, Form, box, sign
+from woodpecker.enclosures.model import BallToy, State
+from woodpecker.enclosures.motions import (
     NO_GUARD,
     BallState,
     ForkKind,
@@ -26,9 +21,14 @@ from woodpecker.proofs.motions import (
     slip,
     touch,
 )
-from woodpecker.proofs.not_proved import NotProved
-from woodpecker.proofs.oscillator import Guard, ZeroCrossing
-from woodpecker.proofs.plateaus import Landed, Plateau, effect
+from woodpecker.enclosures.not_proved import NotProved
+from woodpecker.enclosures.oscillator import Guard, ZeroCrossing
+from woodpecker.enclosures.plateaus import Landed, Plateau, effect
+from woodpecker.mechanics.cases import REST
+from woodpecker.mechanics.contact_problems import UNSOLVED
+from woodpecker.mechanics.impacts import mark
+from woodpecker.mechanics.modes import ANGLE, NORMAL, OPEN, SIGN, SLIP_NEGATIVE, SLIP_POSITIVE
+from woodpecker.motion.codes import DETACH, IMPACT
 
 NEAR = 0.02  # of a swing: landings so near to the middle of a plateau are taken together with it
 FREE: State = (OPEN, OPEN, OPEN)

@@ -17,6 +17,10 @@ from typing import Any, NamedTuple
 
 from flint import fmpq, fmpq_mat
 
+from woodpecker.enclosures.balls import ball
+from woodpecker.enclosures.forms import varying
+from woodpecker.enclosures.not_proved import NotProved
+from woodpecker.enclosures.taylor import Frame
 from woodpecker.mechanics.cases import FORWARD, HOLD, REST
 from woodpecker.mechanics.equations import (
     force_at_rest,
@@ -28,10 +32,6 @@ from woodpecker.mechanics.equations import (
 )
 from woodpecker.mechanics.modes import OPEN, SIGN, SLIP_POSITIVE, STICK
 from woodpecker.mechanics.toy import ExpansionFriction, Toy, parameters
-from woodpecker.proofs.balls import ball
-from woodpecker.proofs.forms import varying
-from woodpecker.proofs.not_proved import NotProved
-from woodpecker.proofs.taylor import Frame
 
 Numbers = Sequence[Any]
 State = tuple[int, int, int]

@@ -8,8 +8,8 @@ where the second one is:
 - a contact that an impact without restitution has stopped only just stays or leaves: its force. If
   it leaves it flies along t^2 h(t) with h(0) in proportion to the force, and lands where h
   vanishes: at once where the force is zero. There both ways do the same;
-- a gap closes where its motion pauses (:mod:`woodpecker.proofs.plateaus`), before the middle of the
-  pause or after it.
+- a gap closes where its motion pauses (:mod:`woodpecker.enclosures.plateaus`), before the middle
+  of the pause or after it.
 """
 
 from __future__ import annotations
@@ -20,6 +20,27 @@ from functools import partial
 from itertools import product
 from typing import Any
 
+from woodpecker.enclosures.balls import ZERO, ball
+from woodpecker.enclosures.contacts import impulses_of, only, rests, verdict
+from woodpecker.enclosures.flights import landing
+from woodpecker.enclosures.forms import box, centre, sign, start
+from woodpecker.enclosures.model import BallToy, State, sum_of
+from woodpecker.enclosures.motions import (
+    NO_GUARD,
+    BallState,
+    ForkKind,
+    OpenDecision,
+    Way,
+    direction_of_slip,
+    flown,
+    hold,
+    slip,
+    touch,
+)
+from woodpecker.enclosures.not_proved import NotProved
+from woodpecker.enclosures.oscillator import Guard, ZeroCrossing, crossing, name_of
+from woodpecker.enclosures.pausing import paused
+from woodpecker.enclosures.taylor import Frame
 from woodpecker.mechanics.cases import HOLD, REST
 from woodpecker.mechanics.contact_problems import UNSOLVED
 from woodpecker.mechanics.impacts import MARKS, mark
@@ -41,27 +62,6 @@ from woodpecker.mechanics.modes import (
 )
 from woodpecker.motion.codes import DETACH, IMPACT, REVERSAL, SLIP_START, STICK_START
 from woodpecker.motion.guards import first_root
-from woodpecker.proofs.balls import ZERO, ball
-from woodpecker.proofs.contacts import impulses_of, only, rests, verdict
-from woodpecker.proofs.flights import landing
-from woodpecker.proofs.forms import box, centre, sign, start
-from woodpecker.proofs.model import BallToy, State, sum_of
-from woodpecker.proofs.motions import (
-    NO_GUARD,
-    BallState,
-    ForkKind,
-    OpenDecision,
-    Way,
-    direction_of_slip,
-    flown,
-    hold,
-    slip,
-    touch,
-)
-from woodpecker.proofs.not_proved import NotProved
-from woodpecker.proofs.oscillator import Guard, ZeroCrossing, crossing, name_of
-from woodpecker.proofs.pausing import paused
-from woodpecker.proofs.taylor import Frame
 from woodpecker.simulation.words import word
 
 MOST_EVENTS = 400
