@@ -29,9 +29,8 @@ from pwmap.algebra.roots import (
 from pwmap.checking import branches, certificate, points
 from pwmap.checking import check_certificate as check_certificate
 from pwmap.checking.iterates import CheckedIterate, Map
-from pwmap.checking.places import Number as CheckedNumber
-from pwmap.checking.places import Place
-from pwmap.checking.polynomials import Poly, primitive
+from pwmap.checking.polynomials import Number as CheckedNumber
+from pwmap.checking.polynomials import Place, Poly, primitive
 from pwmap.checking.reading import number, read_map
 from pwmap.checking.refusing import Effort
 from pwmap.checking.refusing import Refused as Refused

@@ -15,7 +15,7 @@ from pwmap import PiecewiseLinearMap, bifurcation_diagram, check_certificate, pr
 from pwmap.checking import polynomials
 from pwmap.checking.__main__ import main
 from pwmap.checking.certificate import check, seal_of, statement_of
-from pwmap.checking.places import between
+from pwmap.checking.polynomials import between
 from pwmap.checking.reading import number
 from pwmap.checking.refusing import Effort
 from pwmap.cli.app import app

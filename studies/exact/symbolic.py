@@ -1,6 +1,6 @@
 """Composing P1^L symbolically: pwmap against sympy's own Piecewise, and P1^L beyond the paper.
 
-    python -m studies.symbolic [--fast] [--out DIR]
+    python -m studies.exact.symbolic [--fast] [--out DIR]
 
 Both compose the same map, symbolic in a and r, and run in turn, round after round. The naive way
 substitutes one ``Piecewise`` into the other and folds the result; it keeps dead pieces. That both

@@ -1,6 +1,6 @@
 """What the long run costs: crises by order, entropy by order beside Ulam's method, random maps.
 
-    python -m studies.long_run [--fast] [--out DIR]
+    python -m studies.exact.long_run [--fast] [--out DIR]
 
 Ulam's method is the usual one: an interval is cut into equal bins, and how much of each is mapped
 to which is a matrix. Its eigenvector stands for the density. If every image counts in full, and not

@@ -1,6 +1,6 @@
 """Certificates of piecewise-linear maps, and what it costs to write and to check them.
 
-    python -m studies.certificates [--fast] [--out DIR]
+    python -m studies.exact.certificates [--fast] [--out DIR]
 
 Some small ones are kept in ``certificates/``: the paper's map P1^L at a = 5/4, r = 1 with all fixed
 points and jump crossings of P_1 to P_4, its diagram over r with the fold-flip at r = 0, the tent

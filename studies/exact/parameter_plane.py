@@ -1,6 +1,6 @@
 """The plane of both slopes of the skew tent map: periods, entropy and bands, with their curves.
 
-python -m studies.parameter_plane [--fast] [--out DIR]
+python -m studies.exact.parameter_plane [--fast] [--out DIR]
 """
 
 from __future__ import annotations

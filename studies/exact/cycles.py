@@ -1,6 +1,6 @@
 """What cycles of high order cost: by words, and by composition.
 
-    python -m studies.cycles [--fast] [--out DIR]
+    python -m studies.exact.cycles [--fast] [--out DIR]
 
 The n-th iterate of a map has as many pieces as points of the first n images of breaks lie apart; by
 words only those are looked at that points can follow which lie left of all their images. Both grow

@@ -1,6 +1,6 @@
 """What python-flint gains: the same exact jobs with sympy's own rationals and with those of flint.
 
-    python -m studies.ground_types [--fast] [--out DIR]
+    python -m studies.exact.ground_types [--fast] [--out DIR]
 
 sympy chooses its rationals (its ground types) when it is imported, so that each round takes two
 processes, one for each, in turn. Every process starts with empty caches, and says what it found,

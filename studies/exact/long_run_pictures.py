@@ -1,6 +1,6 @@
 """The pictures of ``docs/long_run.md``: P1^L and the skew tent map over a parameter, and at one.
 
-    python -m studies.long_run_pictures [--fast] [--out DIR]
+    python -m studies.exact.long_run_pictures [--fast] [--out DIR]
 
 Each branch, band and crisis is exact; bands are joined from exact ones at places of the parameter.
 """
