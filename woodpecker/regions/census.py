@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
 
+from pwmap.diagrams.data import Coded
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.slices.attracting import SettledOrbit, orbit_diagram
@@ -45,7 +45,7 @@ Census = tuple[Count, ...]
 """Cycles of some periods, in ascending order of these."""
 
 
-class Settles(StrEnum):
+class Settles(Coded):
     """What orbits come to.
 
     Examples
@@ -55,22 +55,11 @@ class Settles(StrEnum):
     [('CYCLE', 'cycle'), ('REST', 'rest'), ('CHAOS', 'chaos')]
     """
 
-    CYCLE = "cycle"
-    REST = "rest"
-    CHAOS = "chaos"
-    LONG = "long"
-    LOST = "lost"
-
-    @property
-    def meaning(self) -> str:
-        """One phrase."""
-        return {
-            "cycle": "a cycle",
-            "rest": "an interval of fixed points: the system rests",
-            "chaos": "no cycle that is looked for, and a positive exponent",
-            "long": "no cycle that is looked for, and no positive exponent",
-            "lost": "the orbit leaves the window or has no image",
-        }[self.value]
+    CYCLE = "cycle", "a cycle"
+    REST = "rest", "an interval of fixed points: the system rests"
+    CHAOS = "chaos", "no cycle that is looked for, and a positive exponent"
+    LONG = "long", "no cycle that is looked for, and no positive exponent"
+    LOST = "lost", "the orbit leaves the window or has no image"
 
 
 class Attractor(NamedTuple):
