@@ -21,6 +21,7 @@ from matplotlib.axes import Axes
 from mpmath import mp, mpf
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, SpecialPoint
+from pwmap.proofs.document import Certificate
 from studies.common.clocks import timed
 from studies.common.motion import GUESS
 from studies.common.record import Results, command
@@ -35,7 +36,6 @@ from woodpecker.enclosures.forms import precision
 from woodpecker.enclosures.model import BallToy
 from woodpecker.enclosures.taylor import Frame
 from woodpecker.proofs import NotProved
-from woodpecker.proofs.certificates import Certificate
 
 X1, X2 = -0.884773, -0.757787  # where two gaps close at once
 Law = Literal["summed", "separate"]

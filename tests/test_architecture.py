@@ -130,14 +130,11 @@ def test_only_drawing_files_import_matplotlib() -> None:
 
 
 SHARED = {  # class names that stand twice, and why
-    "Attractor": "exact in pwmap, counted from orbits in woodpecker",
-    "Certificate": "what `prove` of either package returns",
     "Image": "of maps of the line, and of R^d",
-    "Jump": "exact in pwmap, numerical in woodpecker",
     "Network": "of maps of the line, and of R^d",
     "Node": "of maps of the line, and of R^d",
     "Orbit": "of maps of the line, and of R^d",
-    "Piece": "exact in pwmap; of maps of the line, and of R^d",
+    "Piece": "of maps of the line, and of R^d",
     "PiecewiseMap": "of maps of the line, and of R^d",
 }
 

@@ -501,7 +501,7 @@ def test_the_checker_runs_without_any_installed_package(tmp_path: Path) -> None:
 
 def test_a_file_says_what_the_certificate_says(tmp_path: Path) -> None:
     for content in CERTIFICATES:
-        found = Certificate(content["statement"], content)
+        found = Certificate(content)
         assert check_certificate(found.save(tmp_path / "c.json")) == found.statement
         assert json.loads((tmp_path / "c.json").read_text()) == content
 

@@ -15,7 +15,13 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from thoroughness import thorough as at_least
 
-from pwmap import Piece, PiecewiseLinearMap, UndecidedError, bifurcation_diagram, parameter_cells
+from pwmap import (
+    LinearPiece,
+    PiecewiseLinearMap,
+    UndecidedError,
+    bifurcation_diagram,
+    parameter_cells,
+)
 
 X = sympy.Symbol("x")
 Record = tuple[Any, ...]
@@ -477,7 +483,7 @@ def test_from_sympy_undoes_to_sympy(f_and_j: tuple[Map, int], points: list[Fract
         assert to_fraction(sympy.sympify(formula.subs(X, to_rational(x)))) == brute.value(f, x, j)
 
 
-def written(piece: Piece) -> object:
+def written(piece: LinearPiece) -> object:
     """The domain as text, or the condition that always holds."""
     if piece.lower == piece.upper:
         return f"Eq(x, {piece.lower})"

@@ -53,7 +53,7 @@ def test_tables_of_a_notebook() -> None:
 
 def test_maps_and_cells() -> None:
     at_one = MAP.at({"r": 1})
-    assert repr(at_one.pieces[1]) == "<Piece R: 1 - 5*x/4 for 0 < x>"
+    assert repr(at_one.pieces[1]) == "<LinearPiece R: 1 - 5*x/4 for 0 < x>"
     assert repr(parameter_cells(MAP, "r")) == "ParameterCells(r, orders 1: 5 cells, edges 0, 2)"
     tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
     found = attractor_diagram(tent, "a", ("6/5", "9/4"), 2)

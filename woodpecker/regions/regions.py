@@ -29,7 +29,7 @@ from woodpecker.plane.curve import Curve
 from woodpecker.plane.families import Family, Pair
 from woodpecker.plane.following import curve_through
 from woodpecker.plane.starting import has_curve
-from woodpecker.regions.census import Attractor, Census, attractors_at, census_at
+from woodpecker.regions.census import Census, SampledAttractor, attractors_at, census_at
 from woodpecker.regions.cutting import (
     SQUARE,
     Spans,
@@ -97,7 +97,7 @@ class Region:
     share: float
     place: Pair
     census: Census
-    attractors: tuple[Attractor, ...]
+    attractors: tuple[SampledAttractor, ...]
     agree: int
 
 
