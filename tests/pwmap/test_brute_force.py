@@ -15,7 +15,8 @@ import brute
 import mpmath
 import pytest
 import sympy
-from brute import Map, map_of
+from brute import map_of, spelled
+from independent import Part, Parts
 
 from pwmap import (
     Branch,
@@ -125,14 +126,10 @@ def number(expr: sympy.Expr) -> Any:
     return fraction(expr) if expr.is_Rational else Near(sympy.N(expr, MANY.dps)._mpf_)
 
 
-def spelled(map_: PiecewiseLinearMap, word: brute.Word) -> str:
-    return "".join(map_.letters[i] for i in word)
-
-
 # --- Comparing one iterate ------------------------------------------------------------------------
 
 
-def check_diagonal(map_: PiecewiseLinearMap, f: Map, j: int, at: Any = None) -> None:
+def check_diagonal(map_: PiecewiseLinearMap, f: Parts, j: int, at: Any = None) -> None:
     """Fixed points, bands of them and jump crossings of one iterate."""
     iterate = map_.iterate(j)
     j *= map_.order  # a map may be an iterate itself
@@ -141,7 +138,7 @@ def check_diagonal(map_: PiecewiseLinearMap, f: Map, j: int, at: Any = None) -> 
         for p in iterate.fixed_points()
     ]
     expected: list[Record] = [
-        (p.x, spelled(map_, p.word), p.multiplier, p.period, p.stable, p.at_border)
+        (p.x, spelled(map_.letters, p.word), p.multiplier, p.period, p.stable, p.at_border)
         for p in brute.fixed_points(f, j)
     ]
     assert found == expected
@@ -149,25 +146,18 @@ def check_diagonal(map_: PiecewiseLinearMap, f: Map, j: int, at: Any = None) -> 
         (*ends_of(band.interval, at), band.word, band.period) for band in iterate.fixed_intervals()
     ]
     expected = [
-        (*part[:4], spelled(map_, word), band_period(f, part, j))
-        for part, word in brute.pieces(f, j)
-        if (part.slope, part.intercept) == brute.IDENTITY
+        (part.lo, part.lo_in, part.hi, part.hi_in, spelled(map_.letters, part.word), period)
+        for part, period in brute.bands(f, j)
     ]
     assert found == expected
     found = [
-        (*(evaluated(v, at) for v in (c.x, c.left, c.right)), c.left_word, c.right_word)
+        (*(evaluated(v, at) for v in (c.x, c.left, c.right)), f"{c.left_word}|{c.right_word}")
         for c in iterate.jump_crossings()
     ]
     expected = [
-        (c.x, c.left, c.right, spelled(map_, c.left_word), spelled(map_, c.right_word))
-        for c in brute.crossings(f, j)
+        (c.x, c.left, c.right, spelled(map_.letters, c.words)) for c in brute.crossings(f, j)
     ]
     assert found == expected
-
-
-def band_period(f: Map, part: brute.Part, j: int) -> int:
-    """Minimal period of the points of a band; one of them may have half of it."""
-    return max(brute.period(f, x, j) for x in brute.inner(part.lo, part.hi))
 
 
 def ends_of(interval: sympy.Interval, at: Any = None) -> Record:
@@ -180,7 +170,7 @@ def ends_of(interval: sympy.Interval, at: Any = None) -> Record:
     )
 
 
-def check_pieces(map_: PiecewiseLinearMap, f: Map, j: int, at: Any = None) -> None:
+def check_pieces(map_: PiecewiseLinearMap, f: Parts, j: int, at: Any = None) -> None:
     """Breaks, who owns them, slopes, values and words of one iterate."""
     found: list[Record] = []
     for p in map_.iterate(j).pieces:
@@ -189,11 +179,16 @@ def check_pieces(map_: PiecewiseLinearMap, f: Map, j: int, at: Any = None) -> No
         if lo is not None and lo == hi:
             slope, intercept = 0, slope * lo + intercept  # of a point only the value counts
         found.append((lo, p.lower_closed, hi, p.upper_closed, slope, intercept, p.word))
-    pieces = brute.pieces(f, j * map_.order)
-    assert found == [(*part, spelled(map_, word)) for part, word in pieces]
+    assert found == brute.rows(f, j * map_.order, map_.letters)
 
 
 # --- The maps -------------------------------------------------------------------------------------
+
+
+def numbers(part: Part) -> dict[str, Fraction]:
+    """What is a number of a piece."""
+    values = {name: getattr(part, name) for name in ("lo", "hi", "slope", "intercept")}
+    return {name: value for name, value in values.items() if value is not None}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -201,7 +196,7 @@ class Case:
     """A map over one parameter, and the same map for brute force."""
 
     map: PiecewiseLinearMap
-    parts: Callable[[Any], Map]
+    parts: Callable[[Any], Parts]
     span: tuple[Fraction, Fraction]
     orders: tuple[int, ...]
     samples: int = 120  # of the parameter, where the search for missed edges looks
@@ -210,15 +205,12 @@ class Case:
     def name(self) -> str:
         return str(self.map.parameters[0])
 
-    def at(self, value: Any) -> Map:
+    def at(self, value: Any) -> Parts:
         """The map for brute force at a value of the parameter."""
         parts = self.parts(value)
         if isinstance(value, Fraction):
             return parts
-        return tuple(
-            brute.Part(*(Near(v) if isinstance(v, Fraction) else v for v in part))  # type: ignore
-            for part in parts
-        )
+        return tuple(replace(p, **{n: Near(v) for n, v in numbers(p).items()}) for p in parts)
 
 
 def paper(a: Fraction) -> Case:
@@ -342,7 +334,7 @@ def random_case(seed: int) -> Case:
         slopes[rng.randrange(n)] = (rng.choice(small), Fraction(1))
     intercepts = [(rng.choice(small), Fraction(rng.choice([-1, 0, 1, 2]))) for _ in range(n)]
 
-    def parts(r: Any) -> Map:
+    def parts(r: Any) -> Parts:
         def at(pair: tuple[Fraction, Fraction]) -> Any:
             return pair[0] + pair[1] * r
 
@@ -357,13 +349,13 @@ def random_case(seed: int) -> Case:
     )
 
 
-def written(part: brute.Part) -> tuple[sympy.Expr, sympy.Basic]:
+def written(part: Part) -> tuple[sympy.Expr, sympy.Basic]:
     """Formula and condition of a piece whose numbers are sympy expressions."""
     bounds: list[sympy.Basic] = []
     if part.lo is not None:
-        bounds.append(part.lo <= X if part.lo_closed else part.lo < X)
+        bounds.append(part.lo <= X if part.lo_in else part.lo < X)
     if part.hi is not None:
-        bounds.append(part.hi >= X if part.hi_closed else part.hi > X)
+        bounds.append(part.hi >= X if part.hi_in else part.hi > X)
     return part.slope * X + part.intercept, sympy.And(*bounds)
 
 
@@ -486,21 +478,19 @@ def test_a_cell_answers_for_other_orders_what_holds_throughout(case: Case) -> No
     assert len(refused) < len(cells) * len(case.orders)
 
 
-def structure(f: Map, map_: PiecewiseLinearMap, j: int) -> Record:
+def structure(f: Parts, map_: PiecewiseLinearMap, j: int) -> Record:
     """Words of one iterate's fixed points and crossings, by brute force."""
     j *= map_.order
-    points = [(spelled(map_, p.word), p.stable, p.at_border) for p in brute.fixed_points(f, j)]
-    jumps = [
-        (spelled(map_, c.left_word), spelled(map_, c.right_word)) for c in brute.crossings(f, j)
-    ]
-    return points, jumps
+    letters = map_.letters
+    points = [(spelled(letters, p.word), p.stable, p.at_border) for p in brute.fixed_points(f, j)]
+    return points, [spelled(letters, c.words) for c in brute.crossings(f, j)]
 
 
 def structure_of(cell: ParameterCell, j: int) -> Record:
     iterate = cell.map.iterate(j)
     return (
         [(p.word, p.stable, p.at_border) for p in iterate.fixed_points()],
-        [(c.left_word, c.right_word) for c in iterate.jump_crossings()],
+        [f"{c.left_word}|{c.right_word}" for c in iterate.jump_crossings()],
     )
 
 
@@ -597,7 +587,7 @@ def check_diagram(branches: Sequence[Curve], case: Case, value: Any) -> None:
             if c.kind is BranchKind.JUMP
         }
         expected = {
-            (*c[:3], "|".join(spelled(case.map, word) for word in c[3:]))
+            (c.x, c.left, c.right, spelled(case.map.letters, c.words))
             for c in brute.crossings(f, j * unit)
         }
         assert jumps == expected, (value, j)
@@ -625,23 +615,24 @@ def test_slices_show_what_the_formulas_hold(case: Case) -> None:
 
 
 def check_fixed_points(
-    branches: Sequence[Curve], map_: PiecewiseLinearMap, f: Map, n: int, value: Any
+    branches: Sequence[Curve], map_: PiecewiseLinearMap, f: Parts, n: int, value: Any
 ) -> None:
     """Isolated ones, each once, and bands: their closed ends, or all of one at this value only."""
     drawn = [(evaluated(c.x, value), c.word) for c in branches if c.x is not None]
     along = {c.word for c in branches if c.x is None}
     isolated = {
-        (p.x, spelled(map_, p.word)) for p in brute.fixed_points(f, n) if is_new(p.period, map_, n)
+        (p.x, spelled(map_.letters, p.word))
+        for p in brute.fixed_points(f, n)
+        if is_new(p.period, map_, n)
     }
     bands = {
-        spelled(map_, word): {
+        spelled(map_.letters, part.word): {
             x
-            for x, closed in ((part.lo, part.lo_closed), (part.hi, part.hi_closed))
+            for x, closed in ((part.lo, part.lo_in), (part.hi, part.hi_in))
             if x is not None and closed
         }
-        for part, word in brute.pieces(f, n)
-        if (part.slope, part.intercept) == brute.IDENTITY
-        and is_new(band_period(f, part, n), map_, n)
+        for part, period in brute.bands(f, n)
+        if is_new(period, map_, n)
     }
     ends = {(x, word) for word, xs in bands.items() for x in xs if word not in along}
     assert set(drawn) == isolated | ends, (value, n)
@@ -916,7 +907,7 @@ def kept_on_borders(seed: int) -> Case:
         for _ in range(len(breaks) + 1)
     ]
 
-    def parts(r: Any) -> Map:
+    def parts(r: Any) -> Parts:
         return map_of(breaks, owners, [(m, b - m * b + c * r) for m, b, c in rows])
 
     return Case(

@@ -8,6 +8,7 @@ import random
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from fractions import Fraction
 from itertools import pairwise
 from pathlib import Path
@@ -361,9 +362,9 @@ def test_a_certificate_holds_for_another_map_only_if_its_claims_do() -> None:
         content = dict(prove(certified.read(f), order=order).content)
         i = rng.randrange(len(f))
         other = (
-            f[i]._replace(slope=rng.choice(certified.SMALL))
+            replace(f[i], slope=rng.choice(certified.SMALL))
             if rng.random() < 0.5
-            else f[i]._replace(intercept=rng.choice(certified.SMALL))
+            else replace(f[i], intercept=rng.choice(certified.SMALL))
         )
         g = (*f[:i], other, *f[i + 1 :])
         content["map"] = certified.written(g)

@@ -10,9 +10,10 @@ from typing import Any
 import brute
 import pytest
 import sympy
-from brute import EXACT, LEFT, RIGHT, Map, map_of
+from brute import map_of, spelled
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from independent import EXACT, LEFT, RIGHT, Part, Parts, nested
 from thoroughness import thorough as at_least
 
 from pwmap import (
@@ -40,7 +41,7 @@ slopes = st.one_of(st.sampled_from([Fraction(n) for n in (-2, -1, 0, 1, 2)]), ra
 
 
 @st.composite
-def maps(draw: st.DrawFn, intervals: int = 5) -> Map:
+def maps(draw: st.DrawFn, intervals: int = 5) -> Parts:
     """One to five intervals, and points that are pieces of their own between some of them."""
     n = draw(st.integers(0, intervals - 1))
     breaks = sorted(draw(st.lists(rationals, min_size=n, max_size=n, unique=True)))
@@ -52,7 +53,7 @@ def maps(draw: st.DrawFn, intervals: int = 5) -> Map:
 
 
 @st.composite
-def iterates(draw: st.DrawFn) -> tuple[Map, int]:
+def iterates(draw: st.DrawFn) -> tuple[Parts, int]:
     """A map and the order of an iterate."""
     f = draw(maps())
     intervals = sum(part.lo is None or part.lo != part.hi for part in f)
@@ -68,37 +69,33 @@ def to_fraction(number: sympy.Expr) -> Fraction:
     return Fraction(int(number.p), int(number.q))
 
 
-def condition(part: brute.Part) -> sympy.Basic:
+def condition(part: Part) -> sympy.Basic:
     """The domain of a piece."""
     if part.lo is not None and part.lo == part.hi:
         return sympy.Eq(X, to_rational(part.lo))
     bounds: list[sympy.Basic] = []
     if part.lo is not None:
         lo = to_rational(part.lo)
-        bounds.append(sympy.Ge(X, lo) if part.lo_closed else sympy.Gt(X, lo))
+        bounds.append(sympy.Ge(X, lo) if part.lo_in else sympy.Gt(X, lo))
     if part.hi is not None:
         hi = to_rational(part.hi)
-        bounds.append(sympy.Le(X, hi) if part.hi_closed else sympy.Lt(X, hi))
+        bounds.append(sympy.Le(X, hi) if part.hi_in else sympy.Lt(X, hi))
     return sympy.And(*bounds)
 
 
-def exact_map(f: Map) -> PiecewiseLinearMap:
+def exact_map(f: Parts) -> PiecewiseLinearMap:
     """The map of the package."""
     return PiecewiseLinearMap(
         [(to_rational(p.slope) * X + to_rational(p.intercept), condition(p)) for p in f], x=X
     )
 
 
-def spelled(map_: PiecewiseLinearMap, word: brute.Word) -> str:
-    return "".join(map_.letters[i] for i in word)
-
-
-def interesting(f: Map, j: int) -> list[Fraction]:
+def interesting(f: Parts, j: int) -> list[Fraction]:
     """The breaks of P_j, points between them, and the breaks of P with their images."""
     cuts = brute.breaks(f, j)
     own = [part.lo for part in f if part.lo is not None]
     middles = [x for ends in brute.gaps(cuts) for x in brute.inner(*ends)]
-    return sorted({*cuts, *middles, *own, *(brute.value(f, x, 1) for x in own)})
+    return sorted({*cuts, *middles, *own, *(nested(f, x, 1)[0] for x in own)})
 
 
 # --- Values ---------------------------------------------------------------------------------------
@@ -108,27 +105,27 @@ def interesting(f: Map, j: int) -> list[Fraction]:
 @thorough(120)
 @given(iterates(), st.lists(rationals, max_size=4))
 def test_values_limits_and_words_are_nested_evaluations(
-    f_and_j: tuple[Map, int], points: list[Fraction]
+    f_and_j: tuple[Parts, int], points: list[Fraction]
 ) -> None:
     f, j = f_and_j
     map_ = exact_map(f)
     iterate = map_.iterate(j)
     for x in [*points, *interesting(f, j)[:40]]:
-        at = brute.followed(f, x, j)
-        nested: sympy.Expr = to_rational(x)
+        value, word = nested(f, x, j)
+        again: sympy.Expr = to_rational(x)
         for _ in range(j):
-            nested = map_(nested)
-        assert to_fraction(iterate(to_rational(x))) == to_fraction(nested) == at.value
-        assert iterate.word_of(to_rational(x)) == spelled(map_, at.word)
+            again = map_(again)
+        assert to_fraction(iterate(to_rational(x))) == to_fraction(again) == value
+        assert iterate.word_of(to_rational(x)) == spelled(map_.letters, word)
         for side, name in ((LEFT, "-"), (RIGHT, "+")):
             limit = to_fraction(iterate.limit(to_rational(x), name))
-            assert limit == brute.followed(f, x, j, side).value
+            assert limit == nested(f, x, j, side)[0]
 
 
 @pytest.mark.slow
 @thorough(80)
 @given(maps(4), maps(4), st.lists(rationals, max_size=5))
-def test_composition_is_nested_evaluation(f: Map, g: Map, points: list[Fraction]) -> None:
+def test_composition_is_nested_evaluation(f: Parts, g: Parts, points: list[Fraction]) -> None:
     outer, inner = exact_map(f), exact_map(g)
     both = outer @ inner
     assert both.order == 2
@@ -152,7 +149,7 @@ def test_composition_is_nested_evaluation(f: Map, g: Map, points: list[Fraction]
 @pytest.mark.slow
 @thorough(60)
 @given(maps(4), maps(3), st.integers(1, 2), rationals)
-def test_fixed_points_of_a_composition_are_fixed(f: Map, g: Map, j: int, x: Fraction) -> None:
+def test_fixed_points_of_a_composition_are_fixed(f: Parts, g: Parts, j: int, x: Fraction) -> None:
     """Also: a composition of three maps does not depend on how it is grouped."""
     outer, inner = exact_map(f), exact_map(g)
     both = (outer @ inner).iterate(j)
@@ -173,7 +170,7 @@ def test_fixed_points_of_a_composition_are_fixed(f: Map, g: Map, j: int, x: Frac
 @pytest.mark.slow
 @thorough(120)
 @given(iterates())
-def test_pieces_partition_the_line(f_and_j: tuple[Map, int]) -> None:
+def test_pieces_partition_the_line(f_and_j: tuple[Parts, int]) -> None:
     f, j = f_and_j
     map_ = exact_map(f)
     pieces = map_.iterate(j).pieces
@@ -194,7 +191,7 @@ def test_pieces_partition_the_line(f_and_j: tuple[Map, int]) -> None:
 @pytest.mark.slow
 @thorough(120)
 @given(iterates())
-def test_pieces_are_those_of_brute_force(f_and_j: tuple[Map, int]) -> None:
+def test_pieces_are_those_of_brute_force(f_and_j: tuple[Parts, int]) -> None:
     f, j = f_and_j
     map_ = exact_map(f)
     iterate = map_.iterate(j)
@@ -209,17 +206,17 @@ def test_pieces_are_those_of_brute_force(f_and_j: tuple[Map, int]) -> None:
         found.append((lo, piece.lower_closed, hi, piece.upper_closed, slope, intercept, piece.word))
         inside = brute.inner(lo, hi)[0] if lo is None or lo != hi else lo
         assert iterate.word_of(to_rational(inside)) == piece.word
-    assert found == [(*part, spelled(map_, word)) for part, word in brute.pieces(f, j)]
+    assert found == brute.rows(f, j, map_.letters)
 
 
 @pytest.mark.slow
 @thorough(80)
 @given(iterates())
-def test_jumps_are_those_of_brute_force(f_and_j: tuple[Map, int]) -> None:
+def test_jumps_are_those_of_brute_force(f_and_j: tuple[Parts, int]) -> None:
     f, j = f_and_j
     iterate = exact_map(f).iterate(j)
     sides = [
-        (x, *(brute.followed(f, x, j, side).value for side in (LEFT, EXACT, RIGHT)))
+        (x, *(nested(f, x, j, side)[0] for side in (LEFT, EXACT, RIGHT)))
         for x in brute.breaks(f, j)
     ]
     found = [
@@ -228,12 +225,11 @@ def test_jumps_are_those_of_brute_force(f_and_j: tuple[Map, int]) -> None:
     ]
     assert found == [row for row in sides if len(set(row[1:])) > 1]
     crossings = [
-        (*(to_fraction(v) for v in (c.x, c.left, c.right)), c.left_word, c.right_word, c.order)
+        (*map(to_fraction, (c.x, c.left, c.right)), f"{c.left_word}|{c.right_word}", c.order)
         for c in iterate.jump_crossings()
     ]
     assert crossings == [
-        (c.x, c.left, c.right, spelled(iterate, c.left_word), spelled(iterate, c.right_word), j)
-        for c in brute.crossings(f, j)
+        (c.x, c.left, c.right, spelled(iterate.letters, c.words), j) for c in brute.crossings(f, j)
     ]
 
 
@@ -243,7 +239,7 @@ def test_jumps_are_those_of_brute_force(f_and_j: tuple[Map, int]) -> None:
 @pytest.mark.slow
 @thorough(200)
 @given(iterates())
-def test_fixed_points_and_bands_are_those_of_brute_force(f_and_j: tuple[Map, int]) -> None:
+def test_fixed_points_and_bands_are_those_of_brute_force(f_and_j: tuple[Parts, int]) -> None:
     f, j = f_and_j
     map_ = exact_map(f)
     iterate = map_.iterate(j)
@@ -256,7 +252,7 @@ def test_fixed_points_and_bands_are_those_of_brute_force(f_and_j: tuple[Map, int
         for p in iterate.fixed_points()
     ]  # fmt: skip
     expected: list[Record] = [
-        (p.x, spelled(map_, p.word), p.multiplier, p.period, p.stable, p.at_border, j, True)
+        (p.x, spelled(map_.letters, p.word), p.multiplier, p.period, p.stable, p.at_border, j, True)
         for p in brute.fixed_points(f, j)
     ]
     assert found == expected
@@ -264,13 +260,11 @@ def test_fixed_points_and_bands_are_those_of_brute_force(f_and_j: tuple[Map, int
         (band.interval, band.word, band.order, band.period) for band in iterate.fixed_intervals()
     ]
     expected = []
-    for part, word in brute.pieces(f, j):
-        if (part.slope, part.intercept) == brute.IDENTITY:
-            lo = -sympy.oo if part.lo is None else to_rational(part.lo)
-            hi = sympy.oo if part.hi is None else to_rational(part.hi)
-            interval = sympy.Interval(lo, hi, not part.lo_closed, not part.hi_closed)
-            period = max(brute.period(f, x, j) for x in brute.inner(part.lo, part.hi))
-            expected.append((interval, spelled(map_, word), j, period))
+    for part, period in brute.bands(f, j):
+        lo = -sympy.oo if part.lo is None else to_rational(part.lo)
+        hi = sympy.oo if part.hi is None else to_rational(part.hi)
+        interval = sympy.Interval(lo, hi, not part.lo_in, not part.hi_in)
+        expected.append((interval, spelled(map_.letters, part.word), j, period))
     assert found == expected
 
 
@@ -278,7 +272,7 @@ def test_fixed_points_and_bands_are_those_of_brute_force(f_and_j: tuple[Map, int
 @thorough(80)
 @given(iterates())
 def test_virtual_fixed_points_solve_their_formula_outside_its_piece(
-    f_and_j: tuple[Map, int],
+    f_and_j: tuple[Parts, int],
 ) -> None:
     f, j = f_and_j
     iterate = exact_map(f).iterate(j)
@@ -296,7 +290,7 @@ def test_virtual_fixed_points_solve_their_formula_outside_its_piece(
 @pytest.mark.slow
 @thorough(80)
 @given(iterates())
-def test_cycles_are_orbits_of_fixed_points(f_and_j: tuple[Map, int]) -> None:
+def test_cycles_are_orbits_of_fixed_points(f_and_j: tuple[Parts, int]) -> None:
     f, j = f_and_j
     map_ = exact_map(f)
     seen: list[Fraction] = []
@@ -322,9 +316,9 @@ def test_cycles_that_visit_a_point_piece_of_slope_one() -> None:
 @pytest.mark.slow
 @thorough(60)
 @given(maps(4), st.integers(1, 2))
-def test_cycles_of_an_iterate_are_those_of_the_same_map_by_itself(f: Map, j: int) -> None:
+def test_cycles_of_an_iterate_are_those_of_the_same_map_by_itself(f: Parts, j: int) -> None:
     second = exact_map(f).iterate(2)
-    alone = exact_map(tuple(stretch.part for stretch in brute.pieces(f, 2)))
+    alone = exact_map(brute.pieces(f, 2))
     for map_ in (second, alone):
         for cycle in map_.cycles(j):
             for x, after in zip(cycle.points, cycle.points[1:] + cycle.points[:1], strict=True):
@@ -384,7 +378,7 @@ whole = st.integers(-3, 3).map(Fraction)
 
 
 @st.composite
-def unit_maps(draw: st.DrawFn) -> Map:
+def unit_maps(draw: st.DrawFn) -> Parts:
     """Maps whose orbits return to breaks, and whose words often have slope 1."""
     breaks = sorted(draw(st.lists(whole, min_size=1, max_size=3, unique=True)))
     owners = [draw(st.sampled_from(["left", "right", "point"])) for _ in breaks]
@@ -395,13 +389,14 @@ def unit_maps(draw: st.DrawFn) -> Map:
 @pytest.mark.slow
 @thorough(300)
 @given(unit_maps(), st.integers(1, 3))
-def test_isolated_cycles_of_maps_with_slopes_of_one(f: Map, j: int) -> None:
+def test_isolated_cycles_of_maps_with_slopes_of_one(f: Parts, j: int) -> None:
     """Fixed points of P_j that end no band, by fractions, are the points of the cycles."""
     expected = isolated(f, j)
     found = [to_fraction(x) for cycle in exact_map(f).cycles(j) for x in cycle.points]
     assert sorted(found) == expected
     for cycle in exact_map(f).iterate(2).cycles(j):
-        assert brute.value(f, to_fraction(cycle.points[0]), 2 * j) == to_fraction(cycle.points[0])
+        start = to_fraction(cycle.points[0])
+        assert nested(f, start, 2 * j)[0] == start
 
 
 def starts(map_: PiecewiseLinearMap, j: int) -> list[Fraction]:
@@ -410,7 +405,7 @@ def starts(map_: PiecewiseLinearMap, j: int) -> list[Fraction]:
     return sorted(map(to_fraction, points))
 
 
-def isolated(f: Map, j: int) -> list[Fraction]:
+def isolated(f: Parts, j: int) -> list[Fraction]:
     """Points of minimal period j that lie in no band, by fractions."""
     return [p.x for p in brute.fixed_points(f, j) if p.period == j]
 
@@ -418,7 +413,7 @@ def isolated(f: Map, j: int) -> list[Fraction]:
 @pytest.mark.slow
 @thorough(60)
 @given(unit_maps(), unit_maps())
-def test_cycles_of_iterates_and_compositions(f: Map, g: Map) -> None:
+def test_cycles_of_iterates_and_compositions(f: Parts, g: Parts) -> None:
     """Both maps use the same letters, and are brute force's own map p(q(x)) by itself."""
     p, q = exact_map(f), exact_map(g)
     for map_, alone in (
@@ -472,15 +467,15 @@ def test_cycles_of_long_words() -> None:
 @pytest.mark.slow
 @thorough(60)
 @given(iterates(), st.lists(rationals, max_size=3))
-def test_from_sympy_undoes_to_sympy(f_and_j: tuple[Map, int], points: list[Fraction]) -> None:
+def test_from_sympy_undoes_to_sympy(f_and_j: tuple[Parts, int], points: list[Fraction]) -> None:
     f, j = f_and_j
     j = min(j, 2)
     iterate = exact_map(f).iterate(j)
     formula = iterate.to_sympy()
     again = PiecewiseLinearMap.from_sympy(formula)
     for x in [*points, *interesting(f, j)[:10]]:
-        assert to_fraction(again(x)) == brute.value(f, x, j)
-        assert to_fraction(sympy.sympify(formula.subs(X, to_rational(x)))) == brute.value(f, x, j)
+        assert to_fraction(again(x)) == nested(f, x, j)[0]
+        assert to_fraction(sympy.sympify(formula.subs(X, to_rational(x)))) == nested(f, x, j)[0]
 
 
 def written(piece: LinearPiece) -> object:
@@ -498,7 +493,7 @@ def written(piece: LinearPiece) -> object:
 @pytest.mark.slow
 @thorough(60)
 @given(maps())
-def test_the_text_of_pieces_reads_as_the_same_map(f: Map) -> None:
+def test_the_text_of_pieces_reads_as_the_same_map(f: Parts) -> None:
     """The formulas and conditions as they are printed are again a map with the same pieces."""
     map_ = exact_map(f)
     again = PiecewiseLinearMap([(str(p.expression), written(p)) for p in map_.pieces])

@@ -14,7 +14,8 @@ from typing import Any
 
 import pytest
 import sympy
-from brute import Map, map_of
+from brute import map_of
+from independent import Parts
 from sympy import QQ, Rational
 from test_brute_force import Case, R, check_diagram, curves, number, written
 
@@ -53,7 +54,7 @@ def steep_case(seed: int) -> Case:
     intercepts[-1] = intercepts[-1][0], Fraction(1)  # r occurs at least once
     drift = rng.choice([0, 0, 1])
 
-    def parts(r: Any) -> Map:
+    def parts(r: Any) -> Parts:
         formulas = [(m, c + e * r) for m, (c, e) in zip(slopes, intercepts, strict=True)]
         return map_of([b + drift * r for b in breaks], owners, formulas)
 
