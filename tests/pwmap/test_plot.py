@@ -1,7 +1,5 @@
 """Pictures of maps: what is drawn, read back from the axes."""
 
-from collections.abc import Iterator
-
 import matplotlib.pyplot as plt
 import numpy as np
 import pytest
@@ -27,12 +25,6 @@ from pwmap.plot.plane import _face, plot_plane
 
 P1L = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
 AT_ONE = P1L.at({"a": Rational(5, 4), "r": 1})
-
-
-@pytest.fixture(autouse=True)
-def _close() -> Iterator[None]:
-    yield
-    plt.close("all")
 
 
 def lines(ax: Axes) -> list[tuple[list[float], list[float]]]:
