@@ -24,7 +24,7 @@ from pwmap.longrun.crises.changes import Onset
 from pwmap.longrun.crises.cuts import Cuts
 from pwmap.longrun.crises.samples import Samples
 from pwmap.maps import Meter
-from pwmap.parameters.axes import axis_of
+from pwmap.parameters.recorded import axis_of
 
 SKEW = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")

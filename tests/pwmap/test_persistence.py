@@ -11,10 +11,10 @@ from sympy import QQ
 from pwmap import PiecewiseLinearMap
 from pwmap.algebra.exact import HIGHEST, LOWEST
 from pwmap.maps.words import CriticalOrbit, SignOracle
-from pwmap.parameters.axes import axis_of
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.cells import Cell, studied_at, with_cells
 from pwmap.parameters.persistence import Answers
+from pwmap.parameters.recorded import axis_of
 
 ORDERS = (1, 3, 4)
 
