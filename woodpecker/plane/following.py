@@ -107,18 +107,13 @@ def curve_through(
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, continuation, curve_in_two, shoot
-    >>> from woodpecker.plane import family_from_sympy
-    >>> x, a, r = symbols("x a r")
-    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
-    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
-    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
-    >>> over = family.over(0, (0.0, 1.25))
-    >>> point = continuation(over, shoot(over, 0.2, p=0.45), settings=settings).points[0]
-    >>> curve = curve_in_two(
-    ...     family, point, ("r", "a"), ((-1, 1), (1.1, 2)), value=1.25, settings=settings
-    ... )
+    >>> from woodpecker import continuation, shoot
+    >>> from woodpecker.examples import SETTINGS, paper_family
+    >>> from woodpecker.plane.following import curve_through
+    >>> family, spans = paper_family(), ((-1, 1), (1.1, 2))
+    >>> over_r = family.over(0, (0.0, 1.25))
+    >>> border = continuation(over_r, shoot(over_r, 0.2, p=0.45), settings=SETTINGS).points[0]
+    >>> curve = curve_through(family, border, 1.25, span=spans, settings=SETTINGS)
     >>> str(curve.kind), curve.values[[0, -1]].round(9).tolist()  # r and a
     ('BC', [[0.0, 1.1], [0.0, 2.0]])
     """
