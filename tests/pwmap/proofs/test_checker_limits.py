@@ -19,7 +19,7 @@ from pwmap.checking.reading import quotient
 from pwmap.checking.refusing import WORK, Effort
 from pwmap.proofs import Refused
 
-KEPT = Path(__file__).parents[2] / "studies" / "results" / "certificates"
+KEPT = Path(__file__).parents[3] / "studies" / "results" / "certificates"
 TOO_MUCH = "this takes more work than a check may"
 
 

@@ -5,6 +5,7 @@ import json
 from pathlib import Path
 
 import pytest
+from commands import run
 from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
@@ -13,11 +14,6 @@ from pwmap.cli.app import app
 from pwmap.diagrams import files
 
 P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
-
-
-def run(*arguments: str, out: Path) -> tuple[int, str]:
-    found = CliRunner().invoke(app, ["analyse", *arguments, "--out", str(out)])
-    return found.exit_code, found.output
 
 
 @pytest.mark.slow

@@ -11,9 +11,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from commands import run
 from processes import SIGNALS, seconds, started, wait_until
 from sympy import Rational
-from test_pwmap_cli import run
 
 from pwmap import (
     Budget,

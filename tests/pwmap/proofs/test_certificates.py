@@ -508,7 +508,7 @@ def test_a_file_says_what_the_certificate_says(tmp_path: Path) -> None:
 
 
 def test_committed_certificates_pass() -> None:
-    folder = Path(__file__).parents[2] / "studies" / "results" / "certificates"
+    folder = Path(__file__).parents[3] / "studies" / "results" / "certificates"
     statements = [check_certificate(path) for path in sorted(folder.glob("*.json"))]
     assert len(statements) >= 7
     assert sum("FF, fold, at r = 0 and x = 0" in text for text in statements) == 1
