@@ -61,7 +61,7 @@ from pwmap.algebra.roots import (
 from pwmap.algebra.signs import possible_signs, without_implied
 from pwmap.maps.columns import ColumnCell
 from pwmap.maps.reading import Definition
-from pwmap.maps.scopes import Scope, SymbolicEdge, SymbolicInterval
+from pwmap.maps.scopes import Scope, SymbolicCell
 from pwmap.maps.words import Decision
 from pwmap.parameters.axis import (
     INFINITE,
@@ -320,17 +320,16 @@ class RecordedAxis(Axis):
         if any(self.degree(end.factor) > 1 for end in ends):
             return ColumnCell(self.column, low, high, orders)
         ring, symbol = self.definition.ring, self.definition.ring.symbols[self.index]
+        shown, limits = (self.to_sympy(low), self.to_sympy(high)), [*self._assumed]
         if low is high:
             region = AssumedRegion(ring, self._assumed)
-            return SymbolicEdge(symbol, self._quotient(low), region, orders)
-        limits = [*self._assumed]
+            return SymbolicCell(symbol, region, *shown, orders, self._quotient(low))
         for side, end in ((1, low), (-1, high)):
             if not isinstance(end, Infinite):
                 top, bottom = self._quotient(end)
                 sense = side * sign(evaluate(bottom, self.sample, None))
                 limits.append(Constraint(sense * (self.identity[0] * bottom - top), True))
-        shown = self.to_sympy(low), self.to_sympy(high)
-        return SymbolicInterval(symbol, AssumedRegion(ring, tuple(limits)), *shown, orders)
+        return SymbolicCell(symbol, AssumedRegion(ring, tuple(limits)), *shown, orders)
 
     def _quotient(self, place: Root) -> Fraction_:
         """Numerator and denominator of a place of degree one, in the ring of all parameters."""
