@@ -5,7 +5,7 @@ import json
 from pathlib import Path
 
 import pytest
-from commands import run
+from commands import analyse as run
 from matplotlib.figure import Figure
 from typer.testing import CliRunner
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 
 import pytest
-from commands import run
+from commands import analyse as run
 
 import pwmap
 from pwmap import Budget, BudgetError, PiecewiseLinearMap, bifurcation_diagram, parameter_cells

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from commands import run
+from commands import analyse as run
 from processes import SIGNALS, seconds, started, wait_until
 from sympy import Rational
 
