@@ -73,49 +73,21 @@ def curve_through(
     settings: Settings,
     kind: PointKind | str | None = None,
 ) -> Curve:
-    """Follow a special point over two parameters, both ways.
+    """Follow a special point both ways over two parameters; see :func:`woodpecker.curve_in_two`.
 
     Parameters
     ----------
-    family
-        The maps.
-    point
-        A special point, LP, PD, BC or FF, of a diagram over one of the parameters; or one of
-        codimension two on another curve of the same family.
+    family, point, span, settings, kind
+        As there; the span of the settings is taken from ``span``.
     other
-        The value of the other parameter in that diagram.
+        The value of the other parameter in the diagram of the point.
     axis
-        Which parameter the diagram is over, 0 or 1.
-    span
-        Intervals of both parameters.
-    settings
-        Window, steps and tolerances; its span is taken from ``span``.
-    kind
-        Which of the curves that start at a point of codimension two.
-
-    Returns
-    -------
-    Curve
-        Through any number of special points of codimension two; at the place itself the second
-        parameter rises, or the first if the second does not change. From a point of codimension
-        two on it leads away.
+        Which parameter that diagram is over, 0 or 1.
 
     Raises
     ------
     ValueError
         If there is no such point, or the spans do not hold it.
-
-    Examples
-    --------
-    >>> from woodpecker import continuation, shoot
-    >>> from woodpecker.examples import SETTINGS, paper_family
-    >>> from woodpecker.plane.following import curve_through
-    >>> family, spans = paper_family(), ((-1, 1), (1.1, 2))
-    >>> over_r = family.over(0, (0.0, 1.25))
-    >>> border = continuation(over_r, shoot(over_r, 0.2, p=0.45), settings=SETTINGS).points[0]
-    >>> curve = curve_through(family, border, 1.25, span=spans, settings=SETTINGS)
-    >>> str(curve.kind), curve.values[[0, -1]].round(9).tolist()  # r and a
-    ('BC', [[0.0, 1.1], [0.0, 2.0]])
     """
     spans = [interval("span", each, finite=True) for each in span]
     plane = Plane(family, (replace(settings, span=spans[0]), replace(settings, span=spans[1])))
