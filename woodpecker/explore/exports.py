@@ -139,5 +139,5 @@ def _state_text(state: PageState) -> str:
 
 _TEXTS: dict[str, Callable[[PageState], str]] = {
     "map": _map_table, "motion": _motion_table, "events": _events_table, "state": _state_text,
-    "lines": lambda state: str(python_of(state)),
+    "lines": python_of,
 }  # fmt: skip

@@ -110,7 +110,7 @@ class ToyTab(Tab[PageState]):
         }  # fmt: skip
         if whole:
             told |= {
-                "python": str(python_of(state)), "law": str(state.toy.expansion_friction),
+                "python": python_of(state), "law": str(state.toy.expansion_friction),
                 "order": state.order, "steps": state.steps, "over": state.parameter,
                 "every": ",".join(map(str, state.every)), "orbits": state.orbits,
                 "portrait": state.portrait, "focus": state.focus, "tour": self._tour(),
