@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 from studies.common.record import ROOT, Results
+from studies.common.tables import fixed, minus, number, pretty, rows, seconds, shortest
 from studies.run_all import RESULTS, STUDIES
 from studies.sensitivities import PAPER_PERIOD
 
@@ -60,53 +61,6 @@ def filled(text: str, results: All) -> str:
     return BLOCK.sub(block, text)
 
 
-# --- Numbers and tables ---------------------------------------------------------------------------
-
-
-def number(value: float, digits: int = 2) -> str:
-    """A number with some significant digits, in powers of ten only if it is far from one."""
-    if value != 0.0 and not 1e-3 <= abs(value) < 1e6:
-        mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
-        return minus(f"{mantissa}e{int(exponent)}")
-    if abs(value) >= 10 ** (digits - 1):
-        return minus(f"{value:.0f}")
-    return minus(f"{float(f'{value:.{digits - 1}e}'):g}")
-
-
-def fixed(value: float, decimals: int = 4) -> str:
-    """A number with so many decimals."""
-    return minus(f"{value:.{decimals}f}")
-
-
-def minus(text: str) -> str:
-    """The minus sign of print, but in exponents."""
-    return re.sub(r"^-", "−", text)
-
-
-def seconds(value: float) -> str:
-    """A time in the unit that suits it, with three digits."""
-    for scale, unit in ((1.0, "s"), (1e-3, "ms"), (1e-6, "µs")):
-        if value >= scale:
-            return f"{number(value / scale, 3)} {unit}"
-    return f"{number(value / 1e-9, 3)} ns"
-
-
-def rows(header: Sequence[str], lines: Sequence[Sequence[str]]) -> str:
-    """A table."""
-    table = [header, ["---"] * len(header), *lines]
-    return "\n".join("| " + " | ".join(line) + " |" for line in table)
-
-
-def pretty(text: str) -> str:
-    """Names of quantities as the paper writes them."""
-    for plain, nice in (
-        ("phi_S", "φ_S"), ("phi_M", "φ_M"), ("eps_N1", "ε_N1"), ("mu_2", "μ_2"), ("c_phi", "c_φ"),
-        ("|", "\\|"),
-    ):  # fmt: skip
-        text = text.replace(plain, nice)
-    return text
-
-
 # --- Blocks ---------------------------------------------------------------------------------------
 
 
@@ -127,20 +81,6 @@ def paper(results: All) -> str:
     header = ["quantity", "paper", "here", "agrees", "contact by contact", "checked by", "remark"]
     table = rows(header, lines)
     return f"{table}\n\n{found['agree']} of these numbers agree, {found['differ']} differ."
-
-
-def shortest(value: float, paper_text: str) -> str:
-    """A value with some digits more than the paper prints."""
-    if value == int(value) and "." not in paper_text:
-        return minus(f"{value:.0f}")
-    decimals = len(paper_text.partition(".")[2])
-    if abs(value) < 1e-3:
-        return number(value, 3)
-    return (
-        minus(f"{float(f'{value:.{max(decimals + 4, 6)}g}'):g}")
-        if abs(value) >= 1e3
-        else minus(f"{value:.{decimals + 4}f}".rstrip("0").rstrip("."))
-    )
 
 
 def vertices(results: All) -> str:
@@ -268,12 +208,7 @@ def precision(results: All) -> str:
             [task, seconds(entries[0]["kernel_cpu"]), *cells, _proved(found["tasks"][task])]
         )
     bounds = [f"{entry['error_below']:.0e}" for entry in next(iter(found["table"].values()))]
-    header = [
-        "task",
-        "kernel",
-        *(f"error < {bound}" for bound in bounds),
-        "proved (ball arithmetic)",
-    ]
+    header = ["task", "kernel", *(f"error < {bound}" for bound in bounds), "proved (ball arithmetic)"]  # fmt: skip
     ahead = (
         "The compiled kernel is ahead of every peer at every error below 1e-3 that was measured."
         if found["kernel_ahead"]
@@ -338,15 +273,7 @@ def general(results: All) -> str:
         ]
         for run in found["runs"]
     ]
-    header = [
-        "largest step",
-        "towards",
-        "points",
-        "images",
-        "where its points lie, in order",
-        "leaps",
-        "last ε_N1",
-    ]
+    header = ["largest step", "towards", "points", "images", "where its points lie, in order", "leaps", "last ε_N1"]  # fmt: skip
     ids = sorted({name for run in found["runs"] for name in run["route"] if name})
     return (
         f"{rows(header, lines)}\n\n"
@@ -476,14 +403,7 @@ def named(one: Results) -> str:
             cells += [f"{kind} {note}".strip(), f"{p:.9f}" if at else ""]
         x = next(p[3] for p in both[0] if abs(p[2] - float(values[0] or 0.0)) < SAME)
         lines.append([name, *cells, fixed(x, 7)])
-    header = [
-        "point of P_1",
-        "sum (inferred)",
-        "ε_N1",
-        "contact by contact",
-        "ε_N1",
-        "φ_S, sum [rad]",
-    ]
+    header = ["point of P_1", "sum (inferred)", "ε_N1", "contact by contact", "ε_N1", "φ_S, sum [rad]"]  # fmt: skip
     return rows(header, lines)
 
 

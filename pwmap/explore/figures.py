@@ -72,9 +72,9 @@ def source(*columns: str, **values: Any) -> ColumnDataSource:
     return ColumnDataSource({**{name: [] for name in columns}, **values})
 
 
-def hover(glyph: Any, tips: Sequence[tuple[str, str]] | str, mode: str = "mouse") -> HoverTool:
+def hover(glyph: Any, tips: Sequence[tuple[str, str]] | str) -> HoverTool:
     """What is told of the nearest part of a glyph."""
-    return HoverTool(renderers=[glyph], tooltips=tips, mode=mode, point_policy="snap_to_data")
+    return HoverTool(renderers=[glyph], tooltips=tips, point_policy="snap_to_data")
 
 
 def set_range(axis_range: Any, low: float, high: float) -> None:

@@ -57,6 +57,7 @@ class Tab(ABC, Generic[S]):
         self.message, self.stage, self.branch = "", "", ""
         self.diagram, self.graph = DiagramView("diagram", "", y_label), GraphView("graph")
         self.shown: Shown | None = None
+        self.clicks = 0  # that were heard
         self.jobs = dict[str, Job]()
         self.say: Callable[[Mapping[str, Any]], None] = lambda _: None
         for figure, verb in ((map_figure, self._tap_map), (self.diagram.figure, self._tap_diagram),
@@ -230,7 +231,8 @@ class Tab(ABC, Generic[S]):
                 verb(event)
             except (ValueError, ArithmeticError) as error:
                 self.message = in_words(error)
-            self.say(self.answer())
+            self.clicks += 1
+            self.say({**self.answer(), "clicks": self.clicks})
 
         on_click(figure, hear)
 

@@ -116,21 +116,19 @@ class _Settled(Exception):  # noqa: N818  it is not an error
     """What grows from a break comes elsewhere than to a chaotic attractor."""
 
 
-def attractors_of(line: MapLine, steps: int = STEPS, budget: Budget | Meter = BUDGET) -> Attractors:
+def attractors_of(line: MapLine, *, budget: Budget | Meter = BUDGET) -> Attractors:
     """The attractors of a map.
 
     Parameters
     ----------
     line
         The map.
-    steps
-        How far orbits are followed.
     budget
         If it is used up, more breaks are open.
     """
     meter = metered(budget)
     expands = all(abs_(branch.slope) > 1 for branch in line.branches)
-    fates = Fates(line, min(steps, EXPANDING) if expands else steps, meter)
+    fates = Fates(line, EXPANDING if expands else STEPS, meter)
     orbits, open_, bands = list[GermOrbit](), set(line.breaks), list[Bands]()
     with meter.keeping(line.branches):
         for germ in meter.each(line.germs, "orbits of breaks"):

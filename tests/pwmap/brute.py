@@ -37,6 +37,18 @@ def map_of(
     return tuple(Part(*domain, *formula, chr(i)) for i, (domain, formula) in both)
 
 
+def texts(f: Parts) -> list[tuple[str, str]]:
+    """Formulas and conditions of the pieces, whose numbers may be expressions in parameters."""
+    return [(f"({part.slope})*x + ({part.intercept})", condition(part)) for part in f]
+
+
+def condition(part: Part) -> str:
+    """The domain of a piece."""
+    low = f"(x {'>=' if part.lo_in else '>'} ({part.lo}))" if part.lo is not None else ""
+    high = f"(x {'<=' if part.hi_in else '<'} ({part.hi}))" if part.hi is not None else ""
+    return " & ".join(filter(None, (low, high))) or "True"
+
+
 def spelled(letters: Sequence[str], word: str) -> str:
     """A word in the letters of a map; that of a crossing with its bar."""
     return "".join(each if each == SPLIT else letters[ord(each)] for each in word)

@@ -10,8 +10,8 @@ from fractions import Fraction
 from typing import Any
 
 import brute
-from brute import map_of, spelled
-from independent import Part, Parts
+from brute import map_of, spelled, texts
+from independent import Parts
 
 from pwmap import PiecewiseLinearMap
 
@@ -41,17 +41,9 @@ def random_map(seed: int) -> Parts:
     return map_of(breaks, owners, formulas)
 
 
-def condition(part: Part) -> str:
-    """The domain of a piece as text."""
-    low = f"(x {'>=' if part.lo_in else '>'} {part.lo})" if part.lo is not None else ""
-    high = f"(x {'<=' if part.hi_in else '<'} {part.hi})" if part.hi is not None else ""
-    return " & ".join(filter(None, (low, high))) or "True"
-
-
 def read(f: Parts) -> PiecewiseLinearMap:
     """The map as the package reads it."""
-    pieces = [(f"({part.slope})*x + ({part.intercept})", condition(part)) for part in f]
-    return PiecewiseLinearMap(pieces, letters=list(LETTERS[: len(f)]))
+    return PiecewiseLinearMap(texts(f), letters=list(LETTERS[: len(f)]))
 
 
 def written(f: Parts) -> dict[str, Any]:

@@ -13,8 +13,9 @@ from pwmap import Diagram
 from pwmap.diagrams.files import table_as_text
 from pwmap.explore.exports import OF_DIAGRAM, OF_STATE, PICTURE, TYPES, of_diagram, parts, picture
 from woodpecker import ReturnMap, Trajectory, return_map, simulate
+from woodpecker.explore import model
 from woodpecker.explore.branches import diagram as found_diagram
-from woodpecker.explore.model import FINE, SAMPLES, TOY_MODEL
+from woodpecker.explore.model import FINE, SAMPLES
 from woodpecker.explore.state import PORTRAITS, PageState, from_query, python_of, to_query
 
 PICTURES = ("map", "motion", "portrait", "toy")
@@ -61,7 +62,7 @@ def _returns(state: PageState) -> ReturnMap:
 
 
 def _trajectory(state: PageState) -> Trajectory:
-    end = float(TOY_MODEL.motion(state).t[-1])
+    end = float(model.motion(state).t[-1])
     return simulate(state.toy, state.phi_s, end, samples=SAMPLES)
 
 
@@ -138,5 +139,5 @@ def _state_text(state: PageState) -> str:
 
 _TEXTS: dict[str, Callable[[PageState], str]] = {
     "map": _map_table, "motion": _motion_table, "events": _events_table, "state": _state_text,
-    "lines": lambda state: str(python_of(state)),
+    "lines": python_of,
 }  # fmt: skip

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, Protocol, TypeVar
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -103,93 +103,74 @@ class DrawnMotion:
     message: str
 
 
-S = TypeVar("S")
+# --- The toy --------------------------------------------------------------------------------------
 
 
-class Model(Protocol[S]):
-    """What views ask of a model: the toy, or any system of contacts; S is the state of its page."""
-
-    def settled(self, state: S) -> tuple[S, str]:
-        """The state with its start on the periodic motion that it follows, and a message."""
-
-    def curves(self, state: S, *, fine: bool) -> Iterator[MapCurve]:
-        """The map P_order in the window, better and better."""
-
-    def orbit(self, state: S) -> Floats:
-        """The points of a cobweb, the start first."""
-
-    def motion(self, state: S) -> DrawnMotion:
-        """The motion from the start."""
-
-
-class ToyModel:
-    """The Woodpecker Toy."""
-
-    def settled(self, state: PageState) -> tuple[PageState, str]:
-        """The start goes with its periodic motion as long as that is near."""
-        toy = state.toy
-        if state.phi_s >= toy.phi_s_max:
-            state = replace(state, phi_s=toy.phi_s_max - 0.01)
-        if not state.periodic:
-            return state, ""
-        orbit = shoot(toy, state.phi_s, state.order)
-        if orbit.success and abs(orbit.phi_s - state.phi_s) <= NEAR:
-            return replace(state, phi_s=orbit.phi_s), _smaller(orbit)
-        why = orbit.message
-        if orbit.success:
-            why = f"the nearest periodic motion is another one, at {orbit.phi_s:.4f} rad"
-        return state, f"{why}; the motion from {state.phi_s:.4f} rad is shown"
-
-    def curves(self, state: PageState, *, fine: bool) -> Iterator[MapCurve]:
-        """P_order, and where it meets the diagonal."""
-        low, high = state.window
-        toy, order = state.toy, state.order
-        x = np.linspace(low, min(high, toy.phi_s_max - 1e-6), FINE if fine else COARSE)
-        y = return_map(toy, x, order).phi_s
-        if not fine:
-            yield _coarse(toy, order, x, y, low)
-            return
-        search = refined(
-            lambda s: return_map(toy, s, order).phi_s, x, y, bottom=low, cost=order, detail=DETAIL
-        )
-        for k, curve in enumerate(search):
-            if k and k % 8 == 0:
-                yield _drawn(toy, order, curve)
-        yield _drawn(toy, order, curve)
-
-    def orbit(self, state: PageState) -> Floats:
-        """Returns one after the other, until one is lost."""
-        found = [state.phi_s]
-        for _ in range(state.steps):
-            if not found[-1] < state.toy.phi_s_max:
-                break
-            after = first_return(state.toy, found[-1], state.order).phi_s
-            if not math.isfinite(after):
-                break
-            found.append(after)
-        return np.array(found)
-
-    def motion(self, state: PageState) -> DrawnMotion:
-        """Over the returns of a periodic motion, or the first few."""
-        toy, order = state.toy, state.order
-        count = order if state.periodic else max(order, min(state.steps, RETURNS_MOST))
-        back = first_return(toy, state.phi_s, count)
-        if not (math.isfinite(back.period) and back.period > 0.0) and count > order:
-            back = first_return(toy, state.phi_s, order)
-        whole = math.isfinite(back.period) and back.period > 0.0
-        trajectory = simulate(toy, state.phi_s, back.period if whole else FALLING, samples=SAMPLES)
-        numbers = {
-            "period": back.period, "drop": back.drop if whole else trajectory.drop,
-            "multiplier": back.slope, "phi_s": state.phi_s,
-        }  # fmt: skip
-        return DrawnMotion(
-            t=trajectory.t, q=trajectory.q, u=trajectory.u, closed=closed_bits(trajectory),
-            marks=tuple(map(_mark, trajectory.events)), numbers=numbers,
-            message="" if back.status.success else back.status.value,
-        )  # fmt: skip
+def settled(state: PageState) -> tuple[PageState, str]:
+    """The start goes with its periodic motion as long as that is near."""
+    toy = state.toy
+    if state.phi_s >= toy.phi_s_max:
+        state = replace(state, phi_s=toy.phi_s_max - 0.01)
+    if not state.periodic:
+        return state, ""
+    orbit = shoot(toy, state.phi_s, state.order)
+    if orbit.success and abs(orbit.phi_s - state.phi_s) <= NEAR:
+        return replace(state, phi_s=orbit.phi_s), _smaller(orbit)
+    why = orbit.message
+    if orbit.success:
+        why = f"the nearest periodic motion is another one, at {orbit.phi_s:.4f} rad"
+    return state, f"{why}; the motion from {state.phi_s:.4f} rad is shown"
 
 
-TOY_MODEL = ToyModel()
+def curves(state: PageState, *, fine: bool) -> Iterator[MapCurve]:
+    """P_order, and where it meets the diagonal."""
+    low, high = state.window
+    toy, order = state.toy, state.order
+    x = np.linspace(low, min(high, toy.phi_s_max - 1e-6), FINE if fine else COARSE)
+    y = return_map(toy, x, order).phi_s
+    if not fine:
+        yield _coarse(toy, order, x, y, low)
+        return
+    search = refined(
+        lambda s: return_map(toy, s, order).phi_s, x, y, bottom=low, cost=order, detail=DETAIL
+    )
+    for k, curve in enumerate(search):
+        if k and k % 8 == 0:
+            yield _drawn(toy, order, curve)
+    yield _drawn(toy, order, curve)
+
+
+def orbit(state: PageState) -> Floats:
+    """Returns one after the other, until one is lost."""
+    found = [state.phi_s]
+    for _ in range(state.steps):
+        if not found[-1] < state.toy.phi_s_max:
+            break
+        after = first_return(state.toy, found[-1], state.order).phi_s
+        if not math.isfinite(after):
+            break
+        found.append(after)
+    return np.array(found)
+
+
+def motion(state: PageState) -> DrawnMotion:
+    """Over the returns of a periodic motion, or the first few."""
+    toy, order = state.toy, state.order
+    count = order if state.periodic else max(order, min(state.steps, RETURNS_MOST))
+    back = first_return(toy, state.phi_s, count)
+    if not (math.isfinite(back.period) and back.period > 0.0) and count > order:
+        back = first_return(toy, state.phi_s, order)
+    whole = math.isfinite(back.period) and back.period > 0.0
+    trajectory = simulate(toy, state.phi_s, back.period if whole else FALLING, samples=SAMPLES)
+    numbers = {
+        "period": back.period, "drop": back.drop if whole else trajectory.drop,
+        "multiplier": back.slope, "phi_s": state.phi_s,
+    }  # fmt: skip
+    return DrawnMotion(
+        t=trajectory.t, q=trajectory.q, u=trajectory.u, closed=closed_bits(trajectory),
+        marks=tuple(map(_mark, trajectory.events)), numbers=numbers,
+        message="" if back.status.success else back.status.value,
+    )  # fmt: skip
 
 
 # --- Maps -----------------------------------------------------------------------------------------
@@ -282,7 +263,7 @@ def _smaller(orbit: PeriodicOrbit) -> str:
 
 def fine_map(state: PageState) -> Iterator[MapCurve]:
     """The map as a page shows it at rest, better and better."""
-    yield from TOY_MODEL.curves(state, fine=True)
+    yield from curves(state, fine=True)
 
 
 def as_columns(motion: DrawnMotion) -> dict[str, Any]:

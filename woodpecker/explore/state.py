@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, fields, replace
 from urllib.parse import parse_qsl, urlencode
 
 from woodpecker import Toy, parameters
@@ -222,29 +222,7 @@ def _value(name: str, text: str) -> object:
 # --- The same in Python ---------------------------------------------------------------------------
 
 
-@dataclass(frozen=True, slots=True)
-class Lines:
-    """Lines of Python that make what a view shows.
-
-    Parameters
-    ----------
-    imports
-        Names of :mod:`woodpecker` that they need, and whole lines of other imports.
-    body
-        The lines.
-    """
-
-    imports: tuple[str, ...]
-    body: tuple[str, ...]
-    others: tuple[str, ...] = field(default=())
-
-    def __str__(self) -> str:
-        """As a script."""
-        first = f"from woodpecker import {', '.join(sorted(self.imports))}"
-        return "\n".join([*self.others, first, "", *self.body, ""])
-
-
-def python_of(state: PageState) -> Lines:
+def python_of(state: PageState) -> str:
     """The lines that make the map, the motion and the diagram of a state."""
     toy, low, high = repr(state.toy), *state.window
     begin, guess = ("toy", state.phi_s) if state.order > 1 else (repr(home(state)), GUESS)
@@ -279,8 +257,8 @@ def python_of(state: PageState) -> Lines:
     if state.every and not state.periodic:
         names -= {"shoot"}
     body = [f"toy = {toy}", *motion, *curve, diagram, "plot_diagram(diagram)"]
-    others = (
+    return "\n".join([
         "import numpy as np", "from pwmap.plot import plot_diagram",
         "from woodpecker.plot.figures import plot_return_map",
-    )  # fmt: skip
-    return Lines(tuple(names), tuple(body), others)
+        f"from woodpecker import {', '.join(sorted(names))}", "", *body, "",
+    ])  # fmt: skip

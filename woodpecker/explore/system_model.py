@@ -1,4 +1,4 @@
-"""Any system of contacts as a :class:`~woodpecker.explore.model.Model`, by its public verbs."""
+"""What views ask of any system of contacts, as :mod:`woodpecker.explore.model` of the toy."""
 
 from __future__ import annotations
 

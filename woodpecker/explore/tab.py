@@ -18,8 +18,9 @@ from pwmap.explore.jobs import Failure, JobFinished, is_warm
 from pwmap.explore.page import DrawnFrame, numbers
 from pwmap.explore.tab import Demand, Tab
 from woodpecker import Toy, parameters
+from woodpecker.explore import model
 from woodpecker.explore.branches import DiagramProgress, Key, at_sample, diagram, key_of, orbits
-from woodpecker.explore.model import TOY_MODEL, DrawnMotion, MapCurve, Model, fine_map
+from woodpecker.explore.model import DrawnMotion, MapCurve, fine_map
 from woodpecker.explore.state import PageState, python_of, to_query
 from woodpecker.explore.tour import TOUR
 from woodpecker.explore.views import PHI, MapView, MotionView, WordView, axis_label
@@ -38,8 +39,7 @@ known_diagrams: OrderedDict[Key, Shown] = OrderedDict()  # complete ones, shared
 class ToyTab(Tab[PageState]):
     """One tab of the toy."""
 
-    def __init__(self, state: PageState, model: Model[PageState] = TOY_MODEL) -> None:
-        self.model = model
+    def __init__(self, state: PageState) -> None:
         self.map, self.motion, self.word = MapView(), MotionView(), WordView()
         super().__init__(state, self.map.figure, PHI)
         self._now: DrawnMotion | None = None
@@ -58,16 +58,16 @@ class ToyTab(Tab[PageState]):
     def show(self, state: PageState, *, moving: bool = False) -> None:
         """Go to a state: the fast views at once, the others when the page is at rest."""
         window = self.state.window
-        state, message = self.model.settled(state)
+        state, message = model.settled(state)
         self.keep(state, moving=moving)
         self.message = message
         self.stop("curve")
         self._frame = DrawnFrame() if moving else None
         put = self._put
-        for curve in self.model.curves(state, fine=False):
+        for curve in model.curves(state, fine=False):
             self.map.show(curve, state.order, put)
-        self.map.follow(self.model.orbit(state), put)
-        self._now = self.model.motion(state)
+        self.map.follow(model.orbit(state), put)
+        self._now = model.motion(state)
         self.motion.show(self._now, state, put, moving=moving)
         self.word.show(self._now.marks, put)
         self.diagram.stand(state.value, state.phi_s, put)
@@ -110,7 +110,7 @@ class ToyTab(Tab[PageState]):
         }  # fmt: skip
         if whole:
             told |= {
-                "python": str(python_of(state)), "law": str(state.toy.expansion_friction),
+                "python": python_of(state), "law": str(state.toy.expansion_friction),
                 "order": state.order, "steps": state.steps, "over": state.parameter,
                 "every": ",".join(map(str, state.every)), "orbits": state.orbits,
                 "portrait": state.portrait, "focus": state.focus, "tour": self._tour(),

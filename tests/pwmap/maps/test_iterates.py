@@ -10,10 +10,10 @@ from typing import Any
 import brute
 import pytest
 import sympy
-from brute import map_of, spelled
+from brute import map_of, spelled, texts
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from independent import EXACT, LEFT, RIGHT, Part, Parts, nested
+from independent import EXACT, LEFT, RIGHT, Parts, nested
 from thoroughness import thorough as at_least
 
 from pwmap import (
@@ -69,25 +69,9 @@ def to_fraction(number: sympy.Expr) -> Fraction:
     return Fraction(int(number.p), int(number.q))
 
 
-def condition(part: Part) -> sympy.Basic:
-    """The domain of a piece."""
-    if part.lo is not None and part.lo == part.hi:
-        return sympy.Eq(X, to_rational(part.lo))
-    bounds: list[sympy.Basic] = []
-    if part.lo is not None:
-        lo = to_rational(part.lo)
-        bounds.append(sympy.Ge(X, lo) if part.lo_in else sympy.Gt(X, lo))
-    if part.hi is not None:
-        hi = to_rational(part.hi)
-        bounds.append(sympy.Le(X, hi) if part.hi_in else sympy.Lt(X, hi))
-    return sympy.And(*bounds)
-
-
 def exact_map(f: Parts) -> PiecewiseLinearMap:
     """The map of the package."""
-    return PiecewiseLinearMap(
-        [(to_rational(p.slope) * X + to_rational(p.intercept), condition(p)) for p in f], x=X
-    )
+    return PiecewiseLinearMap(texts(f))
 
 
 def interesting(f: Parts, j: int) -> list[Fraction]:

@@ -15,7 +15,7 @@ import brute
 import mpmath
 import pytest
 import sympy
-from brute import map_of, spelled
+from brute import map_of, spelled, texts
 from independent import Part, Parts
 
 from pwmap import (
@@ -342,21 +342,11 @@ def random_case(seed: int) -> Case:
         return map_of([b + drift * r for b in breaks], owners, formulas)
 
     return Case(
-        map=PiecewiseLinearMap([written(part) for part in parts(R)]),
+        map=PiecewiseLinearMap(texts(parts(R))),
         parts=parts,
         span=(Fraction(-31, 13), Fraction(37, 14)),
         orders=(1, 2, 3),
     )
-
-
-def written(part: Part) -> tuple[sympy.Expr, sympy.Basic]:
-    """Formula and condition of a piece whose numbers are sympy expressions."""
-    bounds: list[sympy.Basic] = []
-    if part.lo is not None:
-        bounds.append(part.lo <= X if part.lo_in else part.lo < X)
-    if part.hi is not None:
-        bounds.append(part.hi >= X if part.hi_in else part.hi > X)
-    return part.slope * X + part.intercept, sympy.And(*bounds)
 
 
 CASES = {
@@ -911,7 +901,7 @@ def kept_on_borders(seed: int) -> Case:
         return map_of(breaks, owners, [(m, b - m * b + c * r) for m, b, c in rows])
 
     return Case(
-        map=PiecewiseLinearMap([written(part) for part in parts(R)]),
+        map=PiecewiseLinearMap(texts(parts(R))),
         parts=parts,
         span=(Fraction(-31, 13), Fraction(37, 14)),
         orders=(1, 2),

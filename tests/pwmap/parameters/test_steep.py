@@ -14,10 +14,10 @@ from typing import Any
 
 import pytest
 import sympy
-from brute import map_of
+from brute import map_of, texts
 from independent import Parts
 from sympy import QQ, Rational
-from test_brute_force import Case, R, check_diagram, curves, number, written
+from test_brute_force import Case, R, check_diagram, curves, number
 
 from pwmap import PiecewiseLinearMap, bifurcation_diagram
 from pwmap.algebra.exact import HIGHEST, LOWEST, floor, to_float
@@ -59,7 +59,7 @@ def steep_case(seed: int) -> Case:
         return map_of([b + drift * r for b in breaks], owners, formulas)
 
     return Case(
-        map=PiecewiseLinearMap([written(part) for part in parts(R)]),
+        map=PiecewiseLinearMap(texts(parts(R))),
         parts=parts,
         span=(Fraction(-31, 13), Fraction(37, 14)),
         orders=(1, 2, 3, 4) if len(breaks) == 1 else (1, 2, 3),

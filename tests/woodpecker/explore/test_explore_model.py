@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from woodpecker import Toy, first_return, return_map, shoot, simulate
-from woodpecker.explore.model import TOY_MODEL, closed_bits
+from woodpecker.explore import model
+from woodpecker.explore.model import closed_bits
 from woodpecker.explore.state import PageState
 
 STABLE = -0.5294719671  # rad, of the paper's data
@@ -15,14 +16,14 @@ FALLS = -0.05  # rad: from there the toy slides down for ever
 
 
 def test_the_start_goes_with_its_motion() -> None:
-    state, message = TOY_MODEL.settled(PageState(toy=Toy(eps_n1=0.45)))
+    state, message = model.settled(PageState(toy=Toy(eps_n1=0.45)))
     assert message == ""
     assert state.phi_s == shoot(Toy(eps_n1=0.45), -0.53).phi_s
     free = PageState(phi_s=-1.0, periodic=False)
-    assert TOY_MODEL.settled(free) == (free, "")
-    far, message = TOY_MODEL.settled(PageState(phi_s=-0.65))  # Newton's method leads away
+    assert model.settled(free) == (free, "")
+    far, message = model.settled(PageState(phi_s=-0.65))  # Newton's method leads away
     assert (far.phi_s, "another one, at -0.52" in message) == (-0.65, True)
-    lost, message = TOY_MODEL.settled(PageState(phi_s=-1.9))  # no motion repeats near
+    lost, message = model.settled(PageState(phi_s=-1.9))  # no motion repeats near
     assert lost.phi_s == -1.9
     assert "the motion from -1.9000 rad is shown" in message
 
@@ -30,7 +31,7 @@ def test_the_start_goes_with_its_motion() -> None:
 @pytest.mark.parametrize("order", [1, 2])
 def test_a_map_has_the_values_and_the_jumps_of_the_map(order: int) -> None:
     state = PageState(order=order)
-    *_, fine = TOY_MODEL.curves(state, fine=True)
+    *_, fine = model.curves(state, fine=True)
     seen = np.isfinite(fine.x) & np.isfinite(fine.y)
     again = return_map(Toy(), fine.x[seen][::50], order).phi_s
     assert np.array_equal(again, fine.y[seen][::50])
@@ -43,22 +44,22 @@ def test_a_map_has_the_values_and_the_jumps_of_the_map(order: int) -> None:
 
 
 def test_a_coarse_map_is_drawn_in_one_go() -> None:
-    (coarse,) = TOY_MODEL.curves(PageState(), fine=False)
+    (coarse,) = model.curves(PageState(), fine=False)
     assert len(coarse.steep) > 5  # it is not told what these are
     assert len(coarse.jumps) == len(coarse.crossings) == 0
 
 
 def test_a_cobweb_is_an_orbit() -> None:
-    orbit = TOY_MODEL.orbit(PageState(phi_s=-1.6, periodic=False, steps=7))
+    orbit = model.orbit(PageState(phi_s=-1.6, periodic=False, steps=7))
     assert len(orbit) == 8
     for before, after in pairwise(orbit):
         assert first_return(Toy(), before).phi_s == after
-    assert len(TOY_MODEL.orbit(PageState(phi_s=FALLS, periodic=False))) == 1
+    assert len(model.orbit(PageState(phi_s=FALLS, periodic=False))) == 1
 
 
 def test_a_motion_says_what_is_closed() -> None:
     orbit = shoot(Toy(), -0.53)
-    motion = TOY_MODEL.motion(PageState(phi_s=orbit.phi_s))
+    motion = model.motion(PageState(phi_s=orbit.phi_s))
     assert " ".join(mark.symbol for mark in motion.marks) == orbit.word
     assert motion.numbers["multiplier"] == pytest.approx(orbit.multiplier, rel=1e-9)
     trajectory = simulate(Toy(), orbit.phi_s, orbit.period)
@@ -76,12 +77,12 @@ def test_a_motion_says_what_is_closed() -> None:
 
 def test_a_free_fall_is_shown_and_said() -> None:
     state = PageState(phi_s=FALLS, periodic=False)
-    motion = TOY_MODEL.motion(state)
+    motion = model.motion(state)
     assert motion.message.startswith("free fall")
     assert motion.t[-1] == 0.4  # s that are shown
 
 
 def test_two_returns_have_two_words() -> None:
-    state, _ = TOY_MODEL.settled(replace(PageState(toy=Toy(eps_n1=0.7)), phi_s=-0.56, order=2))
-    motion = TOY_MODEL.motion(state)
+    state, _ = model.settled(replace(PageState(toy=Toy(eps_n1=0.7)), phi_s=-0.56, order=2))
+    motion = model.motion(state)
     assert sum(mark.symbol.startswith("J2") for mark in motion.marks) == 2

@@ -92,13 +92,13 @@ def test_the_tour_follows_the_figures_of_the_paper() -> None:
 def test_lines_of_python_run(changes: Any) -> None:
     """They are what a page shows: run up to the diagram, which another test has."""
     state = replace(PageState(), **changes)
-    lines = str(python_of(state))
+    lines = python_of(state)
     space: dict[str, Any] = {}
     exec(lines.partition("\ndiagram =")[0], space)
     assert space["motion"].toy == state.toy
     assert len(space["returns"]) == 1000
     assert "diagram = continuation(orbit.toy, orbit, 'eps_n1', (0.0, 1.0))" in lines
-    assert "bifurcation_diagram(toy" in str(python_of(replace(state, every=(1, 2))))
+    assert "bifurcation_diagram(toy" in python_of(replace(state, every=(1, 2)))
 
 
 def test_the_static_page_tells_the_same_tour() -> None:

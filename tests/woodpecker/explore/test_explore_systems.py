@@ -13,10 +13,8 @@ from woodpecker import Toy, shoot
 pytest.importorskip("bokeh")
 pytest.importorskip("heyoka")
 from pwmap.explore.diagrams import shown, summary
-from woodpecker.explore.model import Model
 from woodpecker.explore.system_model import SystemModel, answers, diagram
 from woodpecker.explore.system_state import (
-    SystemState,
     explored,
     first_state,
     from_query,
@@ -66,7 +64,7 @@ def test_the_toy_as_a_system_moves_as_the_toy_does(tmp_path: Path) -> None:
     path = tmp_path / "toy.py"
     path.write_text(TOY, encoding="utf-8")
     given = explored(str(path))
-    model: Model[SystemState] = SystemModel(given)
+    model = SystemModel(given)
     state, message = model.settled(first_state(given))
     assert message == ""
     orbit = shoot(Toy(), -0.53)
