@@ -192,14 +192,14 @@ class SolutionCurve:
         """An orbit as a sample; its tangent points along a direction in scaled unknowns."""
         return Sample(orbit, *tangent(self.problem, orbit, along))
 
-    def advance(self, last: Sample, distance: float, other: Sample | None = None) -> Sample | None:
+    def advance(self, last: Sample, distance: float, before: Sample | None = None) -> Sample | None:
         """The sample at a distance; None if Newton's method leads to none.
 
-        It is predicted along the tangent, or along the cubic through another sample, too.
+        It is predicted along the tangent, or along the cubic through the sample before, too.
         """
         way = distance * last.tangent
-        if other is not None:
-            way = way + self._aside(last, other, distance)
+        if before is not None:
+            way = way + self._bend(before, last, distance)
         if last.orbit.outer is not None and last.orbit.x.shape[1] == 1:
             orbit = self._along_border(last, distance, way)
         else:
@@ -232,22 +232,16 @@ class SolutionCurve:
         found = solve(heads.with_(at_distance), head)
         return completed(found.orbit, last.orbit) if found.converged else None
 
-    def _aside(self, last: Sample, other: Sample, distance: float) -> Floats:
-        """How far the curve lies beside the tangent at a sample, at a distance.
-
-        It is a graph over this tangent: a cubic with the place and the direction of another sample,
-        before or after.
-        """
-        way, cosine = (
-            self.problem.step_between(last.orbit, other.orbit),
-            other.tangent @ last.tangent,
-        )
-        along = float(way @ last.tangent)
-        if not (along and cosine > 0.0):
-            return np.zeros(len(way))
-        part, aside = distance / along, way - along * last.tangent
-        turn = along * (other.tangent / cosine - last.tangent)
-        return np.asarray(part * part * ((3.0 - 2.0 * part) * aside + (part - 1.0) * turn))
+    def _bend(self, a: Sample, b: Sample, distance: float) -> Floats:
+        """What the cubic through two samples adds to the tangent at a distance from the second."""
+        chord = self.problem.step_between(a.orbit, b.orbit)
+        length = float(np.linalg.norm(chord))
+        if length == 0.0:
+            return np.zeros(len(chord))
+        mean, part = chord / length, distance / length
+        cubic = b.tangent + a.tangent - 2.0 * mean
+        square = 2.0 * b.tangent + a.tangent - 3.0 * mean
+        return np.asarray(distance * part * (square + part * cubic))
 
     def bounds(self, orbit: Orbit) -> tuple[Ints, Floats, Floats, list[Stop]]:
         """Which unknowns of an orbit are bounded, by what, and what it is to pass that."""

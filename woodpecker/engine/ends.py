@@ -78,7 +78,7 @@ def asked_before(
     low, high, found = 0.0, ends[0].distance if ends else step, last
     while high - low > LOCATED:  # halved each time
         middle = 0.5 * (low + high)
-        sample = curve.advance(a, middle, b)
+        sample = curve.advance(a, middle)
         if sample is None:
             raise UnclearError
         if asked(sample):
@@ -287,7 +287,7 @@ def _look_for_dips(
             if inside and one.place(code) < 0:
                 raise UnclearError
     for part, margins in dips.items():
-        lowest = curve.advance(a, part * step, b)
+        lowest = curve.advance(a, part * step)
         if lowest is None or any(
             not lowest.orbit.margin(i, code) >= least for i, code, least in margins
         ):
@@ -309,7 +309,7 @@ def _located(
 
     def value(distance: float) -> float:
         if distance not in seen:
-            sample = curve.advance(a, distance, b)
+            sample = curve.advance(a, distance)
             if sample is None:
                 raise ArithmeticError
             seen[distance] = sample, test.value(sample)
@@ -318,7 +318,7 @@ def _located(
     if math.isnan(before):
         raise UnclearError  # it was not there: how it came to be negative is not seen
     try:
-        brentq(value, 0.0, step, xtol=LOCATED, maxiter=ITERATIONS)
+        brentq(value, 0.0, step, xtol=min(LOCATED, CLOSED_IN**2 * step), maxiter=ITERATIONS)
     except (ArithmeticError, RuntimeError, ValueError):  # lost, not converged, nan
         raise UnclearError from None
     distance = min(seen, key=lambda each: abs(seen[each][1]))

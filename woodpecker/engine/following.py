@@ -163,7 +163,7 @@ def follow(
         if end is not None:
             beyond: Sample | None = found
             if len(ends) > 1:
-                beyond = curve.advance(last, 0.5 * (end.distance + ends[1].distance), found)
+                beyond = curve.advance(last, 0.5 * (end.distance + ends[1].distance))
             test = end.test
             return Arc(
                 (*samples, end.sample), test.stop, curve, test.border, beyond, test.condition,
