@@ -12,8 +12,15 @@ import lazy_loader
 _attached, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
+_RENAMED = {"Jump": "Discontinuity", "Piece": "LinearPiece"}
+
+
 def __getattr__(name: str) -> object:
-    """A public name; for one release those, too, that have moved into a room."""
+    """A public name; for one release old ones, too, and those that have moved into a room."""
+    if name in _RENAMED:
+        text = f"pwmap.{name} is deprecated: it is pwmap.{_RENAMED[name]} now"
+        warnings.warn(text, DeprecationWarning, stacklevel=2)
+        return _attached(_RENAMED[name])
     for room in () if name in __all__ or name.startswith("_") else _ROOMS:
         module = import_module(f"{__name__}.{room}")
         if name in module.__all__:

@@ -25,11 +25,11 @@ from .longrun.entropy.constant import constant_entropy as constant_entropy
 from .maps.budget import Budget as Budget
 from .maps.budget import BudgetError as BudgetError
 from .maps.cycles import Cycle as Cycle
+from .maps.diagonal import Discontinuity as Discontinuity
 from .maps.diagonal import FixedInterval as FixedInterval
 from .maps.diagonal import FixedPoint as FixedPoint
-from .maps.diagonal import Jump as Jump
 from .maps.diagonal import JumpCrossing as JumpCrossing
-from .maps.pieces import Piece as Piece
+from .maps.pieces import LinearPiece as LinearPiece
 from .maps.piecewise_linear import PiecewiseLinearMap as PiecewiseLinearMap
 from .parameters.bifurcations import bifurcation_diagram as bifurcation_diagram
 from .parameters.cells import parameter_cells as parameter_cells

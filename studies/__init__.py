@@ -23,6 +23,10 @@ Folders import what stands above them, and scripts beside the folders import any
     the paper's Figures 4 to 12
 ``maps/``
     three maps of the literature
+``systems/``
+    systems of contacts, against what is known of them in closed form, and random ones
+``exact/``
+    what exact maps cost: composition, cycles of high order, crises, entropy, certificates
 ``data/``
     what was read off the paper's figures
 
@@ -44,12 +48,4 @@ and beside them:
     what the continuation engine is worth without each of its mechanisms
 ``benchmark``
     how fast and how exact a return is
-``symbolic``, ``ground_types``
-    how fast exact composition is, against sympy and with python-flint
-``cycles``, ``parameter_plane``
-    what cycles of high order cost, and the plane of both slopes of the skew tent map
-``certificates``
-    what it costs to write and to check certificates of piecewise-linear maps
-``long_run``, ``long_run_pictures``
-    what crises, entropy and densities of piecewise-linear maps cost, and the pictures of their page
 """

@@ -21,6 +21,7 @@ from matplotlib.axes import Axes
 from mpmath import mp, mpf
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, SpecialPoint
+from pwmap.proofs.document import Certificate
 from studies.common.clocks import timed
 from studies.common.motion import GUESS
 from studies.common.record import Results, command
@@ -29,13 +30,12 @@ from studies.peers.reference_mpmath import PAPER
 from studies.peers.reference_mpmath import first_return as reference
 from woodpecker import Toy, bifurcation_diagram, first_return, prove, return_map, shoot
 from woodpecker.checking.certificate import check
+from woodpecker.enclosures.balls import fraction
+from woodpecker.enclosures.following import follow
+from woodpecker.enclosures.forms import precision
+from woodpecker.enclosures.model import BallToy
+from woodpecker.enclosures.taylor import Frame
 from woodpecker.proofs import NotProved
-from woodpecker.proofs.balls import fraction
-from woodpecker.proofs.certificates import Certificate
-from woodpecker.proofs.following import follow
-from woodpecker.proofs.forms import precision
-from woodpecker.proofs.model import BallToy
-from woodpecker.proofs.taylor import Frame
 
 X1, X2 = -0.884773, -0.757787  # where two gaps close at once
 Law = Literal["summed", "separate"]

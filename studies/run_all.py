@@ -26,8 +26,8 @@ from studies.common.record import ROOT, Results, save
 
 STUDIES = {  # the name of each study and of its results, and its module
     "benchmark": "studies.benchmark",
-    "symbolic": "studies.symbolic",
-    "ground_types": "studies.ground_types",
+    "symbolic": "studies.exact.symbolic",
+    "ground_types": "studies.exact.ground_types",
     "peer_moreau": "studies.peers.moreau",
     "peer_siconos": "studies.peers.siconos_peer",
     "peer_pydstool": "studies.peers.pydstool_peer",
@@ -55,11 +55,11 @@ STUDIES = {  # the name of each study and of its results, and its module
     "completeness": "studies.completeness",
     "mechanisms": "studies.mechanisms",
     "proofs": "studies.proofs",
-    "long_run": "studies.long_run",
-    "cycles": "studies.cycles",
-    "parameter_plane": "studies.parameter_plane",
-    "long_run_pictures": "studies.long_run_pictures",
-    "certificates": "studies.certificates",
+    "long_run": "studies.exact.long_run",
+    "cycles": "studies.exact.cycles",
+    "parameter_plane": "studies.exact.parameter_plane",
+    "long_run_pictures": "studies.exact.long_run_pictures",
+    "certificates": "studies.exact.certificates",
     "map_grazing": "studies.maps.grazing",
     "map_bouncing": "studies.maps.bouncing",
     "map_boost": "studies.maps.boost",
@@ -71,6 +71,7 @@ STUDIES = {  # the name of each study and of its results, and its module
     "system_belt": "studies.systems.belt",
     "system_rocking_block": "studies.systems.rocking_block",
     "system_rimless_wheel": "studies.systems.rimless_wheel",
+    "system_random": "studies.systems.random_systems",
 }
 RESULTS = ROOT / "studies" / "results"
 console = Console(stderr=True)

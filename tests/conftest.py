@@ -9,8 +9,10 @@ others, and many more: ``--hypothesis-profile=explore``, or that name in HYPOTHE
 
 import os
 import sys
+from collections.abc import Iterator
 from pathlib import Path
 
+import pytest
 import rounding
 from hypothesis import HealthCheck, settings
 
@@ -28,3 +30,17 @@ settings.register_profile(
     suppress_health_check=[HealthCheck.too_slow],
 )
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "same"))
+
+
+@pytest.fixture(autouse=True)
+def _close() -> Iterator[None]:
+    """No picture of one test is left to the next."""
+    yield
+    if "matplotlib.pyplot" in sys.modules:
+        sys.modules["matplotlib.pyplot"].close("all")
+
+
+@pytest.fixture
+def workers_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Others than the calling process take part from the beginning."""
+    monkeypatch.setattr("woodpecker.base.executors.PATIENCE", 0.0)

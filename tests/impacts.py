@@ -10,7 +10,7 @@ import pytest
 
 from woodpecker.base.compiled import jit
 from woodpecker.mechanics import equations as mechanics
-from woodpecker.mechanics.contact_problems import INDETERMINATE, SOLVED, make_pair
+from woodpecker.mechanics.contact_problems import INDETERMINATE, PAIR_ROOM, SOLVED, Pair
 from woodpecker.mechanics.impacts import carry_out_along, decide
 from woodpecker.mechanics.modes import ANGLE, FIXED, SIGN, model
 from woodpecker.mechanics.toy import ExpansionFriction, Toy
@@ -22,6 +22,13 @@ LAWS = list(ExpansionFriction)
 laws = pytest.mark.parametrize("law", LAWS)
 
 decide, carry_out_along = jit(decide), jit(carry_out_along)  # thousands of calls from here
+
+
+def make_pair() -> Pair:
+    """Room for impacts at two contacts."""
+    pair: Pair = np.zeros(1, dtype=PAIR_ROOM)[0]
+    return pair
+
 
 UNITS = np.array([0.2, 10.0, 10.0])  # of the velocities
 

@@ -16,8 +16,8 @@ import numpy.typing as npt
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.mechanics.modes import model
 from woodpecker.mechanics.toy import Toy
+from woodpecker.motion.codes import EVENT_COLUMNS, NO_PATH, PHASE_COLUMNS
 from woodpecker.simulation import calls
-from woodpecker.simulation.codes import EVENT_COLUMNS, NO_PATH, PHASE_COLUMNS
 from woodpecker.simulation.words import word
 
 ROOT = Path(__file__).parents[1]

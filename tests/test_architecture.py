@@ -76,6 +76,26 @@ def test_folders_have_no_cycle(package: str) -> None:
     assert nx.is_directed_acyclic_graph(graph), nx.find_cycle(graph)
 
 
+MOST = 15  # files of a folder
+HIGHEST = 8  # floors of a folder: files of which each imports the next
+HIGHER = {"woodpecker.engine": 9, "woodpecker.systems": 13}  # still, and no higher
+
+
+@pytest.mark.parametrize("package", PACKAGES)
+def test_folders_are_small_and_low(package: str) -> None:
+    """Without their ``__init__``; floors are counted along the longest chain of imports inside."""
+    graph = imports(package)
+    rooms: dict[str, list[str]] = {}
+    for module in graph:
+        if module.startswith(f"{package}.") and is_file(module):
+            rooms.setdefault(module.rpartition(".")[0], []).append(module)
+    floors = {
+        room: nx.dag_longest_path_length(graph.subgraph(files)) + 1 for room, files in rooms.items()
+    }
+    assert {room: len(files) for room, files in rooms.items() if len(files) > MOST} == {}
+    assert [room for room, high in floors.items() if high > HIGHER.get(room, HIGHEST)] == []
+
+
 def test_pwmap_knows_nothing_of_the_toy() -> None:
     targets = {target for _, target in imports("pwmap").edges}
     assert not [target for target in targets if target.startswith("woodpecker")]
@@ -110,14 +130,11 @@ def test_only_drawing_files_import_matplotlib() -> None:
 
 
 SHARED = {  # class names that stand twice, and why
-    "Attractor": "exact in pwmap, counted from orbits in woodpecker",
-    "Certificate": "what `prove` of either package returns",
     "Image": "of maps of the line, and of R^d",
-    "Jump": "exact in pwmap, numerical in woodpecker",
     "Network": "of maps of the line, and of R^d",
     "Node": "of maps of the line, and of R^d",
     "Orbit": "of maps of the line, and of R^d",
-    "Piece": "exact in pwmap; of maps of the line, and of R^d",
+    "Piece": "of maps of the line, and of R^d",
     "PiecewiseMap": "of maps of the line, and of R^d",
 }
 

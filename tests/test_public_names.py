@@ -51,7 +51,7 @@ ENGINE = {
     "woodpecker.toy_map._ThreadRoom": "what threads do not share",
 }
 # Methods whose one sentence says what they take and give.
-SHORT = {"pwmap.proofs.certificates"}
+SHORT = {"pwmap.proofs.document"}
 POINT = {"x", "p"}  # of a map that is asked for its image: a point and a parameter
 
 

@@ -111,6 +111,13 @@ def test_a_name_that_moved_into_a_room_says_where_it_is() -> None:
             assert getattr(pwmap, name) is getattr(getattr(pwmap, room), name)
 
 
+@pytest.mark.parametrize(("old", "name"), [("Jump", "Discontinuity"), ("Piece", "LinearPiece")])
+def test_a_name_that_changed_says_the_new_one(old: str, name: str) -> None:
+    """For one release."""
+    with pytest.warns(DeprecationWarning, match=rf"pwmap\.{old} is deprecated: .* pwmap\.{name}"):
+        assert getattr(pwmap, old) is getattr(pwmap, name)
+
+
 @pytest.mark.parametrize("name", ["Drawn", "plot_long_run", "plot_plane"])
 def test_files_of_pictures_have_their_old_names_for_one_release(name: str) -> None:
     old = {"Drawn": "plot_drawn", "plot_long_run": "plot_longrun"}.get(name, name)

@@ -20,7 +20,7 @@ _MOVED = {
     "mechanics": "Equilibrium energy free_frequency",
     "plane": "Family PlaneKind PlanePoint PlaneStretch SymbolicFamily ToyFamily "
     "family_from_pwmap family_from_sympy graph_of_curves",
-    "regions": "Attractor Count Region Regions Settles Survey parameter_regions regions_of",
+    "regions": "Count Region Regions Settles Survey parameter_regions regions_of",
     "robustness": "Effect Limit Robustness",
     "search": "BranchState Found Record Seen Stage",
     "simulation": "EnergyBalance Impulse energy_balance",
@@ -29,6 +29,7 @@ _MOVED = {
 }
 _PLACES = {
     **{name: f"{place}.{name}" for place, names in _MOVED.items() for name in names.split()},
+    "Attractor": "regions.SampledAttractor",
     "Trouble": "robustness.SmallestChange",
     "Undecided": "proofs.NotProved",
     "find_all": "diagrams.bifurcation_search",

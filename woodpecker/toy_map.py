@@ -39,8 +39,8 @@ from woodpecker.mechanics.modes import (
     table,
 )
 from woodpecker.mechanics.toy import Toy, known_parameter, limits
+from woodpecker.motion.codes import NO_PATH, RETURNED
 from woodpecker.simulation.calls import compute, sweep
-from woodpecker.simulation.codes import NO_PATH, RETURNED
 from woodpecker.simulation.paths import EVENT_LIMIT, Follower, Path, cause_of
 from woodpecker.simulation.returns import RELATIVE_STEP
 

@@ -9,8 +9,7 @@ from typing import Any, NamedTuple
 
 from pwmap.checking.iterates import CheckedIterate
 from pwmap.checking.lists import period
-from pwmap.checking.places import Number, Place
-from pwmap.checking.polynomials import Poly, Quotient, plus, sign_near, times
+from pwmap.checking.polynomials import Number, Place, Poly, Quotient, plus, sign_near, times
 from pwmap.checking.reading import fields, listed, number, pair, quotient, read_map, shown, whole
 from pwmap.checking.refusing import ORDER, ROWS, STEP, Effort, refuse
 

@@ -7,8 +7,7 @@ from functools import cached_property
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from pwmap.checking.places import Place
-from pwmap.checking.polynomials import Poly, Quotient, plus, power, times
+from pwmap.checking.polynomials import Place, Poly, Quotient, plus, power, times
 from pwmap.checking.refusing import ATOMS, BYTE, OBJECT, Effort, refuse
 
 

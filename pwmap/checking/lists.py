@@ -8,8 +8,7 @@ from fractions import Fraction
 from typing import Any
 
 from pwmap.checking.iterates import CheckedIterate
-from pwmap.checking.places import Number, Place
-from pwmap.checking.polynomials import Quotient, primitive
+from pwmap.checking.polynomials import Number, Place, Quotient, primitive
 from pwmap.checking.reading import canonical, read_map, shown, whole
 from pwmap.checking.refusing import ORDER, Effort, digits, refuse
 

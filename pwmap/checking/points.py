@@ -8,8 +8,7 @@ from typing import Any
 from pwmap.checking.branches import KINDS, ClaimedDiagram, ClaimedEnd
 from pwmap.checking.iterates import CheckedIterate
 from pwmap.checking.lists import COPIES, count
-from pwmap.checking.places import Number
-from pwmap.checking.polynomials import derivative, primitive
+from pwmap.checking.polynomials import Number, derivative, primitive
 from pwmap.checking.reading import canonical, fields, listed, number, shown, whole
 from pwmap.checking.refusing import ROWS, STEP, digits, refuse
 

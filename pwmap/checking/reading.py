@@ -11,8 +11,8 @@ from math import lcm
 from typing import Any
 
 from pwmap.checking.iterates import Map
-from pwmap.checking.places import Number
 from pwmap.checking.polynomials import (
+    Number,
     Poly,
     Quotient,
     multiplying,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import signal
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -22,6 +21,7 @@ from pwmap.cli.screen import (
     INTERRUPTED,
     Formats,
     bar_on,
+    command_line,
     complain,
     in_paragraphs,
     picture_format,
@@ -42,34 +42,7 @@ if TYPE_CHECKING:  # help and refusals come before what computes is loaded
     from pwmap.diagrams.files import PictureFormat
     from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
-app = typer.Typer(
-    help="Exact analysis of piecewise-linear discontinuous maps of the line.",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-    context_settings={"help_option_names": ["-h", "--help"]},
-)
-
-
-def _tell_version(asked: bool) -> None:
-    if asked:
-        from pwmap import __version__
-
-        say(f"pwmap {__version__}")
-        raise typer.Exit
-
-
-@app.callback()
-def _before(
-    _: Annotated[
-        bool,
-        typer.Option(
-            "--version", help="Print the version and leave.", callback=_tell_version, is_eager=True
-        ),
-    ] = False,
-) -> None:
-    """Exact analysis of piecewise-linear discontinuous maps of the line."""
-    os.environ["MPLBACKEND"] = "Agg"  # draw into files only, said before matplotlib is loaded
+app = command_line("pwmap", "Exact analysis of piecewise-linear discontinuous maps of the line.")
 
 
 Varied = Annotated[str, typer.Option(help="The parameter to vary.")]

@@ -12,7 +12,7 @@ from rich.table import Table
 
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import PictureFormat, write_figure, write_table
-from pwmap.longrun.bands import with_attractors
+from pwmap.longrun.crises.bands import with_attractors
 from pwmap.longrun.crises.diagram import AttractorDiagram, attractor_diagram
 from pwmap.longrun.dynamics import Dynamics, dynamics
 from pwmap.longrun.entropy.constant import constant_entropy

@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from enum import StrEnum
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -216,6 +217,33 @@ def tell_written(folder: Path, names: Sequence[str], gone: Sequence[str] = ()) -
     say("wrote " + ", ".join(str(folder / name) for name in names))
     if gone:
         say("removed what an earlier run wrote: " + ", ".join(gone))
+
+
+def command_line(package: str, text: str) -> typer.Typer:
+    """A command, still without any of its own, that says its version and draws into files only."""
+    app = typer.Typer(
+        help=text,
+        no_args_is_help=True,
+        add_completion=False,
+        pretty_exceptions_enable=False,
+        rich_markup_mode="rich",
+        context_settings={"help_option_names": ["-h", "--help"]},
+    )
+
+    def tell(asked: bool) -> None:
+        if asked:
+            say(f"{package} {import_module(package).__version__}")
+            raise typer.Exit
+
+    version = typer.Option(
+        False, "--version", help="Print the version and leave.", callback=tell, is_eager=True
+    )
+
+    @app.callback(help=text)
+    def before(_: bool = version) -> None:
+        os.environ["MPLBACKEND"] = "Agg"  # said before matplotlib is loaded
+
+    return app
 
 
 def in_paragraphs(app: typer.Typer) -> None:

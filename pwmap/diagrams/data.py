@@ -11,7 +11,7 @@ from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -42,7 +42,24 @@ class BranchKind(StrEnum):
     BAND = "band"
 
 
-class PointKind(StrEnum):
+class Coded(StrEnum):
+    """A closed set of codes, each with a phrase; a member is written as its code and the phrase."""
+
+    _value_: str
+    meaning: str  #: One phrase that says what it is.
+
+    def __new__(cls, code: str, meaning: str = "") -> Self:  # noqa: D102
+        own = str.__new__(cls, code)
+        own._value_, own.meaning = code, meaning
+        return own
+
+    @property
+    def label(self) -> str:
+        """A name for a legend or a table."""
+        return self.meaning.partition(":")[0]
+
+
+class PointKind(Coded):
     """What ends or marks branches; the value is the code used in tables and graphs.
 
     Examples
@@ -56,45 +73,20 @@ class PointKind(StrEnum):
     FF border-collision fold-flip
     """
 
-    LP = "LP"
-    PD = "PD"
-    NS = "NS"
-    BP = "BP"
-    BC = "BC"
-    FF = "FF"
-    FALL = "FALL"
-    EP = "EP"
-    MC = "MC"
-    XC = "XC"
-    FC = "FC"
-
-    @property
-    def meaning(self) -> str:
-        """One phrase that says what it is."""
-        return _MEANINGS[self.value]
-
-    @property
-    def label(self) -> str:
-        """A name for a legend or a table."""
-        return _MEANINGS[self.value].partition(":")[0]
+    LP = "LP", "fold: multiplier +1"
+    PD = "PD", "flip: multiplier -1"
+    NS = "NS", "Neimark-Sacker: a pair of multipliers on the unit circle"
+    BP = "BP", "branch point: multiplier +1, two branches cross"
+    BC = "BC", "border collision: a fixed point meets a jump, a kink or a grazing"
+    FF = "FF", "border-collision fold-flip: it also starts a jump branch of the second iterate"
+    FALL = "FALL", "free fall: the return is lost"
+    EP = "EP", "end point: end of the parameter span or of the window"
+    MC = "MC", "merging crisis: bands of a chaotic attractor meet in a repelling cycle"
+    XC = "XC", "expansion crisis: a chaotic attractor becomes larger at once (interior crisis)"
+    FC = "FC", "final crisis: a chaotic attractor is lost (boundary crisis)"
 
 
-_MEANINGS = {
-    "LP": "fold: multiplier +1",
-    "PD": "flip: multiplier -1",
-    "NS": "Neimark-Sacker: a pair of multipliers on the unit circle",
-    "BP": "branch point: multiplier +1, two branches cross",
-    "BC": "border collision: a fixed point meets a jump, a kink or a grazing",
-    "FF": "border-collision fold-flip: it also starts a jump branch of the second iterate",
-    "FALL": "free fall: the return is lost",
-    "EP": "end point: end of the parameter span or of the window",
-    "MC": "merging crisis: bands of a chaotic attractor meet in a repelling cycle",
-    "XC": "expansion crisis: a chaotic attractor becomes larger at once (interior crisis)",
-    "FC": "final crisis: a chaotic attractor is lost (boundary crisis)",
-}
-
-
-class PointStatus(StrEnum):
+class PointStatus(Coded):
     """How well the place of a special point is known.
 
     Examples
@@ -104,19 +96,8 @@ class PointStatus(StrEnum):
     [('LOCATED', 'located'), ('OPEN', 'open')]
     """
 
-    LOCATED = "located"
-    OPEN = "open"
-
-    @property
-    def meaning(self) -> str:
-        """One phrase that says what it is."""
-        return _STATUSES[self.value]
-
-
-_STATUSES = {
-    "located": "it solves the equations of what it is, as closely as its precision says",
-    "open": "a branch was given up here: how it goes on is not known",
-}
+    LOCATED = "located", "it solves the equations of what it is, as closely as its precision says"
+    OPEN = "open", "a branch was given up here: how it goes on is not known"
 
 
 def _locked(values: Sequence[float] | FloatArray, dtype: type) -> npt.NDArray[np.generic]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import Any, TypeVar
@@ -225,8 +225,3 @@ def numbers(values: object, names: Sequence[str]) -> dict[str, float]:
         if isinstance(value, bool) or not isinstance(value, int | float) or value != value:
             raise ValueError(f"{name} must be a number, got {str(value)[:40]!r}")
     return {name: float(value) for name, value in values.items()}
-
-
-def as_table(controls: Sequence[Control]) -> list[dict[str, Any]]:
-    """Controls for a template."""
-    return [asdict(control) for control in controls]

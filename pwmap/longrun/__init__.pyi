@@ -1,8 +1,8 @@
 """What orbits do in the long run: attractors, basins, densities, entropy, and how they change."""
 
 from .attractors import Bands as Bands
-from .bands import with_attractors as with_attractors
 from .basins import WholeBasin as WholeBasin
+from .crises.bands import with_attractors as with_attractors
 from .crises.diagram import AttractorCell as AttractorCell
 from .crises.diagram import AttractorDiagram as AttractorDiagram
 from .crises.diagram import Crisis as Crisis

@@ -79,7 +79,7 @@ class FixedInterval:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Jump:
+class Discontinuity:
     """A discontinuity: the one-sided limits, and the value at the point itself.
 
     Examples
@@ -88,7 +88,7 @@ class Jump:
     >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
     >>> jump, = p1.jumps()
     >>> jump
-    Jump(x=0, left=-1, value=-1, right=1)
+    Discontinuity(x=0, left=-1, value=-1, right=1)
     """
 
     x: sympy.Expr
@@ -154,7 +154,7 @@ def _slot(map_: Decided, layout: Layout, point: Fraction_) -> int:
 # --- Jumps ----------------------------------------------------------------------------------------
 
 
-def jumps(map_: Decided) -> Iterator[Jump]:
+def jumps(map_: Decided) -> Iterator[Discontinuity]:
     """All discontinuities, from left to right."""
     value = map_.orbits.value
     for before, left, right, after in _neighbours(map_.cylinders):
@@ -165,7 +165,7 @@ def jumps(map_: Decided) -> Iterator[Jump]:
         if not all(map_.is_zero(a * d - c * b) for (a, b), (c, d) in pairwise(limits)):
             values = [quotient_to_sympy(limit) for limit in limits]
             x = map_.cut_to_sympy(right.word, cut)
-            yield Jump(x=x, left=values[0], value=values[1], right=values[2])
+            yield Discontinuity(x=x, left=values[0], value=values[1], right=values[2])
 
 
 def _neighbours(

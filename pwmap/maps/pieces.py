@@ -14,7 +14,7 @@ from pwmap.maps.decided import Decided
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Piece:
+class LinearPiece:
     """One affine piece of a map: ``slope x + intercept`` on an interval or at a point.
 
     The exact values are computed when they are asked for.
@@ -110,20 +110,20 @@ class Piece:
 
     def __repr__(self) -> str:
         """The same in brackets."""
-        return f"<Piece {self}>"
+        return f"<LinearPiece {self}>"
 
 
 def _less(closed: bool) -> str:
     return "<=" if closed else "<"
 
 
-def columns_of(pieces: Sequence[Piece]) -> dict[str, Column]:
+def columns_of(pieces: Sequence[LinearPiece]) -> dict[str, Column]:
     """Columns of a table with a row for each piece."""
     names = ("word", "slope", "intercept", "lower", "upper", "lower_closed", "upper_closed")
     return {name: [getattr(piece, name) for piece in pieces] for name in names}
 
 
-def lines_of(pieces: Sequence[Piece]) -> str:
+def lines_of(pieces: Sequence[LinearPiece]) -> str:
     """One line for each piece: its word, formula and domain."""
     rows = [(p.word, str(p.expression), p.condition()) for p in pieces]
     widths = [max(len(row[i]) for row in rows) for i in range(2)]
@@ -133,7 +133,7 @@ def lines_of(pieces: Sequence[Piece]) -> str:
     )
 
 
-def latex_of(pieces: Sequence[Piece], order: int) -> str:
+def latex_of(pieces: Sequence[LinearPiece], order: int) -> str:
     """The iterate of an order as a formula of LaTeX."""
     rows = (
         rf"{sympy.latex(p.expression)} & {sympy.latex(p.relation)} & \text{{{p.word}}}"

@@ -17,8 +17,8 @@ from pwmap.maps.budget import checked_size
 from pwmap.maps.cycles import Cycle, cycle_of
 from pwmap.maps.cylinders import Cylinder
 from pwmap.maps.decided import Chain, Decided, as_written, composed, with_values
-from pwmap.maps.diagonal import FixedInterval, FixedPoint, Jump, JumpCrossing
-from pwmap.maps.pieces import Piece, columns_of, latex_of, lines_of
+from pwmap.maps.diagonal import Discontinuity, FixedInterval, FixedPoint, JumpCrossing
+from pwmap.maps.pieces import LinearPiece, columns_of, latex_of, lines_of
 from pwmap.maps.reading import Definition, read, read_formula
 from pwmap.maps.scopes import Scope
 from pwmap.maps.words import Orbits, SignOracle, Word, first_turn
@@ -187,9 +187,9 @@ class PiecewiseLinearMap:
         return self._map.cylinders
 
     @cached_property
-    def pieces(self) -> tuple[Piece, ...]:
+    def pieces(self) -> tuple[LinearPiece, ...]:
         """The affine pieces from left to right; they partition the line."""
-        return tuple(Piece(cylinder, self._map) for cylinder in self.cylinders)
+        return tuple(LinearPiece(cylinder, self._map) for cylinder in self.cylinders)
 
     def spelled(self, word: Word) -> str:
         """A word in letters.
@@ -338,7 +338,7 @@ class PiecewiseLinearMap:
         _, value = diagonal.followed(self._map, x, 1 if side == "+" else -1)
         return fraction_to_sympy(value)
 
-    def jumps(self) -> tuple[Jump, ...]:
+    def jumps(self) -> tuple[Discontinuity, ...]:
         """All discontinuities, from left to right: where the limits differ as formulas.
 
         These may still agree for single values of the parameters.

@@ -131,13 +131,18 @@ class NumberCell(CellScope):
 
 
 @dataclass(frozen=True, slots=True)
-class SymbolicInterval(CellScope):
-    """An open cell of one parameter where others stay symbolic.
+class SymbolicCell(CellScope):
+    """An open cell of one parameter where others stay symbolic, or one value of it.
 
     Attributes
     ----------
     region
-        Its bounds, and what is assumed of the others, as inequalities.
+        What is assumed of the others and, of an open cell, its bounds, as inequalities.
+    low, high
+        Its ends; of one value both are that.
+    value
+        Numerator and denominator of the one value; the denominator has one sign. None if it is
+        open.
     """
 
     symbol: sympy.Symbol
@@ -145,53 +150,22 @@ class SymbolicInterval(CellScope):
     low: sympy.Expr
     high: sympy.Expr
     orders: Orders = field(compare=False)
-
-    @property
-    def constraints(self) -> tuple[Constraint, ...]:
-        """The bounds, and what is assumed of the others."""
-        return self.region.constraints
-
-    def _sign(self, polynomial: Number) -> int | None:
-        return _sign_in(self.region, polynomial)
-
-    def _holds(self, values: Mapping[str, Number]) -> bool:
-        return self.region.contains(values) is None
-
-    def __str__(self) -> str:
-        return between(self.low, self.symbol, self.high)
-
-
-@dataclass(frozen=True, slots=True)
-class SymbolicEdge(CellScope):
-    """A value of one parameter that is a quotient of polynomials in the others.
-
-    Attributes
-    ----------
-    value
-        Numerator and denominator; the denominator has one sign.
-    region
-        What is assumed of the others.
-    """
-
-    symbol: sympy.Symbol
-    value: Fraction_
-    region: AssumedRegion
-    orders: Orders = field(compare=False)
+    value: Fraction_ | None = None
 
     @property
     def is_edge(self) -> bool:
-        """It is one value, whatever those of the others."""
-        return True
+        """Whether it is one value, whatever those of the others."""
+        return self.value is not None
 
     @property
     def constraints(self) -> tuple[Constraint, ...]:
-        """The equality as two inequalities, and what is assumed of the others."""
-        both = (Constraint(side * self._line, False) for side in (1, -1))
-        return (*self.region.constraints, *both)
+        """Those of the region; one value is two inequalities more."""
+        sides = () if self.value is None else (1, -1)
+        return (*self.region.constraints, *(Constraint(s * self._line(), False) for s in sides))
 
-    @property
     def _line(self) -> Number:
-        """The polynomial of degree one that is zero on it."""
+        """The polynomial of degree one that is zero at the one value."""
+        assert self.value is not None
         top, bottom = self.value
         return self.region.ring.gens[self._index] * bottom - top
 
@@ -200,17 +174,24 @@ class SymbolicEdge(CellScope):
         return names_of(self.region.ring).index(str(self.symbol))
 
     def _sign(self, polynomial: Number) -> int | None:
-        """Put the value for the parameter; the rest must have one sign for all others."""
-        found = _sign_in(self.region, at_root_of(polynomial, self._line, self._index))
+        """The sign that the inequalities prove, with the one value put for the parameter."""
+        if self.value is None:
+            return _sign_in(self.region, polynomial)
+        found = _sign_in(self.region, at_root_of(polynomial, self._line(), self._index))
         if found is None:
             return None
         return found * int(self.region.sign(self.value[1]) ** degree_in(polynomial, self._index))
 
     def _holds(self, values: Mapping[str, Number]) -> bool:
-        return AssumedRegion(self.region.ring, self.constraints).contains(values) is None
+        whole = self.region
+        if self.value is not None:
+            whole = AssumedRegion(whole.ring, self.constraints)
+        return whole.contains(values) is None
 
     def __str__(self) -> str:
-        return f"{self.symbol} = {fraction_to_sympy(self.value)}"
+        if self.value is not None:
+            return f"{self.symbol} = {fraction_to_sympy(self.value)}"
+        return between(self.low, self.symbol, self.high)
 
 
 def _sign_in(region: AssumedRegion, polynomial: Number) -> int | None:

@@ -8,23 +8,19 @@ records which polynomials in these must keep their signs for that to hold.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections import defaultdict
 from collections.abc import Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass
-from functools import cached_property, lru_cache, total_ordering
-from itertools import pairwise
+from functools import cached_property, lru_cache
 from typing import Any
 
 import sympy
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.assumptions import AssumedRegion
 from pwmap.algebra.bivariate import divides
 from pwmap.algebra.exact import (
     Fraction_,
-    Infinite,
     Number,
     degree_in,
     dense,
@@ -50,7 +46,7 @@ from pwmap.algebra.roots import (
     value_at,
 )
 from pwmap.maps.reading import Definition
-from pwmap.maps.scopes import NumberCell, Scope, SymbolicEdge, SymbolicInterval
+from pwmap.maps.scopes import NumberCell, Scope
 from pwmap.maps.words import Decision, Orbits, SignOracle, in_integers
 
 INFINITE = "infinite"
@@ -64,38 +60,6 @@ class DegreeError(ValueError):
     """A polynomial is of a higher degree in the parameter of the axis than one."""
 
 
-@total_ordering
-@dataclass(frozen=True, eq=False)
-class Threshold:
-    """A value of the parameter that is a quotient of polynomials in several others.
-
-    Attributes
-    ----------
-    value
-        Its value at the sample of the other parameters.
-    top, bottom
-        Polynomials in the others of which it is the quotient, not in lowest terms.
-    """
-
-    value: Number
-    top: PolyElement
-    bottom: PolyElement
-
-    @cached_property
-    def expr(self) -> Any:
-        """The quotient in lowest terms."""
-        return self.top.ring.to_field().new(self.top, self.bottom)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Threshold) and self.value == other.value
-
-    def __hash__(self) -> int:
-        return hash(self.value)
-
-    def __lt__(self, other: Threshold) -> bool:
-        return bool(self.value < other.value)
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class ValueAt:
     """A quotient of polynomials at a place, where other parameters stay symbolic.
@@ -107,19 +71,19 @@ class ValueAt:
     top, bottom
         The polynomials, not in lowest terms.
     factor
-        The polynomial that is zero at the place; None if only the other parameters are left.
+        The polynomial that is zero at the place.
     """
 
     value: Any
     top: PolyElement
     bottom: PolyElement
-    factor: PolyElement | None = None
+    factor: PolyElement
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, ValueAt) or self.value != other.value:
             return False
         rest = self.top * other.bottom - other.top * self.bottom
-        return not rest if self.factor is None else divides(self.factor, rest)
+        return divides(self.factor, rest)
 
     def __hash__(self) -> int:
         return hash(self.value)
@@ -127,12 +91,9 @@ class ValueAt:
 
 def identical(first: Any, second: Any) -> bool:
     """Whether two equal places stay equal for other values of the symbolic parameters."""
-    match first:
-        case Root():
-            return bool(first.factor == second.factor and first.number == second.number)
-        case Threshold():
-            return bool(first.top * second.bottom == second.top * first.bottom)
-    return True
+    if not isinstance(first, Root):
+        return True
+    return bool(first.factor == second.factor and first.number == second.number)
 
 
 class Axis(ABC):
@@ -355,70 +316,6 @@ class RationalAxis(Axis):
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
         return NumberCell(self.definition.ring.symbols[0], low, high, orders)
-
-
-class RecordedAxis(Axis):
-    """An axis beside other parameters, which records what is asked of these."""
-
-    def real(self, place: Any) -> Real:
-        return place.value
-
-    def closing(self, places: Sequence[Any], decided: Iterable[Decision]) -> None:
-        """Record that all roots keep their order inside the places, and stay outside them."""
-        if not places:
-            return
-        for decision in decided:
-            self.roots(decision)
-        low, high = places[0], places[-1]
-        known = self._known()
-        inside: dict[Any, Any] = {}
-        for place in (*places, *known):
-            if low <= place <= high and not identical(inside.setdefault(place, place), place):
-                raise ResampleError
-        pairs = list(pairwise(sorted(inside)))
-        pairs += [(place, low) for place in known if place < low]
-        pairs += [(high, place) for place in known if high < place]
-        for left, right in pairs:
-            self._keep_order(left, right)
-
-    def _known(self) -> list[Any]:
-        """All roots that were found, each once; equal ones only if they are not the same."""
-        found: list[Any] = []
-        known: dict[Any, list[Any]] = defaultdict(list)
-        for roots in self._roots.values():
-            for root in roots or ():
-                if not any(identical(root, other) for other in known[root]):
-                    known[root].append(root)
-                    found.append(root)
-        return found
-
-    @abstractmethod
-    def _keep_order(self, left: Any, right: Any) -> None:
-        """Record that two places must not meet."""
-
-    def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
-        ring, symbol = self.definition.ring, self.definition.ring.symbols[self.index]
-        if low is high:
-            return SymbolicEdge(
-                symbol, self._quotient(low), AssumedRegion(ring, self._assumed), orders
-            )
-        limits = [*self._assumed]
-        for side, end in ((1, low), (-1, high)):
-            if not isinstance(end, Infinite):
-                top, bottom = self._quotient(end)
-                sense = side * sign(evaluate(bottom, self.sample, None))
-                limits.append(Constraint(sense * (self.identity[0] * bottom - top), True))
-        ends = self.to_sympy(low), self.to_sympy(high)
-        return SymbolicInterval(symbol, AssumedRegion(ring, tuple(limits)), *ends, orders)
-
-    @abstractmethod
-    def _quotient(self, place: Any) -> Fraction_:
-        """Numerator and denominator of a place in the ring of all parameters."""
-
-    @property
-    @abstractmethod
-    def _assumed(self) -> tuple[Constraint, ...]:
-        """What holds of the other parameters, when all was decided."""
 
 
 def quotient_at(top: Dense, bottom: Dense, value: Real) -> Any:

@@ -44,9 +44,9 @@ from pwmap.parameters.admitted import (
     samples,
     shown_sample,
 )
-from pwmap.parameters.axes import axis_of
 from pwmap.parameters.axis import Axis, ResampleError, identical
 from pwmap.parameters.persistence import Answers
+from pwmap.parameters.recorded import axis_of
 from pwmap.parameters.results import ParameterCell, ParameterCells
 
 Result = TypeVar("Result")

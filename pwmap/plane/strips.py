@@ -15,7 +15,7 @@ from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.axis import Axis, ResampleError
 from pwmap.parameters.cells import Cell, merged, shown_cells, with_cells
-from pwmap.parameters.column import ColumnAxis
+from pwmap.parameters.recorded import RecordedAxis
 from pwmap.parameters.results import ParameterCells
 from pwmap.plane.marks import PlaneMark, marks
 
@@ -139,7 +139,7 @@ class Rectangle:
         )
 
     def _built(self, axis: Axis, cells: list[Cell]) -> Strip:
-        assert isinstance(axis, ColumnAxis)
+        assert isinstance(axis, RecordedAxis)
         inner = cells[1 if cells[0].is_edge else 0 : -1 if cells[-1].is_edge else None]
         kept = merged(inner)
         return Strip(

@@ -17,7 +17,7 @@ from sympy import QQ
 from pwmap.algebra.roots import simplest_between
 from pwmap.diagrams.data import FloatArray, PointKind
 from pwmap.diagrams.diagram import Diagram
-from pwmap.longrun.bands import check_parameter, to_ends
+from pwmap.longrun.crises.bands import check_parameter, to_ends
 from pwmap.longrun.crises.diagram import AttractorDiagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
 from pwmap.longrun.entropy.constant import constant_entropy

@@ -1,7 +1,7 @@
 """One colour for each period, in cells, rasters, diagrams and orbits alike.
 
 Any two of them can be told apart in grey print, by a lightness L* that differs by six or more, and
-by eyes that lack one kind of cone; ``tests/pwmap/test_palette.py`` measures both.
+by eyes that lack one kind of cone; ``tests/pwmap/plot/test_palette.py`` measures both.
 """
 
 from __future__ import annotations

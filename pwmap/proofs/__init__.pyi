@@ -1,6 +1,6 @@
 """Certificates of what pwmap found, and who checks them."""
 
-from .certificates import Certificate as Certificate
 from .certificates import Refused as Refused
 from .certificates import check_certificate as check_certificate
 from .certificates import prove as prove
+from .document import Certificate as Certificate

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from fractions import Fraction
 from itertools import pairwise
-from pathlib import Path
 from typing import Any, NoReturn
 
 import sympy
@@ -29,62 +26,20 @@ from pwmap.algebra.roots import (
 from pwmap.checking import branches, certificate, points
 from pwmap.checking import check_certificate as check_certificate
 from pwmap.checking.iterates import CheckedIterate, Map
-from pwmap.checking.places import Number as CheckedNumber
-from pwmap.checking.places import Place
-from pwmap.checking.polynomials import Poly, primitive
+from pwmap.checking.polynomials import Number as CheckedNumber
+from pwmap.checking.polynomials import Place, Poly, primitive
 from pwmap.checking.reading import number, read_map
 from pwmap.checking.refusing import Effort
 from pwmap.checking.refusing import Refused as Refused
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.files import write_whole
 from pwmap.diagrams.slices import real
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import Table
+from pwmap.proofs.document import Certificate
 
 Row = dict[str, Any]
 CERTIFIED = (PointKind.BC, PointKind.FF, PointKind.PD, PointKind.LP)
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Certificate:
-    """A statement on a map, with all that it takes to verify it.
-
-    Attributes
-    ----------
-    statement
-        What :func:`pwmap.check_certificate` says of its file.
-    content
-        All of it, as it is written.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, prove
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
-    >>> certificate = prove(p1)
-    >>> print(certificate.statement[:58])
-    For the map with the pieces L: -1 for x <= 0; R: -5/4 x +
-    >>> len(certificate.content["fixed points"])
-    2
-    >>> certificate.save("map.json").name
-    'map.json'
-    """
-
-    statement: str
-    content: Mapping[str, Any]
-
-    def save(self, path: str | Path) -> Path:
-        """Write it as JSON; the file is there whole or not at all."""
-        lines = [f"{json.dumps(name)}: {_lines(value)}" for name, value in self.content.items()]
-        write_whole(Path(path), ("{\n" + ",\n".join(lines) + "\n}\n").encode("ascii"))
-        return Path(path)
-
-
-def _lines(value: object) -> str:
-    """JSON with a line for each entry of a list."""
-    if not isinstance(value, list) or not value:
-        return json.dumps(value)
-    return "[\n  " + ",\n  ".join(map(json.dumps, value)) + "\n]"
 
 
 def prove(
@@ -144,7 +99,8 @@ def _sealed(content: Row) -> Certificate:
     except Refused as error:
         _fail(str(error))
     content["seal"] = certificate.seal_of(content)
-    return Certificate(certificate.check(content), content)
+    certificate.check(content)
+    return Certificate(content)
 
 
 def _fail(reason: str) -> NoReturn:

@@ -13,11 +13,11 @@ from flint import arb
 
 from studies.peers.peer import LostError
 from woodpecker import Toy, prove, shoot
+from woodpecker.enclosures.following import follow
+from woodpecker.enclosures.forms import precision
+from woodpecker.enclosures.model import BallToy
+from woodpecker.enclosures.taylor import Frame
 from woodpecker.proofs import NotProved
-from woodpecker.proofs.following import follow
-from woodpecker.proofs.forms import precision
-from woodpecker.proofs.model import BallToy
-from woodpecker.proofs.taylor import Frame
 
 
 class Enclosed(NamedTuple):

@@ -62,7 +62,7 @@ from woodpecker.mechanics.equations import (
     tangential_directions,
 )
 from woodpecker.mechanics.modes import ANGLE, SIGN
-from woodpecker.simulation.codes import DETACH, IMPACT, REVERSAL, SLIP_START, STICK_START
+from woodpecker.motion.codes import DETACH, IMPACT, REVERSAL, SLIP_START, STICK_START
 from woodpecker.simulation.words import word
 
 SchemeName = Literal["theta", "midpoint"]

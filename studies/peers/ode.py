@@ -43,10 +43,10 @@ from woodpecker.mechanics.modes import (
     mode_index,
     model,
 )
-from woodpecker.simulation.arriving import arrive
-from woodpecker.simulation.codes import make_room
-from woodpecker.simulation.events import force_guard
-from woodpecker.simulation.flow import measure
+from woodpecker.motion.arriving import arrive
+from woodpecker.motion.codes import make_room
+from woodpecker.motion.events import force_guard
+from woodpecker.motion.flow import measure
 from woodpecker.simulation.words import word
 
 PHI_S = -0.52947197  # the nominal cycle at eps_N1 = 0.5, to eight digits
@@ -74,7 +74,7 @@ def first_return_ode(
     """Start at rest on the section and follow the toy for one return with ``solve_ivp``.
 
     At an event the project's contact problem is solved
-    (:func:`woodpecker.simulation.arriving.arrive`) and the integration starts anew in the next
+    (:func:`woodpecker.motion.arriving.arrive`) and the integration starts anew in the next
     mode. The guard that has just fired is zero there, some of its derivatives may be too, and
     ``solve_ivp`` compares only the signs at both ends of a step: it would fire again at once, or
     not, as rounding has it. So every phase begins with one Taylor step of third order over 1e-6 s,

@@ -18,7 +18,7 @@ from studies.reductions.plan import Plan
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import jit
 from woodpecker.mechanics.modes import A, B
-from woodpecker.simulation.flow import flow
+from woodpecker.motion.flow import flow
 
 TABLEAU = (np.array(DOP853.A), np.array(DOP853.B))  # of order 8, as in scipy
 SMOOTH_TARGET = 1e-10  # rad; error at which integration is compared with the closed form

@@ -17,9 +17,9 @@ from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import jit
 from woodpecker.mechanics import free_frequency
 from woodpecker.mechanics.modes import GUARDS, KAPPA, OMEGA, SECTION, mode_states
-from woodpecker.simulation.events import next_event, starting_jet, time_to_minimum
-from woodpecker.simulation.flow import measure
-from woodpecker.simulation.guards import bracketed, value
+from woodpecker.motion.events import next_event, starting_jet, time_to_minimum
+from woodpecker.motion.flow import measure
+from woodpecker.motion.guards import bracketed, value
 
 SAME_TIME = 1e-9  # s; events further apart are different ones
 LONGEST = 0.5  # s; phases next to free fall last for seconds and only make sampling dearer

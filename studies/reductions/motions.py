@@ -24,10 +24,10 @@ from woodpecker.mechanics.modes import (
     mode_states,
     model,
 )
+from woodpecker.motion.codes import EVENT_COLUMNS, IMPACT, NO_PATH, PHASE_COLUMNS
+from woodpecker.motion.events import next_event
+from woodpecker.motion.flow import measure
 from woodpecker.simulation import calls
-from woodpecker.simulation.codes import EVENT_COLUMNS, IMPACT, NO_PATH, PHASE_COLUMNS
-from woodpecker.simulation.events import next_event
-from woodpecker.simulation.flow import measure
 
 EVENTS = 60  # room for one return
 HALVINGS = 40  # of a distance of starts, down to 1e-14 rad

@@ -18,9 +18,9 @@ from woodpecker import Toy
 from woodpecker.base.arrays import Floats
 from woodpecker.mechanics.impacts import rates
 from woodpecker.mechanics.modes import CONTACT, FIXED, model
+from woodpecker.motion.codes import EVENT_COLUMNS, NO_PATH, PHASE_COLUMNS
 from woodpecker.simulation import calls
 from woodpecker.simulation.calls import sweep
-from woodpecker.simulation.codes import EVENT_COLUMNS, NO_PATH, PHASE_COLUMNS
 
 QUOTIENT = 1e-7  # rad, rad/s, m/s; of difference quotients: noise 1e-15 and curvature 1e3 balance
 CONVERGED = 1e-12  # rad; both ways end at a residual below it

@@ -9,7 +9,6 @@ the general method says again what the closed-form kernel says, and how long bot
 
 from __future__ import annotations
 
-import time
 from dataclasses import asdict
 from pathlib import Path
 
@@ -18,6 +17,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from sympy import Matrix, symbols
 
+from studies.common.clocks import clocked, over, race, repeated
 from studies.common.record import Results, command
 from studies.common.style import GREY, RED, WIDTH, grid, keep
 from woodpecker import Toy
@@ -27,6 +27,7 @@ from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, retur
 
 NAMES = "beak", "lower edge", "upper edge"
 HORIZON = 20.0  # s of one return
+ROUNDS = 5
 
 
 def system_of(toy: Toy) -> tuple[ContactSystem, Section]:
@@ -100,19 +101,20 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     -------
     dict
         ``returns``, ``same_words``, ``largest_difference`` [rad] over 1 + the slope, and ``ratio``
-        of the times of one return.
+        of the CPU times of one return, the median of some rounds.
     """
     count = 60 if fast else 1000
     toy = Toy(eps_n1=0.5)
     x = np.linspace(-2.5, -0.24, count + 1)[:-1] + 0.00113
     map_ = map_of(toy)
-    return_map(map_, x)  # compiles modes
-    kernel_map(toy, x)
-    start = time.perf_counter()
-    kernel = kernel_map(toy, x)
-    middle = time.perf_counter()
-    general = return_map(map_, x)
-    end = time.perf_counter()
+    kernel, general = kernel_map(toy, x), return_map(map_, x)  # compile both
+    times = race(
+        {
+            "kernel": repeated(lambda: kernel_map(toy, x)),
+            "general": clocked(lambda: return_map(map_, x)),
+        },
+        rounds=ROUNDS,
+    )
     same = [one == other for one, other in zip(kernel.words, general.words, strict=True)]
     away = np.abs(kernel.phi_s - general.images[:, 0]) / (1.0 + np.abs(kernel.slope))
     if out is not None:
@@ -121,7 +123,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         "returns": count,
         "same_words": int(sum(same)),
         "largest_difference": float(np.nanmax(away)),
-        "ratio": (end - middle) / (middle - start),
+        "ratio": over(times, "general", "kernel"),
     }
 
 

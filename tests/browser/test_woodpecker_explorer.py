@@ -12,6 +12,7 @@ from urllib.request import urlopen
 import numpy as np
 import pytest
 from explored import Seen, Served, served, until
+from processes import is_running
 
 from woodpecker import Toy, continuation, first_return, return_map, shoot, simulate
 
@@ -516,7 +517,7 @@ def test_it_ends_with_its_last_page_and_with_ctrl_c(chromium: Any) -> None:
     children = _children(stopped.process.pid)
     assert children
     stopped.end(signal.SIGINT)
-    until(lambda: not any(_alive(child) for child in children), 10)
+    until(lambda: not any(is_running(child) for child in children), 10)
     seen.page.close()
 
 
@@ -531,10 +532,3 @@ def _children(pid: int) -> list[int]:
             child = int(each.parent.name)
             found += [child, *_children(child)]
     return found
-
-
-def _alive(pid: int) -> bool:
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
-    except OSError:
-        return False

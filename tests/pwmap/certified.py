@@ -10,7 +10,8 @@ from fractions import Fraction
 from typing import Any
 
 import brute
-from brute import Map, map_of
+from brute import map_of, spelled
+from independent import Part, Parts
 
 from pwmap import PiecewiseLinearMap
 
@@ -20,7 +21,7 @@ LETTERS = "ABCDEFGHIJ"
 SMALL = sorted({Fraction(n, d) for n in range(-3, 4) for d in (1, 2, 3)})
 
 
-def random_map(seed: int) -> Map:
+def random_map(seed: int) -> Parts:
     """One to four intervals, slopes 0, 1 and -1, fixed breaks, continuous breaks, point pieces."""
     rng = random.Random(seed)
     breaks = sorted(rng.sample(SMALL, rng.randint(0, 3)))
@@ -40,25 +41,25 @@ def random_map(seed: int) -> Map:
     return map_of(breaks, owners, formulas)
 
 
-def condition(part: brute.Part) -> str:
+def condition(part: Part) -> str:
     """The domain of a piece as text."""
-    low = f"(x {'>=' if part.lo_closed else '>'} {part.lo})" if part.lo is not None else ""
-    high = f"(x {'<=' if part.hi_closed else '<'} {part.hi})" if part.hi is not None else ""
+    low = f"(x {'>=' if part.lo_in else '>'} {part.lo})" if part.lo is not None else ""
+    high = f"(x {'<=' if part.hi_in else '<'} {part.hi})" if part.hi is not None else ""
     return " & ".join(filter(None, (low, high))) or "True"
 
 
-def read(f: Map) -> PiecewiseLinearMap:
+def read(f: Parts) -> PiecewiseLinearMap:
     """The map as the package reads it."""
     pieces = [(f"({part.slope})*x + ({part.intercept})", condition(part)) for part in f]
     return PiecewiseLinearMap(pieces, letters=list(LETTERS[: len(f)]))
 
 
-def written(f: Map) -> dict[str, Any]:
+def written(f: Parts) -> dict[str, Any]:
     """The map as a certificate has it, without the package."""
     slots = ""
     for letter, part in zip(LETTERS, f, strict=False):
         is_point = part.lo is not None and part.lo == part.hi
-        slots += letter if is_point else letter * (1 + part.lo_closed + part.hi_closed)
+        slots += letter if is_point else letter * (1 + part.lo_in + part.hi_in)
     return {
         "variable": "x",
         "parameter": None,
@@ -72,24 +73,12 @@ def written(f: Map) -> dict[str, Any]:
     }
 
 
-def spelled(word: brute.Word) -> str:
-    """A word in letters."""
-    return "".join(LETTERS[i] for i in word)
-
-
-def followed(f: Map, j: int) -> dict[str, Any]:
+def followed(f: Parts, j: int) -> dict[str, Any]:
     """What lies on the diagonal of an iterate, by following points."""
-    pieces = brute.pieces(f, j)
-    bands = [
-        piece
-        for piece in pieces
-        if (piece.part.slope, piece.part.intercept) == brute.IDENTITY
-        and (piece.part.lo is None or piece.part.lo != piece.part.hi)
-    ]
     return {
         "fixed points": [
             {
-                "word": spelled(p.word),
+                "word": spelled(LETTERS, p.word),
                 "x": str(p.x),
                 "slope": None if p.multiplier is None else str(p.multiplier),
                 "period": p.period,
@@ -99,15 +88,15 @@ def followed(f: Map, j: int) -> dict[str, Any]:
         ],
         "intervals": [
             {
-                "word": spelled(word),
+                "word": spelled(LETTERS, part.word),
                 "ends": [None if end is None else str(end) for end in (part.lo, part.hi)],
-                "closed": [part.lo_closed, part.hi_closed],
+                "closed": [part.lo_in, part.hi_in],
             }
-            for part, word in bands
+            for part, _ in brute.bands(f, j)
         ],
         "crossings": [
             {
-                "word": f"{spelled(c.left_word)}|{spelled(c.right_word)}",
+                "word": spelled(LETTERS, c.words),
                 "x": str(c.x),
                 "left": str(c.left),
                 "right": str(c.right),

@@ -15,6 +15,7 @@ from typing import Any
 
 Poly = tuple[Fraction, ...]  # from the constant term up
 Number = Any  # Fraction or Algebraic
+LEFT, EXACT, RIGHT = -1, 0, 1  # where the followed numbers lie, seen from the number itself
 
 # --- Polynomials ----------------------------------------------------------------------------------
 
@@ -210,10 +211,11 @@ class Part:
         """Whether all of its points are fixed, and there are many."""
         return not self.is_point and self.slope == 1 and self.intercept == 0
 
-    def holds(self, x: Number) -> bool:
-        """Whether a number lies in its domain."""
-        above = self.lo is None or self.lo < x or (self.lo_in and self.lo == x)
-        return above and (self.hi is None or x < self.hi or (self.hi_in and self.hi == x))
+    def holds(self, x: Number, side: int = EXACT) -> bool:
+        """Whether a number, or all just beside it, lie in its domain."""
+        lo_in, hi_in = (self.lo_in, self.hi_in) if side == EXACT else (side == RIGHT, side == LEFT)
+        above = self.lo is None or self.lo < x or (lo_in and self.lo == x)
+        return above and (self.hi is None or x < self.hi or (hi_in and self.hi == x))
 
     def __call__(self, x: Number) -> Number:
         return self.slope * x + self.intercept
@@ -262,18 +264,19 @@ def iterated(base: Parts, order: int) -> list[Parts]:
     return found
 
 
-def image(base: Parts, x: Number) -> tuple[Number, str]:
-    """Value of the map at a number, and the letter of the piece that holds it."""
-    (part,) = [part for part in base if part.holds(x)]
-    return part(x), part.word
+def part_at(base: Parts, x: Number, side: int = EXACT) -> Part:
+    """The one piece of a map that holds a number, or those just beside it."""
+    (part,) = [part for part in base if part.holds(x, side)]
+    return part
 
 
-def nested(base: Parts, x: Number, order: int) -> tuple[Number, str]:
-    """Value and word of an iterate, by applying the map again and again."""
+def nested(base: Parts, x: Number, order: int, side: int = EXACT) -> tuple[Number, str]:
+    """Value and word of an iterate by applying the map again and again; beside x the limit."""
     word = ""
     for _ in range(order):
-        x, letter = image(base, x)
-        word += letter
+        part = part_at(base, x, side)
+        x, word = part(x), word + part.word
+        side = side if part.slope > 0 else -side if part.slope < 0 else EXACT
     return x, word
 
 
@@ -328,7 +331,7 @@ def period_of(base: Parts, x: Number, order: int) -> int:
     """Minimal period of a fixed point of an iterate."""
     y = x
     for n in range(1, order + 1):
-        y = image(base, y)[0]
+        y = part_at(base, y)(y)
         if y == x:
             return n
     raise AssertionError(f"{x} is no fixed point of order {order}")

@@ -7,7 +7,7 @@ import pytest
 from short_runs import ShortRun, is_picture, kept_run
 
 from pwmap import dynamics
-from studies import long_run
+from studies.exact import long_run
 
 
 @pytest.fixture(scope="module")

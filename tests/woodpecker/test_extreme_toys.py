@@ -39,8 +39,8 @@ from woodpecker import (
 from woodpecker.mechanics import free_frequency
 from woodpecker.mechanics.equations import force_per_stretch, mass_matrix
 from woodpecker.mechanics.modes import model, table
+from woodpecker.motion.events import never_jams
 from woodpecker.simulation import energy_balance
-from woodpecker.simulation.events import never_jams
 from woodpecker.simulation.paths import Follower
 
 T = TypeVar("T")

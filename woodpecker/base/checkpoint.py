@@ -145,16 +145,6 @@ def _taken_beside(_: TextIO, path: Path) -> Callable[[], object]:
     return release
 
 
-def version_of(path: str | os.PathLike[str]) -> object:
-    """The version that the first line of a checkpoint states, or None."""
-    with _existing(Path(path)).open("rb") as file:
-        try:
-            header = json.loads(file.readline())
-        except (RecursionError, ValueError):
-            return None
-    return header.get("version") if isinstance(header, dict) else None
-
-
 def read(
     path: str | os.PathLike[str], *, version: int, parsed: Callable[[Entry], Any]
 ) -> tuple[Entry, list[Any]]:

@@ -49,7 +49,7 @@ def check_certificate(path: str | os.PathLike[str]) -> str:
     Parameters
     ----------
     path
-        A file as :meth:`woodpecker.proofs.certificates.Certificate.save` writes it.
+        A file as :meth:`pwmap.proofs.Certificate.save` writes it.
 
     Returns
     -------

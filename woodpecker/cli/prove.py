@@ -18,8 +18,8 @@ from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:
     from pwmap import Diagram, SpecialPoint
+    from pwmap.proofs.document import Certificate
     from woodpecker import PeriodicOrbit
-    from woodpecker.proofs.certificates import Certificate
 
 FILE = "certificate.json"
 CLOSE = 1e-3  # rad: of a motion from where straight lines between samples say its branch is

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import sympy
 
-from pwmap import Piece, PiecewiseLinearMap
+from pwmap import LinearPiece, PiecewiseLinearMap
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.maps.formulas import NOT_REAL, Bools, FormulaMap, codes, no_value, real
 from woodpecker.maps.pieces import Image
@@ -403,7 +403,7 @@ def pieces_from_pwmap(map_: PiecewiseLinearMap, parameters: tuple[str, ...]) -> 
     ]
 
 
-def _ends(piece: Piece) -> tuple[Bound, ...]:
+def _ends(piece: LinearPiece) -> tuple[Bound, ...]:
     """The margins of an affine piece."""
     x, bounds = piece.owner.x, []
     if piece.cylinder.lower is not None:

@@ -129,12 +129,6 @@ and to pass, than the arithmetic. All entries are overwritten each time.
 Pair = np.record  # of PAIR_ROOM
 
 
-def make_pair() -> Pair:
-    """Room for impacts at two contacts, for those who call :func:`decide` from outside."""
-    pair: Pair = np.zeros(1, dtype=PAIR_ROOM)[0]
-    return pair
-
-
 @part
 def two_contacts(
     table: Floats, first: int, delassus: Floats, free: Floats, mu: Floats, coupling: float,

@@ -219,10 +219,11 @@ def solve_contact_lcp(
     Returns
     -------
     ContactLcp
-        One solution; there may be several (:func:`enumerate_contacts`). If no sliding
-        direction is given and ``free`` comes from a motion (free = W^T u), there is one, whatever
-        F, and the path leads to it. With given directions there may be none (Painleve), and a
-        ray does not prove it.
+        One solution. If no sliding direction is given and ``free`` comes from a motion
+        (free = W^T u), there is at least one, whatever F, and the path leads to one of them.
+        There may be several, also with different velocities, where friction couples the normal
+        and the tangential directions strongly (:func:`enumerate_contacts` has all of them). With
+        given directions there may be none (Painleve), and a ray does not prove it.
 
     Raises
     ------

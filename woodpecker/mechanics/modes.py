@@ -100,12 +100,6 @@ def mode_states(index: int) -> tuple[ContactState, ContactState, ContactState]:
     return ContactState(beak), ContactState(lower), ContactState(upper)
 
 
-def consistent(states: tuple[int, ...]) -> bool:
-    """Two closed contacts share the velocity of the sleeve: both stick, or slip the same way."""
-    closed = {state for state in states if state != ContactState.OPEN}
-    return len(closed) <= 1
-
-
 class Numbers(NamedTuple):
     """The toy's parameters for compiled code; complex, see :func:`fill`."""
 

@@ -35,18 +35,8 @@ class PlaneStretch:
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, continuation, curve_in_two, shoot
-    >>> from woodpecker.plane import family_from_sympy
-    >>> x, a, r = symbols("x a r")
-    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
-    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
-    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
-    >>> over = family.over(0, (0.0, 1.25))
-    >>> point = continuation(over, shoot(over, 0.2, p=0.45), settings=settings).points[0]
-    >>> curve = curve_in_two(
-    ...     family, point, ("r", "a"), ((-1, 1), (1.1, 2)), value=1.25, settings=settings
-    ... )
+    >>> from woodpecker.examples import border_curve
+    >>> curve = border_curve()
     >>> [(stretch.word, stretch.beyond) for stretch in curve.words]
     [('R', 'L')]
     """
@@ -84,18 +74,8 @@ class PlanePoint:
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, continuation, curve_in_two, shoot
-    >>> from woodpecker.plane import family_from_sympy
-    >>> x, a, r = symbols("x a r")
-    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
-    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
-    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
-    >>> over = family.over(0, (0.0, 1.25))
-    >>> point = continuation(over, shoot(over, 0.2, p=0.45), settings=settings).points[0]
-    >>> curve = curve_in_two(
-    ...     family, point, ("r", "a"), ((-1, 1), (0.5, 2)), value=1.25, settings=settings
-    ... )
+    >>> from woodpecker.examples import border_curve
+    >>> curve = border_curve(0.5)
     >>> for each in curve.points:
     ...     print(each.kind.label, *(f"{value:.9f}" for value in each.values))
     end point 0.000000000 0.500000000
@@ -157,18 +137,8 @@ class Curve:
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, continuation, curve_in_two, shoot
-    >>> from woodpecker.plane import family_from_sympy
-    >>> x, a, r = symbols("x a r")
-    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
-    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
-    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
-    >>> over = family.over(0, (0.0, 1.25))
-    >>> point = continuation(over, shoot(over, 0.2, p=0.45), settings=settings).points[0]
-    >>> curve = curve_in_two(
-    ...     family, point, ("r", "a"), ((-1, 1), (1.1, 2)), value=1.25, settings=settings
-    ... )
+    >>> from woodpecker.examples import border_curve
+    >>> curve = border_curve()
     >>> curve.names, [tuple(round(value, 9) for value in end.values) for end in curve.ends]
     (('r', 'a'), [(0.0, 1.1), (0.0, 2.0)])
     """

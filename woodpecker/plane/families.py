@@ -84,7 +84,7 @@ class Family(Protocol):
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class SymbolicFamily:
+class SymbolicFamily(Family):
     """A family whose pieces are formulas; made by :func:`family_from_sympy` or ``_from_pwmap``.
 
     Attributes
@@ -112,43 +112,15 @@ class SymbolicFamily:
 
     @property
     def names(self) -> tuple[str, str]:
-        """The names of its parameters."""
+        """Its parameters."""
         return str(self.symbols[1]), str(self.symbols[2])
 
     def over(self, axis: int, values: Pair) -> FormulaMap:
-        """The map over one of the parameters.
-
-        Parameters
-        ----------
-        axis
-            Which parameter the map is over, 0 or 1.
-        values
-            Values of both; that of the axis does not matter.
-
-        Returns
-        -------
-        FormulaMap
-            A map of one parameter.
-        """
         x, *parameters = self.symbols
         first, held = Symbols(x, parameters[axis]), ((parameters[1 - axis], values[1 - axis]),)
         return FormulaMap([replace(piece, symbols=first, held=held) for piece in self.pieces])
 
     def carried(self, piece: Piece, map_: PiecewiseMap) -> Piece:
-        """The piece of that name.
-
-        Parameters
-        ----------
-        piece
-            A piece of one of the maps.
-        map_
-            The other map.
-
-        Returns
-        -------
-        Piece
-            A piece of ``map_``.
-        """
         assert isinstance(map_, FormulaMap)
         return map_.piece(piece.word)
 

@@ -73,54 +73,21 @@ def curve_through(
     settings: Settings,
     kind: PointKind | str | None = None,
 ) -> Curve:
-    """Follow a special point over two parameters, both ways.
+    """Follow a special point both ways over two parameters; see :func:`woodpecker.curve_in_two`.
 
     Parameters
     ----------
-    family
-        The maps.
-    point
-        A special point, LP, PD, BC or FF, of a diagram over one of the parameters; or one of
-        codimension two on another curve of the same family.
+    family, point, span, settings, kind
+        As there; the span of the settings is taken from ``span``.
     other
-        The value of the other parameter in that diagram.
+        The value of the other parameter in the diagram of the point.
     axis
-        Which parameter the diagram is over, 0 or 1.
-    span
-        Intervals of both parameters.
-    settings
-        Window, steps and tolerances; its span is taken from ``span``.
-    kind
-        Which of the curves that start at a point of codimension two.
-
-    Returns
-    -------
-    Curve
-        Through any number of special points of codimension two; at the place itself the second
-        parameter rises, or the first if the second does not change. From a point of codimension
-        two on it leads away.
+        Which parameter that diagram is over, 0 or 1.
 
     Raises
     ------
     ValueError
         If there is no such point, or the spans do not hold it.
-
-    Examples
-    --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, continuation, curve_in_two, shoot
-    >>> from woodpecker.plane import family_from_sympy
-    >>> x, a, r = symbols("x a r")
-    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
-    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
-    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
-    >>> over = family.over(0, (0.0, 1.25))
-    >>> point = continuation(over, shoot(over, 0.2, p=0.45), settings=settings).points[0]
-    >>> curve = curve_in_two(
-    ...     family, point, ("r", "a"), ((-1, 1), (1.1, 2)), value=1.25, settings=settings
-    ... )
-    >>> str(curve.kind), curve.values[[0, -1]].round(9).tolist()  # r and a
-    ('BC', [[0.0, 1.1], [0.0, 2.0]])
     """
     spans = [interval("span", each, finite=True) for each in span]
     plane = Plane(family, (replace(settings, span=spans[0]), replace(settings, span=spans[1])))

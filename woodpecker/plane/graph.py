@@ -37,19 +37,9 @@ def graph_of_curves(curves: Sequence[Curve]) -> nx.MultiGraph:
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, continuation, curve_in_two, shoot
-    >>> from woodpecker.plane import family_from_sympy
+    >>> from woodpecker.examples import border_curve
     >>> from woodpecker.plane import graph_of_curves
-    >>> x, a, r = symbols("x a r")
-    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
-    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
-    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
-    >>> over = family.over(0, (0.0, 1.25))
-    >>> point = continuation(over, shoot(over, 0.2, p=0.45), settings=settings).points[0]
-    >>> curve = curve_in_two(
-    ...     family, point, ("r", "a"), ((-1, 1), (1.1, 2)), value=1.25, settings=settings
-    ... )
+    >>> curve = border_curve()
     >>> graph = graph_of_curves([curve])
     >>> graph.number_of_nodes(), graph.number_of_edges()
     (2, 1)

@@ -6,13 +6,13 @@ from dataclasses import dataclass, field
 
 from woodpecker.maps.pieces import Piece, PiecewiseMap
 from woodpecker.mechanics.toy import Toy
-from woodpecker.plane.families import Pair
+from woodpecker.plane.families import Family, Pair
 from woodpecker.toy_map import ToyPiece, ToyPieces
 
 
 @dataclass(frozen=True, slots=True)
-class ToyFamily:
-    """P_1 of the toy over two of its parameters, a :class:`woodpecker.plane.families.Family`.
+class ToyFamily(Family):
+    """P_1 of the toy over two of its parameters.
 
     Parameters
     ----------
@@ -39,7 +39,7 @@ class ToyFamily:
     """
 
     toy: Toy
-    names: tuple[str, str]
+    names: tuple[str, str] = field()  # and not the property of a family
     _maps: tuple[ToyPieces, ToyPieces] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -50,38 +50,10 @@ class ToyFamily:
         object.__setattr__(self, "_maps", (ToyPieces(self.toy, first), ToyPieces(self.toy, second)))
 
     def over(self, axis: int, values: Pair) -> PiecewiseMap:
-        """The map over one of the parameters, the other one held.
-
-        Parameters
-        ----------
-        axis
-            Which parameter the map is over, 0 or 1.
-        values
-            Values of both; that of the axis does not matter.
-
-        Returns
-        -------
-        PiecewiseMap
-            A map of one parameter.
-        """
         other = 1 - axis
         return self._maps[axis].holding(**{self.names[other]: values[other]})
 
     def carried(self, piece: Piece, map_: PiecewiseMap) -> Piece:
-        """Returns along the same path.
-
-        Parameters
-        ----------
-        piece
-            A piece of one of the maps.
-        map_
-            The other map.
-
-        Returns
-        -------
-        Piece
-            A piece of ``map_``.
-        """
         assert isinstance(piece, ToyPiece)
         assert isinstance(map_, ToyPieces)
         return ToyPiece(map_, piece.path)

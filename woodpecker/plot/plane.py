@@ -88,19 +88,9 @@ def plot_curves(
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, continuation, curve_in_two, shoot
-    >>> from woodpecker.plane import family_from_sympy
+    >>> from woodpecker.examples import border_curve
     >>> from woodpecker.plot.plane import plot_curves
-    >>> x, a, r = symbols("x a r")
-    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
-    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
-    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
-    >>> over = family.over(0, (0.0, 1.25))
-    >>> point = continuation(over, shoot(over, 0.2, p=0.45), settings=settings).points[0]
-    >>> curve = curve_in_two(
-    ...     family, point, ("r", "a"), ((-1, 1), (0.5, 2)), value=1.25, settings=settings
-    ... )
+    >>> curve = border_curve(0.5)
     >>> list(plot_curves({"A": curve}, here=(0.0, 1.25)).artists)
     ['points', 'names', 'A', 'the toy']
     """

@@ -53,17 +53,9 @@ def plot_regions(
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings
-    >>> from woodpecker.plane import family_from_sympy
-    >>> from woodpecker.regions import Survey, regions_of
+    >>> from woodpecker.examples import paper_regions
     >>> from woodpecker.plot.regions import plot_regions
-    >>> x, a, r = symbols("x a r")
-    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
-    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
-    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
-    >>> span = ((-1, 1), (1.1, 2))
-    >>> found = regions_of(family, span=span, settings=settings, survey=Survey(checks=4))
+    >>> found = paper_regions()
     >>> list(plot_regions(found).artists)
     ['curves', 'open', 'period 1: 1 stable, 1 unstable', 'period 1: 1 stable']
     """

@@ -9,7 +9,7 @@ Pieces are as long as Taylor polynomials reach. Where the sleeve all but grazes 
 of phases, and with them all else, bend within 1e-8 of the parameter; but over such a duration
 itself the branch is as smooth as elsewhere. So the parameter runs as the polynomial of the duration
 that bends most, the reversion of the duration's own series. Where a contact lands at a plateau
-(:mod:`woodpecker.proofs.plateaus`) series do not help, and pieces take both sides at once.
+(:mod:`woodpecker.enclosures.plateaus`) series do not help, and pieces take both sides at once.
 """
 
 from __future__ import annotations
@@ -21,12 +21,13 @@ from typing import Any, NamedTuple
 
 from flint import arb, arb_poly, arb_series
 
+from woodpecker.enclosures.balls import ZERO, decimal, fraction, number, rounded
+from woodpecker.enclosures.following import follow
+from woodpecker.enclosures.forms import VALUE, sign
+from woodpecker.enclosures.model import BallToy
+from woodpecker.enclosures.not_proved import NotProved
+from woodpecker.enclosures.taylor import Frame
 from woodpecker.mechanics.toy import Toy
-from woodpecker.proofs.balls import ZERO, decimal, fraction, number, rounded
-from woodpecker.proofs.following import follow
-from woodpecker.proofs.forms import VALUE, sign
-from woodpecker.proofs.model import BallToy
-from woodpecker.proofs.not_proved import NotProved
 from woodpecker.proofs.pieces import (
     Fractions,
     Route,
@@ -38,7 +39,6 @@ from woodpecker.proofs.pieces import (
     proved,
     value_of,
 )
-from woodpecker.proofs.taylor import Frame
 from woodpecker.shooting import shoot
 
 Progress = Callable[[float], object]

@@ -8,57 +8,23 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from decimal import ROUND_CEILING, Context, Decimal
 from fractions import Fraction
-from pathlib import Path
 from typing import Any
 
-from pwmap.diagrams.files import write_whole
-from pwmap.diagrams.shown import brief
+from pwmap.proofs.document import Certificate
+from woodpecker.enclosures.balls import fraction
+from woodpecker.enclosures.model import data
+from woodpecker.enclosures.motions import Way
 from woodpecker.mechanics.toy import LAW, Toy
-from woodpecker.proofs.balls import fraction
 from woodpecker.proofs.branches import TERMS, ProvedBranch
-from woodpecker.proofs.model import data
-from woodpecker.proofs.motions import Way
 from woodpecker.proofs.pieces import Tubes
 from woodpecker.proofs.points import ProvedPoint
 
 FORMAT = "certificate of the Woodpecker Toy"
 VERSION = 1
 SLACK = Fraction(1, 10)  # by which claims are wider: other arithmetic rounds otherwise
-
-
-@dataclass(frozen=True)
-class Certificate:
-    """A statement that is proved, with what is needed to check it.
-
-    Attributes
-    ----------
-    content
-        As it is written to JSON, sealed.
-    """
-
-    content: Mapping[str, Any]
-
-    @property
-    def statement(self) -> str:
-        """What is proved, in a sentence."""
-        return str(self.content["statement"])
-
-    def __repr__(self) -> str:
-        """What kind of statement, and how it begins."""
-        return f"Certificate({self.content['kind']}: {brief(self.statement)!r})"
-
-    def __str__(self) -> str:
-        return self.statement
-
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the certificate as JSON; nothing is left half written."""
-        text = json.dumps(self.content, separators=(",", ":"), ensure_ascii=True) + "\n"
-        write_whole(Path(path), text.encode("ascii"))
 
 
 def sealed(content: Mapping[str, Any]) -> Certificate:

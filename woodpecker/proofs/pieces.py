@@ -17,14 +17,14 @@ from typing import Any, NamedTuple
 
 from flint import arb, arb_poly
 
+from woodpecker.enclosures.balls import ZERO, decimal, number
+from woodpecker.enclosures.following import follow
+from woodpecker.enclosures.forms import SP, SS, VALUE, Form, P, S
+from woodpecker.enclosures.model import BallToy
+from woodpecker.enclosures.motions import ForkKind, Way
+from woodpecker.enclosures.not_proved import NotProved
+from woodpecker.enclosures.taylor import Frame, Taylor, cut, inverse, thin
 from woodpecker.mechanics.toy import Toy
-from woodpecker.proofs.balls import ZERO, decimal, number
-from woodpecker.proofs.following import follow
-from woodpecker.proofs.forms import SP, SS, VALUE, Form, P, S
-from woodpecker.proofs.model import BallToy
-from woodpecker.proofs.motions import ForkKind, Way
-from woodpecker.proofs.not_proved import NotProved
-from woodpecker.proofs.taylor import Frame, Taylor, cut, inverse, thin
 
 ROOM = 0.7  # of a tube that may be filled: other arithmetic needs some room, too
 STEPS = 12  # of Newton's method at most

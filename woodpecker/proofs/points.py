@@ -20,14 +20,14 @@ from typing import Any
 
 from flint import arb
 
+from woodpecker.enclosures.balls import decimal, number
+from woodpecker.enclosures.following import follow
+from woodpecker.enclosures.forms import Form, P, S, sign
+from woodpecker.enclosures.model import BallToy
+from woodpecker.enclosures.motions import ForkKind, OpenDecision, Way
+from woodpecker.enclosures.not_proved import NotProved
+from woodpecker.enclosures.taylor import Frame
 from woodpecker.mechanics.toy import Toy
-from woodpecker.proofs.balls import decimal, number
-from woodpecker.proofs.following import follow
-from woodpecker.proofs.forms import Form, P, S, sign
-from woodpecker.proofs.model import BallToy
-from woodpecker.proofs.motions import ForkKind, OpenDecision, Way
-from woodpecker.proofs.not_proved import NotProved
-from woodpecker.proofs.taylor import Frame
 
 FIRST, SHRINK, LAST = Fraction(1, 10**11), 10**6, Fraction(1, 10**25)  # radii of the boxes
 DECIMALS = 40

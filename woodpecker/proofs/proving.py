@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING
 
 from pwmap.checking import check_certificate as pwmap_check
 from pwmap.diagrams.diagram import Branch, SpecialPoint
+from woodpecker.enclosures.not_proved import NotProved as NotProved  # what ``prove`` raises
 from woodpecker.mechanics.toy import Toy
 from woodpecker.shooting import PeriodicOrbit
 
 if TYPE_CHECKING:
-    from woodpecker.proofs.certificates import Certificate
+    from pwmap.proofs.document import Certificate
 
 PAPER = Toy()
 MAPS = "certificate of a piecewise-linear map"
@@ -119,7 +120,7 @@ def check_certificate(path: str | os.PathLike[str]) -> str:
     Examples
     --------
     >>> from woodpecker import Toy, check_certificate, prove, shoot
-    >>> prove(shoot(Toy(), -0.53)).save("orbit.json")
+    >>> path = prove(shoot(Toy(), -0.53)).save("orbit.json")
     >>> check_certificate("orbit.json")[:72]
     'The Woodpecker Toy (expansion friction summed) with eps_n1 = 0.5 has exa'
     """

@@ -11,7 +11,11 @@ import numpy as np
 from flint import arb
 
 from pwmap.diagrams.diagram import Branch, BranchKind, PointKind, SpecialPoint
+from pwmap.proofs.document import Certificate
 from woodpecker.base.executors import processes
+from woodpecker.enclosures.forms import precision
+from woodpecker.enclosures.model import rational
+from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.mechanics.toy import Toy
 from woodpecker.proofs import certificates
 from woodpecker.proofs.branches import (
@@ -22,10 +26,6 @@ from woodpecker.proofs.branches import (
     joined,
     marched,
 )
-from woodpecker.proofs.certificates import Certificate
-from woodpecker.proofs.forms import precision
-from woodpecker.proofs.model import rational
-from woodpecker.proofs.not_proved import NotProved
 from woodpecker.proofs.pieces import Fractions, Route, Tube, curves_near, proved
 from woodpecker.proofs.points import proved_point
 from woodpecker.shooting import PeriodicOrbit, shoot

@@ -1,7 +1,7 @@
 """Regions of two parameters in which the same cycles live."""
 
-from .census import Attractor as Attractor
 from .census import Count as Count
+from .census import SampledAttractor as SampledAttractor
 from .census import Settles as Settles
 from .regions import Region as Region
 from .regions import Regions as Regions

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from enum import StrEnum
 from typing import NamedTuple
 
 import numpy as np
 
+from pwmap.diagrams.data import Coded
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.slices.attracting import SettledOrbit, orbit_diagram
@@ -45,7 +45,7 @@ Census = tuple[Count, ...]
 """Cycles of some periods, in ascending order of these."""
 
 
-class Settles(StrEnum):
+class Settles(Coded):
     """What orbits come to.
 
     Examples
@@ -55,31 +55,20 @@ class Settles(StrEnum):
     [('CYCLE', 'cycle'), ('REST', 'rest'), ('CHAOS', 'chaos')]
     """
 
-    CYCLE = "cycle"
-    REST = "rest"
-    CHAOS = "chaos"
-    LONG = "long"
-    LOST = "lost"
-
-    @property
-    def meaning(self) -> str:
-        """One phrase."""
-        return {
-            "cycle": "a cycle",
-            "rest": "an interval of fixed points: the system rests",
-            "chaos": "no cycle that is looked for, and a positive exponent",
-            "long": "no cycle that is looked for, and no positive exponent",
-            "lost": "the orbit leaves the window or has no image",
-        }[self.value]
+    CYCLE = "cycle", "a cycle"
+    REST = "rest", "an interval of fixed points: the system rests"
+    CHAOS = "chaos", "no cycle that is looked for, and a positive exponent"
+    LONG = "long", "no cycle that is looked for, and no positive exponent"
+    LOST = "lost", "the orbit leaves the window or has no image"
 
 
-class Attractor(NamedTuple):
+class SampledAttractor(NamedTuple):
     """What orbits come to; the period of a cycle, else 0.
 
     Examples
     --------
-    >>> from woodpecker.regions import Attractor, Settles
-    >>> print(Attractor(Settles.CYCLE, 2), "and", Attractor(Settles.CHAOS, 0))
+    >>> from woodpecker.regions import SampledAttractor, Settles
+    >>> print(SampledAttractor(Settles.CYCLE, 2), "and", SampledAttractor(Settles.CHAOS, 0))
     period 2 and chaos
     """
 
@@ -120,7 +109,7 @@ def attractors_at(
     starts: int,
     transient: int,
     keep: int,
-) -> tuple[Attractor, ...]:
+) -> tuple[SampledAttractor, ...]:
     """What orbits from evenly spaced starts in the window come to, each once.
 
     Parameters
@@ -142,14 +131,14 @@ def attractors_at(
     )  # fmt: skip
     kinds = {_attractor(orbit) for orbit in found.orbits}
     if found.lost:
-        kinds.add(Attractor(Settles.LOST))
+        kinds.add(SampledAttractor(Settles.LOST))
     return tuple(sorted(kinds, key=lambda each: (list(Settles).index(each.kind), each.period)))
 
 
-def _attractor(orbit: SettledOrbit) -> Attractor:
+def _attractor(orbit: SettledOrbit) -> SampledAttractor:
     if orbit.period == 1 and abs(orbit.exponent) <= STEADY:
-        return Attractor(Settles.REST)
+        return SampledAttractor(Settles.REST)
     if orbit.period:
-        return Attractor(Settles.CYCLE, orbit.period)
+        return SampledAttractor(Settles.CYCLE, orbit.period)
     chaotic = orbit.exponent > 0.0 and math.isfinite(orbit.exponent)
-    return Attractor(Settles.CHAOS if chaotic else Settles.LONG)
+    return SampledAttractor(Settles.CHAOS if chaotic else Settles.LONG)

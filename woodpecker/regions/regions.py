@@ -29,7 +29,7 @@ from woodpecker.plane.curve import Curve
 from woodpecker.plane.families import Family, Pair
 from woodpecker.plane.following import curve_through
 from woodpecker.plane.starting import has_curve
-from woodpecker.regions.census import Attractor, Census, attractors_at, census_at
+from woodpecker.regions.census import Census, SampledAttractor, attractors_at, census_at
 from woodpecker.regions.cutting import (
     SQUARE,
     Spans,
@@ -78,16 +78,8 @@ class Region:
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings
-    >>> from woodpecker.plane import family_from_sympy
-    >>> from woodpecker.regions import Survey, regions_of
-    >>> x, a, r = symbols("x a r")
-    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
-    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
-    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
-    >>> span = ((-1, 1), (1.1, 2))
-    >>> found = regions_of(family, span=span, settings=settings, survey=Survey(checks=4))
+    >>> from woodpecker.examples import paper_regions
+    >>> found = paper_regions()
     >>> [(round(region.share, 6), len(region.census)) for region in found.regions]
     [(0.5, 1), (0.5, 1)]
     """
@@ -97,7 +89,7 @@ class Region:
     share: float
     place: Pair
     census: Census
-    attractors: tuple[Attractor, ...]
+    attractors: tuple[SampledAttractor, ...]
     agree: int
 
 
@@ -123,16 +115,8 @@ class Regions:
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings
-    >>> from woodpecker.plane import family_from_sympy
-    >>> from woodpecker.regions import Survey, regions_of
-    >>> x, a, r = symbols("x a r")
-    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
-    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
-    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
-    >>> span = ((-1, 1), (1.1, 2))
-    >>> found = regions_of(family, span=span, settings=settings, survey=Survey(checks=4))
+    >>> from woodpecker.examples import paper_regions
+    >>> found = paper_regions()
     >>> found.names, len(found.curves), len(found.regions)
     (('r', 'a'), 1, 2)
     """

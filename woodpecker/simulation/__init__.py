@@ -1,6 +1,4 @@
-"""The motion of the toy, from event to event, and its returns to the section.
-
-Between two events the motion is known in closed form, so there is no time step.
+"""Simulations of the toy, its returns to the section, and its paths as smooth maps.
 
 A name is loaded with what it needs when it is first used; ``__init__.pyi`` says where each is.
 """

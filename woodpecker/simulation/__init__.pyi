@@ -1,4 +1,4 @@
-"""The motion of the toy, from event to event, and its returns to the section."""
+"""Simulations of the toy, its returns to the section, and its paths as smooth maps."""
 
 from .returns import Return as Return
 from .returns import ReturnMap as ReturnMap

@@ -15,7 +15,7 @@ import numpy.typing as npt
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import jit, part
 from woodpecker.mechanics.modes import CONTACT, FIXED, LIMIT, OPEN, STICK
-from woodpecker.simulation.codes import (
+from woodpecker.motion.codes import (
     EVENT_COLUMNS,
     PHASE_COLUMNS,
     RETURNED,
@@ -23,9 +23,9 @@ from woodpecker.simulation.codes import (
     ROOM,
     STEP_COLUMNS,
 )
+from woodpecker.motion.run import search
 from woodpecker.simulation.following import follow_path
 from woodpecker.simulation.margins import NOTES, ROUTE
-from woodpecker.simulation.run import search
 
 SEARCH, FOLLOW, SWEEP = range(3)  # tasks
 SEPARATOR = 0  # between the returns of a word

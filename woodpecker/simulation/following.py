@@ -34,8 +34,8 @@ from woodpecker.mechanics.modes import (
     A,
     B,
 )
-from woodpecker.simulation.chatter import sum_bounces
-from woodpecker.simulation.codes import (
+from woodpecker.motion.chatter import sum_bounces
+from woodpecker.motion.codes import (
     CHATTER,
     CLOSED,
     FIRST,
@@ -48,9 +48,9 @@ from woodpecker.simulation.codes import (
     STRUCK,
     typed,
 )
-from woodpecker.simulation.events import time_to_minimum
-from woodpecker.simulation.flow import copy, displace, measure, put_on_section, shut, spring, touch
-from woodpecker.simulation.guards import TWO_PI, first_root, stumpff_rates
+from woodpecker.motion.events import time_to_minimum
+from woodpecker.motion.flow import copy, displace, measure, put_on_section, shut, spring, touch
+from woodpecker.motion.guards import TWO_PI, first_root, stumpff_rates
 from woodpecker.simulation.impact_margins import impact_margins
 from woodpecker.simulation.margins import (
     BOUNCES,
@@ -186,7 +186,7 @@ def _bounces_on(model: Floats, path: Ints, k: int, t: float, route: Route) -> bo
 
 @part
 def unpack(mode: int, states: Ints) -> None:
-    """Contact states (3,) of a mode; undoes :func:`woodpecker.simulation.events.mode_of`."""
+    """Contact states (3,) of a mode; undoes :func:`woodpecker.motion.events.mode_of`."""
     sleeve = mode % 7
     states[0] = mode // 7
     states[1] = sleeve if sleeve <= 3 else 0

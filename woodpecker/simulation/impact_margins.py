@@ -18,7 +18,7 @@ from woodpecker.mechanics.modes import (
     PAIR,
     SUMMED,
 )
-from woodpecker.simulation.codes import typed
+from woodpecker.motion.codes import typed
 from woodpecker.simulation.margins import (
     ALONG,
     COMPRESSION,

@@ -43,10 +43,10 @@ from woodpecker.mechanics.modes import (
     A,
     B,
 )
-from woodpecker.simulation.codes import HELD, STRUCK, typed
-from woodpecker.simulation.events import force_guard, jet, time_to_minimum
-from woodpecker.simulation.flow import spring
-from woodpecker.simulation.guards import TWO_PI, time_of_lowest
+from woodpecker.motion.codes import HELD, STRUCK, typed
+from woodpecker.motion.events import force_guard, jet, time_to_minimum
+from woodpecker.motion.flow import spring
+from woodpecker.motion.guards import TWO_PI, time_of_lowest
 from woodpecker.simulation.roots import (
     Ratios,
     deflated,
@@ -249,7 +249,7 @@ def _jet_rates(
 
 @part
 def force_guard_change(model: Floats, change: Floats, mode: int, guard: int) -> tuple[float, float]:
-    """Change of p, r of :func:`woodpecker.simulation.events.force_guard` with the table."""
+    """Change of p, r of :func:`woodpecker.motion.events.force_guard` with the table."""
     kind, i = (guard // 3) * 3, guard % 3
     column = LAMBDA + 4 * i
     p, r = change[mode, column], change[mode, column + 1]

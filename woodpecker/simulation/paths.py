@@ -12,8 +12,8 @@ import numpy as np
 from woodpecker.base.arrays import Codes, Floats, Ints
 from woodpecker.base.compiled import announce
 from woodpecker.mechanics.modes import CONTACT, FIXED, LIMIT, NORMAL, SECTION, SLIP
+from woodpecker.motion.codes import CLOSED, GUARD, MODE, PHASE_COLUMNS, RETURNED, STEP_COLUMNS
 from woodpecker.simulation import calls, following, margins
-from woodpecker.simulation.codes import CLOSED, GUARD, MODE, PHASE_COLUMNS, RETURNED, STEP_COLUMNS
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import word
 
@@ -30,7 +30,7 @@ class Path(NamedTuple):
     word
         Its sequence of events.
     steps
-        (n, 8), what begins and ends each phase; see :data:`woodpecker.simulation.codes.NO_PATH`.
+        (n, 8), what begins and ends each phase; see :data:`woodpecker.motion.codes.NO_PATH`.
         Of equal bounces that accumulate it has the first only.
     times
         (n,) durations of the phases [s] where it was found.

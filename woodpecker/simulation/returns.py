@@ -19,8 +19,8 @@ from woodpecker.base.compiled import COMPILED, announce
 from woodpecker.base.shown import shown
 from woodpecker.mechanics.modes import FIXED, model
 from woodpecker.mechanics.toy import Toy
+from woodpecker.motion.codes import FREE_FALL, POLE_END, RETURNED, RETURNED_NO_SLOPE
 from woodpecker.simulation.calls import compute, sweep
-from woodpecker.simulation.codes import FREE_FALL, POLE_END, RETURNED, RETURNED_NO_SLOPE
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import EventKind, word
 
@@ -192,39 +192,12 @@ def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
 def return_map(
     toy: Toy, phi_s: npt.ArrayLike, order: int = 1, *, executor: Executor | None = None
 ) -> ReturnMap:
-    """P_order at many starts, on all cores.
-
-    Parameters
-    ----------
-    toy, order
-        As for :func:`first_return`.
-    phi_s
-        Starts [rad], any shape; the result is flat.
-    executor
-        Any executor of :mod:`concurrent.futures` (a process pool, dask, MPI) to carry the work.
-        By default the compiled kernel runs in threads and the plain one serially.
-
-    Returns
-    -------
-    ReturnMap
-        Arrays of shape (n,) in the order of the starts, with the meaning and units of
-        :class:`Return`.
+    """P_order of the toy at many starts, on all cores; see :func:`woodpecker.return_map`.
 
     Raises
     ------
-    TypeError
-        If ``toy`` is none, or the executor has no method ``map``.
-    ValueError
-        As :func:`first_return`, or if starts are no real numbers.
-
-    Examples
-    --------
-    >>> from woodpecker import Toy, return_map
-    >>> found = return_map(Toy(), [-1.0, -0.8, -0.6])
-    >>> found.phi_s.round(9).tolist()
-    [-0.364324882, -0.491027576, -0.479415128]
-    >>> found.slope.round(6).tolist()
-    [-0.901261, -0.54036, -0.635028]
+    TypeError, ValueError
+        As there.
     """
     starts, order = checked_starts(toy, phi_s), whole("order", order, most=ORDER_MOST)
     chunk = chunk_of(order)

@@ -15,7 +15,7 @@ from __future__ import annotations
 import math
 
 from woodpecker.base.compiled import part
-from woodpecker.simulation.guards import CLOCK, EPSILON, SERIES_4, SERIES_5, TERMS, stumpff
+from woodpecker.motion.guards import CLOCK, EPSILON, SERIES_4, SERIES_5, TERMS, stumpff
 
 NEWTON = 40  # steps from a neighbour's event time; three are usual
 FARTHEST = 700.0  # cosh overflows beyond it
@@ -75,7 +75,7 @@ def deflated(
 
 @part
 def deflated_change(order: int, f2: float, f3: float, t: float, c: Ratios) -> tuple[float, float]:
-    """Derivatives of g and g' in kappa; see :func:`woodpecker.simulation.guards.stumpff_rates`."""
+    """Derivatives of g and g' in kappa; see :func:`woodpecker.motion.guards.stumpff_rates`."""
     k2, k3 = c[3] - 2.0 * c[4], c[4] - 3.0 * c[5]
     once = f2 * (c[2] - c[3] - order * k2) + f3 * t * (c[3] - 2.0 * c[4] - order * k3)
     power = 0.5

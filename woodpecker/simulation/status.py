@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import Enum
 
-from woodpecker.simulation.codes import (
+from woodpecker.motion.codes import (
     AT_REST,
     CONTACT_AMBIGUOUS,
     CONTACT_NO_SOLUTION,

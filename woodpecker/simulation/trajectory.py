@@ -27,9 +27,9 @@ from woodpecker.mechanics.modes import (
     model,
 )
 from woodpecker.mechanics.toy import Toy
+from woodpecker.motion.codes import EVENT_COLUMNS, NO_PATH, PHASE_COLUMNS
+from woodpecker.motion.flow import flow, sample
 from woodpecker.simulation.calls import compute, run
-from woodpecker.simulation.codes import EVENT_COLUMNS, NO_PATH, PHASE_COLUMNS
-from woodpecker.simulation.flow import flow, sample
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import EventKind, decode, symbol, word
 

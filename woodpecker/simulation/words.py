@@ -19,7 +19,7 @@ from collections.abc import Iterable
 from enum import Enum
 
 from woodpecker.mechanics.impacts import MARKS
-from woodpecker.simulation.codes import (
+from woodpecker.motion.codes import (
     CHATTER_END,
     DETACH,
     IMPACT,

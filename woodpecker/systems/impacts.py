@@ -18,6 +18,7 @@ equations.
 from __future__ import annotations
 
 import math
+from collections.abc import Set
 from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
@@ -169,14 +170,24 @@ class Decision(NamedTuple):
     impulses: Floats
 
 
-def decide(eq: Equations, terms: Terms, contacts: tuple[int, ...], u: Floats) -> Decision:
-    """Find the cases of an impact at a state whose velocities and terms are given."""
+def decide(
+    eq: Equations, terms: Terms, contacts: tuple[int, ...], u: Floats,
+    closed: Set[int] = frozenset(), held: Set[int] = frozenset(),
+) -> Decision:  # fmt: skip
+    """Find the cases of an impact at a state whose velocities and terms are given.
+
+    Contacts that have been closed have no gap rate, and those held no slip, whatever rounding has
+    made of them: an impact of another contact often leaves them on the boundary of two cases, as
+    with equal restitutions a compression and an expansion in proportion do.
+    """
     c, count = list(contacts), len(contacts)
     newton = eq.system.law is ImpactLaw.NEWTON
     w = np.concatenate([terms.w_n[c], terms.w_t[c]])
     response = np.linalg.solve(terms.mass, w.T)
     delassus = w @ response
     free = np.concatenate([terms.gap_rate[c], terms.slip[c]])
+    free[:count][[i in closed for i in c]] = 0.0
+    free[count:][[i in held for i in c]] = 0.0
     eps, mu, rubs = terms.eps[c], terms.mu[c], tuple(eq.rubs[c].tolist())
     if newton:
         free[:count] *= 1.0 + eps
@@ -192,8 +203,7 @@ def decide(eq: Equations, terms: Terms, contacts: tuple[int, ...], u: Floats) ->
     after = u + response @ impulse
     floor = feeds * impulse[:count]
     if not (floor > 0.0).any():
-        rates = terms.gap_rate[c]
-        back = newton & (eps > 0.0) & (rates < -SLACK * np.abs(rates).max())
+        back = newton & (eps > 0.0) & (free[:count] < -SLACK * np.abs(free[:count]).max())
         reversed_ = tuple(i for i, is_back in zip(contacts, back, strict=True) if is_back)
         return Decision(outcome, Impact(contacts, ends, rebounds=reversed_), after, impulses)
     free = free + delassus @ impulse

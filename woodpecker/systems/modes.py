@@ -31,6 +31,8 @@ MOST_MODES = 256  # combinations that are tried on acceleration level
 ROUNDING = 1e-12  # relative size of a force that rounding may have made of zero
 SAME = 1e-9  # relative: accelerations that are closer are one motion
 
+_KNOWN = {GAP: 3, NORMAL: 1, CONE_UP: 1, CONE_DOWN: 1, SLIP: 2}  # derivatives of guards in time
+
 Mode = tuple[int, ...]
 
 
@@ -39,7 +41,12 @@ def guards_of(eq: Equations, mode: Mode) -> list[int]:
 
     Where a contact sticks its force vanishes only where a cone is reached, too.
     """
-    m, found = eq.m, list[int]()
+    return list(_guards_of(mode, tuple(eq.rubs.tolist())))
+
+
+@lru_cache(maxsize=1024)
+def _guards_of(mode: Mode, rubs: tuple[bool, ...]) -> tuple[int, ...]:
+    m, found = len(mode), list[int]()
     for i, state in enumerate(mode):
         if state == OPEN:
             found.append(GAP * m + i)
@@ -47,9 +54,9 @@ def guards_of(eq: Equations, mode: Mode) -> list[int]:
             found += [CONE_UP * m + i, CONE_DOWN * m + i]
         else:
             found.append(NORMAL * m + i)
-            if eq.rubs[i]:
+            if rubs[i]:
                 found.append(SLIP * m + i)
-    return found
+    return tuple(found)
 
 
 class Balance(NamedTuple):
@@ -105,12 +112,21 @@ def _parts(mode: Mode) -> tuple[Ints, Ints, Floats]:
 
 
 def _solve(k: Floats, right: Floats) -> Floats:
+    """Solutions of systems (..., s, s) with one right side (..., s) each; nan without."""
     try:
         return np.asarray(np.linalg.solve(k, right[..., None])[..., 0])
     except np.linalg.LinAlgError:
         return solved(k.reshape(-1, *k.shape[-2:]), right.reshape(-1, right.shape[-1])).reshape(
             right.shape
         )
+
+
+def _solve_columns(k: Floats, right: Floats) -> Floats:
+    """The solution (s, c) of one system (s, s) with several right sides; nan without."""
+    try:
+        return np.asarray(np.linalg.solve(k, right))
+    except np.linalg.LinAlgError:
+        return np.full_like(right, np.nan)
 
 
 def guard_values(eq: Equations, mode: Mode, guards: Sequence[int], terms: Terms) -> Floats:
@@ -176,7 +192,7 @@ class Local:
         motion, d_n, d_t, d_mu = self._partial
         load = (sign * l_n)[:, None] * d_mu
         right = -np.vstack([motion - t.w_t.T @ load, d_n[closed], d_t[stuck]])
-        x = _solve(np.broadcast_to(k, (right.shape[1], *k.shape)), right.T).T
+        x = _solve_columns(k, right)
         change_n, change_t = np.zeros((eq.m, eq.columns)), np.zeros((eq.m, eq.columns))
         change_n[closed] = x[n : n + len(closed)]
         change_t[:] = (sign * t.mu)[:, None] * change_n + load
@@ -202,23 +218,26 @@ class Local:
 
         Known are three derivatives of gaps, two of slips, one of forces.
         """
+        most = min(order, _KNOWN[guard // self.eq.m])
+        return [self.derivative(guard, k) for k in range(most + 1)]
+
+    def derivative(self, guard: int, order: int) -> float:
+        """A guard's derivative in time of an order that is known; its value for 0."""
         kind, i = divmod(guard, self.eq.m)
         t = self.terms
         if kind in (GAP, SLIP):
             sign = 1.0 if kind == GAP or self.mode[i] == SLIDE_UP else -1.0
-            found = [t.gap[i], t.gap_rate[i]] if kind == GAP else [sign * t.slip[i]]
-            if len(found) <= order:
+            if kind == GAP and order < 2:
+                return float(t.gap_rate[i] if order else t.gap[i])
+            if order == 0:
+                return sign * float(t.slip[i])
+            if order == _KNOWN[kind] - 1:
                 w, bar = (t.w_n, t.bar_n) if kind == GAP else (t.w_t, t.bar_t)
-                found.append(sign * (w[i] @ self.balance.a + bar[i]))
-            if len(found) <= order:
-                found.append(
-                    sign * (self._acceleration_change(kind, i)[: self.eq.size] @ self.flow)
-                )
-            return found[: order + 1]
-        value = float(_force_guard(kind, t.mu[i], self.balance.l_n[i], self.balance.l_t[i]))
+                return sign * float(w[i] @ self.balance.a + bar[i])
+            return sign * float(self._acceleration_change(kind, i)[: self.eq.size] @ self.flow)
         if order == 0:
-            return [value]
-        return [value, float(self.gradient(guard)[: self.eq.size] @ self.flow)]
+            return float(_force_guard(kind, t.mu[i], self.balance.l_n[i], self.balance.l_t[i]))
+        return float(self.gradient(guard)[: self.eq.size] @ self.flow)
 
     def _acceleration_change(self, kind: int, i: int) -> Floats:
         """Derivatives (columns,) of the acceleration of a gap or a slip."""
@@ -227,7 +246,7 @@ class Local:
 
     def rate(self, guard: int) -> float:
         """The derivative of a guard in time."""
-        return self.jet(guard, 1)[1]
+        return self.derivative(guard, 1)
 
     def gradient(self, guard: int, order: int = 0) -> Floats:
         """Derivatives (columns,) of a guard, or of its derivative in time of an order.
@@ -358,7 +377,7 @@ def _proposed(eq: Equations, terms: Terms, touch: Touch) -> list[Mode]:
 def _admissible(here: Local, touch: Touch, slack: float) -> bool:
     """Whether all guards of the closed contacts are positive right after now."""
     eq, mode = here.eq, here.mode
-    if not np.isfinite(here.balance.a).all():
+    if not math.isfinite(here.balance.a.sum()):
         return False
     for guard in guards_of(eq, mode):
         kind, i = divmod(guard, eq.m)
@@ -375,12 +394,10 @@ def _admissible(here: Local, touch: Touch, slack: float) -> bool:
 
 def _starts_positive(here: Local, guard: int, order: int, rounding: float) -> bool:
     """The sign of a guard right after now; a guard that stays zero counts as positive."""
-    for k in range(order, 4):
-        known = here.jet(guard, k)
-        if len(known) <= k:
-            break
-        if not abs(known[k]) <= (rounding if k == order else 0.0):
-            return known[k] > 0.0
+    for k in range(order, _KNOWN[guard // here.eq.m] + 1):
+        value = here.derivative(guard, k)
+        if not abs(value) <= (rounding if k == order else 0.0):
+            return value > 0.0
     return True
 
 

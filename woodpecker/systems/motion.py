@@ -8,7 +8,7 @@ up the new index sets. What happened is recorded as a path, along which derivati
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Sequence, Set
 from dataclasses import dataclass, field
 from enum import Enum
 from importlib.util import find_spec
@@ -248,9 +248,7 @@ class MotionSearch:
             self.t_end = float(z[-1]) + self.embedding.section.horizon
         before = _before(self.eq, touch)
         try:
-            impact = (
-                self._strike(tuple(sorted({*striking, *touch.closed})), -1) if striking else None
-            )
+            impact = self._strike({*striking, *touch.closed}, touch) if striking else None
             touch = self._touch if striking else touch
             while len(found.legs) < self.events_most:
                 outcome, mode = settle(self.eq, found.z, self.p, touch)
@@ -375,7 +373,8 @@ class MotionSearch:
                 if mode[k] == OPEN and k != i and terms.gap_rate[k] < 0.0
                 and terms.gap[k] <= -terms.gap_rate[k] * near
             }  # fmt: skip
-            impact = self._strike(tuple(sorted(closed | more | {i})), i)
+            held = frozenset(k for k in closed if mode[k] == STICK)
+            impact = self._strike(closed | more | {i}, Touch(closed, held))
             if self.embedding is not None and self.embedding.contact in ({i} | more):
                 found.last = impact
                 raise _StoppedError(MotionStatus.RETURNED)
@@ -386,13 +385,14 @@ class MotionSearch:
             guard = m + i  # where the cone shrinks to nothing the contact opens
         return None, Touch(closed, held, frozenset(), guard)
 
-    def _strike(self, contacts: tuple[int, ...], _: int) -> Impact:
-        """The contact problems of compression and expansion."""
+    def _strike(self, contacts: Set[int], touch: Touch) -> Impact:
+        """The contact problems of compression and expansion, with what has touched before."""
         found, n = self._run, self.eq.n
         before = found.z[n : 2 * n]
         outcome, impact, u, impulses = decide(
-            self.eq, self.eq.terms(found.z, self.p), contacts, before
-        )
+            self.eq, self.eq.terms(found.z, self.p), tuple(sorted(contacts)), before,
+            touch.closed, touch.held,
+        )  # fmt: skip
         if impact is None:
             raise _StoppedError(_OF_OUTCOME.get(outcome, MotionStatus.AMBIGUOUS))
         self._open |= outcome is Outcome.INDETERMINATE

@@ -7,7 +7,7 @@ polynomials say when they fire.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 import heyoka as hy
@@ -68,31 +68,34 @@ class TaylorFlow:
             system, np.zeros(eq.size if varies else size), tol=TOLERANCE,
             compact_mode=size > SMALL or varies,
         )  # fmt: skip
-        self._pars = self._integrator.pars
+        self._pars, self._state = self._integrator.pars, self._integrator.state
+        self._coefficients = self._integrator.tc
+        self._last: Floats | None = None  # the state in which the integrator was left, and for whom
         self._start = np.eye(eq.size, eq.columns).ravel() if varies else np.zeros(0)
 
     def steps(self, z: Floats, p: Floats, most: float) -> Iterator[Step]:
         """Steps in turn; the last one ends at a time that may be negative."""
-        size, integrator, pars = self._eq.size, self._integrator, self._pars
+        size, integrator = self._eq.size, self._integrator
+        state, pars, coefficients = self._state, self._pars, self._coefficients
         more = self._start
         if self._starts is not None:
             more = self._starts(z, pars=p[: self._starts.nparams])
-        state = np.concatenate([z, more])
+        kept = np.concatenate([z, more])
         t = 0.0
         for _ in range(STEPS_MOST):
-            if len(pars):  # others may have used the integrator since
-                pars[:] = p[: len(pars)]
-            integrator.time = 0.0
-            integrator.state[:] = state
+            if self._last is not kept:  # others have used the integrator since
+                self._last, integrator.time = kept, 0.0
+                pars[:], state[:] = p[: len(pars)], kept
             left = most - t
             if math.isinf(left):
                 outcome, length = integrator.step(write_tc=True)
             else:
                 outcome, length = integrator.step(left, write_tc=True)
-            state = integrator.state.copy()
-            if outcome == hy.taylor_outcome.err_nf_state or not math.isfinite(state.sum()):
+            if outcome == hy.taylor_outcome.err_nf_state:
+                self._last = None
                 raise LostError
-            yield TaylorStep(integrator.tc.copy(), length, size, varies=self._varies)
+            self._last = kept = state.copy()
+            yield TaylorStep(coefficients.copy(), length, size, varies=self._varies)
             t += length
             if outcome == hy.taylor_outcome.time_limit:
                 return
@@ -114,11 +117,11 @@ class TaylorStep:
         self._size, self.length = size, length
         self._coefficients = coefficients if varies else coefficients[:size]
         self.guards = coefficients[:0] if varies else coefficients[size:]
-        self._powers = np.arange(coefficients.shape[1])
 
     def states(self, times: Floats) -> Floats:
         """States (b, N)."""
-        found: Floats = times[:, None] ** self._powers @ self._coefficients[: self._size].T
+        powers = np.arange(self._coefficients.shape[1])
+        found: Floats = times[:, None] ** powers @ self._coefficients[: self._size].T
         return found
 
     def exact(self, t: float) -> tuple[Floats, Floats]:
@@ -235,12 +238,18 @@ class _Expressions:
         return hy.sum([d * v for d, v in zip(slopes, self.rates, strict=True) if not _is_zero(d)])
 
 
-def _converted(entry: sympy.Expr, names: dict[sympy.Symbol, Any]) -> Any:
+def _converted(entry: sympy.Expr, names: Mapping[sympy.Symbol, Any]) -> Any:
+    """An expression of heyoka; whole powers as products, as those of heyoka are nan at zero."""
     if entry.is_number:
         return hy.expression(float(entry))
     rounded = {r: sympy.Float(float(r)) for r in entry.atoms(sympy.Rational) if r.q & (r.q - 1)}
+    known, products = dict(names), dict[sympy.Expr, sympy.Expr]()
+    for power in entry.atoms(sympy.Pow):
+        if power.exp.is_Integer and power.exp > 1:
+            products[power] = sympy.Dummy()
+            known[products[power]] = math.prod([_converted(power.base, names)] * int(power.exp))
     try:
-        return hy.from_sympy(entry.xreplace(rounded), names)
+        return hy.from_sympy(entry.xreplace(products).xreplace(rounded), known)
     except (TypeError, ValueError) as error:
         raise ValueError(f"heyoka has no Taylor series of {entry}: {error}") from error
 

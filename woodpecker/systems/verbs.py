@@ -153,7 +153,7 @@ def _sampled(
     """Times and states: evenly spaced ones, and where each step begins and ends."""
     grid = np.linspace(first[-1], last[-1], samples)
     times, states = [np.array([first[-1]])], [first[None]]
-    ends = [begin for begin, _ in steps[1:]] + [float(last[-1])]
+    ends = [*(begin for begin, _ in steps[1:]), float(last[-1])][: len(steps)]
     for (begin, step), end in zip(steps, ends, strict=True):
         inside = grid[(grid > begin) & (grid < min(end, begin + step.length))]
         at = np.concatenate([[begin], inside, [min(end, begin + step.length)]])

@@ -12,7 +12,7 @@ from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import MultiplierSign, Word
-from pwmap.parameters.axes import axis_of
+from pwmap.parameters.recorded import axis_of
 
 SAME = 1e-4  # of their length: so little may bands differ that are the same, in a short interval
 

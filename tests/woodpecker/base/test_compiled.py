@@ -59,7 +59,7 @@ def test_an_infinite_number_is_no_warning(switched_off: str) -> None:
 
 USE = """
 from woodpecker.base import compiled
-from woodpecker.simulation import guards
+from woodpecker.motion import guards
 from woodpecker.simulation.calls import compute
 compiled.announce(compute)  # as the first return does
 print(guards.stumpff(0.0, 0.0, 2.0)[1], type(compute.stats.cache_path).__name__)

@@ -1,6 +1,5 @@
 """The commands: results, help, and one clear sentence for a wrong value."""
 
-import csv
 import json
 import re
 import subprocess
@@ -12,6 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 import typer
+from commands import invoked, rows
 from needs import NEEDS_NUMBA
 from typer.testing import CliRunner
 
@@ -24,13 +24,9 @@ from woodpecker.plot import figures as plot
 from woodpecker.plot.curve import Detail, MapSamples
 from woodpecker.simulation.returns import first_return
 
-runner = CliRunner()
-
 
 def run(*arguments: str) -> tuple[int, str]:
-    result = runner.invoke(app, list(arguments))
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
+    result = invoked(app, *arguments)
     return result.exit_code, result.output
 
 
@@ -259,11 +255,6 @@ def test_a_motion_that_ends_at_the_event_limit_fails_after_it_was_written(tmp_pa
     assert "after 20000 events: the event limit was reached" in text
     assert len(rows(tmp_path / "events.csv")) == 20_000
     assert (tmp_path / "time_history.png").stat().st_size > 10_000
-
-
-def rows(path: Path) -> list[dict[str, str]]:
-    with path.open(encoding="utf-8", newline="") as file:
-        return list(csv.DictReader(file))
 
 
 def test_simulate_writes_two_periods(tmp_path: Path) -> None:

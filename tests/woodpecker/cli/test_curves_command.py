@@ -6,8 +6,8 @@ import csv
 from pathlib import Path
 
 import pytest
+from commands import invoked
 from needs import NEEDS_NUMBA
-from typer.testing import CliRunner
 
 from pwmap import read_graph
 from woodpecker.cli.app import app
@@ -17,9 +17,7 @@ NEAR_A = ("--second-span", "0.298", "0.31")
 
 
 def run(*arguments: str) -> tuple[int, str]:
-    found = CliRunner().invoke(app, ["curves", *arguments])
-    if found.exception is not None and not isinstance(found.exception, SystemExit):
-        raise found.exception
+    found = invoked(app, "curves", *arguments)
     return found.exit_code, " ".join(found.output.split())
 
 

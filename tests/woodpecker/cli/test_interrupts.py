@@ -17,7 +17,7 @@ from typing import Any
 
 import pytest
 from needs import NEEDS_NUMBA
-from processes import SIGNALS, seconds, started, wait_until
+from processes import SIGNALS, is_running, seconds, started, wait_until
 from typer.testing import CliRunner
 
 import woodpecker
@@ -40,14 +40,6 @@ def children(pid: int) -> list[int]:
         return [int(c) for task in tasks for c in (task / "children").read_text().split()]
     except OSError:
         return []
-
-
-def is_running(pid: int) -> bool:
-    """Whether a process is there, and is not a zombie that nobody has asked for."""
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
-    except OSError:
-        return False
 
 
 def ended(process: subprocess.Popen[str], number: signal.Signals) -> tuple[str, str]:

@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 import typer
+from commands import invoked
 from typer.testing import CliRunner
 
 from pwmap.cli import app as pwmap_cli
@@ -31,10 +32,7 @@ COMMANDS: dict[str, tuple[typer.Typer, tuple[str, ...], str, str]] = {
 
 def run(name: str, *more: str) -> Any:
     program, arguments, _, _ = COMMANDS[name]
-    found = CliRunner().invoke(program, [*arguments, *more])
-    if found.exception is not None and not isinstance(found.exception, SystemExit):
-        raise found.exception
-    return found
+    return invoked(program, *arguments, *more)
 
 
 def interrupted(monkeypatch: pytest.MonkeyPatch) -> None:

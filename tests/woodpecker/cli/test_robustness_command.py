@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import csv
 from pathlib import Path
 
 import pytest
+from commands import rows
 from needs import NEEDS_NUMBA
 from typer.testing import CliRunner
 
 from woodpecker.cli.app import app
 from woodpecker.cli.robustness import FILES
-
-
-def rows(path: Path) -> list[dict[str, str]]:
-    with path.open(encoding="utf-8") as lines:
-        return list(csv.DictReader(lines))
 
 
 @pytest.mark.slow

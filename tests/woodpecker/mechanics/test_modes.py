@@ -39,7 +39,6 @@ from woodpecker.mechanics.modes import (
     A,
     B,
     ContactState,
-    consistent,
     mode_index,
     mode_states,
     model,
@@ -49,6 +48,13 @@ FloatArray = npt.NDArray[np.float64]
 States = tuple[ContactState, ContactState, ContactState]
 
 OPEN, STICK, UP, DOWN = ContactState
+
+
+def consistent(states: States) -> bool:
+    """Two closed contacts share the velocity of the sleeve: both stick, or slip the same way."""
+    return len({*states} - {OPEN}) <= 1
+
+
 SLIP_SIGN = {UP: 1.0, DOWN: -1.0}
 SLEEVES = [(OPEN, OPEN), *product((STICK, UP, DOWN), (OPEN,)), *product((OPEN,), (STICK, UP, DOWN))]
 EVERY: list[States] = [(beak, *sleeve) for beak in ContactState for sleeve in SLEEVES]

@@ -2,26 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import matplotlib as mpl
 import numpy as np
 import pytest
 from needs import NEEDS_NUMBA
 
 mpl.use("Agg")
-import matplotlib.pyplot as plt
 
 from pwmap.plot.drawn import Drawn
 from woodpecker import Toy, Trajectory, return_map, simulate
 from woodpecker.plot.figures import plot_return_map
 from woodpecker.plot.motions import plot_phase_portrait, plot_phase_portraits, plot_time_history
-
-
-@pytest.fixture(autouse=True)
-def _close() -> Iterator[None]:
-    yield
-    plt.close("all")
 
 
 @pytest.fixture(scope="module")

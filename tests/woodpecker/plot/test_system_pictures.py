@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 import matplotlib as mpl
 import numpy as np
 import pytest
@@ -11,7 +9,6 @@ import sympy
 from matplotlib.collections import QuadMesh
 
 mpl.use("Agg")
-import matplotlib.pyplot as plt
 
 from woodpecker.plot.systems import (
     plot_basins,
@@ -24,12 +21,6 @@ from woodpecker.systems import Contact, ContactSystem, Section, SystemMap, shoot
 x, y, v, w, g, t = sympy.symbols("x y u_x u_y g t")
 FLOOR = Contact(name="floor", gap=y, eps_n=0.5)
 BALL = ContactSystem([y], [[1]], [-g], [FLOOR], {g: 10.0})
-
-
-@pytest.fixture(autouse=True)
-def _close() -> Iterator[None]:
-    yield
-    plt.close("all")
 
 
 def test_time_history_marks_impacts() -> None:

@@ -19,11 +19,11 @@ from woodpecker import Toy, prove, shoot
 from woodpecker.checking.certificate import check
 from woodpecker.checking.intervals import I, unit
 from woodpecker.checking.pieces import Rejected, claimed
+from woodpecker.enclosures.forms import precision
+from woodpecker.enclosures.model import rational
 from woodpecker.proofs import NotProved, certificates
 from woodpecker.proofs.branches import PieceEnd, joined
 from woodpecker.proofs.certificates import branch_sentence, orbit_sentence, point_sentence, sealed
-from woodpecker.proofs.forms import precision
-from woodpecker.proofs.model import rational
 from woodpecker.proofs.pieces import Fractions, Route, Tube, proved, value_of
 from woodpecker.proofs.statements import parts_of
 

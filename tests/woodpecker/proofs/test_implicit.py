@@ -11,10 +11,10 @@ from mpmath import mp, mpf
 
 from woodpecker.checking import forms, guards
 from woodpecker.checking.intervals import Extent, I, T, unit
-from woodpecker.proofs.balls import fraction
-from woodpecker.proofs.forms import precision, start, varying
-from woodpecker.proofs.oscillator import Guard, crossing
-from woodpecker.proofs.taylor import Frame
+from woodpecker.enclosures.balls import fraction
+from woodpecker.enclosures.forms import precision, start, varying
+from woodpecker.enclosures.oscillator import Guard, crossing
+from woodpecker.enclosures.taylor import Frame
 
 KAPPA = -40  # of the guard f = f_0 + f_1 t + f_2 s_2(t) + f_3 s_3(t)
 GUESS = 0.3

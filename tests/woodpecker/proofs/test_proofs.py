@@ -18,17 +18,17 @@ from studies.peers.reference_mpmath import PAPER
 from studies.peers.reference_mpmath import first_return as reference
 from woodpecker import Toy, bifurcation_diagram, prove, shoot
 from woodpecker.checking.certificate import check
+from woodpecker.enclosures.balls import fraction, number
+from woodpecker.enclosures.following import follow
+from woodpecker.enclosures.forms import S, precision, start, varying
+from woodpecker.enclosures.model import BallToy, rational
+from woodpecker.enclosures.oscillator import stumpff
+from woodpecker.enclosures.stumpff import shape_balls, stumpff_balls
+from woodpecker.enclosures.taylor import ZERO, Frame
 from woodpecker.proofs import NotProved
-from woodpecker.proofs.balls import fraction, number
 from woodpecker.proofs.branches import marched
 from woodpecker.proofs.certificates import of_branch, text
-from woodpecker.proofs.following import follow
-from woodpecker.proofs.forms import S, precision, start, varying
-from woodpecker.proofs.model import BallToy, rational
-from woodpecker.proofs.oscillator import stumpff
 from woodpecker.proofs.pieces import Fractions, Route, Tube, curves_near, proved
-from woodpecker.proofs.stumpff import shape_balls, stumpff_balls
-from woodpecker.proofs.taylor import ZERO, Frame
 
 X1, X2 = -0.8847733440138263, -0.7577872573415620  # where two gaps close at once
 POINTS = {  # law, eps_N1, phi_S, code, note: the table of facts, to the digits that it has

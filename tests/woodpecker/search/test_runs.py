@@ -59,11 +59,7 @@ SEARCH = Search(slices=5, finest=0.05)
 SETTINGS = Settings(span=(-1.0, 2.5), window=(-20.0, 20.0))
 ABOUT: Entry = {"parameter": "p", "span": [-1.0, 2.5]}
 
-
-@pytest.fixture(autouse=True)
-def workers_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Others than the calling process take part from the beginning."""
-    monkeypatch.setattr("woodpecker.base.executors.PATIENCE", 0.0)
+pytestmark = pytest.mark.usefixtures("workers_at_once")
 
 
 def searched(

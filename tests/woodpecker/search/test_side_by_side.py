@@ -21,11 +21,7 @@ from woodpecker.diagrams import bifurcation_search
 FRICTIONS = (0.30, 0.31, 0.32, 0.33)
 Shown = list[tuple[object, ...]]
 
-
-@pytest.fixture(autouse=True)
-def workers_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Others than the calling process take part from the beginning."""
-    monkeypatch.setattr("woodpecker.base.executors.PATIENCE", 0.0)
+pytestmark = pytest.mark.usefixtures("workers_at_once")
 
 
 def searched(mu_2: float, **options: Any) -> Shown:

@@ -31,9 +31,7 @@ from woodpecker.mechanics.modes import (
     mode_index,
     model,
 )
-from woodpecker.simulation import calls
-from woodpecker.simulation.calls import follow, make_work
-from woodpecker.simulation.codes import (
+from woodpecker.motion.codes import (
     AT_REST,
     EVENT_COLUMNS,
     NEVER_JAMS,
@@ -42,10 +40,12 @@ from woodpecker.simulation.codes import (
     STEP_COLUMNS,
     TIME_REACHED,
 )
-from woodpecker.simulation.events import mode_of, time_to_minimum
-from woodpecker.simulation.flow import flow, measure
+from woodpecker.motion.events import mode_of, time_to_minimum
+from woodpecker.motion.flow import flow, measure
+from woodpecker.motion.settling import settle
+from woodpecker.simulation import calls
+from woodpecker.simulation.calls import follow, make_work
 from woodpecker.simulation.margins import NOTES
-from woodpecker.simulation.settling import settle
 from woodpecker.simulation.status import status
 
 FloatArray = npt.NDArray[np.float64]

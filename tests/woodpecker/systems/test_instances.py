@@ -125,10 +125,33 @@ def test_den_hartog_with_stops(w: float, f: float, backend: str) -> None:
 @NEEDS_HEYOKA
 @pytest.mark.slow
 def test_stops_of_den_hartog_begin_where_the_closed_form_says() -> None:
-    """The branch goes on there, with another word."""
-    found, cause = den_hartog.border(0.6)
+    """The branch goes on there, with another word, and no special point is made of it."""
+    diagram = den_hartog.followed(0.6)
+    assert {q.kind for q in diagram.points} == {PointKind.EP}
+    found, cause = den_hartog.border(diagram)
     assert found == pytest.approx(den_hartog.stops_from(0.6), abs=1e-9)
     assert "the edge of its friction cone" in cause
+
+
+@pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
+@pytest.mark.parametrize("w", [0.6, 0.7])
+@pytest.mark.slow
+def test_stops_of_den_hartog_begin_smoothly(w: float, backend: str) -> None:
+    """With and without stops a return has one value and one slope at the border: no node."""
+    map_, f = den_hartog.map_of("f", backend=backend).holding(w=w), den_hartog.stops_from(w)
+    point, slope = den_hartog.at_border(w)
+    followed = []
+    for word, friction in (("R1 R1", f - 0.01), ("J1 S1 J1 S1", f + 0.01)):
+        cycle = shoot(map_.holding(w=w, f=friction), point)
+        beside = map_.at(cycle.x[0], np.array([friction]))
+        assert beside.piece.word == word
+        image = beside.piece.at(point, np.array([f]))
+        assert image.value == pytest.approx(point, abs=1e-9)
+        assert image.jacobian[:, :2] == pytest.approx(slope, abs=1e-9)
+        followed.append(np.linalg.solve(np.eye(2) - image.jacobian[:, :2], image.jacobian[:, 2]))
+    assert followed[0] == pytest.approx(followed[1], abs=1e-9)
+    known = sorted(np.linalg.eigvals(slope).real)
+    assert known == pytest.approx([0.0, np.cos(np.pi / w) ** 2], abs=1e-14)
 
 
 @pytest.mark.parametrize("eps", [0.1, 0.5, 0.9])

@@ -1,0 +1,63 @@
+"""A certificate as a document: a statement, with all that it takes to verify it."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from pwmap.diagrams.files import write_whole
+from pwmap.diagrams.shown import brief
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Certificate:
+    """A statement that is proved, with all that it takes to verify it.
+
+    Attributes
+    ----------
+    content
+        All of it, as it is written to JSON, sealed.
+
+    Examples
+    --------
+    >>> from pwmap import PiecewiseLinearMap, prove
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
+    >>> certificate = prove(p1)
+    >>> print(certificate.statement[:58])
+    For the map with the pieces L: -1 for x <= 0; R: -5/4 x +
+    >>> len(certificate.content["fixed points"])
+    2
+    >>> certificate.save("map.json").name
+    'map.json'
+    """
+
+    content: Mapping[str, Any]
+
+    @property
+    def statement(self) -> str:
+        """What is proved, in a sentence: what ``check_certificate`` says of the file."""
+        return str(self.content["statement"])
+
+    def __repr__(self) -> str:
+        """What kind of statement, and how it begins."""
+        return f"Certificate({self.content['kind']}: {brief(self.statement)!r})"
+
+    def __str__(self) -> str:
+        return self.statement
+
+    def save(self, path: str | os.PathLike[str]) -> Path:
+        """Write it as JSON; the file is there whole or not at all."""
+        lines = [f"{json.dumps(name)}: {_lines(value)}" for name, value in self.content.items()]
+        write_whole(Path(path), ("{\n" + ",\n".join(lines) + "\n}\n").encode("ascii"))
+        return Path(path)
+
+
+def _lines(value: object) -> str:
+    """JSON with a line for each entry of a list."""
+    if not isinstance(value, list | tuple) or not value:
+        return json.dumps(value)
+    return "[\n  " + ",\n  ".join(map(json.dumps, value)) + "\n]"

@@ -1,0 +1,1 @@
+"""Exact maps: what composition, cycles, long runs and certificates cost."""

@@ -1,0 +1,252 @@
+"""The command ``pwmap analyse``, run in this process."""
+
+import csv
+import json
+from pathlib import Path
+
+import pytest
+from commands import analyse as run
+from matplotlib.figure import Figure
+from typer.testing import CliRunner
+
+from pwmap import read_graph
+from pwmap.cli.app import app
+from pwmap.diagrams import files
+
+P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
+
+
+@pytest.mark.slow
+def test_the_example_of_the_help_prints_and_writes_everything(tmp_path: Path) -> None:
+    folder = tmp_path / "new" / "folder"
+    code, text = run(P1L, "--parameter", "r", "--set", "a=5/4", "--orders", "1,2,3", out=folder)
+    assert code == 0
+    for part in ("fold-flip", "border collision, fold", "4*r/9", "RR|RL", "r in (0, 10)", "50/21"):
+        assert part in text
+    assert (folder / "diagram.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+    graph = read_graph(folder / "graph.graphml")
+    assert graph.nodes["FF1"]["parameter_exact"] == "0"
+    assert {data["x_exact"] for *_, data in graph.edges(data=True)} >= {"4*r/9", "r - 2", "4*r/5"}
+    assert json.loads((folder / "graph.json").read_text())["nodes"]
+    lines = (folder / "points.csv").read_text().splitlines()
+    assert lines[0] == (
+        "id,name,kind,r,x,order,note,cause,status,precision,interval_min,interval_max,branches,"
+        "parameter_exact,x_exact"
+    )
+    assert (
+        "BC4,,BC,2.380952380952381,0.0,3,fold,a point of a cycle meets the border x = 0,located,"
+        "0.0,,,F3 J5,50/21,0"
+    ) in lines
+    assert "a fixed point meets the border x = 0" in " ".join(text.replace("│", " ").split())
+
+
+def test_each_order_has_a_picture_of_its_own(tmp_path: Path) -> None:
+    one, two = tmp_path / "one", tmp_path / "two"
+    options = (P1L, "--parameter", "r", "--set", "a=5/4", "--span", "-1", "3", "--format", "pdf")
+    code, text = run(*options, "--orders", "1,2", out=two)
+    assert code == 0
+    names = ["diagram.pdf", "order_1.pdf", "order_2.pdf"]
+    assert sorted(path.name for path in two.glob("*.pdf")) == names
+    assert all(name in text for name in names)
+    assert all((two / name).read_bytes().startswith(b"%PDF-") for name in names)
+    assert run(*options, "--orders", "1", out=one)[0] == 0
+    assert [path.name for path in one.glob("*.pdf")] == names[:1]
+    assert run(*options, "--orders", "1,2", out=one)[0] == 0  # the same picture is the same file
+    assert (one / "order_2.pdf").read_bytes() == (two / "order_2.pdf").read_bytes()
+
+
+def test_symbolic_parameters_take_assumptions(tmp_path: Path) -> None:
+    code, text = run(
+        P1L, "--parameter", "r", "--given", "a > 1", "--span", "-1", "5/2", out=tmp_path
+    )
+    assert code == 0
+    assert "r/(a + 1)" in text
+    assert "given: a > 1" in text
+
+
+def test_pictures_say_their_iterate_and_at_which_values_they_are_drawn(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    titles = {}
+
+    def keep(path: Path, figure: Figure) -> None:
+        titles[path.name] = figure.axes[0].get_title()
+        path.touch()
+
+    monkeypatch.setattr(files, "write_figure", keep)
+    span = ("--parameter", "r", "--span", "-1", "5/2")
+    assert run(P1L, *span, "--given", "a > 1", "--sample", "a=2", out=tmp_path)[0] == 0
+    assert titles["diagram.png"] == "drawn at a = 2"
+    assert run(P1L, *span, "--set", "a=2", "--orders", "1,2", out=tmp_path)[0] == 0
+    assert titles == {"diagram.png": "", "order_1.png": "$P_{1}$", "order_2.png": "$P_{2}$"}
+
+
+TWO = ("Piecewise((a*x + r, x <= 0), (b*x + r - 2, True))", "--parameter", "r")
+
+
+@pytest.mark.slow
+def test_two_parameters_stay_symbolic_around_a_sample(tmp_path: Path) -> None:
+    """By default around one that the assumptions admit, which is told by what is given."""
+    code, text = run(*TWO, "--given", "a > 0", "--given", "a < 1", out=tmp_path)
+    assert code == 0
+    assert "-r/(a - 1)" in text
+    code, text = run(*TWO, "--sample", "a=1/2", "--sample", "b=-13/7", out=tmp_path)
+    assert code == 0
+    assert "given: a > 0, a < 1, b < -1, a*b > -1, b > -3" in " ".join(text.split())
+    code, text = run(*TWO, "--sample", "a=1/2", out=tmp_path)
+    assert code == 2
+    assert "a sample must give values to ['a', 'b'], got ['a']" in text
+    code, text = run(*TWO, "--sample", "a", out=tmp_path)
+    assert code == 2
+    assert "--sample needs name=value, such as a=5/4, got 'a'" in text
+    code, text = run(*TWO, "--sample", "a=1", "--sample", "b=1", out=tmp_path)
+    assert code == 2
+    assert "at a = 1, b = 1 edges meet by chance: choose another sample" in text
+
+
+def test_a_span_can_leave_a_parameter_one_value(tmp_path: Path) -> None:
+    """b >= a all over (-1, 5/2) needs a <= -1, and a*b < 1 there a >= -1."""
+    map_ = "Piecewise((a*x, x <= 0), (r - b*x, True))"
+    given = ("--given", "b >= a", "--given", "a*b < 1", "--span", "-1", "5/2")
+    code, text = run(map_, "--parameter", "b", *given, "--orders", "1", out=tmp_path)
+    assert code == 2
+    assert "the assumptions leave only a = -1, where edges meet: give that value" in text
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ((P1L, "--parameter", "b"), "b is no parameter of this map, it has ['a', 'r']"),
+        ((P1L, "--parameter", "r", "--set", "a"), "--set needs name=value, such as a=5/4, got 'a'"),
+        (("r - 1.25*x", "--parameter", "r"), "write the rational 5/4 instead"),
+        ((P1L, "--parameter", "r", "--set", "a=5/4", "--orders", "1;2"), "got '1;2'"),
+        ((P1L, "--parameter", "r", "--set", "a=5/4", "--orders", "0"), "got 0"),
+        ((P1L, "--parameter", "r", "--set", "a=5/4", "--span", "2", "1"), "got (2, 1)"),
+        (("x**2 + r", "--parameter", "r"), "the piece x**2 + r is not affine in x"),
+        (("x +", "--parameter", "r"), "cannot read 'x +' as an expression"),
+        (("Piecewise((r, x < 0))", "--parameter", "r"), "no piece covers x = 0"),
+    ],
+)
+def test_wrong_input_is_one_sentence(
+    arguments: tuple[str, ...], sentence: str, tmp_path: Path
+) -> None:
+    code, text = run(*arguments, out=tmp_path / "out")
+    assert code == 2
+    assert sentence in text
+    assert len(text.strip().splitlines()) == 1
+    assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.slow
+def test_the_long_run_adds_tables_files_and_pictures(tmp_path: Path) -> None:
+    tent = "Piecewise((a*x, x <= 1/2), (a*(1 - x), True))"
+    options = ("--parameter", "a", "--span", "5/4", "9/4", "--orders", "1,2")
+    code, text = run(tent, *options, "--attractors", "--density", "2", out=tmp_path)
+    assert code == 0
+    for part in ("merging crisis", "sqrt(2)", "final crisis", "1 band: [0, 1]", "log(2)", "LR(L)"):
+        assert part in text
+    lines = (tmp_path / "crises.csv").read_text().splitlines()
+    assert lines[1].startswith("MC,1.4142135623730951,sqrt(2),2,1,R,")
+    for name in ("diagram.png", "density_2.png"):
+        assert (tmp_path / name).read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+    assert (tmp_path / "attractors.csv").read_text().count("\n") == 5  # 2, 1 and 0 bands
+
+
+@pytest.mark.slow
+def test_the_long_run_lists_intervals_of_constant_entropy(tmp_path: Path) -> None:
+    skew = "Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))"
+    options = ("--parameter", "b", "--span=-5", "-1", "--orders", "1")
+    code, _ = run(skew, *options, "--entropy", out=tmp_path)
+    assert code == 0
+    assert (tmp_path / "entropy.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+    with (tmp_path / "entropy.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    shown = [(row["lower_exact"], row["upper_exact"], row["entropy_exact"], row["cycles"])
+             for row in rows]  # fmt: skip
+    assert shown == [("-5", "-4", "", ""), ("-4", "-3", "log(1/2 + sqrt(5)/2)", "LLR"),
+                     ("-3", "-2", "", ""), ("-2", "-1", "0", "LR")]  # fmt: skip
+    assert rows[1]["entropy"].startswith("0.48121182505960")
+    assert rows[0]["open_because"].startswith("orbits of breaks are not known to the end")
+
+
+@pytest.mark.slow
+def test_a_run_leaves_nothing_of_an_earlier_one(tmp_path: Path) -> None:
+    tent = "Piecewise((a*x, x <= 1/2), (a*(1 - x), True))"
+    options = ("--parameter", "a", "--span", "5/4", "9/4", "--orders", "1")
+    assert run(tent, *options, "--attractors", "--density", "2", out=tmp_path)[0] == 0
+    before = {path.name for path in tmp_path.iterdir()}
+    code, text = run(tent, *options, out=tmp_path)
+    assert code == 0
+    after = {path.name for path in tmp_path.iterdir()}
+    assert before - after == {"attractors.csv", "crises.csv", "density_2.png"}
+    assert "removed what an earlier run wrote: attractors.csv, crises.csv, density_2.png" in text
+    record = json.loads((tmp_path / "about_analyse.json").read_text(encoding="utf-8"))
+    assert set(record["files"]) == after - {"about_analyse.json"}
+    assert (record["map"], record["span"]) == (tent, ["5/4", "9/4"])
+    assert read_graph(tmp_path / "graph.graphml").graph["map"] == tent
+
+
+def test_intervals_of_symbols_are_no_markup(tmp_path: Path) -> None:
+    """[b, ...] would be taken for an opening tag."""
+    map_ = "Piecewise((a*x + r, x < b), (r, True))"
+    code, text = run(map_, "--parameter", "r", "--orders", "1", "--given", "a > 1",
+                     out=tmp_path / "[b]")  # fmt: skip
+    assert code == 0
+    assert "r in [b, 7]" in text
+    assert f"wrote {tmp_path / '[b]' / 'points.csv'}, " in text
+
+
+@pytest.mark.slow
+def test_the_table_says_which_attractors_are_missing(tmp_path: Path) -> None:
+    """Right of 10 all points go to 10, through which no neighbour comes: that is open."""
+    map_ = "Piecewise((a*x, x <= 1/2), (a*(1 - x), x < 10), (10, True))"
+    code, text = run(map_, "--parameter", "a", "--density", "7/4", "--orders", "1", out=tmp_path)
+    assert code == 0
+    assert "1 band: [7/32, 7/8]" in text
+    assert "incomplete: open beside the break 10" in text
+
+
+def test_the_long_run_needs_a_span_and_a_density(tmp_path: Path) -> None:
+    tent = "Piecewise((a*x, x <= 1/2), (a*(1 - x), True))"
+    code, text = run(tent, "--parameter", "a", "--orders", "1", "--entropy", out=tmp_path / "new")
+    assert code == 2
+    assert "--attractors and --entropy need an interval of the parameter: --span" in text
+    span = ("--span", "0", "1")
+    code, text = run(tent, "--parameter", "a", *span, "--density", "1/2", out=tmp_path / "new")
+    assert code == 2
+    assert "at a = 1/2 no chaotic attractor has a density" in text
+    assert not (tmp_path / "new").exists()
+
+
+SKEW = "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))"
+
+
+def run_plane(*arguments: str, out: Path) -> tuple[int, str]:
+    found = CliRunner().invoke(app, ["plane", SKEW, *arguments, "--out", str(out)])
+    return found.exit_code, found.output
+
+
+@pytest.mark.slow
+def test_a_plane_is_drawn_with_its_curves_and_points(tmp_path: Path) -> None:
+    spans = ("--across-span", "1/4", "3/4", "--along-span", "-5", "-1/2")
+    code, text = run_plane(
+        "--across", "a", "--along", "b", *spans, "--orders", "1,2,3",
+        "--colours", "bands", "--raster", "4", "3", out=tmp_path,
+    )  # fmt: skip
+    assert code == 0
+    for part in ("a**2*b + 1", "a*b + a + 1", "flip-border", "0.61803398875"):
+        assert part in text
+    assert (tmp_path / "plane.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
+    curves = (tmp_path / "plane_curves.csv").read_text().splitlines()
+    assert curves[0] == "id,kind,note,words,polynomial,from,to"
+    assert "BC1,BC,fold,LLR LRR,a*b + a + 1,," in curves
+    points = (tmp_path / "plane_points.csv").read_text().splitlines()
+    assert points[1].endswith("-1/2 + sqrt(5)/2,-3/2 - sqrt(5)/2,PD3 BC1")
+
+
+def test_a_plane_of_other_parameters_is_refused(tmp_path: Path) -> None:
+    spans = ("--across-span", "0", "1", "--along-span", "-5", "-1")
+    code, text = run_plane("--across", "a", "--along", "c", *spans, out=tmp_path)
+    assert code == 2
+    assert "expected a map of a and c, this one has ['a', 'b']" in text
+    assert not list(tmp_path.iterdir())

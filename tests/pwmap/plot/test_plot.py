@@ -1,0 +1,375 @@
+"""Pictures of maps: what is drawn, read back from the axes."""
+
+import matplotlib.pyplot as plt
+import numpy as np
+import pytest
+import sympy
+from matplotlib.axes import Axes
+from sympy import Rational
+
+from pwmap import (
+    Branch,
+    BranchKind,
+    Diagram,
+    PiecewiseLinearMap,
+    PointKind,
+    SpecialPoint,
+    bifurcation_diagram,
+    parameter_plane,
+)
+from pwmap.diagrams import Stretch
+from pwmap.plot import INK, Drawn, plot_cobweb, plot_diagram, plot_map
+from pwmap.plot.labels import Labels
+from pwmap.plot.palette import NOTHING, of_period
+from pwmap.plot.plane import _face, plot_plane
+
+P1L = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
+AT_ONE = P1L.at({"a": Rational(5, 4), "r": 1})
+
+
+def lines(ax: Axes) -> list[tuple[list[float], list[float]]]:
+    return [
+        (np.asarray(line.get_xdata()).tolist(), np.asarray(line.get_ydata()).tolist())
+        for line in ax.lines
+    ]
+
+
+def test_a_map_shows_pieces_jumps_and_fixed_points() -> None:
+    ax = plot_map(AT_ONE, window=(-2.0, 2.0)).ax
+    drawn = lines(ax)
+    assert ([-2.0, 0.0], [-1.0, -1.0]) in drawn
+    assert ([0.0, 2.0], [1.0, -1.5]) in drawn
+    assert ([0.0, 0.0], [-1.0, 1.0]) in drawn  # the jump that crosses the diagonal
+    assert ([-1.0], [-1.0]) in drawn
+    assert ([4 / 9], [4 / 9]) in drawn
+    ends = {(x[0], y[0]): line for (x, y), line in zip(drawn, ax.lines, strict=True) if len(x) == 1}
+    assert ends[0.0, 1.0].get_markerfacecolor() == "white"  # x = 0 belongs to the left piece
+    assert ends[0.0, -1.0].get_markerfacecolor() != "white"
+    legend = ax.get_legend()
+    assert legend is not None
+    assert [text.get_text() for text in legend.get_texts()] == [
+        "jump crossing", "stable fixed point", "unstable fixed point",
+        "belongs to its piece", "does not",
+    ]  # fmt: skip
+
+
+def test_the_window_holds_all_breaks_and_fixed_points() -> None:
+    low, high = plot_map(AT_ONE.iterate(2)).ax.get_xlim()
+    assert low < -1.0
+    assert high > 1.0
+
+
+def test_a_cobweb_follows_the_orbit() -> None:
+    ax = plot_cobweb(AT_ONE, Rational(1, 2), 2).ax
+    # 1/2 -> 1 - 5/8 = 3/8 -> 1 - 15/32 = 17/32
+    x, y = lines(ax)[-2]
+    assert x == [0.5, 0.5, 0.375, 0.375, 0.53125]
+    assert y == [0.5, 0.375, 0.375, 0.53125, 0.53125]
+
+
+def test_the_plane_has_one_colour_for_each_set_of_periods() -> None:
+    a, r = sympy.symbols("a r")
+    plane = parameter_plane(P1L, a, r, (1, 4), (-1, 12), (1, 2, 3))
+    ax = plot_plane(plane, samples=5).ax
+    legend = ax.get_legend()
+    assert legend is not None
+    assert [t.get_text() for t in legend.get_texts()] == [
+        *(
+            "none found",
+            "period 1",
+            "period 2",
+            "period 3",
+            "border collision",
+            "border-collision fold-flip",
+        ),
+    ]
+    edges = lines(ax)
+    assert any(np.allclose(y, [2 * v / (v - 1) for v in x]) for x, y in edges if x[0] > 1.19)
+
+
+def test_curves_and_points_of_a_plane_have_names() -> None:
+    """Where the period doubles at b = -1 and a = 1; the raster has two periods, and no other."""
+    skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    plane = parameter_plane(skew, "a", "b", ("1/4", "5/4"), ("-3/2", "-1/2"), orders=(1, 2))
+    drawn = plot_plane(plane, samples=20)
+    assert {*(c.id for c in plane.curves), *(p.id for p in plane.points)} == set(written(drawn))
+    assert len(plane.points) > 0
+    assert "of codimension two" in legend_of(drawn)
+
+
+def test_parameters_need_values() -> None:
+    with pytest.raises(ValueError, match="give a, r a value first"):
+        plot_map(P1L)
+    with pytest.raises(ValueError, match="give a, r a value first"):
+        plot_cobweb(P1L, 0, 3)
+    with pytest.raises(ValueError, match="at least one step, got 0"):
+        plot_cobweb(AT_ONE, 0, 0)
+
+
+def small_diagram() -> Diagram:
+    """A branch whose word changes at its second sample, between a named point and an end."""
+    points = (
+        SpecialPoint(id="BC1", kind=PointKind.BC, parameter=0.0, x=0.0, name="C"),
+        SpecialPoint(id="EP1", kind=PointKind.EP, parameter=1.0, x=2.0),
+    )
+    branch = Branch(
+        id="F1", kind=BranchKind.FIXED_POINT, order=1, word="A", ends=("BC1", "EP1"),
+        parameter=np.array([0.0, 0.5, 1.0]), x=np.array([0.0, 1.0, 2.0]), multiplier=np.zeros(3),
+        words=(Stretch(0, "A"), Stretch(1, "B", "a gap closes")),
+    )  # fmt: skip
+    return Diagram(parameter_name="p", x_name="x", branches=(branch,), points=points)
+
+
+def written(drawn: Drawn) -> list[str]:
+    """The names in a picture, after it was drawn."""
+    drawn.figure.canvas.draw()
+    (labels,) = drawn.artists["names"]
+    assert isinstance(labels, Labels)
+    return [text for text, _ in labels.placed]
+
+
+def legend_of(drawn: Drawn) -> list[str]:
+    legend = drawn.ax.get_legend()
+    assert legend is not None
+    return [text.get_text() for text in legend.get_texts()]
+
+
+def test_names_are_written_and_words_marked_on_request() -> None:
+    for words in (False, True):
+        drawn = plot_diagram(small_diagram(), words=words)
+        assert written(drawn) == ["C"]
+        shown = ["stable", "border collision", "end point", *["word change"] * words]
+        assert legend_of(drawn) == shown
+        assert list(drawn.artists) == [*shown[:3], "names", *shown[3:]]
+        places = [np.asarray(marks.get_offsets()).tolist() for marks in drawn.ax.collections]
+        assert ([[0.5, 1.0]] in places) is words
+    assert written(plot_diagram(small_diagram(), labels=True)) == ["C", "EP1"]
+    assert written(plot_diagram(small_diagram(), labels=False)) == []
+
+
+def paper_diagram(*orders: int) -> Diagram:
+    return bifurcation_diagram(P1L.at({"a": Rational(5, 4)}), "r", (-1, 6), orders=orders)
+
+
+def test_orders_are_told_apart_without_colours() -> None:
+    names = written(plot_diagram(paper_diagram(1, 2, 3)))
+    assert {"$P_{1}$", "$P_{2}$", "$P_{3}$"} <= set(names)
+    assert "FF1" in names
+    assert [name for name in written(plot_diagram(paper_diagram(1))) if "$" in name] == []
+    assert "$P_{2}$" in written(plot_diagram(paper_diagram(1, 2).of_order(2)))
+
+
+def test_names_cover_neither_each_other_nor_markers() -> None:
+    """Eight points within a tenth of the picture."""
+    points = tuple(
+        SpecialPoint(id=f"BC{k}", kind=PointKind.BC, parameter=0.5 + 0.01 * (k % 3), x=0.01 * k)
+        for k in range(8)
+    )
+    ends = tuple(
+        SpecialPoint(id=f"EP{k}", kind=PointKind.EP, parameter=float(k), x=float(k))
+        for k in range(2)
+    )
+    crowded = Diagram(parameter_name="p", x_name="x", branches=(), points=points + ends)
+    drawn = plot_diagram(crowded)
+    assert sorted(written(drawn)) == [f"BC{k}" for k in range(8)]
+    boxes = [box for _, box in drawn.artists["names"][0].placed]  # type: ignore[attr-defined]
+    for k, box in enumerate(boxes):
+        assert not any(box.overlaps(other) for other in boxes[k + 1 :])
+        for point in points:
+            assert not box.contains(*drawn.ax.transData.transform((point.parameter, point.x)))
+    drawn.ax.set_xlim(0.9, 1.1)  # what is not seen has no name
+    assert written(drawn) == []
+
+
+def test_a_name_stands_closer_to_its_own_point_than_to_another() -> None:
+    """Four points on a line, closer than names are wide."""
+    points = tuple(
+        SpecialPoint(id=f"BC{k}", kind=PointKind.BC, parameter=0.1 * k, x=1.0) for k in range(4)
+    )
+    end = SpecialPoint(id="EP1", kind=PointKind.EP, parameter=3.0, x=0.0)
+    drawn = plot_diagram(
+        Diagram(parameter_name="p", x_name="x", branches=(), points=(*points, end))
+    )
+    assert len(written(drawn)) == 4
+    places = drawn.ax.transData.transform([(p.parameter, p.x) for p in points])
+    for k, (_, box) in enumerate(drawn.artists["names"][0].placed):  # type: ignore[attr-defined]
+        away = np.hypot(*(places - np.clip(places, box.min, box.max)).T)
+        assert away.argmin() == k
+
+
+def at(*places: tuple[str, float, float], kind: PointKind = PointKind.BC) -> Diagram:
+    """A diagram of points alone, some of them with names, in the unit square."""
+    corners = tuple(
+        SpecialPoint(id=f"EP{k}", kind=PointKind.EP, parameter=k, x=k) for k in (0.0, 1.0)
+    )
+    points = tuple(SpecialPoint(id=id_, kind=kind, parameter=p, x=x) for id_, p, x in places)
+    return Diagram(parameter_name="p", x_name="x", branches=(), points=(*corners, *points))
+
+
+def test_points_on_one_another_share_one_label_from_left_to_right() -> None:
+    """Two points 0.002 apart in a picture of 7 inches, that is one point of print; seven in one."""
+    drawn = plot_diagram(at(("FF1", 0.502, 0.5), ("C", 0.5, 0.5), ("BC1", 0.7, 0.5)))
+    assert written(drawn) == ["C, FF1", "BC1"]
+    many = [(f"FF{k}", 0.5, 0.5) for k in (3, 9, 4, 8, 5, 7, 6)]
+    assert written(plot_diagram(at(*many, ("BC2", 0.5, 0.5)))) == ["BC2, FF3\u2013FF9"]
+
+
+CROWDED = (  # what the toy meets over mu_2 next to the end of its stable motion
+    ("LP3", 0.280808, -0.469534), ("PD4", 0.280808, -0.469535), ("BC9", 0.280825, -0.469440),
+    ("BC10", 0.280964, -0.467748), ("FF2", 0.281282, -0.464322), ("FF1", 0.282240, -0.461943),
+    ("BC8", 0.282244, -0.456501), ("BC12", 0.282318, -0.449209), ("PD3", 0.282332, -0.456243),
+    ("BC11", 0.282431, -0.450657), ("FF8", 0.282435, -0.444608), ("FF6", 0.282435, -0.444614),
+    ("FF4", 0.282435, -0.444651), ("FF9", 0.282451, -0.443986), ("FF7", 0.282452, -0.443989),
+    ("FF5", 0.282452, -0.444007), ("FF3", 0.282454, -0.444110), ("BC7", 0.284018, -0.442744),
+    ("LP1", 0.284027, -0.468138), ("BC6", 0.284078, -0.449401), ("BC5", 0.284162, -0.450778),
+)  # fmt: skip
+
+
+def test_labels_stay_inside_and_lines_to_them_strike_none() -> None:
+    drawn = plot_diagram(at(*CROWDED), legend=False)
+    drawn.ax.set(xlim=(0.278, 0.333), ylim=(-0.55, -0.437))
+    texts = written(drawn)
+    assert "FF3\u2013FF9" in texts
+    assert "LP3, PD4, BC9" in texts
+    labels = drawn.artists["names"][0]
+    boxes = [box for _, box in labels.placed]  # type: ignore[attr-defined]
+    for k, box in enumerate(boxes):
+        assert drawn.ax.bbox.contains(*box.min)
+        assert drawn.ax.bbox.contains(*box.max)
+        assert not any(box.overlaps(other) for other in boxes[k + 1 :])
+    leads = labels.leads  # type: ignore[attr-defined]
+    assert len(leads) > 1
+    for number, start, end in leads:
+        line = np.array(start) + np.linspace(0.0, 0.98, 200)[:, None] * np.subtract(end, start)
+        for k, box in enumerate(boxes):
+            assert k == number or not any(box.contains(*place) for place in line)
+
+
+def test_a_star_lies_under_what_it_would_hide() -> None:
+    points = (
+        SpecialPoint(id="FF1", kind=PointKind.FF, parameter=0.0, x=0.0),
+        SpecialPoint(id="BC1", kind=PointKind.BC, parameter=0.0, x=0.0),
+    )
+    drawn = plot_diagram(Diagram(parameter_name="p", x_name="x", branches=(), points=points))
+    stars, circles = (
+        drawn.artists["border-collision fold-flip"][0],
+        drawn.artists["border collision"][0],
+    )
+    assert stars.get_zorder() < circles.get_zorder()
+
+
+def test_a_name_has_its_marker_whatever_kinds_are_asked_for() -> None:
+    drawn = plot_diagram(small_diagram(), kinds=())
+    assert legend_of(drawn) == ["stable", "border collision"]
+    assert written(drawn) == ["C"]
+
+
+def test_each_period_has_its_colour_and_higher_ones_thinner_lines() -> None:
+    drawn = plot_diagram(paper_diagram(1, 2, 3))
+    assert legend_of(drawn)[-3:] == ["period 1", "period 2", "period 3"]
+    looks = {
+        (line.get_color(), round(line.get_linewidth(), 3))  # type: ignore[attr-defined]
+        for line in drawn.artists["stable"]
+    }
+    assert looks == {(of_period(1), round(1.6 * 1.25, 3)), (of_period(3), round(1.6 * 0.85, 3))}
+    jumps = {line.get_color() for line in drawn.artists["jump crossing"]}  # type: ignore[attr-defined]
+    assert jumps == {of_period(k) for k in (1, 2, 3)}
+
+
+def test_the_legend_has_the_style_that_a_caller_gives() -> None:
+    drawn = plot_diagram(paper_diagram(1, 2), styles={"stable": {"color": "red"}})
+    legend = drawn.ax.get_legend()
+    assert legend is not None
+    assert [line.get_color() for line in legend.get_lines()[:2]] == ["red", INK]
+
+
+def test_branches_have_labels_on_request() -> None:
+    texts = written(plot_diagram(paper_diagram(1), branches=True, labels=False))
+    assert texts == ["F2", "F1", "J1"]  # the longest first
+    own = {"F1": "slips", "J1": "jumps"}
+    assert set(written(plot_diagram(paper_diagram(1), branches=own, labels=False))) == {
+        "slips",
+        "jumps",
+    }
+    with pytest.raises(KeyError, match="no branch 'F9'"):
+        plot_diagram(paper_diagram(1), branches={"F9": "?"})
+
+
+def test_cells_in_which_several_periods_attract_are_hatched() -> None:
+    faces = [_face(periods) for periods in ((), (1,), (1, 2), (2, 3, 5))]
+    assert [each["facecolor"] for each in faces] == [NOTHING, *map(of_period, (1, 1, 2))]
+    assert [each["edgecolor"] for each in faces] == [NOTHING, *map(of_period, (1, 2, 3))]
+    assert len({each["hatch"] for each in faces}) == 3
+
+
+def test_letters_of_axes_are_italic() -> None:
+    ax = plot_diagram(small_diagram()).ax
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("$p$", "$x$")
+
+
+def test_crowded_points_have_ids_where_there_is_room() -> None:
+    """Twelve points in a picture of 2 by 2 inches, three after a zoom; one has a name."""
+    points = tuple(
+        SpecialPoint(id=f"BC{k}", kind=PointKind.BC, parameter=float(k), x=0.0, name="A" * (k == 4))
+        for k in range(12)
+    )
+    crowded = Diagram(parameter_name="p", x_name="x", branches=(), points=points)
+    figure = plt.figure(figsize=(2.0, 2.0))
+    drawn = plot_diagram(crowded, figure.add_axes((0.0, 0.0, 1.0, 1.0)))
+    assert written(drawn) == ["A"]
+    drawn.ax.set_xlim(2.5, 5.5)
+    assert written(drawn) == ["A", "BC3", "BC5"]
+    figure.set_size_inches(4.0, 4.0)
+    drawn.ax.set_xlim(-1.0, 12.0)
+    assert len(written(drawn)) == 12
+
+
+def test_names_keep_clear_of_the_legend() -> None:
+    drawn = plot_diagram(paper_diagram(1, 2, 3))
+    written(drawn)
+    legend = drawn.ax.get_legend()
+    assert legend is not None
+    corner = legend.get_window_extent()
+    boxes = [box for _, box in drawn.artists["names"][0].placed]  # type: ignore[attr-defined]
+    assert not any(box.overlaps(corner) for box in boxes)
+
+
+def test_many_points_have_labels_on_request_only() -> None:
+    points = tuple(
+        SpecialPoint(id=f"BC{k}", kind=PointKind.BC, parameter=float(k), x=0.0) for k in range(31)
+    )
+    many = Diagram(parameter_name="p", x_name="x", branches=(), points=points)
+    assert written(plot_diagram(many)) == []
+    assert len(written(plot_diagram(many, labels=True))) == 31
+
+
+def test_only_what_is_stable() -> None:
+    drawn = plot_diagram(paper_diagram(1, 2, 3), stable_only=True)
+    assert legend_of(drawn) == [
+        "stable", "border collision", "end point", "period 1", "period 3",
+    ]  # fmt: skip
+    assert len(drawn.artists["stable"]) == 4  # one fixed point, and a cycle of period 3
+    assert written(drawn).count("FF1") == 0
+
+
+def test_styles_change_what_they_name() -> None:
+    style = {
+        "stable": {"color": "black", "linewidth": 3.0},
+        "border-collision fold-flip": {"zorder": 9},
+    }
+    drawn = plot_diagram(paper_diagram(1), styles=style)
+    (line, *_) = drawn.artists["stable"]
+    assert (line.get_color(), line.get_linewidth()) == ("black", 3.0)
+    assert drawn.artists["border-collision fold-flip"][0].get_zorder() == 9
+    pieces = plot_map(AT_ONE, styles={"pieces": {"color": "red"}}).artists["pieces"]
+    assert [each.get_color() for each in pieces] == ["red", "red"]
+    with pytest.raises(ValueError, match=r"a style must be of one of stable, .*, got 'staple'"):
+        plot_diagram(paper_diagram(1), styles={"staple": {}})
+
+
+def test_a_diagram_is_drawn_on_given_axes() -> None:
+    _, ax = plt.subplots()
+    drawn = plot_diagram(small_diagram(), ax, legend=False)
+    assert drawn.ax is ax
+    assert drawn.figure is ax.figure
+    assert ax.get_legend() is None

@@ -1,0 +1,169 @@
+"""Pictures of the long run: what is drawn, read back from the axes."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection, PolyCollection
+from matplotlib.patches import Rectangle, StepPatch
+
+from pwmap import PiecewiseLinearMap, attractor_diagram, bifurcation_diagram, dynamics
+from pwmap.plot import (
+    plot_attractors,
+    plot_density,
+    plot_entropy,
+    plot_kneading,
+    plot_long_run,
+)
+
+TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+SKEW = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+PAPER = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - a*x, True))")
+
+
+def explained(ax: Axes) -> list[str]:
+    legend = ax.get_legend()
+    assert legend is not None
+    return [text.get_text() for text in legend.get_texts()]
+
+
+# --- Over a parameter -----------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_bands_lie_below_branches_and_crises_are_named_where_they_are() -> None:
+    """Two bands of the tent map merge at its fixed point, and are lost at 0."""
+    found = attractor_diagram(TENT, "a", ("5/4", "9/4"), 2)
+    diagram = bifurcation_diagram(TENT, "a", ("5/4", "9/4"), (1, 2))
+    ax = plot_long_run(diagram, found, TENT, steps=20).ax
+    areas = [each for each in ax.collections if isinstance(each, PolyCollection)]
+    assert len(areas) == 3
+    assert max(area.get_zorder() for area in areas) < min(line.get_zorder() for line in ax.lines)
+    ends = np.concatenate([area.get_paths()[0].vertices for area in areas])
+    for a in (2**0.5, 2.0):  # [a - a^2/2, a/2], by straight lines through places 0.05 apart
+        x = ends[np.isclose(ends[:, 0], a), 1]
+        assert np.allclose([x.min(), x.max()], [a * (1 - a / 2), a / 2], atol=4e-3)
+    marks = [each for each in ax.collections if isinstance(each, PathCollection)]
+    places = np.concatenate([np.asarray(each.get_offsets()) for each in marks])
+    root = 2**0.5
+    assert np.allclose(sorted(places.tolist()), [[root, root / (1 + root)], [2.0, 0.0]])
+    assert [text.get_text() for text in ax.texts] == [r"MC $\sqrt{2}$", "FC $2$"]
+    assert explained(ax) == [
+        "unstable", "bands", "merging crisis", "final crisis",
+        "period 1", "period 2",
+    ]  # fmt: skip
+    assert ax.get_xlim() == (1.25, 2.25)
+
+
+def test_long_cycles_are_drawn_where_they_are() -> None:
+    """L R^3 of P1^L from 250/41 to 10: its points are those of the exact cycle."""
+    map_ = PAPER.at({"a": "5/4"})
+    ax = plot_attractors(attractor_diagram(map_, "r", (7, 9), 1), map_, steps=6).ax
+    points = [np.asarray(line.get_ydata(), dtype=float) for line in ax.lines]
+    assert len(points) == 4
+    for x, exact in zip(np.transpose([(p[0], p[-1]) for p in points]), (7, 9), strict=True):
+        (cycle,) = dynamics(map_, {"r": exact}).attractors
+        assert np.allclose(x, sorted(map(float, cycle.points)))
+    assert explained(ax) == ["period 4"]
+
+
+def test_attractors_side_by_side_have_shades_of_their_own() -> None:
+    """Two tent maps, on [-1, 0] and on [0, 1]: each has its bands."""
+    two = PiecewiseLinearMap.from_sympy(
+        "Piecewise((-1 + a*(x + 1), x <= -1/2), (-1 - a*x, x < 0), (a*x, x <= 1/2), "
+        "(a*(1 - x), True))"
+    )
+    drawn = plot_attractors(attractor_diagram(two, "a", ("3/2", "7/4"), 1), two, steps=6)
+    areas = {name: artists[0] for name, artists in drawn.artists.items()}
+    assert list(areas) == ["bands", "bands of a second attractor"]
+    shades = {tuple(area.get_facecolor()[0]) for area in areas.values()}  # type: ignore[attr-defined]
+    assert len(shades) == 2
+
+
+def test_neutral_intervals_are_hatched_where_they_are() -> None:
+    """c - x turns (c - 2, 2) for 1 < c < 4, where 3 x - 9 + c beyond 2 comes back to it."""
+    map_ = PiecewiseLinearMap.from_sympy("Piecewise((c - x, x < 2), (6 + c - 3*x, True))")
+    ax = plot_attractors(attractor_diagram(map_, "c", ("5/2", "7/2"), 1), map_, steps=6).ax
+    (area,) = [each for each in ax.collections if isinstance(each, PolyCollection)]
+    ends = area.get_paths()[0].vertices
+    for c in (2.5, 3.5):
+        x = ends[np.isclose(ends[:, 0], c), 1]
+        assert np.allclose([x.min(), x.max()], [c - 2, 2.0])
+    assert explained(ax) == ["neutral intervals"]
+
+
+def test_a_diagram_over_another_parameter_is_refused() -> None:
+    found = attractor_diagram(SKEW.at({"a": 2}), "b", (-2, "-3/2"), 1)
+    with pytest.raises(ValueError, match="expected attractors over a, got them over b"):
+        plot_long_run(bifurcation_diagram(TENT, "a", (1, 2), (1,)), found, TENT)
+
+
+@pytest.mark.slow
+def test_the_entropy_of_the_tent_map_is_drawn_between_its_bounds() -> None:
+    ax = plot_entropy(TENT, "a", ("3/2", 2), steps=5).ax
+    for line in ax.lines:
+        over, values = (np.asarray(data, dtype=float) for data in line.get_data())
+        assert np.allclose(over, [1.55, 1.65, 1.75, 1.85, 1.95])
+        assert np.allclose(values, np.log(over), atol=1e-3)  # graphs of laps to order 24
+    assert explained(ax)[0].startswith("between bounds, at most ")
+
+
+# --- At one place ---------------------------------------------------------------------------------
+
+
+def letters(ax: Axes, row: int) -> str:
+    texts = [text for text in ax.texts if text.get_position()[1] == row]
+    return "".join(text.get_text() for text in texts if text.get_text() in {"L", "R", "…"})
+
+
+def frames(ax: Axes) -> list[tuple[float, float]]:
+    """Where the letters that come again begin, and how many they are."""
+    shown = [p for p in ax.patches if isinstance(p, Rectangle) and not p.get_fill()]
+    return [(p.get_x(), p.get_width()) for p in shown]
+
+
+def test_a_kneading_table_frames_what_comes_again() -> None:
+    """Of the break: 0 -> 1 -> -1/2 -> 0 at a = 2, b = -3/2."""
+    ax = plot_kneading(dynamics(SKEW, {"a": 2, "b": "-3/2"}), steps=8).ax
+    assert [letters(ax, 0), letters(ax, 1)] == ["LRLRRLRR", "RRLRRLRR"]
+    assert frames(ax) == [(1, 3), (0, 3)]
+    assert [label.get_text() for label in ax.get_yticklabels()] == ["$0^-$", "$0^+$"]
+    fates = [text.get_text() for text in ax.texts][8::9]
+    assert fates == ["periodic after a while, period 3"] * 2
+
+
+def test_a_kneading_table_ends_where_a_cycle_draws_in() -> None:
+    ax = plot_kneading(dynamics(PAPER, {"a": "5/4", "r": 3}), steps=12).ax
+    assert [letters(ax, 0), letters(ax, 1)] == ["LRRRRRRRRLRR", "R…"]
+    assert frames(ax) == [(1, 9)]
+
+
+def test_a_frame_is_cut_with_the_table() -> None:
+    ax = plot_kneading(dynamics(PAPER, {"a": "5/4", "r": 3}), steps=4).ax
+    assert frames(ax) == [(1, 3)]
+    assert letters(ax, 0) == "LRRR"
+    with pytest.raises(ValueError, match="a kneading table needs at least one step, got 0"):
+        plot_kneading(dynamics(PAPER, {"a": "5/4", "r": 3}), steps=0)
+    with pytest.raises(ValueError, match="expected a map with breaks, this one has none"):
+        plot_kneading(dynamics(PiecewiseLinearMap.from_sympy("x/2 + 1")))
+
+
+def test_a_density_is_drawn_over_a_histogram() -> None:
+    ax = plot_density(dynamics(SKEW, {"a": 2, "b": "-3/2"}), points=20_000).ax
+    (steps,) = (patch for patch in ax.patches if isinstance(patch, StepPatch))
+    values, edges, _ = steps.get_data()
+    assert np.asarray(values).tolist() == [0.5, 0.75]
+    assert np.asarray(edges).tolist() == [-0.5, 0.0, 1.0]
+    bars = [p for p in ax.patches if isinstance(p, Rectangle)]
+    mass = sum(bar.get_width() * bar.get_height() for bar in bars)
+    left = sum(bar.get_width() * bar.get_height() for bar in bars if bar.get_x() < -1e-9)
+    assert abs(mass - 1.0) < 1e-12
+    assert abs(left - 0.25) < 0.01  # 20 000 dependent points
+    with pytest.raises(ValueError, match="expected a map with a chaotic attractor"):
+        plot_density(dynamics(PAPER, {"a": "5/4", "r": 3}))
+
+
+def test_samples_of_the_entropy_are_not_joined() -> None:
+    drawn = plot_entropy(TENT, "a", ("5/4", "2"), steps=4, orders=(4,))
+    assert [line.get_linestyle() for line in drawn.artists["bounds"]] == ["None", "None"]  # type: ignore[attr-defined]

@@ -1,0 +1,249 @@
+"""Contact problems over a box: one solution by strict inequalities, every other one refuted.
+
+The same problems as in :mod:`woodpecker.mechanics.contact_problems` and
+:mod:`woodpecker.motion.settling`, but the answer holds for every start and parameter of a box,
+or there is none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from typing import Any, NamedTuple
+
+from flint import arb
+
+from woodpecker.enclosures.balls import ZERO, ball
+from woodpecker.enclosures.forms import box, sign
+from woodpecker.enclosures.model import BallToy, sum_of
+from woodpecker.enclosures.not_proved import NotProved
+from woodpecker.mechanics.cases import FORWARD, HOLD, REST
+from woodpecker.mechanics.contact_problems import one_contact_case
+from woodpecker.mechanics.modes import SIGN
+
+Numbers = Sequence[Any]
+
+
+class BallPhase(NamedTuple):
+    """What compression or expansion does.
+
+    Attributes
+    ----------
+    cases
+        The index combination of each contact.
+    impulses, velocities
+        (N, T) of each contact in turn; velocities that a combination makes zero are exactly so.
+    """
+
+    cases: tuple[int, ...]
+    impulses: Numbers
+    velocities: Numbers
+
+
+def impulses_of(
+    model: BallToy, contacts: Sequence[int], free: Numbers, floors: Numbers | None, approaches: bool
+) -> BallPhase:
+    """The compression (no floors) or the expansion of an impact.
+
+    Parameters
+    ----------
+    contacts
+        One contact, or the beak and one of the sleeve.
+    free
+        Velocities (N, T) of each contact without impulses.
+    floors
+        Least normal impulses of the expansion.
+    approaches
+        Whether the first normal velocity is known to be negative or zero, though its range does not
+        say so; for one contact only.
+
+    Raises
+    ------
+    NotProved
+        Unless one index combination holds strictly and each other one is violated strictly.
+    """
+    low = floors if floors is not None else [ZERO] * len(contacts)
+    if len(contacts) == 1:
+        candidates = _single(model, contacts[0], free, low[0], approaches)
+    else:
+        candidates = _pair(model, contacts[1], free, low, floors is not None)
+    found: BallPhase = only(candidates, "an impact")
+    return found
+
+
+def only(candidates: Iterable[tuple[bool | None, Callable[[], Any]]], what: str) -> Any:
+    """The candidate that holds, if each other one does not; a candidate is made when it is it."""
+    kept: Callable[[], Any] | None = None
+    for holds, made in candidates:
+        if holds is None or (holds and kept is not None):
+            raise NotProved(f"{what} is not decided")
+        if holds:
+            kept = made
+    if kept is None:
+        raise NotProved(f"{what} has no solution")
+    return kept()
+
+
+def verdict(conditions: Iterable[Any]) -> bool | None:
+    """Whether all are positive; False if one is negative.
+
+    A condition is a number, or a sign that is known.
+    """
+    open_ = False
+    for condition in conditions:
+        s = condition if isinstance(condition, int) else sign(condition)
+        if s == -1:
+            return False
+        open_ = open_ or s != 1
+    return None if open_ else True
+
+
+def _single(
+    model: BallToy, i: int, free: Numbers, floor: Any, approaches: bool
+) -> Iterator[tuple[bool | None, Callable[[], BallPhase]]]:
+    n, t = 2 * i, 2 * i + 1
+    g_nn, g_nt, g_tt = model.delassus[n][n], model.delassus[n][t], model.delassus[t][t]
+    mu, (free_n, free_t) = ball(model.equations.mu[i]), free
+    for case in range(6):
+        normal, tangential = divmod(case, 3)
+        p_n, p_t = one_contact_case(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
+        v_n = ZERO if normal == REST else free_n + g_nn * p_n + g_nt * p_t
+        v_t = ZERO if tangential == HOLD else free_t + g_nt * p_n + g_tt * p_t
+        if normal == REST:
+            first = p_n - floor
+            if approaches and tangential != HOLD:  # p_n = -free_n / stiffness, and the floor is 0
+                friction = -mu if tangential == FORWARD else mu
+                first = sign(g_nn + friction * g_nt) or first
+        else:
+            first = -1 if approaches else v_n
+        rest = _along(tangential, mu * p_n, p_t, v_t)
+        phase = BallPhase((case,), (p_n, p_t), (v_n, v_t))
+        yield verdict([first, *rest]), lambda phase=phase: phase  # type: ignore[misc]
+
+
+def _along(tangential: int, bound: Any, impulse: Any, velocity: Any) -> list[Any]:
+    """The conditions on friction."""
+    if tangential == HOLD:
+        return [bound - impulse, bound + impulse]
+    return [velocity if tangential == FORWARD else -velocity]
+
+
+def _pair(
+    model: BallToy, sleeve: int, free: Numbers, floors: Numbers, expands: bool
+) -> Iterator[tuple[bool | None, Callable[[], BallPhase]]]:
+    """The 36 combinations; ranges first, and forms for what these leave open."""
+    for first in range(6):
+        for second in range(6):
+            table = model.case(sleeve, first, second, expands)
+            cases = (first, second)
+            if table is None:
+                load = _momentum(model, sleeve, free)
+                coupled = expands and model.summed
+                yield (
+                    _rest_is_possible(model, sleeve, load, floors, coupled),
+                    _not_unique,
+                )
+                continue
+            holds = _combination(model, sleeve, cases, table, free, floors, expands, box)[0]
+            if holds is False:
+                continue
+            holds, phase = _combination(
+                model, sleeve, cases, table, free, floors, expands, lambda x: x
+            )
+            yield holds, lambda phase=phase: phase  # type: ignore[misc]
+
+
+def _combination(
+    model: BallToy, sleeve: int, cases: tuple[int, int], table: list[Numbers], free: Numbers,
+    floors: Numbers, expands: bool, look: Callable[[Any], Any],
+) -> tuple[bool | None, BallPhase]:  # fmt: skip
+    """Whether a combination holds, and what it does; ``look`` takes forms or their ranges."""
+    free, floors = [look(x) for x in free], [look(x) for x in floors]
+    given = [*free, *floors]
+    p = [sum_of(c * x for c, x in zip(row, given, strict=True)) for row in table]
+    at = (0, 1, 2 * sleeve, 2 * sleeve + 1)
+    v: list[Any] = []
+    for a in range(4):
+        case = cases[a // 2]
+        still = case // 3 == REST if a % 2 == 0 else case % 3 == HOLD
+        if still:
+            v.append(ZERO)
+        else:
+            g = model.delassus[at[a]]
+            v.append(free[a] + sum_of(g[at[b]] * p[b] for b in range(4)))
+    coupled = expands and model.summed
+    conditions: list[Any] = []
+    for k, case in enumerate(cases):
+        n, t = 2 * k, 2 * k + 1
+        mu = ball(model.equations.mu[0 if k == 0 else sleeve])
+        conditions.append(p[n] - floors[k] if case // 3 == REST else v[n])
+        bound = mu * (p[n] + p[2 - n]) if coupled else mu * p[n]
+        conditions += _along(case % 3, bound, p[t], v[t])
+    return verdict(conditions), BallPhase(cases, p, v)
+
+
+def _not_unique() -> BallPhase:
+    raise NotProved("the impulses of an impact are not unique")
+
+
+def _momentum(model: BallToy, sleeve: int, free: Numbers) -> Numbers:
+    """-M u from the contact velocities that the toy would lose."""
+    e = model.equations
+    # rows of W^T u: N1 = -h_S u_S, Nk = +-h_M u_M, T1 = u_y + l_M u_M + (l_G - l_S) u_S
+    u_s = free[0] / (-model.levers[0])
+    u_m = free[2] / (model.levers[sleeve] * int(SIGN[sleeve]))
+    u_y = free[3] - model.tangents[sleeve][1] * u_m
+    u = (u_y, u_m, u_s)
+    return [sum_of(-ball(e.mass[i][j]) * u[j] for j in range(3)) for i in range(3)]
+
+
+def _rest_is_possible(
+    model: BallToy, sleeve: int, load: Numbers, floors: Numbers, coupled: bool
+) -> bool | None:
+    """Whether forces W lambda = load lie in both cones; four unknowns for three equations.
+
+    With s = lambda_T1 every condition is linear in s: constant + rate s >= 0.
+    """
+    side = int(SIGN[sleeve])
+    (_, l_m, arm), (_, r_m, _) = model.tangents[0], model.tangents[sleeve]
+    lever, height = model.levers[sleeve] * side, model.levers[0]
+    normal_1 = (-load[2] / height, arm / height)
+    normal_k = ((load[1] - r_m * load[0]) / lever, (r_m - l_m) / lever)
+    along_1, along_k = (ZERO, arb(1)), (load[0], arb(-1))
+    mu_1, mu_k = ball(model.equations.mu[0]), ball(model.equations.mu[sleeve])
+    total = tuple(x + y for x, y in zip(normal_1, normal_k, strict=True))
+    lines = [
+        (normal_1[0] - floors[0], normal_1[1]),
+        (normal_k[0] - floors[1], normal_k[1]),
+    ]
+    for mu, normal, along in ((mu_1, normal_1, along_1), (mu_k, normal_k, along_k)):
+        bound = [mu * x for x in (total if coupled else normal)]
+        lines += [(bound[0] + along[0] * s, bound[1] + along[1] * s) for s in (1, -1)]
+    return _feasible(lines)
+
+
+def _feasible(lines: list[tuple[Any, Any]]) -> bool | None:
+    """Whether some s has constant + rate s > 0 for all lines; None if that is open."""
+    decided = True
+    for k, (constant, rate) in enumerate(lines):
+        if sign(rate) == 0:
+            s = sign(constant)
+            if s == -1:
+                return False
+            decided = decided and s == 1
+            continue
+        for other, (constant_2, rate_2) in enumerate(lines):
+            if sign(rate) != 1 or sign(rate_2) != -1 or other == k:
+                decided = decided and sign(rate) is not None
+                continue
+            s = sign(constant_2 * rate - constant * rate_2)
+            if s == -1:
+                return False
+            decided = decided and s == 1
+    return True if decided else None
+
+
+def rests(model: BallToy, sleeve: int, d: Any) -> bool | None:
+    """Whether the beak and a contact of the sleeve can hold the toy at rest."""
+    e = model.equations
+    load = [-(ball(x) + ball(y) * d) for x, y in zip(e.h_0, e.h_1, strict=True)]
+    return _rest_is_possible(model, sleeve, load, [ZERO, ZERO], False)

@@ -1,0 +1,502 @@
+"""The toy followed over a box: from event to event, every decision proved for the whole box.
+
+What is decided in one way for all starts is one *way*, a word. One decision may be open: then there
+are two ways, and a comparator, a form that is positive where the first one is taken and negative
+where the second one is:
+
+- two gaps close at once: the gap of the second contact when the first one strikes;
+- a contact that an impact without restitution has stopped only just stays or leaves: its force. If
+  it leaves it flies along t^2 h(t) with h(0) in proportion to the force, and lands where h
+  vanishes: at once where the force is zero. There both ways do the same;
+- a gap closes where its motion pauses (:mod:`woodpecker.enclosures.plateaus`), before the middle
+  of the pause or after it.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Sequence
+from functools import partial
+from itertools import product
+from typing import Any
+
+from woodpecker.enclosures.balls import ZERO, ball
+from woodpecker.enclosures.contacts import impulses_of, only, rests, verdict
+from woodpecker.enclosures.flights import landing
+from woodpecker.enclosures.forms import box, centre, sign, start
+from woodpecker.enclosures.model import BallToy, State, sum_of
+from woodpecker.enclosures.motions import (
+    NO_GUARD,
+    BallState,
+    ForkKind,
+    OpenDecision,
+    Way,
+    direction_of_slip,
+    flown,
+    hold,
+    slip,
+    touch,
+)
+from woodpecker.enclosures.not_proved import NotProved
+from woodpecker.enclosures.oscillator import Guard, ZeroCrossing, crossing, name_of
+from woodpecker.enclosures.pausing import paused
+from woodpecker.enclosures.taylor import Frame
+from woodpecker.mechanics.cases import HOLD, REST
+from woodpecker.mechanics.contact_problems import UNSOLVED
+from woodpecker.mechanics.impacts import MARKS, mark
+from woodpecker.mechanics.modes import (
+    ANGLE,
+    CONE_NEGATIVE,
+    CONE_POSITIVE,
+    GAP,
+    NORMAL,
+    OPEN,
+    SECTION,
+    SIGN,
+    SLIP,
+    SLIP_NEGATIVE,
+    SLIP_POSITIVE,
+    STICK,
+    ContactState,
+    watched,
+)
+from woodpecker.motion.codes import DETACH, IMPACT, REVERSAL, SLIP_START, STICK_START
+from woodpecker.motion.guards import first_root
+from woodpecker.simulation.words import word
+
+MOST_EVENTS = 400
+MOST_PARTS = 2**16  # of a phase in which the bird is shown not to turn: some tens are usual
+
+
+def follow(model: BallToy, frame: Frame, curve: Sequence[Any], plateaus: bool = False) -> list[Way]:
+    """The ways of a return from phi_S on a curve over p, plus s, on the section.
+
+    Parameters
+    ----------
+    model
+        Of the toy, with its parameter in the same frame.
+    frame
+        The box.
+    curve
+        Coefficients of powers of p.
+    plateaus
+        Whether landings near a plateau are taken together, once differentiable only.
+
+    Raises
+    ------
+    NotProved
+        If more than one decision is open over the box, or one of another kind.
+    """
+    phi_s = start(frame, curve)
+    if sign(model.limits[0] - phi_s) != 1:
+        raise NotProved("the beak may touch the pole at the start")
+    motion = BallState(
+        [ZERO, model.limits[1], phi_s], [ZERO] * 3, ZERO, (OPEN, STICK, OPEN), [0, 2, 0]
+    )
+    motion.held, motion.before = frozenset({1}), motion.states
+    todo, found = _settled(model, motion, {1}), []
+    while todo:  # one decision at most is open, so there are two ways, of so many events
+        current = todo.pop()
+        for after in _next(model, current, plateaus):
+            if after.log[-1].guard == SECTION:
+                found.append(_way(after))
+            else:
+                todo.append(after)
+        if len(current.log) > MOST_EVENTS:
+            raise NotProved("the toy does not return within so many events")
+    return sorted(found, key=lambda way: [-side for _, side in way.forks])
+
+
+def _way(motion: BallState) -> Way:
+    image, drop = motion.q[2], -motion.q[0]
+    return Way(word(motion.codes), tuple(motion.log), image, motion.time, drop, tuple(motion.forks))
+
+
+def _guard(model: BallToy, motion: BallState, states: State, guard: int) -> Guard:
+    """A guard of a mode where a phase begins, with its exact zeros."""
+    kind, i = guard // 3 * 3, guard % 3
+    mode, q, u = model.mode(states), motion.q, motion.u
+    d0, d1 = q[2] - q[1], u[2] - u[1]
+    order, assumed = 0, False
+    if guard == SECTION:
+        d2 = mode.alpha + mode.kappa * d0
+        f0 = ZERO if box(d1).is_zero() else d1
+        return Guard(guard, (f0, d2, mode.kappa * d1, mode.kappa * d2), int(f0 is ZERO), mode.kappa)
+    if kind == GAP:
+        j, side = ANGLE[i], int(SIGN[i])
+        order = motion.orders[i]
+        if order == 2 and motion.fired == NORMAL + i and _only_opens(motion.before, states, i):
+            order = 3
+        a, b = mode.a[j], mode.b[j]
+        jet = [(q[j] - model.limits[i]) * side, u[j] * side, (a + b * d0) * side, b * d1 * side]
+        if _let_go(motion, states, i):  # the sleeve turns as it did in contact: not yet
+            jet[1] = jet[2] = ZERO
+        assumed = order == 0 or motion.leaves == i
+    elif kind == SLIP:
+        side = 1 if states[i] == SLIP_POSITIVE else -1
+        w = [x * side for x in model.tangents[i]]
+        along = sum_of(w[k] * mode.b[k] for k in range(3))
+        steady = sum_of(w[k] * mode.a[k] for k in range(3))
+        d2 = mode.alpha + mode.kappa * d0
+        speed = sum_of(w[k] * u[k] for k in range(3))
+        jet = [speed, steady + along * d0, along * d1, along * d2]
+        if i in motion.held:
+            edge = CONE_POSITIVE if states[i] == SLIP_NEGATIVE else CONE_NEGATIVE
+            order = 2 if motion.fired == edge + i else 1
+    else:
+        p, r = _force(model, mode.forces[i], kind, i)
+        d2 = mode.alpha + mode.kappa * d0
+        jet = [p + r * d0, r * d1, r * d2, r * mode.kappa * d1]
+        order = int(guard == motion.fired and states == motion.before)
+        assumed = guard == NORMAL + motion.stays
+    for k in range(order):
+        jet[k] = ZERO
+    return Guard(guard, (jet[0], jet[1], jet[2], jet[3]), order, mode.kappa, assumed)
+
+
+def _only_opens(before: State, states: State, i: int) -> bool:
+    """Whether the contacts but i are in the states that they had."""
+    return all(states[k] == before[k] for k in range(3) if k != i)
+
+
+def _let_go(motion: BallState, states: State, i: int) -> bool:
+    """Whether the other contact of the sleeve has just let go, because its force has vanished."""
+    other = 3 - i
+    return i > 0 and motion.fired == NORMAL + other and _only_opens(motion.before, states, other)
+
+
+def _force(model: BallToy, forces: Sequence[Any], kind: int, i: int) -> tuple[Any, Any]:
+    """The constant and the rate in d of a guard on contact forces."""
+    p_n, r_n, p_t, r_t = forces
+    if kind == NORMAL:
+        return p_n, r_n
+    mu, side = ball(model.equations.mu[i]), 1 if kind == CONE_POSITIVE else -1
+    return mu * p_n - p_t * side, mu * r_n - r_t * side
+
+
+def _next(model: BallToy, motion: BallState, plateaus: bool) -> list[BallState]:
+    """The motions at the start of the next phase, or at the return."""
+    guards = [
+        _guard(model, motion, motion.states, code)
+        for code in watched(tuple(ContactState(s) for s in motion.states))
+    ]
+    guesses = {guard.code: _guess(guard) for guard in guards}
+    first = min(guards, key=lambda guard: guesses[guard.code])
+    if guesses[first.code] == math.inf:
+        raise NotProved("no event follows: the toy falls freely, or rests")
+    if plateaus and first.code < NORMAL and _let_go(motion, motion.states, first.code):
+        others = [guard for guard in guards if guard is not first]
+        found = paused(model, motion, first, others, guesses[first.code], _survives)
+        if found:
+            return found
+    fires = _fires(first, guesses[first.code])
+    if motion.since > 0 and not box(fires.duration).lower() > motion.since:
+        raise NotProved("an event may follow at a plateau")
+    end = box(fires.duration).upper()
+    if not end > 0:
+        raise NotProved("an event may lie in the past")
+    rivals = [guard for guard in guards if guard is not first and not _survives(guard, end)]
+    if rivals:
+        return _meeting(model, motion, first, fires, rivals, guesses)
+    if not fires.lands and not _survives(first, fires.bracket.lower(), fires.bracket):
+        raise NotProved(f"{name_of(first.code)} may fire earlier")
+    return _arrive(model, _moved(model, motion, fires))
+
+
+def _meeting(
+    model: BallToy, motion: BallState, first: Guard, fires: ZeroCrossing, rivals: list[Guard],
+    guesses: dict[int, float],
+) -> list[BallState]:  # fmt: skip
+    """Two gaps close nearly at once: both ways.
+
+    Both gaps are positive until then and fall while they close, so the second one is positive when
+    the first one closes if and only if it closes later.
+    """
+    second = rivals[0]
+    if len(rivals) > 1 or first.code >= NORMAL or second.code >= NORMAL:
+        raise NotProved(f"{name_of(second.code)} may fire before {name_of(first.code)}")
+    other = crossing(second, guesses[second.code])
+    span = fires.bracket.union(other.bracket)
+    for guard in (first, second):
+        if not _survives(guard, span.lower(), span):
+            raise NotProved(f"{name_of(guard.code)} may fire earlier")
+    fork = OpenDecision(
+        ForkKind.MEETING, second.at(fires.duration), (first.code + 1, second.code + 1)
+    )
+    found = []
+    for side, ends in ((1, fires), (-1, other)):
+        way = motion.copy()
+        way.forks.append((fork, side))
+        found += _arrive(model, _moved(model, way, ends))
+    return found
+
+
+def _guess(guard: Guard) -> float:
+    """About when a guard fires from the centre of the box; inf if it does not."""
+    f0, f1, f2, f3 = (float(centre(f)) for f in guard.jet)
+    kappa = float(centre(guard.kappa))
+    omega = math.sqrt(abs(kappa))
+    if guard.code == SECTION:
+        angle = math.atan2(-f0, f1 / omega)
+        return (angle if angle > 0.0 else angle + 2.0 * math.pi) / omega
+    leading = guard.jet[guard.order]
+    if guard.assumed and sign(leading) is None:
+        if guard.order == 0 and f1 < 0.0:
+            return -f0 / f1
+        if guard.order == 2 and f3 < 0.0:
+            return -3.0 * f2 / f3
+    return float(first_root(max(0.0, f0), f1, f2, f3, kappa, omega, math.inf))
+
+
+def _fires(guard: Guard, guess: float) -> ZeroCrossing:
+    """When a guard fires."""
+    if guard.code == SECTION:
+        turns = crossing(guard, guess, falls=1)
+        if not turns.bracket > 0:
+            raise NotProved("the bird may turn where the sleeve jams")
+        return turns
+    if guard.code < NORMAL and guard.order == 1 and sign(guard.jet[1]) != 1:
+        raise NotProved("impacts may accumulate")
+    if guard.code < NORMAL and guard.order == 2:
+        lands = landing(guard, guess)
+        if lands is not None:
+            return lands
+    return crossing(guard, guess)
+
+
+def _survives(guard: Guard, end: Any, falling: Any = None) -> bool:
+    """Whether a guard does not fire in (0, end], or until it falls in a range of times.
+
+    That of the section fires where the bird's velocity rises through zero.
+    """
+    if guard.code == SECTION:
+        return not end > 0 or _no_turn(guard, end)
+    if end > 0:
+        return guard.lasts(end)
+    return falling is not None and sign(guard.over(ZERO.union(falling), 1)) == -1
+
+
+def _no_turn(guard: Guard, end: Any) -> bool:
+    """Whether the bird does not turn upward in (0, end]: nowhere u = 0 and u' >= 0."""
+    parts, tiny = [(ZERO, end)], end / 2**20
+    for _ in range(MOST_PARTS):
+        if not parts:
+            return True
+        a, b = parts.pop()
+        t = a.union(b)
+        value, slope = guard.over(t), guard.over(t, 1)
+        if sign(value) or slope < 0:
+            continue
+        if slope > 0 and ((a.is_zero() and guard.order == 1) or sign(guard.at(b)) == -1):
+            continue  # it starts at rest, and rises; or it is still negative in the end
+        if b - a < tiny:
+            return False
+        middle = ((a + b) / 2).mid()
+        parts += [(a, middle), (middle, b)]
+    return False
+
+
+def _moved(model: BallToy, motion: BallState, fires: ZeroCrossing) -> BallState:
+    """The motion at the end of a phase, before its event."""
+    t, fired = fires.duration, fires.guard
+    after = motion.copy()
+    states = motion.states
+    after.q, after.u = flown(model.mode(states), motion.q, motion.u, t)
+    for i in range(3):
+        if states[i] != OPEN:
+            touch(model, after, i)
+            after.u[ANGLE[i]] = ZERO
+    for i in range(3):
+        if states[i] == STICK or (states[i] != OPEN and fired == SLIP + i):
+            hold(model, after, i)
+    after.time = motion.time + t
+    after.log.append(fires)
+    after.fired, after.before = fired, states
+    after.lands = fired if fires.lands else NO_GUARD
+    after.leaves = after.stays = NO_GUARD
+    after.since = ZERO
+    return after
+
+
+def _arrive(model: BallToy, motion: BallState) -> list[BallState]:
+    """The event that ends a phase, and the start of the next one."""
+    fired, states = motion.fired, motion.states
+    if fired == SECTION:
+        return [motion]
+    closed = {i for i in range(3) if states[i] != OPEN}
+    if fired < NORMAL:
+        return _strike(model, motion, sorted(closed | {fired}))
+    slides = fired >= SLIP
+    motion.held = frozenset(i for i in closed if states[i] == STICK or slides)
+    motion.orders = [2 if i in closed else 0 for i in range(3)]
+    return _settled(model, motion, closed)
+
+
+def _strike(model: BallToy, motion: BallState, contacts: list[int]) -> list[BallState]:
+    """An impact, and the start of the next phase."""
+    u, striking = motion.u, motion.fired
+    free: list[Any] = []
+    for i in contacts:
+        j = ANGLE[i]
+        rate = model.levers[i] * int(SIGN[i])
+        free.append(u[j] * rate if i == striking else ZERO)
+        free.append(ZERO if motion.states[i] == STICK else slip(model, i, u))
+    visible = sign(free[2 * contacts.index(striking)]) == -1
+    approaches = not visible and motion.lands == striking and len(contacts) == 1
+    if not visible and not approaches:
+        raise NotProved(f"contact {striking + 1} may only graze")
+    first = impulses_of(model, contacts, free, None, approaches)
+    floors = [_floor(model.equations.eps[i], first.impulses[2 * k]) for k, i in enumerate(contacts)]
+    second = None
+    if any(sign(floor) != 0 for floor in floors):
+        if any(sign(floor) is None for floor in floors):
+            raise NotProved("an impact may store no impulse")
+        second = impulses_of(model, contacts, first.velocities, floors, False)
+    last = second or first
+    for k, i in enumerate(contacts):
+        for n in range(2):
+            impulse = first.impulses[2 * k + n]
+            if second is not None:
+                impulse = impulse + second.impulses[2 * k + n]
+            for j in range(3):
+                u[j] = u[j] + model.responses[2 * i + n][j] * impulse
+    marks, mask, closed = [0, 0], 0, set()
+    motion.orders, held = [0, 0, 0], set()
+    for k, i in enumerate(contacts):
+        mask += 1 << i
+        case = last.cases[k]
+        expansion = UNSOLVED if second is None else second.cases[k]
+        stores = 1.0 if sign(floors[k]) == 1 else 0.0
+        marks[k] = mark(first.cases[k], expansion, second is not None, stores)
+        touch(model, motion, i)
+        motion.orders[i] = 2 if case // 3 == REST else 1
+        if case // 3 == REST:
+            closed.add(i)
+            u[ANGLE[i]] = ZERO
+        if case % 3 == HOLD:
+            held.add(i)
+    for i in held:
+        hold(model, motion, i)
+    motion.codes.append(64 * (marks[0] + MARKS * marks[1]) + 8 * IMPACT + mask)
+    motion.before = _state(
+        motion.states[i] if motion.states[i] != OPEN or i not in closed else SLIP_POSITIVE
+        for i in range(3)
+    )
+    plastic = len(contacts) == 1 and sign(floors[0]) == 0
+    motion.fired, motion.held = NO_GUARD, frozenset(held & closed)
+    if not approaches or not plastic:
+        motion.lands = NO_GUARD
+    return _settled(model, motion, closed, plastic)
+
+
+def _floor(eps: Any, impulse: Any) -> Any:
+    """The least impulse of the expansion; exactly zero where either is."""
+    return ZERO if sign(eps) == 0 or sign(impulse) == 0 else eps * impulse
+
+
+def _state(states: Iterable[int]) -> State:
+    first, second, third = states
+    return first, second, third
+
+
+def _settled(
+    model: BallToy, motion: BallState, closed: set[int], plastic: bool = False
+) -> list[BallState]:
+    """The contact problem on acceleration level: the mode that starts now, or two of them.
+
+    Every combination of states of the contacts that touch and stay is tried: each guard of theirs
+    must be positive right after now, by its first derivative that is not exactly zero.
+    """
+    slips = {i: 0 if i in motion.held else direction_of_slip(model, i, motion.u) for i in closed}
+    options = [[OPEN] if i not in closed else _options(slips[i]) for i in range(3)]
+    trials = [_state(trial) for trial in product(*options) if _moves_as_one(trial)]
+    verdicts = {trial: _admissible(model, motion, closed, trial) for trial in trials}
+    open_ = [trial for trial in trials if verdicts[trial] is None]
+    if plastic and len(closed) == 1 and len(open_) == 2 and len(trials) == 2:
+        return _stays_or_leaves(model, motion, min(closed), trials)
+    candidates = [(verdicts[trial], partial(tuple, trial)) for trial in trials]
+    chosen: State = only(candidates, "a contact problem")
+    stays = motion.lands
+    return [_set_off(motion, chosen, stays=stays if chosen[stays] != OPEN else NO_GUARD)]
+
+
+def _stays_or_leaves(
+    model: BallToy, motion: BallState, i: int, trials: list[State]
+) -> list[BallState]:
+    """A contact without approach and with a force near zero: both ways.
+
+    The acceleration of its gap if it opens is minus the force if it stays, times the response
+    G = G_NN -+ mu G_NT > 0.
+    """
+    stay, leave = sorted(trials, key=lambda trial: trial[i] == OPEN)
+    n, t = 2 * i, 2 * i + 1
+    mu = ball(model.equations.mu[i])
+    friction = -mu if stay[i] == SLIP_POSITIVE else mu
+    if sign(model.delassus[n][n] + friction * model.delassus[n][t]) != 1:
+        raise NotProved("a contact may be neither left nor held")
+    force = _guard(model, motion, stay, NORMAL + i).jet[0]
+    fork = OpenDecision(ForkKind.REST, force, (i + 1,))
+    found = []
+    for side, trial in ((1, stay), (-1, leave)):
+        way = motion.copy()
+        way.forks.append((fork, side))
+        found.append(
+            _set_off(
+                way, trial, stays=i if side == 1 else NO_GUARD, leaves=i if side == -1 else NO_GUARD
+            )
+        )
+    return found
+
+
+def _options(slip: int) -> list[int]:
+    if slip == 0:
+        return [STICK, SLIP_POSITIVE, SLIP_NEGATIVE, OPEN]
+    return [SLIP_POSITIVE if slip > 0 else SLIP_NEGATIVE, OPEN]
+
+
+def _moves_as_one(trial: Sequence[int]) -> bool:
+    """Two closed contacts share the velocity of the sleeve."""
+    return len({state for state in trial if state != OPEN}) <= 1
+
+
+def _admissible(model: BallToy, motion: BallState, closed: set[int], trial: State) -> bool | None:
+    if sum(state == STICK for state in trial) == 2:
+        if rests(model, max(closed), motion.q[2] - motion.q[1]) is False:
+            return False
+        raise NotProved("the toy may come to rest")
+    conditions: list[Any] = []
+    for i in closed:
+        if trial[i] == OPEN:
+            codes = [GAP + i]
+        elif trial[i] == STICK:
+            codes = [CONE_POSITIVE + i, CONE_NEGATIVE + i]
+        else:
+            codes = [NORMAL + i] + ([SLIP + i] if i in motion.held else [])
+        if motion.lands == i:  # its acceleration towards the pole is known, and so is its force
+            conditions.append(-1 if trial[i] == OPEN else 1)
+            codes = codes[1:]
+        for code in codes:
+            guard = _guard(model, motion, trial, code)
+            conditions.append(guard.jet[guard.order])
+    return verdict(conditions)
+
+
+def _set_off(
+    motion: BallState, states: State, stays: int = NO_GUARD, leaves: int = NO_GUARD
+) -> BallState:
+    """The next phase with these contact states, and the symbols of what has changed."""
+    before, fired = motion.before, motion.fired
+    for i in range(3):
+        code = None
+        if states[i] == OPEN:
+            code = DETACH if before[i] != OPEN else None
+        elif states[i] == STICK:
+            code = STICK_START if before[i] != STICK else None
+        elif before[i] == STICK:
+            code = SLIP_START
+        elif fired >= SLIP and states[i] != before[i]:
+            code = REVERSAL
+        if code is not None:
+            motion.codes.append(8 * code + (1 << i))
+    motion.states, motion.stays, motion.leaves, motion.lands = states, stays, leaves, NO_GUARD
+    return motion

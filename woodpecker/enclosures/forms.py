@@ -1,0 +1,178 @@
+"""Quantities over a box of starts and parameters, in ball arithmetic.
+
+The box is |s| <= radius, |p| <= half width: s is how far the start is from a curve over p, and the
+toy's parameter is a polynomial in p, most often its distance from a centre. A *form* is a smooth
+function f(s, p) over the box: Taylor models of f on the curve s = 0, and of its derivatives for all
+s. So the range over the box is that on the curve and f_s s, and
+however long a computation is, ranges are too wide by s^2 and a power of p only. Numbers that do
+not vary are plain balls of Arb [Johansson2017].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import Any
+
+from flint import arb_poly, ctx
+
+from woodpecker.enclosures.balls import ZERO, ball
+from woodpecker.enclosures.not_proved import NotProved
+from woodpecker.enclosures.taylor import Frame, Taylor, constant, cut, inverse
+
+ALONG: tuple[tuple[int, ...], ...] = ((), (0,), (1,), (0, 0), (0, 1), (1, 1))
+"""Derivatives that a form may carry: 0 is along s, 1 along p."""
+VALUE, S, P, SS, SP, PP = range(6)
+
+
+@contextmanager
+def precision(bits: int) -> Iterator[None]:
+    """Balls with midpoints of so many bits, inside a ``with`` statement."""
+    before = ctx.prec
+    ctx.prec = bits
+    try:
+        yield
+    finally:
+        ctx.prec = before
+
+
+class Form:
+    """A smooth function over a box.
+
+    Attributes
+    ----------
+    frame
+        The box.
+    parts
+        Taylor models of the function on the curve, and of its derivatives in the box, in the order
+        of :data:`ALONG`.
+    box
+        Range of the value over the box.
+    """
+
+    __slots__ = ("box", "frame", "parts")
+
+    def __init__(self, frame: Frame, parts: Sequence[Taylor]) -> None:
+        self.frame, self.parts = frame, tuple(parts)
+        self.box = parts[VALUE].box + parts[S].box * frame.s
+
+    @property
+    def mid(self) -> Any:
+        """The value at the centre, thin but for the rest of its Taylor model."""
+        value = self.parts[VALUE]
+        return value.poly[0] + value.rest
+
+    def range(self, along: int) -> Any:
+        """Range of a derivative over the box."""
+        return self.parts[along].box
+
+    @property
+    def near(self) -> list[Taylor]:
+        """The same parts, that of the value for all s."""
+        value, *others = self.parts
+        return [value.widened(others[0].box * self.frame.s), *others]
+
+    @property
+    def flat(self) -> bool:
+        """Whether all derivatives are exactly zero."""
+        return all(part.box.is_zero() for part in self.parts[1:])
+
+    def __neg__(self) -> Form:
+        return Form(self.frame, [-part for part in self.parts])
+
+    def __add__(self, other: Any) -> Form:
+        if not isinstance(other, Form):
+            value, *others = self.parts
+            return Form(self.frame, [value + constant(value.frame, other), *others])
+        return Form(self.frame, [a + b for a, b in zip(self.parts, other.parts, strict=True)])
+
+    __radd__ = __add__
+
+    def __sub__(self, other: Any) -> Form:
+        return self.__add__(-other)
+
+    def __rsub__(self, other: Any) -> Form:
+        return self.__neg__().__add__(other)
+
+    def __mul__(self, other: Any) -> Form:
+        if not isinstance(other, Form):
+            return Form(self.frame, [part * other for part in self.parts])
+        a, b = self.near, other.near
+        found = [self.parts[VALUE] * other.parts[VALUE]]
+        for along in ALONG[1 : len(a)]:
+            total = a[ALONG.index(along)] * b[VALUE] + a[VALUE] * b[ALONG.index(along)]
+            if len(along) == 2:
+                i, j = along[0] + 1, along[1] + 1
+                total = total + a[i] * b[j] + a[j] * b[i]
+            found.append(total)
+        return Form(self.frame, found)
+
+    __rmul__ = __mul__
+
+    def __truediv__(self, other: Any) -> Form:
+        return self.__mul__(reciprocal(other))
+
+    def __rtruediv__(self, other: Any) -> Form:
+        over: Form = reciprocal(self)
+        return over.__mul__(other)
+
+
+def chained(f: Form, value: Taylor, slope: Taylor, bend: Callable[[], Taylor]) -> Form:
+    """g(f) from Taylor models of g on the curve, and of g' and g'' near it."""
+    parts = f.parts
+    found = [value]
+    for along in ALONG[1 : len(parts)]:
+        part = slope * parts[ALONG.index(along)]
+        if len(along) == 2:
+            part = part + bend() * parts[along[0] + 1] * parts[along[1] + 1]
+        found.append(part)
+    return Form(f.frame, found)
+
+
+def start(frame: Frame, curve: Sequence[Any]) -> Form:
+    """The start on a curve over p, given by coefficients, plus s."""
+    return _polynomial(frame, curve, arb_poly([1]))
+
+
+def varying(frame: Frame, line: Sequence[Any]) -> Form:
+    """The toy's parameter: coefficients of powers of p."""
+    return _polynomial(frame, line, arb_poly([]))
+
+
+def _polynomial(frame: Frame, coefficients: Sequence[Any], along_s: Any) -> Form:
+    poly, none = arb_poly(list(coefficients)), arb_poly([])
+    rate = poly.derivative()
+    parts = [poly, along_s, rate, none, none, rate.derivative()]
+    return Form(frame, [cut(frame, part, ZERO) for part in parts[: frame.depth]])
+
+
+def reciprocal(x: Any) -> Any:
+    """1 / x of a form or a ball; NotProved where x may vanish."""
+    x = ball(x)
+    if box(x).contains(0):
+        raise NotProved("a divisor may vanish")
+    if not isinstance(x, Form):
+        return 1 / x
+    over = inverse(x.near[VALUE])
+    square = over * over
+    return chained(x, inverse(x.parts[VALUE]), -square, lambda: 2 * (square * over))
+
+
+def box(x: Any) -> Any:
+    """The range of a form, or a ball itself."""
+    return x.box if isinstance(x, Form) else x
+
+
+def centre(x: Any) -> Any:
+    """The value of a form at the centre of its box, or a ball itself."""
+    return x.mid if isinstance(x, Form) else x
+
+
+def sign(x: Any) -> int | None:
+    """-1, 1, 0 if it is exactly zero, None if the range does not decide."""
+    whole = box(x)
+    if whole > 0:
+        return 1
+    if whole < 0:
+        return -1
+    return 0 if whole.is_zero() else None

@@ -1,0 +1,160 @@
+"""The toy over a box, on its way: where it is when a phase begins, and what was decided before."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from enum import Enum
+from typing import Any, NamedTuple
+
+from woodpecker.enclosures.balls import ZERO
+from woodpecker.enclosures.forms import Form, sign
+from woodpecker.enclosures.model import BallToy, Mode, State, sum_of
+from woodpecker.enclosures.not_proved import NotProved
+from woodpecker.enclosures.oscillator import ZeroCrossing, stumpff
+from woodpecker.mechanics.modes import ANGLE
+
+NO_GUARD = -1
+
+
+class ForkKind(Enum):
+    """What an open decision is about."""
+
+    MEETING = "meeting"
+    REST = "rest"
+    PLATEAU = "plateau"
+
+
+class OpenDecision(NamedTuple):
+    """A decision that is open over a box.
+
+    Attributes
+    ----------
+    kind
+        What it is about.
+    comparator
+        Positive on the first way, negative on the second one.
+    contacts
+        1-based: of a meeting that of the first way, and the other one.
+    """
+
+    kind: ForkKind
+    comparator: Form
+    contacts: tuple[int, ...]
+
+
+class Way(NamedTuple):
+    """A return over a box, along one word.
+
+    Attributes
+    ----------
+    word
+        The sequence of events.
+    fired
+        What ended each phase.
+    image, period, drop
+        phi_S at the return [rad], duration [s], way down [m], as forms.
+    forks
+        The decisions that were open, with the side taken: 1 the first way, -1 the second.
+    """
+
+    word: str
+    fired: tuple[ZeroCrossing, ...]
+    image: Form
+    period: Form
+    drop: Form
+    forks: tuple[tuple[OpenDecision, int], ...]
+
+
+@dataclass
+class BallState:
+    """The toy where a phase begins, over a box.
+
+    Attributes
+    ----------
+    q, u
+        Coordinates and velocities, forms or exact balls.
+    states
+        Of the contacts.
+    orders
+        How many derivatives of each gap are exactly zero.
+    held
+        Closed contacts whose slip is exactly zero.
+    fired
+        The guard that ended the phase before; -1: an impact, or none.
+    before
+        Contact states of the phase before.
+    leaves
+        The contact that has just opened at rest, by a fork; its acceleration is at least zero.
+    stays
+        The contact whose normal force is at least zero, though its range does not say so.
+    lands
+        The contact that strikes after a flight which began at rest: its approach is known.
+    since
+        The phase begins by then: it has been taken back to the middle of a plateau.
+    """
+
+    q: list[Any]
+    u: list[Any]
+    time: Any
+    states: State
+    orders: list[int]
+    held: frozenset[int] = frozenset()
+    fired: int = NO_GUARD
+    before: State = (0, 0, 0)
+    leaves: int = NO_GUARD
+    stays: int = NO_GUARD
+    lands: int = NO_GUARD
+    since: Any = ZERO
+    codes: list[int] = field(default_factory=list)
+    log: list[ZeroCrossing] = field(default_factory=list)
+    forks: list[tuple[OpenDecision, int]] = field(default_factory=list)
+
+    def copy(self) -> BallState:
+        """Another one that goes its own way."""
+        return replace(
+            self,
+            q=list(self.q),
+            u=list(self.u),
+            orders=list(self.orders),
+            codes=list(self.codes),
+            log=list(self.log),
+            forks=list(self.forks),
+        )
+
+
+def flown(mode: Mode, q: Sequence[Any], u: Sequence[Any], t: Any) -> tuple[list[Any], list[Any]]:
+    """Coordinates and velocities after a time in a mode: forms, or balls."""
+    d0, d1 = q[2] - q[1], u[2] - u[1]
+    _, s1, s2, s3, s4 = stumpff(mode.kappa, t)
+    once = d0 * s1 + d1 * s2 + mode.alpha * s3
+    twice = d0 * s2 + d1 * s3 + mode.alpha * s4
+    half = t * t / 2
+    return (
+        [q[j] + u[j] * t + mode.a[j] * half + mode.b[j] * twice for j in range(3)],
+        [u[j] + mode.a[j] * t + mode.b[j] * once for j in range(3)],
+    )
+
+
+def touch(model: BallToy, motion: BallState, i: int) -> None:
+    """Make the gap of a contact exactly zero."""
+    motion.q[ANGLE[i]] = model.limits[i]
+
+
+def hold(model: BallToy, motion: BallState, i: int) -> None:
+    """Make the slip of a contact exactly zero through the velocity of the sleeve."""
+    _, w_m, w_s = model.tangents[i]
+    motion.u[0] = -(w_m * motion.u[1] + w_s * motion.u[2])
+
+
+def slip(model: BallToy, i: int, u: Sequence[Any]) -> Any:
+    """Tangential velocity of a contact."""
+    return sum_of(w * v for w, v in zip(model.tangents[i], u, strict=True))
+
+
+def direction_of_slip(model: BallToy, i: int, u: Sequence[Any]) -> int:
+    """Its sign; NotProved where it may slip or not."""
+    found = sign(slip(model, i, u))
+    if not found:
+        raise NotProved(f"contact {i + 1} may slip or not")
+    return found

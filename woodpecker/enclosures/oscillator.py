@@ -1,0 +1,296 @@
+"""The spring oscillator over forms: its closed form, and guards that obey f'''' = kappa f''.
+
+With Stumpff's functions s_k(t) = t^k c_k(kappa t^2), where c_k(x) = 1/k! + x/(k+2)! + ...,
+
+    f(t) = f_0 + f_1 t + f_2 s_2 + f_3 s_3,    d s_k / dt = s_(k-1),    d s_0 / dt = kappa s_1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from flint import arb, ctx
+
+from woodpecker.enclosures.balls import ZERO
+from woodpecker.enclosures.forms import ALONG, VALUE, Form, box, chained, sign
+from woodpecker.enclosures.not_proved import NotProved
+from woodpecker.enclosures.stumpff import shape_models, stumpff_balls, stumpff_models
+from woodpecker.enclosures.taylor import Taylor, constant, inverse, thin
+from woodpecker.mechanics.modes import SECTION
+
+Derivatives = Callable[[int], Any]
+KINDS = ("gap", "normal", "cone+", "cone-", "slip", "section")
+MOST_PARTS = 2**16  # of a phase in which a guard is shown positive: an unstable cycle takes 2**13
+HALVINGS = 40  # of a phase in which a guard is shown to be positive: a millionth of a millionth
+
+
+def stumpff(kappa: Any, t: Any, last: int = 4) -> list[Any]:
+    """s_0 .. s_last of balls or forms."""
+    if not isinstance(t, Form):
+        return stumpff_balls(kappa, t, last)
+    curve = stumpff_models(kappa, t.parts[VALUE], 0, last)
+    if t.flat:
+        return [Form(t.frame, [model, *t.parts[1:]]) for model in curve]
+    near = stumpff_models(kappa, t.near[VALUE], -1 if len(t.parts) <= 3 else -2, last - 1)
+    before = len(near) - last  # of s_(k-1) in front of s_k
+    return [
+        chained(t, curve[k], near[before - 1 + k], lambda k=k: near[before - 2 + k])  # type: ignore[misc]
+        for k in range(last + 1)
+    ]
+
+
+def shapes(x: Any, last: int) -> list[Any]:
+    """c_0 .. c_last of a form."""
+    curve, near = shape_models(x.parts[VALUE], last), shape_models(x.near[VALUE], last)
+    return [
+        chained(x, curve[0][k], near[1][k], lambda k=k: near[2][k])  # type: ignore[misc]
+        for k in range(last + 1)
+    ]
+
+
+@dataclass(frozen=True, slots=True)
+class Guard:
+    """A guard of a phase: positive in it, zero where it fires.
+
+    Attributes
+    ----------
+    code
+        As in :mod:`woodpecker.mechanics.modes`.
+    jet
+        Its value and three derivatives where the phase begins; exact zeros are exact.
+    order
+        How many of these are exactly zero.
+    kappa
+        Of the phase.
+    assumed
+        Whether the first one that is not exactly zero is known to be at least zero, though its
+        range does not say so.
+    """
+
+    code: int
+    jet: tuple[Any, Any, Any, Any]
+    order: int
+    kappa: Any
+    assumed: bool = False
+
+    def at(self, t: Any, derivative: int = 0) -> Any:
+        """The guard, or a derivative of it, at a time; forms where anything is one."""
+        return self.near(t)(derivative)
+
+    def near(self, t: Any) -> Derivatives:
+        """All derivatives at a time."""
+        s = stumpff(self.kappa, t)
+        return lambda derivative: _value(*self.jet, self.kappa, s, t, derivative)
+
+    def over(self, t: Any, derivative: int = 0) -> Any:
+        """Range of the same over a ball of times and the whole box."""
+        f0, f1, f2, f3 = (box(f) for f in self.jet)
+        s = stumpff_balls(self.kappa, t, 4)
+        return _value(f0, f1, f2, f3, self.kappa, s, t, derivative)
+
+    def lasts(self, end: Any) -> bool:
+        """Whether it is proved positive on (0, end], for an exact end > 0."""
+        low = self._grows(end)
+        if low is None:
+            return False
+        parts = [(low, end, 0)]
+        for _ in range(MOST_PARTS):
+            if not parts:
+                return True
+            a, b, depth = parts.pop()
+            if not b > a or self._positive(a, b):
+                continue
+            middle = ((a + b) / 2).mid()
+            if depth >= HALVINGS or sign(self.at(middle)) == -1:
+                return False
+            parts += [(middle, b, depth + 1), (a, middle, depth + 1)]
+        return False
+
+    def _positive(self, a: Any, b: Any) -> bool:
+        """Whether it is positive on [a, b]: by its range, or by its end where it is monotone."""
+        t = a.union(b)
+        if self.over(t) > 0:
+            return True
+        slope = sign(self.over(t, 1))
+        if not slope:
+            return False
+        lower = a if slope == 1 else b
+        return bool(self.over(lower) > 0) or sign(self.at(lower)) == 1
+
+    def _grows(self, end: Any) -> Any | None:
+        """A time > 0 until which it is positive because it grows from its zero; 0: no zero."""
+        leading = box(self.jet[self.order])
+        if self.order == 0 and leading > 0:
+            return arb(0)
+        n = self.order
+        if not leading > 0:
+            if not self.assumed:
+                return None
+            n += 1  # it is at least zero, and the next derivative takes it on
+        low = end
+        for _ in range(HALVINGS):
+            if self.over(arb(0).union(low), n) > 0:
+                return low
+            low = (low / 2).mid()
+        return None
+
+
+def _value(
+    f0: Any, f1: Any, f2: Any, f3: Any, kappa: Any, s: list[Any], t: Any, derivative: int
+) -> Any:
+    match derivative:
+        case 0:
+            return f0 + f1 * t + f2 * s[2] + f3 * s[3]
+        case 1:
+            return f1 + f2 * s[1] + f3 * s[2]
+        case 2:
+            return f2 * s[0] + f3 * s[1]
+        case 3:
+            return f3 * s[0] + kappa * f2 * s[1]
+        case _:
+            return kappa * (f2 * s[0] + f3 * s[1])
+
+
+class ZeroCrossing(NamedTuple):
+    """The guard that ends a phase, the duration of the phase, and a bracket of it.
+
+    In the bracket the guard crosses zero once from every start of the box, and its derivative has
+    one sign. At a plateau the phase is taken to end in its middle; the contact strikes after that
+    (1) or before (-1), and has come to stay within the bracket.
+
+    Attributes
+    ----------
+    guard
+        Its code.
+    duration
+        As a form.
+    bracket
+        A ball of times.
+    plateau
+        0 if it is none.
+    lands
+        Whether it is the end of a flight that began at rest.
+    """
+
+    guard: int
+    duration: Form
+    bracket: Any
+    plateau: int = 0
+    lands: bool = False
+
+    @property
+    def name(self) -> str:
+        """The guard as text, such as ``"gap 2"`` or ``"plateau+ 2"``."""
+        name = name_of(self.guard)
+        if self.plateau:
+            return name.replace("gap", "plateau+" if self.plateau == 1 else "plateau-")
+        return name
+
+
+def name_of(guard: int) -> str:
+    """A guard as text, such as ``"gap 2"``."""
+    kind = KINDS[guard // 3]
+    return kind if guard == SECTION else f"{kind} {guard % 3 + 1}"
+
+
+def crossing(guard: Guard, guess: float, falls: int = -1) -> ZeroCrossing:
+    """When a guard crosses zero near a guess, with a derivative of the sign ``falls``.
+
+    Raises
+    ------
+    NotProved
+        If this could not be shown.
+    """
+    return ZeroCrossing(guard.code, *zero(guard.near, guard.over, guess, falls))
+
+
+def zero(
+    at: Callable[[Any], Derivatives], over: Callable[..., Any], guess: float, falls: int
+) -> tuple[Form, Any]:
+    """The zero of a function of time over a box, as a form, and a bracket.
+
+    Parameters
+    ----------
+    at
+        The derivatives of the function at a time, which may be a form.
+    over
+        Their ranges over a ball of times and the whole box.
+    guess
+        Where it is at the centre of the box, about.
+    falls
+        The sign that its derivative must have.
+    """
+    near = _approximate(at, guess)
+    there = at(near)
+    value, speed = there(0), there(1)
+    if sign(speed) != falls:
+        raise NotProved("a guard may turn where it fires")
+    residual, head = value.box, near.parts[VALUE].head
+    reach = (abs(residual / speed.box) * arb(1.5) + arb(2) ** (20 - ctx.prec)).upper()
+    for _ in range(8):
+        wide = (reach * 8 + arb(0.2) * (head - head.mid())).upper()
+        bracket = head + arb(0, wide)
+        slope = over(bracket, 1)
+        if sign(slope) != falls:
+            raise NotProved("a guard may turn where it fires")
+        if abs(residual / slope) < reach:
+            return _form(at, near, value, slope, arb(0, reach)), bracket
+        reach = (reach * 2).upper()
+    raise NotProved("the time of an event has no enclosure")
+
+
+def _approximate(at: Callable[[Any], Derivatives], guess: float) -> Form:
+    """A polynomial near the zero on the curve: Newton's method on Taylor models, without rests."""
+    frame = at(arb(guess))(0).frame
+    t = Form(frame, [constant(frame, arb(guess)), *_nothing(frame)])
+    correct = 0  # coefficients that are right but for rounding
+    for _ in range(60):
+        there = at(t)
+        value, speed = there(0).parts[VALUE], there(1).parts[VALUE]
+        if speed.poly[0].contains(0):
+            raise NotProved("a guard turns where it fires")
+        exact = [Taylor(frame, thin(part.poly, frame.terms), ZERO) for part in (value, speed)]
+        step = exact[0] * inverse(exact[1])
+        poly = thin(t.parts[VALUE].poly - step.poly, frame.terms)
+        t = Form(frame, [Taylor(frame, poly, ZERO), *_nothing(frame)])
+        if abs(step.poly[0].mid()) < arb(2) ** (12 - ctx.prec):
+            correct = 1 if correct == 0 else 2 * correct
+            if correct >= frame.terms:
+                return t
+        elif not step.poly[0].is_finite():
+            break
+    raise NotProved("the time of an event has no enclosure")
+
+
+def _nothing(frame: Any) -> Sequence[Taylor]:
+    return [constant(frame, ZERO)] * (frame.depth - 1)
+
+
+def _form(
+    at: Callable[[Any], Derivatives], near: Form, residual: Form, slope: Any, reach: Any
+) -> Form:
+    """The zero near a polynomial: its derivatives are those of an implicit function.
+
+    With f(t, s, p) = 0 there are t_i = -f_i / f_t and
+    t_ij = -(f_ij + f_it t_j + f_jt t_i + f_tt t_i t_j) / f_t.
+    """
+    frame = near.frame
+    there = near.parts[VALUE].widened(reach)  # the time, for all s
+    fixed = Form(frame, [there, *_nothing(frame)])
+    at_fixed = at(fixed)
+    value, speed = at_fixed(0), at_fixed(1)
+    over = inverse(speed.near[VALUE])
+    on_curve = near.parts[VALUE].widened(residual.parts[VALUE].box / -slope)
+    found = [on_curve]
+    bend: Taylor | None = None
+    for along in ALONG[1 : frame.depth]:
+        part = value.parts[ALONG.index(along)]
+        if len(along) == 2:
+            bend = at_fixed(2).near[VALUE] if bend is None else bend
+            i, j = along[0] + 1, along[1] + 1
+            part = part + speed.parts[i] * found[j] + speed.parts[j] * found[i]
+            part = part + bend * found[i] * found[j]
+        found.append(-part * over)
+    return Form(frame, found)

@@ -1,0 +1,225 @@
+"""The toy where a gap closes near a plateau: both landings taken as one event in its middle."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
+
+from flint import arb
+
+from woodpecker.enclosures.balls import ZERO, ball
+from woodpecker.enclosures.contacts import impulses_of
+from woodpecker.enclosures.forms import VALUE, Form, box, sign
+from woodpecker.enclosures.model import BallToy, State
+from woodpecker.enclosures.motions import (
+    NO_GUARD,
+    BallState,
+    ForkKind,
+    OpenDecision,
+    direction_of_slip,
+    flown,
+    slip,
+    touch,
+)
+from woodpecker.enclosures.not_proved import NotProved
+from woodpecker.enclosures.oscillator import Guard, ZeroCrossing
+from woodpecker.enclosures.plateaus import Landed, Plateau, effect
+from woodpecker.mechanics.cases import REST
+from woodpecker.mechanics.contact_problems import UNSOLVED
+from woodpecker.mechanics.impacts import mark
+from woodpecker.mechanics.modes import ANGLE, NORMAL, OPEN, SIGN, SLIP_NEGATIVE, SLIP_POSITIVE
+from woodpecker.motion.codes import DETACH, IMPACT
+
+NEAR = 0.02  # of a swing: landings so near to the middle of a plateau are taken together with it
+FREE: State = (OPEN, OPEN, OPEN)
+
+
+class _Pause(NamedTuple):
+    """A gap that falls to a plateau.
+
+    Attributes
+    ----------
+    contact
+        Whose gap.
+    middle
+        Time from the start of the phase to the middle of the plateau.
+    fall
+        Third derivative of the gap there, negative.
+    level
+        Its value there.
+    eta
+        The level over the fall's size, positive for a late landing.
+    """
+
+    contact: int
+    middle: Any
+    fall: Form
+    level: Form
+    eta: Form
+
+
+class _Slide(NamedTuple):
+    """Sliding after the landing.
+
+    Attributes
+    ----------
+    states
+        Of the contacts.
+    direction
+        Of slip, 1 or -1.
+    response
+        Of the velocities to an impulse that changes the speed of the gap by one.
+    """
+
+    states: State
+    direction: int
+    response: Sequence[Any]
+
+
+def paused(
+    model: BallToy, motion: BallState, first: Guard, others: Sequence[Guard], guess: float,
+    survives: Callable[[Guard, Any], bool],
+) -> list[BallState]:  # fmt: skip
+    """The motions after a landing near a plateau, both where the box allows them.
+
+    Parameters
+    ----------
+    first
+        The gap, with f' = f'' = 0 exactly where the phase began.
+    others
+        The guards that must not fire before.
+    guess
+        About when it closes.
+    survives
+        Whether a guard does not fire until some time.
+
+    Returns
+    -------
+    list
+        None of them where the landing is not near a plateau.
+    """
+    i = first.code
+    pause = _pause(first, guess)
+    if pause is None or motion.states != FREE or sign(model.equations.eps[i]) != 0:
+        return []
+    q, u = flown(model.mode(FREE), motion.q, motion.u, pause.middle)
+    slide = _slide(model, i, u)
+    after = _reduced(model, motion, pause, slide, q, u)
+    stretch = slide.response[2] - slide.response[1]
+    free, sliding = model.mode(FREE), model.mode(slide.states)
+    turn = free.b[ANGLE[i]] * int(SIGN[i]) * stretch
+    plateau = Plateau(free.kappa, sliding.kappa, turn)
+    fork = OpenDecision(ForkKind.PLATEAU, pause.level, (i + 1,))
+    decided, found = sign(pause.eta), []
+    for side, lands in ((1, plateau.late), (-1, plateau.early)):
+        if decided is not None and side != (decided or 1):
+            continue
+        near, on_curve = lands(pause.eta.box), lands(pause.eta.parts[VALUE].box)
+        _clear(model, motion, pause, slide, near, side, others, survives)
+        way = after.copy()
+        for place, effects in ((way.q, "place"), (way.u, "velocity")):
+            term = effect(pause.eta, getattr(on_curve, effects), getattr(near, effects))
+            term = term * -pause.fall
+            for k in range(3):
+                if k != ANGLE[i]:
+                    place[k] = place[k] + term * (stretch * sliding.b[k])
+        way.since = near.last
+        span = pause.middle + (ZERO.union(near.sigma * side)).union(near.last)
+        way.log.append(ZeroCrossing(first.code, first.jet[0] * ZERO + pause.middle, span, side))
+        struck = 64 * _mark(model, slide, i) + 8 * IMPACT + (1 << i)
+        way.codes += [struck] if side == 1 else [struck, 8 * DETACH + (1 << i), struck]
+        if decided is None:
+            way.forks.append((fork, side))
+        found.append(way)
+    return found
+
+
+def _pause(first: Guard, guess: float) -> _Pause | None:
+    """The plateau near which a gap closes."""
+    f0, _, _, f3 = first.jet
+    if not first.kappa < 0 or sign(f3) != -1:
+        return None
+    swing = 2 * arb.pi() / (-first.kappa).sqrt()
+    turns = guess / float(swing)
+    n = round(turns)
+    if n < 1 or abs(turns - n) > NEAR:
+        return None
+    middle = swing * n
+    fallen = -middle / first.kappa  # s_3
+    return _Pause(first.code, middle, f3, f0 + f3 * fallen, -(f0 / f3) - fallen)
+
+
+def _slide(model: BallToy, i: int, u: Sequence[Any]) -> _Slide:
+    """How the contact slides."""
+    direction = direction_of_slip(model, i, u)
+    states = [OPEN] * 3
+    states[i] = SLIP_POSITIVE if direction == 1 else SLIP_NEGATIVE
+    friction = ball(model.equations.mu[i]) * -direction
+    impulse = [
+        n + friction * t
+        for n, t in zip(model.responses[2 * i], model.responses[2 * i + 1], strict=True)
+    ]
+    speed = impulse[ANGLE[i]] * int(SIGN[i])
+    if not speed > 0:
+        raise NotProved("a contact may be neither left nor held")
+    return _Slide((states[0], states[1], states[2]), direction, [x / speed for x in impulse])
+
+
+def _reduced(
+    model: BallToy, motion: BallState, pause: _Pause, slide: _Slide, q: list[Any], u: list[Any]
+) -> BallState:
+    """The motion of sliding from the middle of the plateau, but for the small terms."""
+    after, i = motion.copy(), pause.contact
+    after.q = [x - r * pause.level for x, r in zip(q, slide.response, strict=True)]
+    after.u = u
+    touch(model, after, i)
+    after.u[ANGLE[i]] = ZERO
+    after.time = motion.time + pause.middle
+    after.orders = [2 if k == i else 0 for k in range(3)]
+    after.held, after.fired = frozenset(), NO_GUARD
+    after.states = after.before = slide.states
+    after.stays, after.leaves, after.lands = i, NO_GUARD, NO_GUARD
+    return after
+
+
+def _clear(
+    model: BallToy, motion: BallState, pause: _Pause, slide: _Slide, landing: Landed, side: int,
+    others: Sequence[Guard], survives: Callable[[Guard, Any], bool],
+) -> None:  # fmt: skip
+    """Nothing else happens until the contact has come to stay, and it slides on in each impact."""
+    i = pause.contact
+    j, free = ANGLE[i], model.mode(FREE)
+    until = (pause.middle + landing.sigma.max(ZERO) * (side == 1)).upper()
+    if any(guard.code >= NORMAL or not survives(guard, until) for guard in others):
+        raise NotProved("something may happen before a contact lands at a plateau")
+    start_q, start_u = [box(x) for x in motion.q], [box(x) for x in motion.u]
+    strikes = pause.middle + landing.sigma * side
+    q, u = flown(free, start_q, start_u, strikes)
+    seen = [u]
+    if side == -1:
+        thrown = _stopped(slide, u, j)
+        q, u = flown(free, q, thrown, ZERO.union(landing.flight))
+        seen += [thrown, u]
+        for guard in others:
+            k = guard.code
+            if not (q[ANGLE[k]] - model.limits[k]) * int(SIGN[k]) > 0:
+                raise NotProved("something may happen while a contact lands at a plateau")
+    seen += [_stopped(slide, u, j)]
+    for velocities in seen:
+        if direction_of_slip(model, i, velocities) != slide.direction:
+            raise NotProved(f"contact {i + 1} may slip or not")
+        speed = velocities[j] * (model.levers[i] * int(SIGN[i]))
+        approach = [speed, slip(model, i, velocities)]
+        if impulses_of(model, [i], approach, None, True).cases[0] // 3 != REST:
+            raise NotProved("an impact is not decided")
+
+
+def _stopped(slide: _Slide, u: Sequence[Any], j: int) -> list[Any]:
+    """Velocities after an impact that stops the gap."""
+    return [v - r * (u[j] / slide.response[j]) for v, r in zip(u, slide.response, strict=True)]
+
+
+def _mark(model: BallToy, slide: _Slide, i: int) -> int:
+    """What the impact does, see `impacts.MARKS`."""
+    case = impulses_of(model, [i], [ZERO, arb(slide.direction)], None, True).cases[0]
+    return mark(case, UNSOLVED, False, 0.0)

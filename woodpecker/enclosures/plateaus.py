@@ -1,0 +1,201 @@
+"""A gap that closes where its motion pauses: the landing at a plateau.
+
+When one contact of the sleeve lets go, the gap g of the other one has g' = g'' = 0 exactly, so it
+falls along g = g_0 + g_3 s_3(t) in steps: it pauses at each t* = 2 pi n / omega, where g' and g''
+vanish again. With tau = t - t* and eta = -g(t*) / g_3 it is -g_3 (eta - s_3(tau)). Near eta = 0 the
+time of the landing, s_3(tau) = eta, goes with a cube root. If eta > 0 the contact stays, since the
+force is then positive. If eta < 0 it strikes at tau = -sigma, leaves, and lands again for good.
+Either way what comes later is smooth but for small terms, and these are given here.
+
+Let n be the gap's direction and r that of the slipping contact's impulse, n r = 1. The state
+without gap, y = q - r g and y' = q' - r g', does not change in impacts of this contact, nor when it
+leaves, and obeys the equations of sliding with the stretch d_y + d_r g for any motion of the gap
+(d_r: the stretch along r). So at t* it has the value that sliding alone would have to start with,
+P q(t*), plus
+
+    -g_3 d_r b V(eta) in the velocities,    -g_3 d_r b A(eta) in the coordinates,
+
+    V = integral of S_0(tau) f,    A = -(integral of S_1(tau) f),    f = g / -g_3 >= 0 the true gap,
+
+where b and S belong to sliding, from t* on where the landing is later; and before it with the sign
+of what sliding alone leaves out. V and A are of the order sigma^4 and sigma^5, their derivatives in
+eta of the order sigma and sigma^2: the return is once differentiable.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+from flint import arb, arb_poly
+
+from woodpecker.enclosures.balls import ZERO
+from woodpecker.enclosures.forms import VALUE, Form, chained
+from woodpecker.enclosures.not_proved import NotProved
+from woodpecker.enclosures.stumpff import shape_balls, stumpff_balls
+from woodpecker.enclosures.taylor import Taylor
+
+LARGEST = arb(0.1)  # of |kappa| sigma^2, where the shapes below are near their values at zero
+AGAIN = arb(3, 0.5)  # sigma to the second landing, in units of sigma: 3 for a weak spring
+
+
+class SmallTerm(NamedTuple):
+    """A small term and its derivative in eta, for a range of eta."""
+
+    value: Any
+    slope: Any
+
+
+class Landed(NamedTuple):
+    """What a landing at a plateau does, for a range of eta.
+
+    Attributes
+    ----------
+    sigma
+        How far from the middle of the plateau the contact first strikes.
+    flight
+        How long it flies before it lands again; zero where it stays.
+    velocity, place
+        The terms V and A.
+    """
+
+    sigma: Any
+    flight: Any
+    velocity: SmallTerm
+    place: SmallTerm
+
+    @property
+    def last(self) -> Any:
+        """The contact has come to stay so long after the middle of the plateau, at most."""
+        return (self.flight + self.sigma * (1 if self.flight.is_zero() else -1)).upper()
+
+
+@dataclass(frozen=True)
+class Plateau:
+    """The springs and the response at a plateau.
+
+    Attributes
+    ----------
+    kappa, sliding
+        Of free flight, and of sliding at the contact.
+    turn
+        g''' of free flight per stretch velocity, times d_r: how an impulse changes g'''.
+    """
+
+    kappa: Any
+    sliding: Any
+    turn: Any
+
+    def late(self, eta: Any) -> Landed:
+        """The contact strikes after the middle, and stays: eta >= 0."""
+        sigma = self.sigma(eta)
+        whole = ZERO.union(sigma)
+        c2, slide = shape_balls(self.kappa * whole**2, 2)[2], self._slides(whole)
+        s1, s2 = stumpff_balls(self.sliding, sigma, 2)[1:]
+        return Landed(
+            sigma,
+            ZERO,
+            SmallTerm(slide[1] * c2 * sigma**4 / 4, s1),
+            SmallTerm(-slide[2] * c2 * sigma**5 / 5, -s2),
+        )
+
+    def early(self, eta: Any) -> Landed:
+        """The contact strikes before the middle, leaves, and lands again: eta = -s_3(sigma) <= 0.
+
+        In flight, h = sigma z after the impact, f = sigma^3 z^2 (c_1 c_2(h) - c z c_3(h)) with
+        c = s_0 - turn s_2 at sigma.
+        """
+        sigma = self.sigma(-eta)
+        whole = ZERO.union(sigma)
+        c0, c1, c2 = shape_balls(self.kappa * sigma**2, 2)
+        c = c0 - self.turn * sigma**2 * c2
+        z, h = self._again(sigma, c1, c)
+        n2, n3 = shape_balls(self.kappa * ZERO.union(h) ** 2, 3)[2:]
+        c2_before = shape_balls(self.kappa * whole**2, 2)[2]
+        slide = self._slides(whole.union(h - sigma))
+        s1, s2 = stumpff_balls(self.sliding, sigma, 2)[1:]
+        flown = {2: c1 * n2, 3: -c * n3}  # f over sigma^3, and its slope in eta, in powers of z
+        fallen = {2: c0 * n2 / c2, 3: (self.turn - self.kappa) * sigma**2 * c1 * n3 / c2}
+        area = _integral(flown, z)
+        velocity = slide[1] * c2_before / 4 + slide[0] * area
+        place = slide[2] * c2_before / 5 - _integral(flown, z, slide[1], lever=True)
+        velocity_slope = -s1 - sigma * _integral(fallen, z, slide[0])
+        velocity_slope += self.sliding * sigma**3 * _integral(flown, z, slide[1], lever=True) / c2
+        place_slope = -s2 - sigma**2 * slide[0] * area / c2
+        place_slope += sigma**2 * _integral(fallen, z, slide[1], lever=True)
+        return Landed(
+            sigma,
+            h,
+            SmallTerm(velocity * sigma**4, velocity_slope),
+            SmallTerm(place * sigma**5, place_slope),
+        )
+
+    def sigma(self, eta: Any) -> Any:
+        """The solution of s_3(sigma) = eta; zero where eta is negative."""
+        high = _root(eta.upper() * 7).upper()
+        if not abs(self.kappa) * high**2 < LARGEST:
+            raise NotProved("a landing is too far from a plateau")
+        c3 = shape_balls(self.kappa * ZERO.union(high) ** 2, 3)[3]
+        low = _root(eta.lower() / c3.upper()).lower()
+        most = _root(eta.upper() / c3.lower()).upper()
+        if most > high:
+            raise NotProved("a landing at a plateau has no enclosure")
+        return low.union(most)
+
+    def _slides(self, times: Any) -> list[Any]:
+        """Shapes of sliding between zero and some times."""
+        return shape_balls(self.sliding * ZERO.union(times) ** 2, 2)
+
+    def _again(self, sigma: Any, c1: Any, c: Any) -> tuple[Any, Any]:
+        """The second landing, z and h = sigma z: the only zero of f / z^2, which falls.
+
+        There it strikes, and its acceleration is towards the pole.
+        """
+        reach = ZERO.union(AGAIN.upper())
+        x = self.kappa * (sigma * reach) ** 2
+        n = shape_balls(x, 5)
+        turn_2, turn_3 = n[3] - 2 * n[4], n[4] - 3 * n[5]
+        curl = self.kappa * sigma**2 * reach
+        if not c1 * turn_2 * curl - c * (n[3] + turn_3 * x) < 0:
+            raise NotProved("a contact may not land again")
+        h = sigma * AGAIN
+        n = shape_balls(self.kappa * h**2, 3)
+        z = c1 * n[2] / (c * n[3])
+        if not AGAIN.contains_interior(z):
+            raise NotProved("a contact may not land again")
+        approach, force = c1 * n[1] - c * z * n[2], c1 * n[0] - c * z * n[1]
+        if not (approach < 0 and force < 0):
+            raise NotProved("a contact may not land again for good")
+        return z, sigma * z
+
+
+def _root(x: Any) -> Any:
+    """The cube root; zero of what is not positive."""
+    return x.root(3) if x > 0 else ZERO
+
+
+def _integral(powers: dict[int, Any], z: Any, factor: Any = 1, lever: bool = False) -> Any:
+    """The integral over [0, z] of a sum of powers with coefficients that vary in balls.
+
+    Each power is taken by itself, for these balls are no constants: so it is with a factor in a
+    ball, and with the lever z - 1.
+    """
+    total = ZERO
+    for n, c in powers.items():
+        if lever:
+            total += factor * c * (z ** (n + 2) / (n + 2)) - factor * c * (z ** (n + 1) / (n + 1))
+        else:
+            total += factor * c * (z ** (n + 1) / (n + 1))
+    return total
+
+
+def effect(eta: Form, on_curve: SmallTerm, near: SmallTerm) -> Form:
+    """A small term as a form; it has no second derivatives."""
+    frame = eta.parts[VALUE].frame
+    if len(eta.parts) > 3:
+        raise NotProved("a return is once differentiable only where a contact lands at a plateau")
+
+    def wide(ball: Any) -> Taylor:
+        return Taylor(frame, arb_poly([ball.mid()]), ball - ball.mid())
+
+    return chained(eta, wide(on_curve.value), wide(near.slope), lambda: wide(ZERO))

@@ -1,0 +1,147 @@
+"""Taylor models: functions of the parameter as a polynomial and a ball that holds the rest.
+
+On |p - centre| <= half width a function is f(p) = c_0 + c_1 p + ... + c_(n-1) p^(n-1) + rest. The
+coefficients are thin, so what depends on p alike cancels as it does on paper, however long the
+computation; only the rest grows, and it starts at the size of p^n [Makino2003].
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+from flint import arb, arb_poly
+
+from woodpecker.enclosures.balls import ZERO
+
+
+@dataclass(frozen=True)
+class Frame:
+    """A box of starts and parameters.
+
+    Attributes
+    ----------
+    s, p
+        Balls about zero: how far the start is from a curve, and the parameter from its centre.
+    terms
+        Coefficients of polynomials in p, at least one.
+    depth
+        Of the derivatives that forms carry: 2 (the value and f_s), 3 (f_p too) or 6 (second ones).
+    """
+
+    s: Any
+    p: Any
+    terms: int = 1
+    depth: int = 2
+
+    @cached_property
+    def power(self) -> Any:
+        """Range of p^terms."""
+        return self.p**self.terms if not self.p.contains(0) else _even(self.p, self.terms)
+
+
+def _even(p: Any, n: int) -> Any:
+    """Range of p^n over a ball about zero."""
+    return arb(0, (abs(p).upper() ** n).upper())
+
+
+class Taylor:
+    """A function over the interval of a frame.
+
+    Attributes
+    ----------
+    frame
+        Where.
+    poly, rest
+        f(p) is in poly(p) + rest.
+    head, box
+        Range of the polynomial, and of the function.
+    """
+
+    __slots__ = ("box", "frame", "head", "poly", "rest")
+
+    def __init__(self, frame: Frame, poly: Any, rest: Any) -> None:
+        self.frame, self.poly, self.rest = frame, poly, rest
+        self.head = poly(frame.p) if frame.terms > 1 else poly[0]
+        self.box = self.head + rest
+
+    def plus(self, ball: Any) -> Taylor:
+        """The function plus a ball; thin ones go to the polynomial."""
+        if ball.rad() > self.frame.p.rad():
+            return Taylor(self.frame, self.poly, self.rest + ball)
+        return Taylor(self.frame, self.poly + ball, self.rest)
+
+    def widened(self, ball: Any) -> Taylor:
+        """The function plus something in a ball."""
+        return Taylor(self.frame, self.poly, self.rest + ball)
+
+    def __neg__(self) -> Taylor:
+        return Taylor(self.frame, -self.poly, -self.rest)
+
+    def __add__(self, other: Taylor) -> Taylor:
+        return Taylor(self.frame, self.poly + other.poly, self.rest + other.rest)
+
+    def __sub__(self, other: Taylor) -> Taylor:
+        return Taylor(self.frame, self.poly - other.poly, self.rest - other.rest)
+
+    def __mul__(self, other: Any) -> Taylor:
+        frame = self.frame
+        if not isinstance(other, Taylor):
+            return Taylor(frame, self.poly * other, self.rest * other)
+        rest = self.rest * other.box + self.head * other.rest
+        return cut(frame, self.poly * other.poly, rest)
+
+    __rmul__ = __mul__
+
+
+def cut(frame: Frame, poly: Any, rest: Any) -> Taylor:
+    """A polynomial of any degree, and a rest."""
+    n = frame.terms
+    if poly.degree() >= n:
+        rest = rest + poly.right_shift(n)(frame.p) * frame.power
+        poly = poly.truncate(n)
+    return Taylor(frame, poly, rest)
+
+
+def constant(frame: Frame, value: Any) -> Taylor:
+    """A number that does not vary."""
+    return Taylor(frame, arb_poly([value]), ZERO)
+
+
+def composed(f: Taylor, thin: Sequence[Any], slope: Any, last: Any) -> Taylor:
+    """g(f) for a function g.
+
+    Parameters
+    ----------
+    thin
+        Taylor coefficients of g at the constant term of f's polynomial, as many as it has terms.
+    slope
+        Range of g' over the range of f.
+    last
+        Range of the next Taylor coefficient, g^(n) / n!, over the range of f's polynomial.
+    """
+    frame = f.frame
+    n = frame.terms
+    if n == 1:
+        return Taylor(frame, arb_poly([thin[0]]), f.rest * slope)
+    move = f.poly - f.poly[0]
+    reach = move(frame.p)
+    tail = last * (reach**n if not reach.contains(0) else _even(reach, n))
+    return cut(frame, arb_poly(list(thin[:n]))(move), tail + f.rest * slope)
+
+
+def inverse(f: Taylor) -> Taylor:
+    """1 / f, where f has no zero."""
+    n = f.frame.terms
+    over, wide, head = 1 / f.poly[0], 1 / f.box, 1 / f.head
+    thin = [over]
+    for _ in range(n - 1):
+        thin.append(-thin[-1] * over)
+    return composed(f, thin, -wide * wide, (-1) ** n * head ** (n + 1))
+
+
+def thin(poly: Any, terms: int) -> Any:
+    """A polynomial of so many terms, with the middles of its coefficients."""
+    return arb_poly([c.mid() for c in poly.truncate(terms).coeffs()])

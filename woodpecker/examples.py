@@ -1,0 +1,38 @@
+"""The map of the paper's Section 4 over two parameters: what examples in docstrings are about."""
+
+from __future__ import annotations
+
+from sympy import Piecewise, symbols
+
+from woodpecker.base.settings import Settings
+from woodpecker.diagrams import continuation
+from woodpecker.plane.curve import Curve
+from woodpecker.plane.families import SymbolicFamily, family_from_sympy
+from woodpecker.regions.regions import Regions, regions_of
+from woodpecker.regions.survey import Survey
+from woodpecker.shooting import shoot
+from woodpecker.two_parameters import curve_in_two
+
+SETTINGS = Settings(span=(-1, 1), window=(-4, 4))
+
+
+def paper_family() -> SymbolicFamily:
+    """P_1^L over r and a: r - 2 up to zero, r - a x beyond [Leine2001, Eq. 14]."""
+    x, a, r = symbols("x a r")
+    p1 = Piecewise((r - 2, x <= 0), (r - a * x, True))
+    return family_from_sympy(p1, x, (r, a), words=["L", "R"])
+
+
+def border_curve(lowest: float = 1.1) -> Curve:
+    """Its border collision at r = 0, for a from ``lowest`` up to 2."""
+    family = paper_family()
+    over_r = family.over(0, (0.0, 1.25))
+    point = continuation(over_r, shoot(over_r, 0.2, p=0.45), settings=SETTINGS).points[0]
+    spans = (-1.0, 1.0), (lowest, 2.0)
+    return curve_in_two(family, point, ("r", "a"), spans, value=1.25, settings=SETTINGS)
+
+
+def paper_regions() -> Regions:
+    """Both sides of that curve, and which cycles live there."""
+    spans = (-1.0, 1.0), (1.1, 2.0)
+    return regions_of(paper_family(), span=spans, settings=SETTINGS, survey=Survey(checks=4))
