@@ -20,7 +20,7 @@ from woodpecker.engine.curves import Sample, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.newton import BLUR, branch_point, solve
 from woodpecker.engine.orbits import AtLimit, Condition, Held, Multiplier, OnBorder, Orbit, held_at
 
-LOCATED = 1e-15  # of a step: a zero of a test function is bracketed as closely as doubles allow
+LOCATED = 2.0**-52  # scaled: a zero of a test function is bracketed as closely as doubles allow
 CLOSED_IN = 2.0**-10  # of its values at both ends: what is left of one that does vanish
 ITERATIONS = 80  # of that: halvings alone take fifty
 ROUNDED_OFF = 2.0**-44  # scaled: a bound that is nearer than this is met
@@ -76,7 +76,7 @@ def asked_before(
     if not asked(last):
         return ends
     low, high, found = 0.0, ends[0].distance if ends else step, last
-    while high - low > LOCATED * step:  # halved each time
+    while high - low > LOCATED:  # halved each time
         middle = 0.5 * (low + high)
         sample = curve.advance(a, middle)
         if sample is None:
@@ -111,7 +111,7 @@ def _multipliers(
         distance, sample = _located(curve, a, b, step, test)
         if test.stop is not Stop.NS or not _is_neutral_saddle(sample):
             left = abs(test.value(sample) / (test.value(b) - test.value(a)))
-            found.append(ArcEnd(distance, test, sample, (LOCATED + left) * step))
+            found.append(ArcEnd(distance, test, sample, LOCATED + left * step))
     return found
 
 
@@ -318,7 +318,7 @@ def _located(
     if math.isnan(before):
         raise UnclearError  # it was not there: how it came to be negative is not seen
     try:
-        brentq(value, 0.0, step, xtol=LOCATED * step, maxiter=ITERATIONS)
+        brentq(value, 0.0, step, xtol=min(LOCATED, CLOSED_IN**2 * step), maxiter=ITERATIONS)
     except (ArithmeticError, RuntimeError, ValueError):  # lost, not converged, nan
         raise UnclearError from None
     distance = min(seen, key=lambda each: abs(seen[each][1]))

@@ -16,7 +16,7 @@ import numpy as np
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import MULTIPLIERS, Sample, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.ends import ROUNDED_OFF, ArcEnd, UnclearError, asked_before, ends_between
-from woodpecker.engine.maps import Image
+from woodpecker.engine.maps import Image, taken
 from woodpecker.engine.newton import BLUR, STEEP, solve, uncertainty
 from woodpecker.engine.orbits import Condition, Held, Orbit, held_at
 
@@ -263,18 +263,16 @@ def _differs_between(curve: SolutionCurve, a: Sample, b: Sample) -> bool:
     return any(
         i not in at_border
         and float(np.abs(image.jacobian).max()) < STEEP
-        and curve.map.at(point, p).piece.key != image.piece.key
+        and taken(curve.map, point, p)[0] != image.piece.key
         for i, (point, image) in enumerate(zip(x, a.orbit.images, strict=True))
     )
 
 
 def _is_taken(curve: SolutionCurve, x: Floats, p: Floats, image: Image) -> bool:
     """Whether the map takes the piece of an image, and the same of its solutions."""
-    taken = curve.map.at(x, p)
+    key, value = taken(curve.map, x, p)
     slack = SAME_VALUE * max(1.0, float(np.abs(image.jacobian).max()))
-    return taken.piece.key == image.piece.key and curve.problem.same(
-        taken.value, image.value, slack
-    )
+    return key == image.piece.key and curve.problem.same(value, image.value, slack)
 
 
 def _closes(curve: SolutionCurve, start: Sample, a: Sample, b: Sample, step: float) -> bool:

@@ -124,6 +124,15 @@ class LineMap(NamedTuple):
         """The image of a point under the piece that the map takes there."""
         return image_of(self.own.at(float(x[0]), float(p[0])))
 
+    def taken(self, x: Floats, p: Floats) -> tuple[Hashable, Floats]:
+        """The key of the piece at a point, and the value (1,) there; nan if there is none."""
+        taken, at = getattr(self.own, "taken", None), (float(x[0]), float(p[0]))
+        if taken is None:
+            image = self.own.at(*at)
+            return image.piece.key, np.array([image.value])
+        key, value = taken(*at)
+        return key, np.array([value])
+
     def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
         """The image of a point under the piece that the map takes infinitesimally beside it."""
         return proposed(self, x, p, direction, (self.x_scale, self.p_scale))

@@ -112,6 +112,19 @@ class PiecewiseMap(Protocol):
         """
 
 
+def taken(map_: PiecewiseMap, x: Floats, p: Floats) -> tuple[Hashable, Floats]:
+    """The key of the piece that a map takes at a point, and its value (d,) there.
+
+    A map that can say so for less than the whole image costs has a method of this name.
+    """
+    own = getattr(map_, "taken", None)
+    if own is None:
+        image = map_.at(x, p)
+        return image.piece.key, image.value
+    found: tuple[Hashable, Floats] = own(x, p)
+    return found
+
+
 @dataclass(frozen=True, slots=True)
 class Chain:
     """Several pieces in turn, as one: what the last of them makes of what the first ones make.

@@ -8,8 +8,8 @@ in this folder knows more of a map than this.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable
-from typing import NamedTuple, Protocol, runtime_checkable
+from collections.abc import Hashable
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -205,26 +205,6 @@ class PiecewiseMap(Protocol):
         Image
             Value, derivatives and margins; without a value it carries the reason.
         """
-
-
-@runtime_checkable
-class Judge(Protocol):
-    """A map that can say which piece it takes for less than the whole image costs."""
-
-    def taken(self, x: float, p: float) -> tuple[Hashable, float]:
-        """The key of the piece at a point, and its value there; nan if there is none."""
-
-
-def judge(map_: PiecewiseMap) -> Callable[[float, float], tuple[Hashable, float]]:
-    """What says which piece a map takes at a point, and its value there."""
-    if isinstance(map_, Judge):
-        return map_.taken
-
-    def taken(x: float, p: float) -> tuple[Hashable, float]:
-        image = map_.at(x, p)
-        return image.piece.key, image.value
-
-    return taken
 
 
 def map_of_pieces(map_: PiecewiseMap) -> PiecewiseMap:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import heapq
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 from woodpecker.base.settings import Settings
@@ -29,6 +29,9 @@ EVEN = 5e-4
 # Part of a step: a piece that reaches back by this is worth stopping at; shorter ones are stepped
 # over, where infinitely many accumulate.
 LONG = 0.25
+# Part of the shortest pieces that are looked for where all lead elsewhere: how closely the ends of
+# longer ones are located there.
+ROUGH = 0.0625
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -127,13 +130,13 @@ def partition(
     settings
         Scales, and the cut-offs: ``finest``, and ``coarse`` where pieces lead elsewhere.
     side
-        What is looked for; by default values in the window of the settings.
+        What is looked for: borders between pieces that lead elsewhere are passed over then. By
+        default all, with fewer of those that lead out of the window of the settings.
     allowed
         How often the map may be evaluated; by default as often as for a slice of P_1.
     """
     counting = as_counting(map_)
     allowed = allowed or Allowance(counting, settings.of_slice((1,)))
-    side = side if side is not None else beside_window(settings)
     walk = _Walk(counting, p, settings, side, allowed)
     todo = _Longest(_Gap(*window, 0))
     while todo:  # each gap leaves shorter ones, and none that is shorter than the cut-off
@@ -210,14 +213,18 @@ class _Walk:
     """Cylinders and gaps as they are found."""
 
     def __init__(
-        self, map_: PiecewiseMap, p: float, settings: Settings, side: Side, allowed: Allowance
-    ) -> None:
-        self.map, self.p, self.settings, self._side_of = map_, p, settings, side
+        self, map_: PiecewiseMap, p: float, settings: Settings, side: Side | None,
+        allowed: Allowance,
+    ) -> None:  # fmt: skip
+        self.map, self.p, self.settings, self._all = map_, p, settings, side is None
+        self._side_of = side or beside_window(settings)
         self._allowed = allowed
         self.cylinders: list[PieceExtent] = []
         self.gaps: list[tuple[float, float]] = []
         self._even = EVEN * settings.x_scale
         self._thin = THIN * settings.beside * settings.x_scale
+        self._short = settings.coarse * settings.x_scale
+        self._rough = replace(settings, nearest=max(settings.nearest, ROUGH * settings.coarse))
 
     def cross(self, gap: _Gap) -> list[_Gap]:
         """Walk from piece to piece; what is left to be crossed, if something is in the way."""
@@ -226,11 +233,14 @@ class _Walk:
         if gap.changes:
             return self._halved(gap)
         at, high, side, after, _ = gap
+        ahead: Image | None = None
         while True:  # each piece begins where the one before it ends, and they are counted
-            found, code = self._beyond(at) if after else (self.map.at(at, self.p), -1)
+            found, code = ahead, -1
+            if found is None:
+                found, code = self._beyond(at) if after else (self.map.at(at, self.p), -1)
             if not self._holds(found):
                 return self._passed(_Gap(at, high, side))
-            way = self._reach(found, at, 1, high)
+            way, ahead = self._onward(found, at, high)
             self.cylinders.append(PieceExtent(way.x, way.images, (code, way.code)))
             if way.end >= high:
                 return []
@@ -238,9 +248,37 @@ class _Walk:
             rest = _Gap(way.end, high, side, way.code >= 0)
             if way.code < 0 or way.end - at < self._cut_off(rest):
                 return self._passed(rest)
-            at, after = way.end, True
+            at, after = way.end if ahead is None else way.end + self._short, True
             if self._is_full:
                 return self._left(rest)
+
+    def _onward(self, image: Image, x: float, high: float) -> tuple[Reach, Image | None]:
+        """How far a piece reaches; and the piece a short way beyond, if both lead to one side.
+
+        Where exactly it ends does not matter then.
+        """
+        side = 0 if self._all else self._leads(image, x, 1, high)
+        if side:
+            way = reach_of(image, x, self.p, 1, high, self._rough, self._missing)
+            to = way.end + self._short
+            if self._common(self._sides(way)) == side and way.code >= 0 and to < high:
+                ahead = self.map.at(to, self.p)
+                if self._holds(ahead) and self._leads(ahead, to, -1, way.end) == side:
+                    begin = to - reach(ahead, -1.0)[0]
+                    if begin > way.end:
+                        self.gaps.append((way.end, begin))
+                    return way, ahead
+        return self._reach(image, x, 1, high), None
+
+    def _leads(self, image: Image, x: float, side: int, limit: float) -> int:
+        """Where a piece leads from a point to its end on a side, to first order; 0 if not to one.
+
+        No farther than to a limit, or than samples of it are apart.
+        """
+        longest = self.settings.max_step * self.settings.x_scale
+        way = side * min(reach(image, side)[0], abs(limit - x), longest)
+        ends = (x, image.value), (x + way, image.value + way * image.slope)
+        return self._common([self._side_of(*end) for end in ends])
 
     @property
     def _is_full(self) -> bool:
