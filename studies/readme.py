@@ -428,9 +428,17 @@ def completeness(results: All) -> str:
 
 def systems(results: All) -> str:
     """Systems of contacts by the general method, against what is known of them in closed form."""
-    toy, oscillator, friction, table, block, wheel = (
+    toy, oscillator, friction, table, block, wheel, belt = (
         results[f"system_{name}"]
-        for name in ("toy", "oscillator", "den_hartog", "table", "rocking_block", "rimless_wheel")
+        for name in (
+            "toy",
+            "oscillator",
+            "den_hartog",
+            "table",
+            "rocking_block",
+            "rimless_wheel",
+            "fold_flip",
+        )
     )
     same = f"{toy['same_words']} of {toy['returns']} words; images, over 1 + slope"
     oscillators = f"{oscillator['oscillators']} impact oscillators"
@@ -452,6 +460,8 @@ def systems(results: All) -> str:
         ["Hogan's rocking block", "its pitchfork", number(block["pitchfork"])],
         ["rimless wheel", "speed of the walk", number(wheel["speed"])],
         ["rimless wheel", "its multiplier", number(wheel["multiplier"])],
+        ["pushed oscillator on a belt, against DOP853", "fold-flip, by continuation", number(belt["border"])],
+        ["pushed oscillator on a belt, against DOP853", "multipliers beside it", number(belt["multipliers"])],
     ]  # fmt: skip
     ratio = f"A return of the toy takes {number(toy['ratio'])} times as long as by its own kernel."
     table_ = rows(["system", "what", "off by"], lines)

@@ -71,6 +71,7 @@ STUDIES = {  # the name of each study and of its results, and its module
     "system_belt": "studies.systems.belt",
     "system_rocking_block": "studies.systems.rocking_block",
     "system_rimless_wheel": "studies.systems.rimless_wheel",
+    "system_fold_flip": "studies.systems.fold_flip",
     "system_random": "studies.systems.random_systems",
 }
 RESULTS = ROOT / "studies" / "results"

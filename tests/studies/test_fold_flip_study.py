@@ -1,0 +1,51 @@
+"""The fold-flip of a pushed oscillator on a belt, against DOP853 and the tent map."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from needs import NEEDS_HEYOKA
+from short_runs import ShortRun, is_picture, kept_run
+
+from pwmap import PointKind
+from studies.systems import fold_flip
+
+pytestmark = [NEEDS_HEYOKA, pytest.mark.slow]
+
+
+@pytest.fixture(scope="module")
+def run(tmp_path_factory: pytest.TempPathFactory) -> ShortRun:
+    return kept_run("system_fold_flip", tmp_path_factory)
+
+
+def test_it_lies_where_a_slip_touches_the_speed_of_the_belt(run: ShortRun) -> None:
+    """Both solve the same equation to the rounding of their integrators."""
+    assert run[0]["border"] < 1e-9
+
+
+def test_multipliers_of_both_cycles_beside_it(run: ShortRun) -> None:
+    """Differences of order four with steps of 1e-3, of values known to 1e-13, are known to 1e-9."""
+    assert run[0]["multipliers"] < 2e-9
+
+
+def test_it_folds_and_flips() -> None:
+    """On one side there are both cycles and one of twice the period, on the other side none."""
+    diagram = fold_flip.followed().diagram
+    (point,) = (q for q in diagram.points if q.kind is PointKind.BC)
+    assert point.note == "fold"
+    assert "for an instant" in point.cause
+    meeting = [each for each in diagram.branches if each.id in point.branches]
+    assert sorted(each.order for each in meeting) == [1, 1, 2, 2]
+    for each in meeting:
+        assert np.min(each.parameter) == pytest.approx(point.parameter, abs=1e-8)
+
+
+def test_cycles_are_those_of_the_tent_map(run: ShortRun) -> None:
+    above, below = run[0]["slopes"]
+    assert above > 1.0
+    assert below < -1.0
+    assert run[0]["cycles"] == run[0]["tent"] == ["L", "LLR", "LR", "LRR", "R"]
+
+
+def test_there_is_a_picture(run: ShortRun) -> None:
+    assert is_picture(run[1] / "system_fold_flip.png")
