@@ -131,8 +131,6 @@ def test_only_drawing_files_import_matplotlib() -> None:
 
 SHARED = {  # class names that stand twice, and why
     "Image": "of maps of the line, and of R^d",
-    "Network": "of maps of the line, and of R^d",
-    "Node": "of maps of the line, and of R^d",
     "Orbit": "of maps of the line, and of R^d",
     "Piece": "of maps of the line, and of R^d",
     "PiecewiseMap": "of maps of the line, and of R^d",

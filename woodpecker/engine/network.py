@@ -124,9 +124,9 @@ def connected(
     ):
         if at.min() < low or at.max() > high:
             raise ValueError(f"{name} of the cycle must lie in [{low}, {high}], got {at.tolist()}")
-    network = Network(SolutionCurve(map_, problem, settings), tuple(orders), max_branches)
-    network.explore(start)
-    return network.result(names)
+    component = _Component(SolutionCurve(map_, problem, settings), tuple(orders), max_branches)
+    component.explore(start)
+    return component.result(names)
 
 
 def cycle_near(map_: PiecewiseMap, x: Floats, p: Floats, problem: Problem) -> Orbit:
@@ -149,7 +149,7 @@ def cycle_near(map_: PiecewiseMap, x: Floats, p: Floats, problem: Problem) -> Or
 
 
 @dataclass(eq=False)
-class Node:
+class _Vertex:
     """A special point under construction.
 
     Attributes
@@ -173,15 +173,17 @@ class Node:
     waiting: list[Beginning] = field(default_factory=list)
 
 
-class Network:
+class _Component:
     """What has been found: special points, branches, and what is left to follow."""
 
     def __init__(self, base: SolutionCurve, orders: tuple[int, ...], max_branches: int) -> None:
         self.base, self.map, self.problem, self.orders = base, base.map, base.problem, orders
         self.max_branches = max_branches
-        self.nodes: list[Node] = []
-        self.branches: list[tuple[Trace, Node, Node]] = []  # with the points where they begin, end
-        self.todo: deque[tuple[Node, Beginning]] = deque()
+        self.nodes: list[_Vertex] = []
+        self.branches: list[
+            tuple[Trace, _Vertex, _Vertex]
+        ] = []  # with the points where they begin, end
+        self.todo: deque[tuple[_Vertex, Beginning]] = deque()
 
     def explore(self, start: Orbit) -> None:
         """Follow the branch through a cycle, and what starts at its ends.
@@ -207,28 +209,28 @@ class Network:
 
     # --- Ends of branches -------------------------------------------------------------------------
 
-    def _arrive(self, found: Trace) -> Node:
+    def _arrive(self, found: Trace) -> _Vertex:
         """The point where a branch ends; what else starts there is left to follow."""
         arrival = found.arrival
         if arrival.collides:
             return self._at_border(found, arrival)
         if arrival.kind in MULTIPLIERS:
             return self._at_multiplier(found, arrival)
-        node = Node(
+        node = _Vertex(
             arrival.kind, arrival.orbit, found.begin.order, arrival.note, arrival.cause,
             arrival.precision, arrival.status,
         )  # fmt: skip
         self.nodes.append(node)
         return node
 
-    def _at_border(self, found: Trace, arrival: Arrival) -> Node:
+    def _at_border(self, found: Trace, arrival: Arrival) -> _Vertex:
         """The border collision of a cycle, where a branch ends."""
         cycle = arrival.orbit
         node, order = self._known(cycle, PointKind.BC), len(cycle.x)
         if node is None:
             wanted = sorted({*self.orders, order, 2 * order})
             starts = tuple(beginnings(self.base, cycle.x, cycle.p, wanted))
-            node = Node(
+            node = _Vertex(
                 PointKind.BC, cycle, order, cause=arrival.cause, precision=arrival.precision,
                 starts=starts, waiting=[each for each in starts if each.order in self.orders],
             )  # fmt: skip
@@ -238,7 +240,7 @@ class Network:
         node.waiting = [each for each in node.waiting if each.key != arrived]
         return node
 
-    def _at_multiplier(self, found: Trace, arrival: Arrival) -> Node:
+    def _at_multiplier(self, found: Trace, arrival: Arrival) -> _Vertex:
         """A fold, a flip, a pair on the unit circle, a branch point: the curve goes on there."""
         begin, last = found.begin, found.samples[-1]
         single = arrival.orbit
@@ -247,7 +249,7 @@ class Network:
         if node is not None:
             node.waiting = [each for each in node.waiting if not _is_back(each, last)]
             return node
-        node = Node(
+        node = _Vertex(
             arrival.kind, single, len(single.x) if halved else begin.order, cause=arrival.cause,
             precision=arrival.precision,
         )  # fmt: skip
@@ -284,7 +286,7 @@ class Network:
                 return [(order, Sample(orbit, sign * across)) for sign in (1.0, -1.0)]
         return []
 
-    def _known(self, cycle: Orbit, kind: PointKind) -> Node | None:
+    def _known(self, cycle: Orbit, kind: PointKind) -> _Vertex | None:
         """The special point of a kind that lies at a cycle, if there is one."""
         scale = self.problem.scale(cycle)
         for node in self.nodes:
@@ -298,7 +300,7 @@ class Network:
 
     def result(self, names: Sequence[str]) -> Connected:
         """All that was found: a branch, and an end of it, for each point of a cycle."""
-        places: list[_NetworkPlace] = []
+        places: list[_Placed] = []
         branches: list[Branch] = []
         letters: Counter[str] = Counter()
         for found, first, last in self.branches:
@@ -327,7 +329,7 @@ class Network:
         most = self.max_branches
         return (f"stopped after {most} branches: {left} more begin",) if left else ()
 
-    def _place(self, places: list[_NetworkPlace], node: Node, x: Floats) -> _NetworkPlace:
+    def _place(self, places: list[_Placed], node: _Vertex, x: Floats) -> _Placed:
         """The point of a node at some x: that of a cycle has one for each of its points."""
         for each in places:
             if each.node is node and self.problem.same(each.x, x, NODE):
@@ -338,10 +340,10 @@ class Network:
             nearest = int(np.abs((cycle - x) / self.problem.x_scale).max(axis=1).argmin())
             kind, note = judged(node.starts, cycle, nearest, self.problem)
         count = sum(each.kind is kind for each in places) + 1
-        places.append(_NetworkPlace(node, x, kind, note, f"{kind.value}{count}"))
+        places.append(_Placed(node, x, kind, note, f"{kind.value}{count}"))
         return places[-1]
 
-    def _point(self, place: _NetworkPlace) -> SpecialPoint:
+    def _point(self, place: _Placed) -> SpecialPoint:
         node = place.node
         p = float(node.orbit.p[self.problem.free[0]])
         away = node.precision
@@ -374,10 +376,10 @@ class Network:
 
 
 @dataclass(eq=False)
-class _NetworkPlace:
+class _Placed:
     """A point of the diagram under construction."""
 
-    node: Node
+    node: _Vertex
     x: Floats
     kind: PointKind
     note: str
