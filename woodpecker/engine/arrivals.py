@@ -15,7 +15,7 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Sample, SolutionCurve
-from woodpecker.engine.following import Arc
+from woodpecker.engine.following import Arc, agrees
 from woodpecker.engine.germs import Beginning, crossings_at, lost_beyond
 from woodpecker.engine.maps import ACCUMULATE, Image, PiecewiseMap
 from woodpecker.engine.newton import Problem, solve
@@ -87,7 +87,8 @@ def passed_over(
 ) -> Arrival | Onward | None:
     """The branch beyond a place where borders accumulate, the nearest there is.
 
-    It is looked for along the tangent, ever farther, with the pieces that the map takes there.
+    It is looked for along the tangent, ever farther, with the pieces that the map takes there. The
+    first that is found decides: if it does not come from here it is another one.
     """
     end, curve = arc.samples[-1], begin.curve
     if begin.is_crossing:
@@ -117,13 +118,9 @@ def passed_over(
         held = problem.with_(Held(size + column, float(p[column])))
         found = solve(held, Orbit(x, p, 0.0, tuple(images)))
         sample = curve.start(found.orbit, np.eye(size + 1)[-1] * rate)
-        if not found.converged or not _leads_back(problem, end, sample):
-            continue
-        if all(
-            curve.map.at(point, p).piece.key == image.piece.key
-            for point, image in zip(found.orbit.x, found.orbit.images, strict=True)
-        ):
-            return Beginning(begin.order, curve, sample, end), _passed(cause), True
+        if found.converged and agrees(curve, found.orbit):
+            onward = Beginning(begin.order, curve, sample, end), _passed(cause), True
+            return onward if _leads_back(problem, end, sample) else None
     return None
 
 

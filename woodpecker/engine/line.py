@@ -14,12 +14,9 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.engine.maps import ACCUMULATE, Image
+from woodpecker.engine.maps import ACCUMULATE, Image, limit
 
 DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 46, 16, 10))  # scaled, of proposals
-CLOSER = 2.0**-33  # scaled: where slopes still have some digits left, and next to no curvature
-SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the distances above
-ROOT = 4.0  # times steeper at that distance, or times as high as that slope says: a root
 NEAREST = min(DISTANCES)
 
 
@@ -179,43 +176,6 @@ def proposed(
             return image
         around = around or image  # its border is elsewhere: a thinner piece may begin here
     return around or replace(map_.at(x, p), reason=lost or ACCUMULATE)
-
-
-def limit(near: Image, x: Floats, p: Floats, unit: Floats) -> Image:
-    """The one-sided limit at (x, p) of the piece of an image that lies a little away.
-
-    Where a time goes like a root of the distance the piece may have no value right at the point, or
-    derivatives there are made of rounding: they are those beside it then. If those grow without
-    bound, as the inverse of the root, the image has a square root there: its derivatives are those
-    beside it, and it says so by its size.
-    """
-    there = near.piece.at(x, p)
-    if not there.reason and _alike(there.jacobian, near.jacobian, SMOOTH):
-        return there
-    away = CLOSER * unit
-    closer = near.piece.at(x + away[:1], p + away[1:])
-    if closer.reason:
-        return closer
-    if not there.reason and _comes_to(near.jacobian, closer.jacobian, there.jacobian):
-        return there
-    rooted = float(np.abs(closer.jacobian).max()) > ROOT * max(
-        1.0, float(np.abs(near.jacobian).max())
-    )
-    along = closer.jacobian @ away
-    value = closer.value - (2.0 * along if rooted else along)
-    if not there.reason and np.abs(there.value - value).max() <= ROOT * np.abs(along).max():
-        value = there.value  # where two solutions of an event meet it may be that of the other one
-    return replace(closer, value=value, margins=closer.margins - closer.gradients @ away)
-
-
-def _comes_to(one: Floats, closer: Floats, there: Floats) -> bool:
-    """Whether derivatives at a point are what those ever closer to it come to."""
-    return bool(np.abs(closer - there).max() <= 0.5 * np.abs(one - there).max())
-
-
-def _alike(one: Floats, other: Floats, within: float) -> bool:
-    size = max(1.0, float(np.abs(one).max()), float(np.abs(other).max()))
-    return bool(np.abs(one - other).max() <= within * size)
 
 
 def image_of(own: Imaged) -> Image:

@@ -9,7 +9,7 @@ the map takes infinitesimally beyond a border is asked for at the border itself:
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -22,6 +22,10 @@ TIE = 2.0**-36  # a margin is zero if it is smaller than this part of its terms:
 # border is known to some 2**-44 times the condition of the equations that it solves
 STEEP_TIE = 2.0**-46  # the same of terms above 1, which say more of a slope than of a size: where
 # an event time goes like a root all later margins have infinite slopes, and most are not zero
+
+CLOSER = 2.0**-33  # scaled: where slopes still have some digits left, and next to no curvature
+SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the distances above
+ROOT = 4.0  # times steeper at that distance, or times as high as that slope says: a root
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -123,6 +127,43 @@ def taken(map_: PiecewiseMap, x: Floats, p: Floats) -> tuple[Hashable, Floats]:
         return image.piece.key, image.value
     found: tuple[Hashable, Floats] = own(x, p)
     return found
+
+
+def limit(near: Image, x: Floats, p: Floats, unit: Floats) -> Image:
+    """The one-sided limit at (x, p) of the piece of an image that lies a little away.
+
+    Where a time goes like a root of the distance the piece may have no value right at the point, or
+    derivatives there are made of rounding: they are those beside it then. If those grow without
+    bound, as the inverse of the root, the image has a square root there: its derivatives are those
+    beside it, and it says so by its size.
+    """
+    there = near.piece.at(x, p)
+    if not there.reason and _alike(there.jacobian, near.jacobian, SMOOTH):
+        return there
+    away, d = CLOSER * unit, len(x)
+    closer = near.piece.at(x + away[:d], p + away[d:])
+    if closer.reason:
+        return closer
+    if not there.reason and _comes_to(near.jacobian, closer.jacobian, there.jacobian):
+        return there
+    rooted = float(np.abs(closer.jacobian).max()) > ROOT * max(
+        1.0, float(np.abs(near.jacobian).max())
+    )
+    along = closer.jacobian @ away
+    value = closer.value - (2.0 * along if rooted else along)
+    if not there.reason and np.abs(there.value - value).max() <= ROOT * np.abs(along).max():
+        value = there.value  # where two solutions of an event meet it may be that of the other one
+    return replace(closer, value=value, margins=closer.margins - closer.gradients @ away)
+
+
+def _comes_to(one: Floats, closer: Floats, there: Floats) -> bool:
+    """Whether derivatives at a point are what those ever closer to it come to."""
+    return bool(np.abs(closer - there).max() <= 0.5 * np.abs(one - there).max())
+
+
+def _alike(one: Floats, other: Floats, within: float) -> bool:
+    size = max(1.0, float(np.abs(one).max()), float(np.abs(other).max()))
+    return bool(np.abs(one - other).max() <= within * size)
 
 
 @dataclass(frozen=True, slots=True)

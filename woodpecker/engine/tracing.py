@@ -37,7 +37,7 @@ from woodpecker.engine.germs import (
     joined,
     once,
 )
-from woodpecker.engine.maps import ACCUMULATE, Image, links
+from woodpecker.engine.maps import ACCUMULATE, Image, limit, links
 from woodpecker.engine.needles import rounded
 from woodpecker.engine.newton import STEEP, solve, uncertainty
 from woodpecker.engine.orbits import Multiplier, OnBorder, Orbit, placed
@@ -51,6 +51,7 @@ TORN = 1e-3  # multipliers beyond a border that differ by a larger part are not 
 APART = tuple(2.0**-n for n in range(8, 33, 3))  # as BESIDE, where curves cross: they part slowly
 NEAR = 1e-9  # scaled: a border closer than this to where steps become too short ends them
 FARTHEST = 2.0**-10  # scaled: how far from where it meets a border a branch may leave it at most
+NEAR_INSIDE = 2.0**-22  # scaled: how far inside a piece is looked at that ends at a border
 AGAIN = 4.0  # times the last step before a border: the first step beyond
 DENSE = 1e-4  # scaled: arcs shorter than that, some in a row, are those where borders are dense
 # Scaled: how far such borders are leapt over; by ever less near the end of the crossing.
@@ -364,14 +365,23 @@ def _sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
     slopes = [float(np.abs(each.orbit.images[i].jacobian).max()) for each in (before, end)]
     if steady and not slopes[0] < STEEP < slopes[1]:
         return arc
-    own = arc.curve.map.beside(orbit.x[i], orbit.p, inward)
-    if own.reason or own.piece.key != orbit.images[i].piece.key:
+    own = _from_inside(arc.curve, orbit, i, inward)
+    if own.reason:
         return arc
     if steady and _is_steep(own, before.orbit.images[i]):
         return arc  # a root that comes to its end
     images = (*orbit.images[:i], own, *orbit.images[i + 1 :])
     last = arc.curve.start(replace(orbit, images=images), before.tangent)
     return replace(arc, samples=(*arc.samples[:-1], last))
+
+
+def _from_inside(curve: SolutionCurve, orbit: Orbit, i: int, inward: Floats) -> Image:
+    """An image of a point at a border as the limit of its own piece from inside."""
+    x, d = orbit.x[i], orbit.x.shape[1]
+    unit = inward / np.abs(inward / curve.problem.lengths).max()
+    away = NEAR_INSIDE * unit
+    near = orbit.images[i].piece.at(x + away[:d], orbit.p + away[d:])
+    return near if near.reason else limit(near, x, orbit.p, unit)
 
 
 def _is_steep(inner: Image, outer: Image) -> bool:
