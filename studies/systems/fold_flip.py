@@ -20,7 +20,7 @@ there is shared with :mod:`woodpecker`.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +31,7 @@ from scipy.optimize import brentq, root
 
 from pwmap import PiecewiseLinearMap, PointKind, cycles
 from pwmap.diagrams.diagram import BranchKind
+from pwmap.longrun import FoundCycle
 from studies.common.record import Results, command
 from studies.common.style import GREY, RED, STABLE, UNSTABLE, canvas, keep
 from woodpecker.base.arrays import Floats
@@ -46,7 +47,6 @@ WINDOW = [(-0.5, 0.5), (0.0, 7.0)]  # of x and t
 BESIDE = 2e-3  # of w: where the multipliers of both cycles are compared
 CLOSE = 1e-5  # of w: where the tent map says which cycles there are
 ORDER, SETTLED = 5, 20
-REACH = 5e-4  # s: so near the point all of them lie at that distance
 ROUNDING = 1e-13  # relative: what DOP853 resolves
 TIMES = 2.04, 2.1359  # s: where slips begin, of the cycle that sticks, and at the point
 
@@ -185,29 +185,38 @@ def sliding_multiplier(w: float, t: float, h: float = 1e-3) -> float:
 # --- The tent map ---------------------------------------------------------------------------------
 
 
-def tent_cycles(slopes: tuple[float, float], order: int = ORDER) -> set[str]:
-    """Words of the cycles of the tent map with two slopes; L: left of its kink."""
+def tent_cycles(slopes: tuple[float, float], order: int = ORDER) -> list[FoundCycle]:
+    """Cycles of the tent map with two slopes; L: left of its kink."""
     a, b = (sympy.Rational(round(1000 * each), 1000) for each in slopes)
     tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    return {turned(cycle.word) for cycle in cycles(tent, {"a": a, "b": b}, order)}
+    return list(cycles(tent, {"a": a, "b": b}, order))
+
+
+def own_cycles(w: float, near: Floats, known: Sequence[FoundCycle]) -> list[str]:
+    """Words of the cycles that shooting finds from those of the tent map; L: it sticks.
+
+    The line through both cycles of one return is that of the tent map, but for its unit and origin.
+    """
+    map_, ends = map_of().holding(w=w), list[tuple[float, Floats]]()
+    for cycle, moved in zip(known, ((-5e-5, -4.5e-4), (0.0, -5e-5)), strict=False):  # L and R
+        ends.append((float(cycle.start), shoot(map_, near + moved).x[0]))
+    (low, left), (high, right) = ends
+    words = set[str]()
+    for cycle in known:
+        for point in cycle.exact_points:
+            guess = left + (float(point) - low) / (high - low) * (right - left)
+            own = shoot(map_, guess, order=cycle.period)
+            letters = "".join("L" if "J1" in each else "R" for each in own.word.split("|"))
+            if (
+                own.success and (letters * 2).find(letters, 1) == cycle.period
+            ):  # no power of another
+                words.add(turned(letters))
+    return sorted(words)
 
 
 def turned(word: str) -> str:
     """The first of the rotations of a word."""
     return min(word[k:] + word[:k] for k in range(len(word)))
-
-
-def own_cycles(w: float, near: Floats, order: int = ORDER, tries: int = 25) -> set[str]:
-    """Words of the cycles near a point, by shooting from points of the attractor; L: it sticks."""
-    map_, found = map_of().holding(w=w), set[str]()
-    points = [*attractor(map_, near, SETTLED + tries)[SETTLED:], near - [0.0, REACH / 2]]
-    for n in range(1, order + 1):
-        for point in points:
-            cycle = shoot(map_, point, order=n)
-            if cycle.success and np.abs(cycle.x[:, 1] - near[1]).max() < REACH:
-                letters = "".join("L" if "J1" in each else "R" for each in cycle.word.split("|"))
-                found.add(turned(letters))
-    return {each for each in found if (each + each).find(each, 1) == len(each)}  # no powers
 
 
 def attractor(map_: SystemMap, near: Floats, count: int) -> Floats:
@@ -236,20 +245,20 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     dict
         ``w``, ``slopes`` of the point; ``border``, ``multipliers``: how far it and, beside it, the
         multipliers are from those by DOP853; ``tent``, ``cycles``: words of the cycles of the tent
-        map, and of those that were found near the point.
+        map, and of those near the point.
     """
     found = followed()
     w, near = point_of(found)
     there, beside = touch((TIMES[1], w)), w + BESIDE
     known = sticking_multiplier(beside, TIMES[0]), sliding_multiplier(beside, TIMES[1])
     off = np.abs(np.subtract(both(beside, near), known))
-    order = 3 if fast else ORDER
+    tent = tent_cycles(slopes_of(found), 3 if fast else ORDER)
     if out is not None:
         keep(draw(found), out / "system_fold_flip.png")
     return {
         "w": w, "slopes": list(slopes_of(found)), "border": abs(there - w),
-        "multipliers": float(off.max()), "tent": sorted(tent_cycles(slopes_of(found), order)),
-        "cycles": sorted(own_cycles(w + CLOSE, near, order)),
+        "multipliers": float(off.max()), "tent": sorted(turned(cycle.word) for cycle in tent),
+        "cycles": own_cycles(w + CLOSE, near, tent),
     }  # fmt: skip
 
 
