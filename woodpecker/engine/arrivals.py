@@ -26,7 +26,6 @@ BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a sta
 PASSED = tuple(10.0**-n for n in range(11, 1, -1))  # scaled: how far places are passed over
 CORNER = tuple(10.0**-n for n in range(8, 1, -1))  # scaled: how far from a corner a jump is sought
 LED = 64  # samples before a corner at most beside which a jump is sought
-MISSED = 0.1  # of how far a branch was looked for: it may miss its end by so much. 4e-3 is usual
 FASTEST = 10.0  # abs(dx/dp), scaled, of a branch beyond such a place at most
 LIMIT_LOST = "a limit of the jump is lost"
 
@@ -88,7 +87,7 @@ def passed_over(
     """The branch beyond a place where borders accumulate, the nearest there is.
 
     It is looked for along the tangent, ever farther, with the pieces that the map takes there. The
-    first that is found decides: if it does not come from here it is another one.
+    first that is found decides: if it lies too far away it is another one.
     """
     end, curve = arc.samples[-1], begin.curve
     if begin.is_crossing:
@@ -117,18 +116,12 @@ def passed_over(
             return None
         held = problem.with_(Held(size + column, float(p[column])))
         found = solve(held, Orbit(x, p, 0.0, tuple(images)))
-        sample = curve.start(found.orbit, np.eye(size + 1)[-1] * rate)
         if found.converged and agrees(curve, found.orbit):
-            onward = Beginning(begin.order, curve, sample, end), _passed(cause), True
-            return onward if _leads_back(problem, end, sample) else None
+            if not problem.same(found.orbit.x, end.orbit.x, FASTEST * away):
+                return None
+            sample = curve.start(found.orbit, np.eye(size + 1)[-1] * rate)
+            return Beginning(begin.order, curve, sample, end), _passed(cause), True
     return None
-
-
-def _leads_back(problem: Problem, end: Sample, sample: Sample) -> bool:
-    """Whether a branch beyond comes from an end, in a straight line: another one passes it by."""
-    way = problem.step_between(end.orbit, sample.orbit)
-    missed = way - way[-1] / sample.tangent[-1] * sample.tangent
-    return bool(np.abs(missed).max() <= MISSED * abs(way[-1]))
 
 
 def _jumps_unseen(
