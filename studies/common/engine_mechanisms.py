@@ -86,5 +86,5 @@ MECHANISMS: Final = (
     # --- What the map takes beside a point
     Mechanism("engine.line", "DISTANCES", (2.0**-22,), "propose pieces at several distances"),
     Mechanism("engine.line", "limit", _at_border, "limits where slopes are rounding"),
-    Mechanism("engine.line", "ROOT", math.inf, "tell a square root"),
+    Mechanism("engine.maps", "ROOT", math.inf, "tell a square root"),
 )  # fmt: skip

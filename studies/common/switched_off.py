@@ -89,6 +89,10 @@ class Calls:
             raise SpentError("the kernel was called too often")
         return self._compute(*arguments)
 
+    def __getattr__(self, name: str) -> Any:
+        """Whatever else the kernel has, such as where it is cached."""
+        return getattr(self._compute, name)
+
 
 @contextmanager
 def counted(most: float) -> Iterator[Calls]:
