@@ -68,7 +68,7 @@ def child(fast: bool) -> Found:
 def asked(ground_types: str, fast: bool) -> Found:
     """All jobs in a process of their own."""
     work = f"ground_types.child({fast})"
-    code = f"import json; from studies import ground_types; print(json.dumps({work}))"
+    code = f"import json; from studies.exact import ground_types; print(json.dumps({work}))"
     environment = environ(SYMPY_GROUND_TYPES=ground_types, MPLBACKEND="Agg")
     done = subprocess.run(
         [sys.executable, "-c", code], env=environment, capture_output=True, text=True, check=True
