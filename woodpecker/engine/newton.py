@@ -219,8 +219,6 @@ def solve(problem: Problem, start: Orbit) -> Solution:
             0.0 in factors.diagonal().tolist()
         ):  # at a branch point, which may solve them all the same
             return Solution(orbit, _is_met(problem, orbit, matrix, residual), count - 1)
-        if (problem.stepped(orbit, step) == orbit.unknowns).all():  # it moves nothing
-            return Solution(orbit, _is_met(problem, orbit, matrix, residual), count - 1)
         size = _largest(step)
         if not size <= max(LARGE, LEAD_AWAY * before):
             return Solution(orbit, False, count)
