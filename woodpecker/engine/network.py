@@ -180,9 +180,7 @@ class _Component:
         self.base, self.map, self.problem, self.orders = base, base.map, base.problem, orders
         self.max_branches = max_branches
         self.nodes: list[_Vertex] = []
-        self.branches: list[
-            tuple[Trace, _Vertex, _Vertex]
-        ] = []  # with the points where they begin, end
+        self.branches: list[tuple[Trace, _Vertex, _Vertex]] = []  # where they begin and end, too
         self.todo: deque[tuple[_Vertex, Beginning]] = deque()
 
     def explore(self, start: Orbit) -> None:

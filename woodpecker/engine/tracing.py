@@ -365,7 +365,7 @@ def _sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
     slopes = [float(np.abs(each.orbit.images[i].jacobian).max()) for each in (before, end)]
     if steady and not slopes[0] < STEEP < slopes[1]:
         return arc
-    own = _from_inside(arc.curve, orbit, i, inward)
+    own = _from_inside(arc.curve, orbit, i, inward) if inward.any() else orbit.images[i]
     if own.reason:
         return arc
     if steady and _is_steep(own, before.orbit.images[i]):
