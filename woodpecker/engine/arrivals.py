@@ -16,7 +16,7 @@ from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Sample, SolutionCurve
 from woodpecker.engine.following import Arc, agrees
-from woodpecker.engine.germs import Beginning, crossings_at, lost_beyond
+from woodpecker.engine.germs import Beginning, crossings_at, is_inside, lost_beyond
 from woodpecker.engine.maps import ACCUMULATE, Image, PiecewiseMap
 from woodpecker.engine.newton import Problem, solve
 from woodpecker.engine.orbits import Chained, Closed, Held, Orbit
@@ -120,7 +120,8 @@ def passed_over(
             if not problem.same(found.orbit.x, end.orbit.x, FASTEST * away):
                 return None
             sample = curve.start(found.orbit, np.eye(size + 1)[-1] * rate)
-            return Beginning(begin.order, curve, sample, end), _passed(cause), True
+            if is_inside(curve, sample):  # beside a grazing it may have its end right here
+                return Beginning(begin.order, curve, sample, end), _passed(cause), True
     return None
 
 

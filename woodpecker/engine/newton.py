@@ -81,8 +81,10 @@ class Problem:
         columns = self.columns(orbit)
         rows = blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
         found: Floats = rows[:, columns] * self.scale(orbit)[columns]
-        if any(isinstance(each, OnBorder) for each in self.conditions):
-            self._along_borders(found, [len(block) for block in blocks])
+        for condition in self.conditions:
+            if isinstance(condition, OnBorder) and not condition.value:
+                self._along_borders(found, [len(block) for block in blocks])
+                break
         return found
 
     def _along_borders(self, rows: Floats, counts: list[int]) -> None:
@@ -94,7 +96,7 @@ class Problem:
             return
         first = 0
         for condition, count in zip(self.conditions, counts, strict=True):
-            if isinstance(condition, OnBorder):
+            if isinstance(condition, OnBorder) and not condition.value:
                 normal = rows[first] / np.linalg.norm(rows[first])
                 along = rows @ normal
                 along[first] = 0.0
@@ -206,10 +208,11 @@ def solve(problem: Problem, start: Orbit) -> Solution:
     """Newton's method from an orbit, with its pieces.
 
     It is solved where the next step would be as short as rounding makes it, by the derivatives of
-    the last one, or where steps stop becoming shorter below the square root of that; and if
-    rounding is all that is left of the equations. At most ``STEPS`` are taken.
+    the last one; or where a step was, or steps stop becoming shorter below the square root of that,
+    if rounding is all that is left of the equations. At most ``STEPS`` are taken.
     """
     orbit, residual, before = start, problem.residual(start), math.inf
+    far = max(1.0, _largest(start.unknowns / problem.scale(start)))
     for count in range(1, STEPS + 1):
         if not orbit.is_defined:
             return Solution(orbit, False, count - 1)
@@ -227,10 +230,10 @@ def solve(problem: Problem, start: Orbit) -> Solution:
         if shortened:
             before = math.inf
             continue
-        far = max(1.0, _largest(orbit.unknowns / problem.scale(orbit)))
-        ahead = _largest(dgetrs(factors, swaps, residual)[0])
+        if _largest(dgetrs(factors, swaps, residual)[0]) <= SOLVED * far:
+            return Solution(orbit, True, count)
         stalled = before <= STALLED and size >= 0.5 * before
-        if size <= ROUNDED * far or ahead <= SOLVED * far or stalled:
+        if size <= ROUNDED * far or stalled:
             return Solution(orbit, _is_met(problem, orbit, matrix, residual), count)
         before = size
     return Solution(orbit, False, STEPS)

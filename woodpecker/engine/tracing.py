@@ -39,7 +39,7 @@ from woodpecker.engine.germs import (
 )
 from woodpecker.engine.maps import ACCUMULATE, Image, limit, links
 from woodpecker.engine.needles import rounded
-from woodpecker.engine.newton import STEEP, solve, uncertainty
+from woodpecker.engine.newton import BLUR, STEEP, solve, uncertainty
 from woodpecker.engine.orbits import Multiplier, OnBorder, Orbit, placed
 
 DOUBLED = 1e-7  # scaled: points that merge at a flip are known to the root of their rounding
@@ -236,6 +236,9 @@ def _settled(arc: Arc) -> tuple[Arc, Image | None]:
     image = orbit.images[i]
     gradient = image.gradients[image.place(code)]
     outer = arc.curve.map.beside(orbit.x[i], orbit.p, -gradient)
+    is_reached = image.tied(orbit.x[i], orbit.p)[image.place(code)]
+    if outer.piece.key == image.piece.key and not is_reached:  # there its own piece is all there is
+        outer = replace(outer, reason=outer.reason or ACCUMULATE)
     arc = _sharpened(arc, i, gradient)
     if not outer.reason and _is_steep(arc.samples[-1].orbit.images[i], outer):
         return _moved_to(arc, i, outer)
@@ -404,13 +407,26 @@ def _moved_to(arc: Arc, i: int, outer: Image) -> tuple[Arc, Image]:
     beyond = replace(orbit, images=(*orbit.images[:i], outer, *orbit.images[i + 1 :]))
     found = solve(problem.with_(OnBorder(i, codes[0])), beyond)
     away = np.abs(problem.step_between(orbit, found.orbit)).max()
-    if not found.converged or away > ASIDE:
+    if not found.converged or (away > ASIDE and not _hugs(orbit, found.orbit, i)):
         return arc, outer
     value = found.orbit.images[i].value
     inner, outer = replace(orbit.images[i], value=value), replace(outer, value=value)
     images = (*found.orbit.images[:i], inner, *found.orbit.images[i + 1 :])
     last = Sample(replace(found.orbit, images=images), end.tangent)
     return replace(arc, samples=(*arc.samples[:-1], last)), outer
+
+
+def _hugs(end: Orbit, there: Orbit, i: int) -> bool:
+    """Whether a root is all rounding from one point on its border to another, and between them.
+
+    A branch that hugs a border comes closer to it than doubles tell, long before it meets it.
+    """
+    image, x, p = end.images[i], 0.5 * (end.x[i] + there.x[i]), 0.5 * (end.p + there.p)
+    value = 0.5 * (image.value + there.images[i].value)
+    steep = float(np.abs(image.jacobian[:, : len(x)]).max())
+    noise = BLUR * steep * max(1.0, float(np.abs(x).max()))
+    off = np.abs(image.piece.at(x, p).value - value).max()
+    return not off > noise  # nan where rounding puts it beyond
 
 
 def _changes_stability(before: Floats, after: Floats) -> bool:
