@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pwmap import BranchKind, Diagram
+from pwmap import Branch, BranchKind, Diagram
 from pwmap.diagrams import Hit
 from studies.common.record import Results
 from woodpecker import PeriodicOrbit, Toy, return_map, solutions
@@ -219,21 +219,29 @@ def _are_one(a: PeriodicOrbit, b: PeriodicOrbit) -> bool:
 
 
 def _compared_jumps(toy: Toy, diagram: Diagram, p: float, order: int, table: Table) -> Results:
-    """Hits lie on straight lines between samples: each has a jump of its own near it."""
-    drawn = np.array([hit.x for hit in diagram.at(p) if _is_jump(hit, order)])
+    """Hits lie on straight lines between samples: each has a jump of its own near it.
+
+    One of a pair that is too close for a table has it right beside a sample of its branch.
+    """
+    hits = [hit for hit in diagram.at(p) if _is_jump(hit, order)]
+    drawn = np.array([hit.x for hit in hits])
     places = table.places(jumps=True)
     missed, over = unpaired(places, drawn, CHORD)
     closer, double, wrong = 0, [], []
-    for x in drawn[over].tolist():
-        about = np.linspace(x - CHORD, x + CHORD, CLOSER)
+    for hit in (hits[k] for k in over):
+        about = np.linspace(hit.x - CHORD, hit.x + CHORD, CLOSER)
         near = tabulated(toy, about, order, (-math.inf, math.inf)).places(jumps=True)
-        others = drawn[np.abs(drawn - x) <= CHORD]
-        if len(near) >= len(others):
+        away = np.abs(drawn - hit.x)
+        alone = int((away <= SAME).sum()) == 1
+        confirmed = len(near) >= (away <= CHORD).sum() or (
+            alone and _jumps_beside_sample(toy, diagram.parameter_name, hit.branch, p, order)
+        )
+        if confirmed:
             closer += 1
-        elif len(near):
-            double.append(["jump", x])
+        elif len(near) or not alone:
+            double.append(["jump", hit.x])
         else:
-            wrong.append(["jump", x])
+            wrong.append(["jump", hit.x])
     return {
         "drawn": len(drawn),
         "missing": _described(table, places[missed]),
@@ -241,6 +249,15 @@ def _compared_jumps(toy: Toy, diagram: Diagram, p: float, order: int, table: Tab
         "double": double,
         "unconfirmed": wrong,
     }
+
+
+def _jumps_beside_sample(toy: Toy, name: str, branch: Branch, p: float, order: int) -> bool:
+    """Whether P_order jumps past x right beside the sample of a branch nearest to a parameter."""
+    k, sides = int(np.abs(branch.parameter - p).argmin()), np.array(SIDES)
+    there, x = toy.replace(**{name: float(branch.parameter[k])}), float(branch.x[k])
+    low, high = (images(there, x + sign * sides, order) for sign in (-1.0, 1.0))
+    signs = (low.value < x - sides) != (high.value < x + sides)
+    return bool((signs & (np.abs(high.value - low.value) > JUMP)).any())
 
 
 def _is_jump(hit: Hit, order: int) -> bool:

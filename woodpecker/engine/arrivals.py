@@ -167,7 +167,7 @@ def crossing_beyond(
         there = found.orbit
         for each in crossings_at(base, there.x, there.p, begin.order):
             sample = each.curve.start(each.sample.orbit, np.eye(size + 1)[size] * rate)
-            if len(each.sample.orbit.x) == len(end.orbit.x):
+            if len(each.sample.orbit.x) == len(end.orbit.x) and not _has_ended(arc, sample):
                 return replace(each, sample=sample, before=end), _passed(cause), True
         reason = lost_beyond(base.map, there.x[-1], there.p, begin.order - len(there.x))
         if reason:
@@ -177,6 +177,16 @@ def crossing_beyond(
                 abs(p - float(end.orbit.p[column])),
             )  # fmt: skip
     return None
+
+
+def _has_ended(arc: Arc, sample: Sample) -> bool:
+    """Whether a crossing has the pieces of one that met a border, and goes on beyond that border.
+
+    Rounding of a root lets it: there the border is known to the root of what a margin is.
+    """
+    if arc.border is None or sample.orbit.keys != arc.samples[-1].orbit.keys:
+        return False
+    return arc.curve.rate(sample, *arc.border) < 0.0
 
 
 def round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
@@ -189,66 +199,69 @@ def round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
     (n, d), (column,) = end.orbit.x.shape, problem.free
     if d > 1 or end.tangent[n] == 0.0:
         return None
-    p, x = float(end.orbit.p[column]), float(end.orbit.x[-1, 0])
-    places = list[tuple[float, float, float]]()  # parameter, and an interval of the border point
+    p, x = float(end.orbit.p[column]), float(end.orbit.x[0, 0])
+    places = list[tuple[float, float, float]]()  # parameter, and an interval of the first point
     for away in CORNER:
         step, width = math.copysign(away, end.tangent[n]), FASTEST * away * problem.x_scale[0]
         places.append((p + step * problem.p_scale[column], x - width, x + width))
     for sample in arc.samples[-2 : -2 - LED : -1]:
-        back, at = float(sample.orbit.p[column]), float(sample.orbit.x[-1, 0])
+        back, at = float(sample.orbit.p[column]), float(sample.orbit.x[0, 0])
         close = BESIDE[-1] * problem.x_scale[0]
         for width in (each * problem.x_scale[0] for each in CORNER):
             places += [(back, at + close, at + width), (back, at - width, at - close)]
     for to, low, high in places:
         found = _passing(begin, end, to, low, high)
-        if found is not None:
-            sample = found.curve.start(found.sample.orbit, np.eye(n + 1)[-1] * (to - p))
+        if found is None:
+            continue
+        size = found.sample.orbit.x.size
+        sample = found.curve.start(found.sample.orbit, np.eye(size + 1)[-1] * (to - p))
+        if not _has_ended(arc, sample):
             return replace(found, sample=sample, before=end), cause, False
     return None
 
 
 def _passing(begin: Beginning, end: Sample, to: float, low: float, high: float) -> Beginning | None:
-    """The jump crossing at a parameter whose border point lies in an interval."""
-    problem, n = begin.curve.problem, len(end.orbit.x)
-    (column,), base, p = problem.free, of_cycles(begin.curve), end.orbit.p.copy()
+    """The jump crossing at a parameter whose first point lies in an interval."""
+    (column,), base, p = begin.curve.problem.free, of_cycles(begin.curve), end.orbit.p.copy()
     p[column] = to
-    x = _halved(base.map, end.orbit, p, begin.order, low, high)
-    if x is None:
+    head = _halved(base.map, p, begin.order, low, high)
+    if head is None:
         return None
-    held = Held(n - 1, x), Held(n + column, to)
-    start = replace(end.orbit, outer=None, share=0.0)
-    head = solve(replace(problem, conditions=(Chained(), *held)), start)
-    found = crossings_at(base, head.orbit.x, p, begin.order) if head.converged else []
-    return next((each for each in found if len(each.sample.orbit.x) == n), None)
+    found = crossings_at(base, head, p, begin.order)
+    return next((each for each in found if len(each.sample.orbit.x) == len(head)), None)
 
 
-def _halved(
-    map_: PiecewiseMap, orbit: Orbit, p: Floats, order: int, low: float, high: float
-) -> float | None:
-    """Where the last image of a border point passes by the first point; None if nowhere.
+def _halved(map_: PiecewiseMap, p: Floats, order: int, low: float, high: float) -> Floats | None:
+    """The orbit (n, 1) from where P_order jumps past its point, up to the border; None if nowhere.
 
-    Halved down to neighbouring doubles.
+    Halved down to neighbouring doubles: the border lies where their orbits part.
     """
-    n = len(orbit.x)
 
-    def side(at: float) -> float:
+    def off(at: float) -> float:
         point = np.array([at])
-        for _ in range(order - n + 1):
+        for _ in range(order):
             image = map_.at(point, p)
             if image.reason:
                 return math.nan
             point = image.value
-        return float(point[0]) - (at if n == 1 else float(orbit.x[0, 0]))
+        return float(point[0]) - at
 
-    below = side(low)
-    if not below * side(high) < 0.0:
+    below = off(low)
+    if not below * off(high) < 0.0:
         return None
     while low < (middle := 0.5 * (low + high)) < high:
-        value = side(middle)
+        value = off(middle)
         if math.isnan(value):
             return None
         if below * value > 0.0:
             low = middle
         else:
             high = middle
-    return middle
+    one, other, head = np.array([low]), np.array([high]), list[Floats]()
+    for _ in range(order):
+        head.append(one)
+        images = map_.at(one, p), map_.at(other, p)
+        if images[0].piece.key != images[1].piece.key:
+            return np.array(head)
+        one, other = images[0].value, images[1].value
+    return None

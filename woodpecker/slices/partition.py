@@ -29,6 +29,9 @@ EVEN = 5e-4
 # Part of a step: a piece that reaches back by this is worth stopping at; shorter ones are stepped
 # over, where infinitely many accumulate.
 LONG = 0.25
+# Pieces in a row that are shorter than the cut-off and are taken all the same: where borders meet
+# as a parameter varies a few thin ones lie beside each other, and of infinitely many no more.
+FEW = 5
 # Part of the shortest pieces that are looked for where all lead elsewhere: how closely the ends of
 # longer ones are located there.
 ROUGH = 0.0625
@@ -234,6 +237,7 @@ class _Walk:
             return self._halved(gap)
         at, high, side, after, _ = gap
         ahead: Image | None = None
+        short = 0
         while True:  # each piece begins where the one before it ends, and they are counted
             found, code = ahead, -1
             if found is None:
@@ -246,7 +250,8 @@ class _Walk:
                 return []
             side = self._common([*self._sides(way), *([side] if side else [])])
             rest = _Gap(way.end, high, side, way.code >= 0)
-            if way.code < 0 or way.end - at < self._cut_off(rest):
+            short = short + 1 if way.end - at < self._cut_off(rest) else 0
+            if way.code < 0 or short > FEW:
                 return self._passed(rest)
             at, after = way.end if ahead is None else way.end + self._short, True
             if self._is_full:
