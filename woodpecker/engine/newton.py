@@ -208,11 +208,10 @@ def solve(problem: Problem, start: Orbit) -> Solution:
     """Newton's method from an orbit, with its pieces.
 
     It is solved where the next step would be as short as rounding makes it, by the derivatives of
-    the last one; or where a step was, or steps stop becoming shorter below the square root of that,
-    if rounding is all that is left of the equations. At most ``STEPS`` are taken.
+    the last one, or where steps stop becoming shorter below the square root of that; and if
+    rounding is all that is left of the equations. At most ``STEPS`` are taken.
     """
     orbit, residual, before = start, problem.residual(start), math.inf
-    far = max(1.0, _largest(start.unknowns / problem.scale(start)))
     for count in range(1, STEPS + 1):
         if not orbit.is_defined:
             return Solution(orbit, False, count - 1)
@@ -230,10 +229,10 @@ def solve(problem: Problem, start: Orbit) -> Solution:
         if shortened:
             before = math.inf
             continue
-        if _largest(dgetrs(factors, swaps, residual)[0]) <= SOLVED * far:
-            return Solution(orbit, True, count)
+        far = max(1.0, _largest(orbit.unknowns / problem.scale(orbit)))
+        ahead = _largest(dgetrs(factors, swaps, residual)[0])
         stalled = before <= STALLED and size >= 0.5 * before
-        if size <= ROUNDED * far or stalled:
+        if size <= ROUNDED * far or ahead <= SOLVED * far or stalled:
             return Solution(orbit, _is_met(problem, orbit, matrix, residual), count)
         before = size
     return Solution(orbit, False, STEPS)

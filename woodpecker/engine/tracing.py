@@ -407,7 +407,8 @@ def _moved_to(arc: Arc, i: int, outer: Image) -> tuple[Arc, Image]:
     beyond = replace(orbit, images=(*orbit.images[:i], outer, *orbit.images[i + 1 :]))
     found = solve(problem.with_(OnBorder(i, codes[0])), beyond)
     away = np.abs(problem.step_between(orbit, found.orbit)).max()
-    if not found.converged or (away > ASIDE and not _hugs(orbit, found.orbit, i)):
+    is_there = away <= ASIDE or (away <= FARTHEST and _hugs(orbit, found.orbit, i))
+    if not (found.converged and is_there):
         return arc, outer
     value = found.orbit.images[i].value
     inner, outer = replace(orbit.images[i], value=value), replace(outer, value=value)
@@ -421,12 +422,13 @@ def _hugs(end: Orbit, there: Orbit, i: int) -> bool:
 
     A branch that hugs a border comes closer to it than doubles tell, long before it meets it.
     """
-    image, x, p = end.images[i], 0.5 * (end.x[i] + there.x[i]), 0.5 * (end.p + there.p)
-    value = 0.5 * (image.value + there.images[i].value)
-    steep = float(np.abs(image.jacobian[:, : len(x)]).max())
-    noise = BLUR * steep * max(1.0, float(np.abs(x).max()))
-    off = np.abs(image.piece.at(x, p).value - value).max()
-    return not off > noise  # nan where rounding puts it beyond
+    x, p = 0.5 * (end.x[i] + there.x[i]), 0.5 * (end.p + there.p)
+    between = end.images[i].piece.at(x, p)
+    if between.reason:  # rounding puts it beyond
+        return bool((between.tied(x, p) | (between.margins > 0.0)).all())
+    steep = float(np.abs(end.images[i].jacobian[:, : len(x)]).max())
+    off = np.abs(between.value - 0.5 * (end.images[i].value + there.images[i].value)).max()
+    return bool(off <= BLUR * steep * max(1.0, float(np.abs(x).max())))
 
 
 def _changes_stability(before: Floats, after: Floats) -> bool:
