@@ -388,7 +388,10 @@ def uncertainty(problem: Problem, orbit: Orbit) -> float:
 
 
 def uncertainties(problem: Problem, orbit: Orbit) -> Floats:
-    """How far all free parameters of a solution may be off, by rounding of the map."""
+    """How far all free parameters of a solution may be off, by rounding of the map.
+
+    Infinite where derivatives do not tell.
+    """
     matrix, first, count = problem.matrix(orbit), orbit.x.size, len(problem.free)
     noise = _noise(problem, orbit, matrix, BLUR)
     try:
@@ -396,6 +399,7 @@ def uncertainties(problem: Problem, orbit: Orbit) -> Floats:
     except np.linalg.LinAlgError:
         return np.full(count, math.inf)
     found: Floats = (back @ noise) * np.array(problem.p_scale)[list(problem.free)]
+    found[np.isnan(found)] = math.inf
     return found
 
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from enum import Enum
 
 from pwmap.diagrams.shown import brief
+from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.engine.tracing import ROOTED
 from woodpecker.maps.pieces import Image, PiecewiseMap
@@ -231,7 +232,14 @@ def limit(image: Image, away: float) -> Image:
     return image._replace(
         value=image.value - 2.0 * image.slope * away,
         slope=math.copysign(math.inf, image.slope * away),
+        margins=moved(image, -away),
     )
+
+
+def moved(image: Image, way: float) -> Floats:
+    """The margins (m,) of an image some way on, to first order."""
+    found: Floats = image.margins + way * image.gradients[:, 0]
+    return found
 
 
 def is_square_root(slope: float, closer: float, ratio: float) -> bool:

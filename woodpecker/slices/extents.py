@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import Image
-from woodpecker.slices.borders import is_square_root, limit, strays
+from woodpecker.slices.borders import is_square_root, limit, moved, strays
 from woodpecker.slices.margins import IN_X, depth, first_part, is_within, lowest_dip, reach
 
 MOST_SAMPLES = 10_000  # samples of a piece: some tens are usual
@@ -187,6 +187,8 @@ def _first_root(low: Knot, high: Knot, p: float, settings: Settings) -> Knot | N
         trial = low.x + (part if k < STRAYED or k % 3 < 2 else 0.5) * way
         for end in (high, low):
             if abs(trial - end.x) <= tolerance and not math.isnan(end.image.margin(code)):
+                if math.isnan(end.image.value):
+                    continue  # it is approached from inside
                 if depth(end.image, code) >= -BOTH * tolerance:
                     return Knot(end.x, end.image, code)
                 high, left = Knot(high.x, high.image._replace(reason=OTHER_WAY)), 1.0
@@ -203,16 +205,18 @@ def _first_root(low: Knot, high: Knot, p: float, settings: Settings) -> Knot | N
 def _at_end(before: Knot, low: Knot, way: float, code: int) -> Knot:
     """The last sample of a piece that has no value beyond.
 
-    Where it ends in a square root its slope there is infinite, and the value is the limit.
+    The value is the limit; where it ends in a square root the slope is infinite.
     """
     side = math.copysign(1.0, way)
     ahead, first = reach(low.image, side)
     run = side * (low.x - before.x)
     if first != code or ahead <= 0.0 or run <= 0.0:
         return Knot(low.x, low.image, code)
-    if not is_square_root(before.image.slope, low.image.slope, (run + ahead) / ahead):
-        return Knot(low.x, low.image, code)
-    return Knot(low.x + side * ahead, limit(low.image, -side * ahead), code)
+    way = side * ahead
+    if is_square_root(before.image.slope, low.image.slope, (run + ahead) / ahead):
+        return Knot(low.x + way, limit(low.image, -way), code)
+    value, margins = low.image.value + way * low.image.slope, moved(low.image, way)
+    return Knot(low.x + way, low.image._replace(value=value, margins=margins), code)
 
 
 def _short_of(

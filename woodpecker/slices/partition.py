@@ -30,7 +30,8 @@ EVEN = 5e-4
 # over, where infinitely many accumulate.
 LONG = 0.25
 # Pieces in a row that are shorter than the cut-off and are taken all the same: where borders meet
-# as a parameter varies a few thin ones lie beside each other, and of infinitely many no more.
+# as a parameter varies a few thin ones lie beside each other, and of infinitely many no more. Nor
+# are those so thin that another one may lie between them.
 FEW = 5
 # Part of the shortest pieces that are looked for where all lead elsewhere: how closely the ends of
 # longer ones are located there.
@@ -250,8 +251,9 @@ class _Walk:
                 return []
             side = self._common([*self._sides(way), *([side] if side else [])])
             rest = _Gap(way.end, high, side, way.code >= 0)
-            short = short + 1 if way.end - at < self._cut_off(rest) else 0
-            if way.code < 0 or short > FEW:
+            length = way.end - at
+            short = short + 1 if length < self._cut_off(rest) else 0
+            if way.code < 0 or short > FEW or (short and length < self._thin):
                 return self._passed(rest)
             at, after = way.end if ahead is None else way.end + self._short, True
             if self._is_full:
