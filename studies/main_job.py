@@ -1,4 +1,4 @@
-"""The main job: what hangs together with the toy's stable motion, over the beak's restitution.
+"""The main job: what is connected with the toy's stable motion, over the beak's restitution.
 
     python -m studies.main_job [--fast] [--out DIR]
 

@@ -153,6 +153,7 @@ def unframed(text: str) -> str:
     [
         (["diagram", "--parameter", "eps_n9"], "unknown parameter 'eps_n9'"),
         (["diagram", "--span", "0.6", "0.9"], "span must hold eps_n1 = 0.5"),
+        (["diagram", "--parameter", "eps-n1", "--span", "0.6", "0.9"], "must hold eps_n1 = 0.5"),
         (["diagram", "--span", "0.9", "0.1"], "span must ascend"),
         (["diagram", "--window", "-1", "-0.8"], "window must hold the orbit, phi_S = -0.529472"),
         (
