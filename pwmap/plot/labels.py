@@ -139,7 +139,9 @@ class _TakenRoom:
         self.placed: list[tuple[str, Bbox]] = []
         self.leads: list[tuple[int, Floats, Floats]] = []
         legend = axes.get_legend()
-        self.legend = [legend.get_window_extent(renderer)] if legend is not None else []
+        there = [legend] if legend is not None else []
+        there += [text for text in axes.texts if text.get_visible()]  # by others than names
+        self.legend = [each.get_window_extent(renderer) for each in there]
         optional = [name for name in labels.names if not name.always and self._shows(name)]
         inches = self.frame.width * self.frame.height / float(axes.figure.dpi) ** 2
         self.for_all = len(optional) <= DENSEST * inches
