@@ -566,5 +566,6 @@ def test_animate_writes_a_picture_that_moves(tmp_path: Path) -> None:
     status, text = run("animate", "--file", "../toy.gif", "--out", str(tmp_path))
     assert (status, "a name without folders, got '../toy.gif'" in text) == (2, True)
     status, text = run("animate", "--file", "toy.bmp", "--out", str(tmp_path))
+    assert "replaces" not in text
     assert status == 2
     assert ".gif" in text
