@@ -19,8 +19,8 @@ from pwmap.plot.palette import LINES
 from woodpecker.mechanics.toy import description, parameters
 from woodpecker.plane.curve import Curve, PlanePoint
 
-LEAVES = {"color": "#bdbdbd", "linewidth": 1.3}  # where a cycle leaves the window
-THIN = 1.2  # of curves at least [pt]: there are no cells beside them, as in exact planes
+LEAVES = {"color": "#bdbdbd"}  # where a cycle leaves the window
+THIN = 1.3  # [pt] of all curves, which lie close
 MEANINGS = {
     (PointKind.FF, "fold"): "fold-flip at a jump (FF)",
     (PointKind.BC, "fold"): "border collision, fold (BC)",
@@ -153,7 +153,7 @@ def _line(code: PointKind, note: str) -> dict[str, Any]:
     """How a stretch is drawn: as in exact planes, and dashed where a border collision persists."""
     own = LINES.get(code, LEAVES)
     dashes = {"linestyle": "--"} if note == DASHED else {}
-    return own | dashes | {"linewidth": max(THIN, own["linewidth"])}
+    return own | dashes | {"linewidth": THIN}
 
 
 def _marked(curve: Curve) -> list[PlanePoint]:
