@@ -35,7 +35,7 @@ and beside them:
 ``jump_crossing``
     what a jump crossing is, in one picture
 ``main_job``
-    what hangs together with the stable motion
+    what is connected with the stable motion
 ``paper_numbers``
     every number the paper prints, beside the model's
 ``sensitivities``

@@ -13,12 +13,14 @@ from __future__ import annotations
 from pathlib import Path
 
 import matplotlib.pyplot as plt
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from sympy import Piecewise, Rational, symbols
 
 from pwmap import Diagram, PiecewiseLinearMap, PointKind, bifurcation_diagram
 from pwmap.plot import plot_diagram, plot_map
+from pwmap.plot.labels import LabelledCurve, Labels
 from studies.common.record import Results, command
 from studies.common.style import GREY, RED, WIDTH, grid, keep
 
@@ -89,10 +91,13 @@ def panel(ax: Axes, diagram: Diagram, p: Rational, title: str) -> None:
 
 def over_parameter(ax: Axes, diagram: Diagram) -> None:
     """The diagram, with a line at the parameter of each panel."""
-    plot_diagram(diagram, ax, kinds=(PointKind.BC,))
+    (names,) = plot_diagram(diagram, ax, kinds=(PointKind.BC,)).artists["names"]
+    assert isinstance(names, Labels)
     grid(ax)
     for number, p in enumerate(PANELS):
         ax.axvline(float(p), color=GREY, linewidth=0.6, linestyle=(0, (6, 4)), zorder=0)
+        line = LabelledCurve("", np.full(2, float(p)), np.array([-REACH, REACH]))
+        names.curves.append(line)  # names stand beside it
         ax.annotate(str(number + 1), (float(p), 1.0), (0, 3), xycoords=("data", "axes fraction"),
                     textcoords="offset points", ha="center", color=GREY)  # fmt: skip
     ax.set(xlim=[float(p) for p in SPAN], xlabel="$p$", ylabel="$x$")

@@ -1,4 +1,4 @@
-"""The main job: what hangs together with the toy's stable motion, over the beak's restitution.
+"""The main job: what is connected with the toy's stable motion, over the beak's restitution.
 
     python -m studies.main_job [--fast] [--out DIR]
 
@@ -13,7 +13,7 @@ from pathlib import Path
 import matplotlib.pyplot as plt
 from matplotlib.figure import Figure
 
-from pwmap import Diagram
+from pwmap import Diagram, PointKind
 from pwmap.plot import plot_diagram
 from studies.common.motion import GUESS
 from studies.common.record import Results, command
@@ -61,9 +61,10 @@ def draw(found: Diagram) -> Figure:
     """The diagram, and where its word changes in a panel of its own."""
     figure = plt.figure(figsize=(WIDTH, 0.5 * WIDTH), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
-    plot_diagram(found, left)
+    plot_diagram(found, left, kinds=(PointKind.PD, PointKind.BC, PointKind.FF))
     plot_diagram(found, right, kinds=(), words=True)
     right.set_ylabel("")
+    left.set_xlim(left=-0.13)  # room for the names of four points above one another
     right.set_title("where the word changes", fontsize=9)
     left.set_title("special points", fontsize=9)
     return figure

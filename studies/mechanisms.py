@@ -86,7 +86,7 @@ def measured(table: Sequence[Mechanism], work: Mapping[str, Job]) -> Results:
 
 
 def main_jobs() -> dict[str, Job]:
-    """What hangs together with the stable motion over the beak's restitution, under both laws."""
+    """What is connected with the stable motion over the beak's restitution, under both laws."""
     return {f"main job, {law}": main_job(toy, (0.0, 1.0)) for law, toy in TOYS.items()}
 
 

@@ -18,16 +18,16 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from pwmap import BranchKind, Diagram, PointKind
-from pwmap.plot import STABLE
+from pwmap.plot.palette import of_period
 from studies.common.record import Results, command
-from studies.common.style import GREY, RED, canvas, keep
+from studies.common.style import canvas, keep
 from studies.common.whole import Part, examined, searched
 from studies.figures.fig10_order_two import FULL
 from woodpecker import Search
 
 ORDERS = (1, 2, 3)
 FAST = Part((0.105, 0.13), (-1.0, -0.65), Search(slices=7), 4)
-LOOKS = {3: (GREY, (0, (1.5, 1))), 2: (RED, (0, (5, 1.2))), 1: (STABLE, "-")}  # as they are drawn
+DASHES = {3: (0, (1.5, 1)), 2: (0, (5, 1.2)), 1: "-"}  # of each period, as they are drawn
 WIDTHS, DOTS = {False: 0.6, True: 1.8}, (0, (1, 1.3))  # by whether it attracts; of jumps
 
 
@@ -56,7 +56,8 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
 def draw(diagram: Diagram, part: Part) -> Figure:
     """Fixed points by period, those that attract broad; jump crossings of P_1 dotted."""
     figure, (ax,) = canvas(5.6)
-    for order, (colour, dashes) in LOOKS.items():
+    for order, dashes in DASHES.items():
+        colour = of_period(order)
         for attracts, width in WIDTHS.items():
             lines = [
                 np.column_stack([branch.parameter, branch.x])
@@ -84,7 +85,7 @@ def draw(diagram: Diagram, part: Part) -> Figure:
 def samples(diagram: Diagram) -> list[Line2D]:
     """What the legend shows, and how many special points the picture leaves out."""
     found = [
-        Line2D([], [], color=LOOKS[k][0], ls=LOOKS[k][1], linewidth=1.6, label=f"period {k}")
+        Line2D([], [], color=of_period(k), ls=DASHES[k], linewidth=1.6, label=f"period {k}")
         for k in ORDERS
     ]
     found.append(Line2D([], [], color="black", ls=DOTS, linewidth=1.2, label="jump of $P_1$"))

@@ -18,6 +18,7 @@ from typing import Any, Literal
 import numpy as np
 from flint import arb
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 from mpmath import mp, mpf
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, SpecialPoint
@@ -78,7 +79,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     rows = _statements(fast, out)
     returns = _returns(12 if fast else 200)
     if out is not None:
-        _draw(rows, returns, out / "proofs.png")
+        keep(draw(rows, returns), out / "proofs.png")
     return {"statements": rows, "returns": returns}
 
 
@@ -215,7 +216,7 @@ COLOURS = {"period": VIOLET, "p": UNSTABLE}
 BESIDE = 0.45  # decades between statements of the same width
 
 
-def _draw(rows: list[Row], returns: Mapping[str, Any], path: Path) -> None:
+def draw(rows: list[Row], returns: Mapping[str, Any]) -> Figure:
     """Time against width: a return in doubles and enclosed, and the statements."""
     figure, (ax,) = canvas(4.2)
     ax.set(xscale="log", yscale="log", ylabel="CPU time [s]", ylim=(3e-6, 3.0))
@@ -234,7 +235,7 @@ def _draw(rows: list[Row], returns: Mapping[str, Any], path: Path) -> None:
                     label=rf"a tube of the branch, proved ({UNITS[row['claim']]})")  # fmt: skip
     ax.invert_xaxis()
     ax.legend(fontsize=7, loc="lower left")
-    keep(figure, path)
+    return figure
 
 
 def _draw_statements(ax: Axes, rows: list[Row]) -> None:

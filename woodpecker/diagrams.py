@@ -262,7 +262,7 @@ def bifurcation_diagram(
     workers: int | None = None,
     executor: Executor | None = None,
 ) -> Diagram:
-    """Every branch of some iterates in a window, and how they hang together.
+    """Every branch of some iterates in a window, and how they are connected.
 
     Slices of the parameter are taken until they show nothing that no branch explains; see
     :mod:`woodpecker.search.search`. An iterate P_j counts orbits all of whose returns lie in the

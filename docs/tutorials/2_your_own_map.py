@@ -22,8 +22,8 @@ formula = Piecewise((p + x / 2 + x**2 / 8, x < 0), (p - 1 - x / 3 + x**2 / 5, Tr
 own = from_sympy(formula, x, p, words=["L", "R"])
 
 # %%
-# What hangs together
-# -------------------
+# What is connected
+# -----------------
 # Shoot for a fixed point from a guess, and follow it over the span of the settings. It meets the
 # jump, the jump crossing takes over, and leads to a fixed point of the other piece.
 

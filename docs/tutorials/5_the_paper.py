@@ -56,7 +56,7 @@ drawn = plot_return_map(toy, return_map(toy, np.linspace(-2.5, -0.24, 1000)), ax
 # %%
 # The diagram
 # -----------
-# Figures 9 and 10, as far as it hangs together with the motion above. With friction in the
+# Figures 9 and 10, as far as it is connected with the motion above. With friction in the
 # expansion of an impact bounded by the sum of both normal impulses, it folds at the paper's points
 # A, B and C. The paper does not say which law it takes: that is inferred.
 

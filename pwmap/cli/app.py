@@ -16,7 +16,7 @@ from pwmap.cli.certificates import check_files, prove_map
 from pwmap.cli.explore import explore
 from pwmap.cli.options import Formula, Given, Orders, Out, Values, Variable
 from pwmap.cli.plane import draw_plane
-from pwmap.cli.reading import assignments, exact, exact_span, map_of, orders_of
+from pwmap.cli.reading import assignments, exact, exact_span, map_of, orders_of, varied
 from pwmap.cli.screen import (
     INTERRUPTED,
     Formats,
@@ -117,6 +117,7 @@ def analyse(
         listed = orders_of(orders)
         values = assignments(sample, "--sample") if sample else None
         span = exact_span(span)
+        varied(map_, parameter)
         tell_replaced(out, "analyse")
         with bar_on(screen(stderr=True)) as bar:
             more = LongRun(map_, parameter, span, kept.interrupts, bar)

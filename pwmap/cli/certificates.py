@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from pwmap.cli.options import Formula, Given, Orders, Values, Variable
-from pwmap.cli.reading import assignments, exact_span, map_of, orders_of
+from pwmap.cli.reading import assignments, exact_span, map_of, orders_of, varied
 from pwmap.cli.screen import INTERRUPTED, complain, say, told
 
 
@@ -37,9 +37,17 @@ def prove_map(
     from pwmap.proofs import Certificate
 
     with told(lambda: "there is nothing to keep yet"):
+        map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
+        if parameter is not None:
+            varied(map_, parameter)
+        elif map_.parameters:
+            first = map_.parameters[0]
+            raise ValueError(
+                f"{first} has no value: give it one, such as --set {first}=1, or certify the "
+                f"diagram over it by --parameter {first}"
+            )
         if out.exists():
             say(f"replaces {out}")
-        map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
         found: Certificate
         if parameter is None:
             found = prove(map_, order=order)

@@ -10,15 +10,40 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
+AS_TEXT = (
+    'a map is typed as "Piecewise((r - 2, x <= 0), (r - a*x, True))", and one with roots or other '
+    "functions is followed from Python, by woodpecker.from_sympy"
+)
+
 
 def map_of(
     formula: str, variable: str, given: Sequence[str], values: Mapping[str, str]
 ) -> PiecewiseLinearMap:
-    """A map given as text, with some of its parameters at values."""
-    from pwmap import PiecewiseLinearMap
+    """A map given as text, with some of its parameters at values.
 
+    Raises
+    ------
+    ValueError
+        If the text cannot be read as a formula, with the way in which one is written; or if it is
+        no map, or has no such parameter.
+    """
+    from pwmap import PiecewiseLinearMap
+    from pwmap.algebra.parsing import term_of
+
+    try:
+        term_of(formula)
+    except ValueError as error:
+        raise ValueError(f"{error}; {AS_TEXT}") from None
     map_ = PiecewiseLinearMap.from_sympy(formula, variable, given)
     return map_.at(values) if values else map_
+
+
+def varied(map_: PiecewiseLinearMap, *names: str) -> None:
+    """ValueError unless a map has all of these parameters."""
+    from pwmap.algebra.terms import checked_parameter
+
+    for name in names:
+        checked_parameter(name, map_.parameters)
 
 
 DECIMAL = re.compile(r"[+-]?(\d+\.\d*|\.?\d+)(e[+-]?\d{1,3})?", re.IGNORECASE)

@@ -25,7 +25,7 @@ from pwmap.explore.map_state import PLANE_ORDERS, MapState
 from pwmap.longrun.cycles import FoundCycle
 from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.rasters import arc_arrays
-from pwmap.plot.plane import LINES
+from pwmap.plot.palette import LINES
 
 BUDGET = Budget(pieces=30_000, work=8_000_000)
 PERIODS = 6  # of cycles that are listed

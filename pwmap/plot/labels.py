@@ -34,6 +34,7 @@ MARKER = 4.5  # half the size of a marker [pt]
 SHARED = 2.5  # points that lie closer have one label: their markers hide one another [pt]
 SAME_PLACE = 0.3  # closer points are one dot in print [pt]
 LISTED = 4  # more names on one label are written by kinds and runs of numbers
+LONGEST = 14  # letters of a label in one row: a longer one would reach over what is beside it
 DENSEST = 2.0  # optional names per square inch of the axes; if there were more, there are none
 EDGE = 2.0  # between a name and the frame [pt]
 CLEAR = 2.0  # between two names [pt]
@@ -138,7 +139,9 @@ class _TakenRoom:
         self.placed: list[tuple[str, Bbox]] = []
         self.leads: list[tuple[int, Floats, Floats]] = []
         legend = axes.get_legend()
-        self.legend = [legend.get_window_extent(renderer)] if legend is not None else []
+        there = [legend] if legend is not None else []
+        there += [text for text in axes.texts if text.get_visible()]  # by others than names
+        self.legend = [each.get_window_extent(renderer) for each in there]
         optional = [name for name in labels.names if not name.always and self._shows(name)]
         inches = self.frame.width * self.frame.height / float(axes.figure.dpi) ** 2
         self.for_all = len(optional) <= DENSEST * inches
@@ -202,7 +205,7 @@ class _TakenRoom:
         written = _together([name.text for name, _ in ordered])
         own = np.array([point for _, point in group])
         point: Floats = own.mean(axis=0)
-        text = self._text(written, SIZE, "black")
+        text = self._text(_in_rows(written), SIZE, "black")
         size = text.get_window_extent(self.renderer)
         half = np.array([size.width, size.height]) / 2.0
         away = np.repeat(NEAR, len(DIRECTIONS)) * self.pt
@@ -361,6 +364,15 @@ def _together(names: Sequence[str]) -> str:
         ends = [f"{kind}{number}" for _, (kind, number) in run]
         plain += [f"{ends[0]}\u2013{ends[-1]}"] if len(ends) > 2 else ends
     return ", ".join(plain)
+
+
+def _in_rows(written: str) -> str:
+    """The names of a long label in two rows, broken at the comma nearest to its middle."""
+    commas = [match.end() for match in re.finditer(", ", written)]
+    if len(written) <= LONGEST or not commas:
+        return written
+    at = min(commas, key=lambda comma: abs(2 * comma - len(written)))
+    return f"{written[:at].rstrip()}\n{written[at:]}"
 
 
 def _padded(boxes: Floats, margin: float) -> Floats:

@@ -1,4 +1,4 @@
-"""One colour for each period, in cells, rasters, diagrams and orbits alike.
+"""One colour for each period, in cells, rasters, diagrams and orbits alike; lines of curves.
 
 Any two of them can be told apart in grey print, by a lightness L* that differs by six or more, and
 by eyes that lack one kind of cone; ``tests/pwmap/plot/test_palette.py`` measures both.
@@ -6,11 +6,25 @@ by eyes that lack one kind of cone; ``tests/pwmap/plot/test_palette.py`` measure
 
 from __future__ import annotations
 
+from typing import Any
+
+from pwmap.diagrams.data import PointKind
+
 PERIODS = (
     "#006096", "#e774a3", "#722e6d", "#09976f", "#fd962a", "#ca3f26", "#76d1ee", "#f4da59",
 )  # fmt: skip
 CHAOS, NOTHING = "#303030", "#ffffff"  # no period; nothing that attracts is known
 QUIET = "#ececec"  # what a picture is not about, such as cycles among bands
+
+LINES: dict[PointKind, dict[str, Any]] = {  # of special points, over two parameters
+    PointKind.BC: {"color": "#cb181d", "linewidth": 1.0},
+    PointKind.FF: {"color": "#67000d", "linewidth": 2.0},
+    PointKind.PD: {"color": "#54278f", "linewidth": 1.1, "linestyle": "--"},
+    PointKind.LP: {"color": "#54278f", "linewidth": 1.1, "linestyle": ":"},
+    PointKind.MC: {"color": "#238b45", "linewidth": 1.1, "linestyle": "--"},
+    PointKind.XC: {"color": "#238b45", "linewidth": 1.1, "linestyle": ":"},
+    PointKind.FC: {"color": "#238b45", "linewidth": 1.4},
+}
 
 
 def of_period(period: int) -> str:

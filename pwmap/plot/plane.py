@@ -14,7 +14,7 @@ from sympy import QQ
 
 from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import bounds, spread
-from pwmap.diagrams.data import FloatArray, PointKind
+from pwmap.diagrams.data import FloatArray
 from pwmap.plane.colours import Colours
 from pwmap.plane.network import CodimensionTwo
 from pwmap.plane.plane import ParameterPlane
@@ -24,22 +24,13 @@ from pwmap.plane.strips import Strip
 from pwmap.plot.diagrams import NAMES, axis_label
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, below, new_axes, styled
 from pwmap.plot.labels import LabelledCurve, Labels, Name
-from pwmap.plot.palette import CHAOS, NOTHING, PERIODS, QUIET, of_period
+from pwmap.plot.palette import CHAOS, LINES, NOTHING, PERIODS, QUIET, of_period
 
 NEAR = QQ(1, 10**6)  # of a strip: so close to its ends borders are drawn
 POINTS = "of codimension two"
 HALO = (withStroke(linewidth=3.0, foreground="white"),)  # around curves, on areas of any colour
 FRAME = "#969696"  # of a colour in the legend, which may be white
 HATCHES = ("", "///", "xxx")  # of cells in which one, two or more periods attract
-LINES: dict[PointKind, dict[str, Any]] = {
-    PointKind.BC: {"color": "#cb181d", "linewidth": 1.0},
-    PointKind.FF: {"color": "#67000d", "linewidth": 2.0},
-    PointKind.PD: {"color": "#54278f", "linewidth": 1.1, "linestyle": "--"},
-    PointKind.LP: {"color": "#54278f", "linewidth": 1.1, "linestyle": ":"},
-    PointKind.MC: {"color": "#238b45", "linewidth": 1.1, "linestyle": "--"},
-    PointKind.XC: {"color": "#238b45", "linewidth": 1.1, "linestyle": ":"},
-    PointKind.FC: {"color": "#238b45", "linewidth": 1.4},
-}
 
 
 def plot_plane(

@@ -98,14 +98,10 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     entropy = {name: by_graph(name, GRAPHS[:few]) for name in MAPS}
     ulam = {name: by_bins(name, BINS[:few], BEST[: 2 if fast else None]) for name in MAPS}
     taken = dict(random_maps(2 if fast else COUNT))
+    random = {kind: summed(times) for kind, times in taken.items()}
     if out is not None:
-        keep(draw(crises, entropy, ulam, taken), out / "long_run.png")
-    return {
-        "crises": crises,
-        "entropy": entropy,
-        "ulam": ulam,
-        "random": {kind: summed(times) for kind, times in taken.items()},
-    }
+        keep(draw(crises, entropy, ulam, random), out / "long_run.png")
+    return {"crises": crises, "entropy": entropy, "ulam": ulam, "random": random}
 
 
 # --- Crises ---------------------------------------------------------------------------------------
@@ -285,7 +281,7 @@ def summed(times: list[Row]) -> dict[str, Row]:
 
 def draw(
     crises: Mapping[str, list[Row]], entropy: Mapping[str, list[Row]],
-    ulam: Mapping[str, list[Row]], taken: Mapping[str, list[Row]],
+    ulam: Mapping[str, list[Row]], taken: Mapping[str, Mapping[str, Row]],
 ) -> Figure:  # fmt: skip
     """Time by order; what is known of the entropy by time, both ways; times of random maps."""
     figure, axes = canvas(3.5, 1, 3)
@@ -300,18 +296,19 @@ def draw(
 
 
 def draw_crises(ax: Axes, crises: Mapping[str, list[Row]]) -> None:
-    """CPU time over the order, with how many crises have an exact place."""
+    """CPU time over the order, and how many crises have an exact place at the highest."""
     for color, (name, rows) in zip(COLORS, crises.items(), strict=False):
         over, times = [row["order"] for row in rows], [row["cpu"] for row in rows]
-        ax.semilogy(over, times, "o-", color=color, markersize=3.5, linewidth=1.0, label=name)
-        for row in rows:
-            ax.annotate(f"{row['exact']:.0f}", (row["order"], row["cpu"]), (0, 4), fontsize=6,
-                        textcoords="offset points", ha="center", color=color)  # fmt: skip
+        label = f"{_written(name)}: {rows[-1]['exact']:.0f} exact"
+        ax.semilogy(over, times, "o-", color=color, markersize=3.5, linewidth=1.0, label=label)
     ax.margins(y=0.15)
-    ax.set(
-        xlabel="order of words", ylabel="CPU time [s]", title="finding crises; numbers: exact ones"
-    )
+    ax.set(xlabel="order of words", ylabel="CPU time [s]", title="finding crises")
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), frameon=False)
+
+
+def _written(name: str) -> str:
+    """The name of a scene in a picture."""
+    return name.replace("P1^L", "$P_1^L$").replace("-", "\N{MINUS SIGN}")
 
 
 def draw_entropy(ax: Axes, entropy: Mapping[str, list[Row]], ulam: Mapping[str, list[Row]]) -> None:
@@ -320,41 +317,38 @@ def draw_entropy(ax: Axes, entropy: Mapping[str, list[Row]], ulam: Mapping[str, 
         for rows, key, style in ((entropy[name], "width", "o-"), (ulam[name], "entropy", "s--")):
             shown = [row for row in rows if row[key]]
             over, sizes = [row["cpu"] for row in shown], [row[key] for row in shown]
-            label = name if key == "width" else None
+            label = _written(name) if key == "width" else None
             ax.loglog(over, sizes, style, color=color, markersize=3.5, linewidth=1.0,
                       mfc=color if key == "width" else "white", label=label)  # fmt: skip
-            for row in (shown[0], shown[-1]):  # the first and the last: others lie close
-                number = row["order" if key == "width" else "bins"]
-                side = (-3, -2) if key == "width" else (3, 3)
-                ax.annotate(f"{number:.0f}", (row["cpu"], row[key]), side, fontsize=5,
-                            ha="right" if key == "width" else "left",
-                            textcoords="offset points", color=color)  # fmt: skip
-    ax.plot([], [], "o-", color="black", markersize=3.5, label="width of bounds, by order")
+    orders = [row["order"] for rows in entropy.values() for row in rows]
+    bins = [row["bins"] for rows in ulam.values() for row in rows]
+    ax.plot([], [], "o-", color="black", markersize=3.5,
+            label=f"width of bounds, orders {min(orders):.0f} to {max(orders):.0f}")  # fmt: skip
     ax.plot([], [], "s--", color="black", markersize=3.5, markerfacecolor="white",
-            label="error of Ulam's method, by bins")  # fmt: skip
-    ax.set(xlabel="CPU time [s]", title="entropy: bounds by order, Ulam by bins")
+            label=f"error of Ulam's method, {min(bins):.0f} to {max(bins):.0f} bins")  # fmt: skip
+    ax.set(xlabel="CPU time [s]", title="what is known of the entropy")
     ax.legend(loc="upper center", bbox_to_anchor=(0.5, -0.2), frameon=False)
 
 
-def draw_random(ax: Axes, taken: Mapping[str, list[Row]]) -> None:
-    """Times of every random map, question by question."""
+def draw_random(ax: Axes, taken: Mapping[str, Mapping[str, Row]]) -> None:
+    """Median and worst time of random maps, question by question."""
     names = [*ASKED, "everything"]
     for number, (color, (kind, rows)) in enumerate(zip(COLORS, taken.items(), strict=False)):
         height = 0.2 * (number - 1.5)
         for k, name in enumerate(names):
-            times = [row[name] for row in rows]
-            if max(times) < SHORTEST:
+            median, worst = rows[name]["median"], rows[name]["worst"]
+            if worst < SHORTEST:
                 continue
             label = kind if not k else None
-            ax.plot(times, [k + height] * len(times), ".", color=color, markersize=3, label=label)
-            ax.plot(statistics.median(times), k + height, "|", color=color, markersize=7)
+            ax.plot(median, k + height, "o", color=color, markersize=3.5, label=label)
+            ax.plot([median, worst], [k + height] * 2, color=color, linewidth=1.0)
     for first, _ in pairwise(range(len(names))):
         ax.axhline(first + 0.5, color="#d9d9d9", linewidth=0.5)
     ax.set_xscale("log")
     ax.set_yticks(range(len(names)), names)
     ax.invert_yaxis()
     ax.grid(visible=False, axis="y")
-    ax.set(xlabel="CPU time [s], medians marked", title="random maps at one parameter")
+    ax.set(xlabel="CPU time [s], median to worst", title="random maps at one parameter")
     ax.legend(loc="upper center", bbox_to_anchor=(0.4, -0.2), frameon=False)
 
 

@@ -55,9 +55,9 @@ class Scene(NamedTuple):
 
 PAPER = (
     Scene(P1L.at({"a": "5/4", "b": 0}), "r", ("-1/2", "12"), (1, 2, 3),
-          r"$\mathrm{P1^L}$, flat on the left, $a = 5/4$", 1, 600),
+          r"$P_1^L$, flat on the left, $a = 5/4$", 1, 600),
     Scene(P1L.at({"a": "5/4", "b": "3/2"}), "r", ("3/2", "5"), (1, 2),
-          r"$\mathrm{P1^L}$ with the slope 3/2 on the left, $a = 5/4$"),
+          r"$P_1^L$ with the slope 3/2 on the left, $a = 5/4$"),
 )  # fmt: skip
 TENTS = (
     Scene(SKEW.at({"a": "5/4"}), "b", ("-11/2", "-11/10"), (1, 2), "skew tent map, $a = 5/4$", 5),
@@ -105,13 +105,15 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
 def draw_golden(points: int) -> Figure:
     """A kneading table over a density."""
     figure = plt.figure(figsize=(WIDTH, 3.6), layout="constrained")
-    top, bottom = figure.subplots(2, 1, height_ratios=(1.0, 2.6))
+    above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=(1.0, 2.2)).flat
+    top, bottom = above.subplots(), below.subplots()
     seen = dynamics(SKEW, GOLDEN)
     plot_kneading(seen, top, steps=20).ax.set_title(
         "skew tent map, $a = 2$, $b = -3/2$", fontsize=9
     )
     plot_density(seen, bottom, points=points)
     bottom.legend(loc="upper left", fontsize=7, frameon=False)
+    bottom.set_xlabel("$x$")
     grid(bottom)
     return figure
 

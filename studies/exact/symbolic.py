@@ -16,7 +16,9 @@ from __future__ import annotations
 from functools import partial
 from pathlib import Path
 
+import matplotlib.pyplot as plt
 import sympy
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from sympy import Rational
 
@@ -149,20 +151,29 @@ def draw_beyond() -> Figure:
     map_ = PiecewiseLinearMap.from_sympy(P1L, X, given=[A > 1])
     beyond = map_.at({A: Rational(5, 4), R: Rational(4)})
     plot_cobweb(beyond, Rational(1, 10), 40, axes[0]).ax.set_title("an orbit, $a = 5/4$, $r = 4$")
+    _legend_below(axes[0], 1)
     plot_diagram(diagram(), axes[1], kinds=(PointKind.BC, PointKind.FF))
     axes[1].set_title("orders 1 to 5, $a = 5/4$")
     plane = parameter_plane(map_, A, R, (1, 4), (-1, 12), range(1, 8))
-    plot_plane(plane, axes[2]).ax.set_title("attracting, orders 1 to 7")
+    drawn = plot_plane(plane, axes[2])
+    drawn.ax.set_title("attracting, orders 1 to 7")
+    plt.setp(drawn.artists["names"], visible=False)  # twelve curves come close to one another:
+    plt.setp(drawn.artists["border collision"], linewidth=0.7, path_effects=[])  # no white beside
     axes[1].set(xlabel="$r$", ylabel="$x$", ylim=(-3.5, 12.5))
     axes[2].set(xlabel="$a$", ylabel="$r$")
-    legend = axes[1].get_legend()
-    assert legend is not None
-    handles = [handle for handle in legend.legend_handles if handle is not None]
-    texts = [text.get_text() for text in legend.get_texts()]
-    axes[1].legend(handles, texts, ncols=2, frameon=False, **below(axes[1]))
+    _legend_below(axes[1], 2)
     for ax in axes:
         small(ax)
     return figure
+
+
+def _legend_below(ax: Axes, columns: int) -> None:
+    """The legend of an axes below it, where it covers nothing."""
+    legend = ax.get_legend()
+    assert legend is not None
+    handles = [handle for handle in legend.legend_handles if handle is not None]
+    texts = [text.get_text() for text in legend.get_texts()]
+    ax.legend(handles, texts, ncols=columns, frameon=False, **below(ax))
 
 
 if __name__ == "__main__":

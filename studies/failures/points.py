@@ -32,7 +32,7 @@ class Collision(NamedTuple):
     """A point at which a branch meets a jump, to ten digits by the 30-digit program.
 
     ``start`` is a point on the branch (eps_N1, phi_S) from where it is followed, ``span`` the
-    parameters in which the project looks at what hangs together with it.
+    parameters in which the project looks at what is connected with it.
     """
 
     name: str

@@ -19,7 +19,7 @@ from studies.common.record import Results, command
 from studies.common.style import canvas, keep
 from woodpecker import Trajectory
 
-OF_SLEEVE = ((20, 6), None, (8, 0), (-7, -5), (8, 0), (8, -5), (0, -9), None)  # see Side
+OF_SLEEVE = ((20, 6), None, (8, 0), (-7, -5), (8, 0), (8, -5), (7, -7), None)  # see Side
 OF_FALL = ((0, 8), (2, 9), (-8, -4), (4, -8), (-8, -5), (9, -4), (-8, 0), (0, 8))
 
 

@@ -167,7 +167,7 @@ def draw(toy: Toy, rims: Ends, starts: int) -> Figure:
             ha="left" if k == 0 else "right", fontsize=8,
         )  # fmt: skip
     zoom(toy, rims, whole.inset_axes((0.095, 0.1, 0.33, 0.44)))
-    whole.legend(fontsize=8, loc="center", bbox_to_anchor=(0.665, 0.17), framealpha=0.95)
+    whole.legend(fontsize=8, loc="center", bbox_to_anchor=(0.68, 0.155), framealpha=0.95)
     return figure
 
 
@@ -193,6 +193,8 @@ def zoom(toy: Toy, rims: Ends, ax: Axes) -> None:
     ax.text(math.fsum(rims.band) / 2 - 0.003, -0.228, "centres", fontsize=7, ha="right")
     ax.set(xlim=(low, high), ylim=(-0.30, -0.205))
     ax.tick_params(labelsize=7)
+    for label in ax.get_yticklabels():  # the diagonal of the whole map passes behind them
+        label.set_bbox({"facecolor": "white", "edgecolor": "none", "pad": 0.6})
     ax.set_facecolor("white")
     ax.grid(alpha=0.25, linewidth=0.5)
 

@@ -286,8 +286,10 @@ def over_angle(x: Floats, found: list[Compared], ax: Axes) -> None:
         x[chosen], found[0].to_curve[chosen], ".", color=GREY, markersize=1.6, markeredgewidth=0.0,
         label="no double impact, both laws", zorder=1,
     )  # fmt: skip
-    ax.axhspan(1e-9, 0.5 * np.hypot(*UNIT), color=JUMP, alpha=0.12, linewidth=0.0)
-    ax.text(-2.2, 4e-6, "green: rounding of the graphic", fontsize=6.5)
+    ax.axhspan(
+        1e-9, 0.5 * np.hypot(*UNIT), color=JUMP, alpha=0.12, linewidth=0.0,
+        label="rounding of the graphic",
+    )  # fmt: skip
     ax.set_xlabel(r"$\varphi_S$ [rad]", fontsize=9)
     ax.set_ylabel("distance from the curve [rad]", fontsize=9)
     ax.set_ylim(3e-6, 20.0)

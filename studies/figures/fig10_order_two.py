@@ -34,7 +34,7 @@ from pwmap.plot import plot_diagram
 from studies.common.laws import SEPARATE, TITLES
 from studies.common.places import POINT_A, POINT_C, SPAN, WINDOW, Place, collision, told
 from studies.common.record import Results, command
-from studies.common.style import PALE, canvas, keep, without_legend
+from studies.common.style import canvas, keep, without_legend
 from studies.common.whole import Part, examined, searched, tally
 from studies.figures.fig09_order_one import named, with_entries
 from woodpecker import ExpansionFriction, Search, first_return, shoot
@@ -256,7 +256,7 @@ def loops(diagram: Diagram, part: Part) -> list[Loop]:
 
 
 def draw(diagram: Diagram, part: Part) -> Figure:
-    """Both orders in the usual colours; what belongs to P_1 has a broad pale line behind it."""
+    """Both orders, each in the colour of its period."""
     figure, (ax,) = canvas(5.2)
     panel(diagram, part.law, ax)
     margin = 0.02 * (part.window[1] - part.window[0])
@@ -285,15 +285,8 @@ def compare(diagrams: dict[ExpansionFriction, Diagram]) -> Figure:
 
 def panel(diagram: Diagram, law: ExpansionFriction, ax: Axes) -> None:
     """Branches of both orders, explained, with the paper's names."""
-    for branch in diagram.of_order(1).branches:
-        ax.plot(
-            branch.parameter, branch.x, color=PALE, linewidth=6.0, alpha=0.6, zorder=0.9,
-            solid_capstyle="butt",
-        )  # fmt: skip
     plot_diagram(named(diagram, law), ax, kinds=MARKED)
-    band = Line2D([], [], color=PALE, linewidth=6.0, alpha=0.6)
-    said = "folds and flips are not marked"
-    with_entries(ax, [(band, "of $P_1$; all others of $P_2$"), (Line2D([], [], ls=""), said)])
+    with_entries(ax, [(Line2D([], [], ls=""), "folds and flips are not marked")])
 
 
 if __name__ == "__main__":

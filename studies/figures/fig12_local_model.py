@@ -34,10 +34,12 @@ from sympy import Rational
 from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind
 from pwmap import bifurcation_diagram as exact_diagram
 from pwmap.plot import plot_diagram, plot_map
+from pwmap.plot.diagrams import order_samples, place_legend
+from pwmap.plot.palette import of_period
 from studies.common.laws import CONTACT_BY_CONTACT, SUMMED
 from studies.common.places import POINT_A, WINDOW, collision
 from studies.common.record import Results, command
-from studies.common.style import JUMP, UNSTABLE, WIDTH, grid, keep, small
+from studies.common.style import WIDTH, grid, keep, small
 from woodpecker import Search, Toy, ToyPieces, bifurcation_diagram, local_model, shoot
 from woodpecker.base.settings import Settings
 from woodpecker.maps import Iterate
@@ -206,8 +208,10 @@ def draw_paper(paper: Diagram, axes: list[Axes]) -> None:
         ax.set_title(rf"$P_{j}^L$, $a = 5/4$, $r = 1$")
         ax.set_ylabel(rf"$P_{j}^L(x)$")
         ax.set_ylim(-1.7, 1.7)
-    plot_diagram(paper, axes[2], kinds=(PointKind.BC, PointKind.FF))
-    axes[2].set(xlabel="$r$", ylabel="$x$", ylim=(-2.9, 2.1))
+    drawn = plot_diagram(paper, axes[2], kinds=(PointKind.BC, PointKind.FF), legend=False)
+    axes[2].set(xlabel="$r$", ylabel="$x$", ylim=(-2.9, 5.4))  # the legend is above the branches
+    shown = {name: [*artists] for name, artists in drawn.artists.items()}
+    place_legend(axes[2], shown, more=order_samples(paper, shown))
     axes[2].set_title("orders 1 and 2, $a = 5/4$")
     for ax in axes:
         small(ax)
@@ -222,7 +226,7 @@ def draw_errors(found: list[Agreement], ax: Axes) -> None:
         jump = each.kind is BranchKind.JUMP
         ax.loglog(
             DISTANCES, each.errors, next(markers), markersize=4.5, mfc="white",
-            color=JUMP if jump else UNSTABLE,
+            color=of_period(each.order),
             label=f"{'jump' if jump else 'fixed point'} of $P_{each.order}$",
         )  # fmt: skip
     q = np.array(DISTANCES)

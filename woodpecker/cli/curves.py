@@ -11,7 +11,8 @@ from woodpecker.cli.diagram import PAPER, places_of
 from woodpecker.cli.help import option
 from woodpecker.cli.options import GUESS, CommandError, Out, motion, progress
 from woodpecker.cli.results import Results, asked_for, results_in
-from woodpecker.mechanics.toy import Toy, known_parameter
+from woodpecker.cli.toys import parameter_of
+from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -47,7 +48,7 @@ def curves(
 ) -> None:
     """Follow special points of a diagram over two parameters; draw the curves, export their graph.
 
-    The diagram is what hangs together with the periodic motion over the first parameter.
+    The diagram is what is connected with the periodic motion over the first parameter.
 
     Example: woodpecker curves --from A,B,C --parameters eps_n1,mu_2 --second-span 0.286 0.6
     """
@@ -76,7 +77,7 @@ def second_of(toy: Toy, name: str, span: tuple[float, float] | None) -> tuple[fl
 
 def two_of(text: str) -> tuple[str, str]:
     """Two different parameters by their names."""
-    names = [known_parameter(name.strip()) for name in text.split(",")]
+    names = [parameter_of(name) for name in text.split(",")]
     if len(names) != 2 or names[0] == names[1]:
         raise ValueError(
             f"--parameters needs two different names such as eps_n1,mu_2, got {text!r}"

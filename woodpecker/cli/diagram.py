@@ -14,7 +14,8 @@ from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.help import option
 from woodpecker.cli.options import GUESS, Out, Window, motion, progress
 from woodpecker.cli.results import INTERRUPTED, Results, results_in
-from woodpecker.mechanics.toy import WINDOW, Toy, known_parameter
+from woodpecker.cli.toys import parameter_of
+from woodpecker.mechanics.toy import WINDOW, Toy
 
 if TYPE_CHECKING:
     from rich.progress import Progress as Bar
@@ -97,7 +98,7 @@ def diagram(
     from woodpecker import Settings
 
     settings = Settings(span=span, window=window, step=min(0.005, step), max_step=step)
-    known_parameter(parameter)
+    parameter = parameter_of(parameter)
     shows = _Shows(
         places=places_of(names) if parameter == NAMED else {},
         columns=_columns(observables) if observables is not None else (),
@@ -147,7 +148,7 @@ _Search = Callable[[_Show], _Searched]
 
 
 def _of_motion(toy: Toy, phi_s: float, order: int, parameter: str, keep: dict[str, Any]) -> _Search:
-    """How to find what hangs together with one motion."""
+    """How to find what is connected with one motion."""
     from woodpecker import continuation
 
     orbit = motion(toy, phi_s, order)

@@ -76,6 +76,7 @@ def animate(
 
     if Path(file).name != file:
         raise ValueError(f"file must be a name without folders, got {file!r}")
+    drawing.film_writer(Path(file), slow, fps)  # refuse before anything is replaced
     with results_in(out, file) as results:
         start, finish = _start_and_end(toy, phi_s, t_end, periods=1.0)
         trajectory = run_simulation(toy, start, finish)

@@ -10,6 +10,7 @@ from pwmap.cli.screen import TableFormat, picture_format, show
 from woodpecker.cli.help import option
 from woodpecker.cli.options import GUESS, Out, motion
 from woodpecker.cli.results import results_in
+from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:
@@ -38,7 +39,7 @@ def robustness(
     from woodpecker.robustness import smallest_changes
 
     picture_format(format_)
-    names = [name.strip() for name in parameters.split(",")] if parameters else None
+    names = [parameter_of(name) for name in parameters.split(",")] if parameters else None
     with results_in(out) as results:
         found = smallest_changes(toy, motion(toy, phi_s), names)
         with results.tables(*FILES) as folder:

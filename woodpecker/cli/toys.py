@@ -13,13 +13,25 @@ import typer
 
 from pwmap.diagrams.files import write_whole
 from woodpecker.cli.help import option
-from woodpecker.mechanics.toy import LAW, ExpansionFriction, Toy, description, parameters
+from woodpecker.mechanics.toy import (
+    LAW,
+    ExpansionFriction,
+    Toy,
+    description,
+    known_parameter,
+    parameters,
+)
 
 TOY = "toy"  # in a file: the object with the values
 PANEL = "Parameters of the toy"
 FILE, SAVE = "toy_file", "save_toy"  # the options that read and write a toy
 CONTEXT = "context"  # of the command: it knows which options were typed
 UNTYPED = "DEFAULT"  # what it calls the source of those that were not
+
+
+def parameter_of(text: str) -> str:
+    """The name of a parameter as it is typed: eps-n1, as in options, means eps_n1."""
+    return known_parameter(text.strip().replace("-", "_"))
 
 
 def toy_options() -> list[inspect.Parameter]:

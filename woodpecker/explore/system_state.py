@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, fields, replace
 from functools import lru_cache
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
+from traceback import extract_tb
 from types import ModuleType
 from typing import Any
 from urllib.parse import parse_qsl, urlencode
@@ -97,12 +98,18 @@ def explored(path: str) -> Explored:
 
 
 def _module(path: str) -> ModuleType:
-    """The file as a module."""
+    """The file as a module; what it raises itself is told with its line."""
     spec = spec_from_file_location("explored_system", path)
     if not Path(path).is_file() or spec is None or spec.loader is None:
         raise ValueError(f"there is no Python file {path}")
     module = module_from_spec(spec)
-    spec.loader.exec_module(module)
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        own = [f.lineno for f in extract_tb(error.__traceback__) if f.filename == spec.origin]
+        line = error.lineno if isinstance(error, SyntaxError) else own[-1] if own else None
+        said = error.msg if isinstance(error, SyntaxError) else error
+        raise ValueError(f"line {line} of {path}: {type(error).__name__}: {said}") from error
     return module
 
 

@@ -387,10 +387,7 @@ def animate(
     >>> animate(motion, Path("toy.gif"), slow=10.0).name
     'toy.gif'
     """
-    for name, value in (("slow", slow), ("fps", fps)):
-        if not (math.isfinite(value) and value > 0.0):
-            raise ValueError(f"{name} must be positive and finite, got {value}")
-    writer, rate = _writer(path, fps)
+    writer, rate = film_writer(path, slow, fps)
     times = frame_times(trajectory.t_end, slow, rate)
     figure = Figure(figsize=size, dpi=DPI)
     ax = figure.add_axes((0.23, 0.03, 0.74, 0.9))  # fixed: a layout engine moves it with its labels
@@ -417,8 +414,11 @@ def animate(
     return path
 
 
-def _writer(path: Path, fps: float) -> tuple[Any, float]:
-    """The writer for a suffix, and the rate it has."""
+def film_writer(path: Path, slow: float, fps: float) -> tuple[Any, float]:
+    """The writer for a suffix, and the rate it has; errors as those of :func:`animate`."""
+    for name, value in (("slow", slow), ("fps", fps)):
+        if not (math.isfinite(value) and value > 0.0):
+            raise ValueError(f"{name} must be positive and finite, got {value}")
     suffix = path.suffix.lower()
     if suffix == ".gif":
         rate = 100.0 / max(2, round(100.0 / fps))

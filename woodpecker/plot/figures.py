@@ -14,8 +14,9 @@ from matplotlib.figure import Figure, SubFigure
 from matplotlib.lines import Line2D
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, runs_of
-from pwmap.plot import JUMP, MARKERS, STABLE, STAR, UNSTABLE, place_legend, plot_diagram
+from pwmap.plot import INK, JUMP, MARKERS, STABLE, STAR, UNSTABLE, place_legend, plot_diagram
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot.palette import of_period
 from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.mechanics.toy import Toy
 from woodpecker.plot.curve import Link, MapSamples, refined
@@ -348,7 +349,7 @@ def plot_local(
             shown["prediction"] += seen.plot(
                 line.p, line.x, color="#d9d9d9", linewidth=4.0, zorder=0.9
             )
-        style = BRANCH[line.style] if followed else OTHER
+        style = _of_order(line, len(orders) > 1) if followed else OTHER
         add(shown, {line.style if followed else NOT_FOLLOWED:
                     predicted.plot(line.p, line.x, **style)})  # fmt: skip
     marker, color = MARKERS[model.point.kind]
@@ -360,12 +361,13 @@ def plot_local(
     styled(shown, styles, (*BRANCH, NOT_FOLLOWED))
     _frame(seen, model, lines)
     _name_lines(predicted, lines, orders)
+    ink = {"color": INK} if len(orders) > 1 else {}
     seen.set_title("the toy, with the prediction in grey", fontsize=9)
     predicted.set_title("its local model, solved exactly", fontsize=9)
     predicted.set_xlabel(seen.get_xlabel())
     predicted.grid(alpha=0.25, linewidth=0.5)
     kept = {line.style for line in lines if line.order in orders}
-    samples = [Line2D([], [], label=name, **BRANCH[name]) for name in BRANCH if name in kept]
+    samples = [Line2D([], [], label=n, **(BRANCH[n] | ink)) for n in BRANCH if n in kept]
     if NOT_FOLLOWED in shown:
         samples.append(Line2D([], [], label=NOT_FOLLOWED, **OTHER))
     predicted.legend(handles=[*samples, star], fontsize=7, framealpha=0.9)
@@ -444,8 +446,17 @@ def _name_lines(ax: Axes, lines: Sequence[_Prediction], orders: set[int]) -> Non
             ax.annotate(
                 f"$P_{line.order}$", (line.p[1], line.x[1]), (4 * side, up),
                 textcoords="offset points", ha="right" if side < 0 else "left", va="center",
-                fontsize=8, color=(BRANCH[line.style] if line.order in orders else NAMED)["color"],
+                fontsize=8,
+                color=(
+                    _of_order(line, len(orders) > 1) if line.order in orders else NAMED
+                )["color"],
             )  # fmt: skip
+
+
+def _of_order(line: _Prediction, several: bool) -> dict[str, Any]:
+    """The style of a line; of several orders each has the colour of its period, as in diagrams."""
+    style = BRANCH[line.style]
+    return style | {"color": of_period(line.order)} if several else style
 
 
 def spread(at: Floats, apart: float) -> Floats:

@@ -78,6 +78,8 @@ def plot_orbits(
         ax.grid(alpha=0.25, linewidth=0.5)
     handles, labels = ax.get_legend_handles_labels()
     if legend and handles:
-        entries = dict(zip(labels, handles, strict=True))
+        known, before = dict(zip(labels, handles, strict=True)), ax.get_legend()
+        first = [] if before is None else [text.get_text() for text in before.get_texts()]
+        entries = {name: known[name] for name in (*first, *labels) if name in known}
         ax.legend(entries.values(), entries.keys(), fontsize=7, loc="best", framealpha=0.9)
     return Drawn((ax,), shown)

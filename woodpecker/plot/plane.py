@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -14,16 +15,12 @@ from pwmap.plane.kinds import PlaneKind
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, below, new_axes, styled
 from pwmap.plot.labels import LabelledCurve as Named
 from pwmap.plot.labels import Labels, Name
+from pwmap.plot.palette import LINES
 from woodpecker.mechanics.toy import description, parameters
 from woodpecker.plane.curve import Curve, PlanePoint
 
-COLOURS = {
-    PointKind.FF: "#b2182b",
-    PointKind.BC: "#2166ac",
-    PointKind.LP: "#4d4d4d",
-    PointKind.PD: "#1b7837",
-    PointKind.EP: "#bdbdbd",
-}
+LEAVES = {"color": "#bdbdbd"}  # where a cycle leaves the window
+THIN = 1.3  # [pt] of all curves, which lie close
 MEANINGS = {
     (PointKind.FF, "fold"): "fold-flip at a jump (FF)",
     (PointKind.BC, "fold"): "border collision, fold (BC)",
@@ -136,7 +133,8 @@ def name_curves(
         for k, (code, _, first, last) in enumerate(stretches):
             part = curve.values[first : last + 2]
             text = name if k == int(np.argmax(lengths)) else ""
-            written.append(Named(text, part[:, 0], part[:, 1], COLOURS[code], shortest=0.0))
+            colour = _line(code, "")["color"]
+            written.append(Named(text, part[:, 0], part[:, 1], colour, shortest=0.0))
     labels = Labels(points, written, marks)
     ax.add_artist(labels)
     return labels
@@ -147,9 +145,15 @@ def draw_curve(ax: Axes, curve: Curve) -> list[Artist]:
     lines: list[Artist] = []
     for code, note, first, last in curve.stretches():
         part = curve.values[first : last + 2]
-        style = "--" if note == DASHED else "-"
-        lines += ax.plot(part[:, 0], part[:, 1], style, color=COLOURS[code], lw=1.3, zorder=2)
+        lines += ax.plot(part[:, 0], part[:, 1], zorder=2, **_line(code, note))
     return lines
+
+
+def _line(code: PointKind, note: str) -> dict[str, Any]:
+    """How a stretch is drawn: as in exact planes, and dashed where a border collision persists."""
+    own = LINES.get(code, LEAVES)
+    dashes = {"linestyle": "--"} if note == DASHED else {}
+    return own | dashes | {"linewidth": THIN}
 
 
 def _marked(curve: Curve) -> list[PlanePoint]:
@@ -189,7 +193,7 @@ def line_handles(curves: Iterable[Curve]) -> list[Line2D]:
     """What a legend of curves shows: their kinds."""
     kinds = {stretch[:2] for curve in curves for stretch in curve.stretches()}
     return [
-        Line2D([], [], color=COLOURS[kind[0]], ls="--" if kind[1] == DASHED else "-", label=text)
+        Line2D([], [], label=text, **_line(*kind))
         for kind, text in MEANINGS.items()
         if kind in kinds
     ]

@@ -100,13 +100,16 @@ def _polished(space: Space, here: MetOnLine) -> Floats | None:
         every = [_jacobian(e, condition) for e in _along_axes(space, at[n:], at[:n], here.orbit)]
         return np.column_stack([every[0][:, :n], *(each[:, n] for each in every)])
 
-    found = minimize(
-        lambda z: 0.5 * float(np.sum((here.u / size + z[n:]) ** 2)), np.zeros(len(start)),
-        jac=lambda z: np.append(np.zeros(n), here.u / size + z[n:]), method="SLSQP",
-        bounds=Bounds([-1.0] * n + low.tolist(), [1.0] * n + high.tolist()),
-        constraints={"type": "eq", "fun": equations, "jac": derivatives},
-        options={"ftol": FLAT, "maxiter": STEPS},
-    )  # fmt: skip
+    try:
+        found = minimize(
+            lambda z: 0.5 * float(np.sum((here.u / size + z[n:]) ** 2)), np.zeros(len(start)),
+            jac=lambda z: np.append(np.zeros(n), here.u / size + z[n:]), method="SLSQP",
+            bounds=Bounds([-1.0] * n + low.tolist(), [1.0] * n + high.tolist()),
+            constraints={"type": "eq", "fun": equations, "jac": derivatives},
+            options={"ftol": FLAT, "maxiter": STEPS},
+        )  # fmt: skip
+    except ValueError:  # a step led to a toy that cannot be, such as one with its beak in the pole
+        return None
     u: Floats = here.u + size * found.x[n:]
     return u if np.isfinite(u).all() and u.any() else None
 

@@ -12,8 +12,25 @@ from typer.testing import CliRunner
 from pwmap import read_graph
 from pwmap.cli.app import app
 from pwmap.diagrams import files
+from pwmap.diagrams.record import keep_record
 
 P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
+
+
+def test_a_refused_run_does_not_say_that_it_replaces_files(tmp_path: Path) -> None:
+    (tmp_path / "points.csv").write_text("kept")
+    keep_record(tmp_path, "analyse", ["points.csv"], {})
+    code, text = run(P1L, "--parameter", "b", out=tmp_path)
+    assert code == 2
+    assert "replaces" not in text
+
+
+def test_a_certificate_of_a_map_without_values_says_how_to_give_them(tmp_path: Path) -> None:
+    file = tmp_path / "certificate.json"
+    found = CliRunner().invoke(app, ["prove", P1L, "--set", "a=5/4", "--out", str(file)])
+    assert found.exit_code == 2
+    assert "r has no value: give it one, such as --set r=1, or certify" in found.output
+    assert not file.exists()
 
 
 @pytest.mark.slow
@@ -124,6 +141,8 @@ def test_a_span_can_leave_a_parameter_one_value(tmp_path: Path) -> None:
         ((P1L, "--parameter", "r", "--set", "a=5/4", "--span", "2", "1"), "got (2, 1)"),
         (("x**2 + r", "--parameter", "r"), "the piece x**2 + r is not affine in x"),
         (("x +", "--parameter", "r"), "cannot read 'x +' as an expression"),
+        (("r - x if x < 0", "--parameter", "r"), 'a map is typed as "Piecewise((r - 2, x <= 0)'),
+        (("r + sqrt(x)", "--parameter", "r"), "followed from Python, by woodpecker.from_sympy"),
         (("Piecewise((r, x < 0))", "--parameter", "r"), "no piece covers x = 0"),
     ],
 )

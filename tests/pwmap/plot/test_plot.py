@@ -214,6 +214,19 @@ def test_points_on_one_another_share_one_label_from_left_to_right() -> None:
     assert written(plot_diagram(at(*many, ("BC2", 0.5, 0.5)))) == ["BC2, FF3\u2013FF9"]
 
 
+def test_a_long_label_has_two_rows() -> None:
+    """Four names of one letter and number in a row would be twice as wide as two."""
+    wide, tall = [], []
+    for n in (2, 4):
+        drawn = plot_diagram(at(*((f"BC{k}", 0.5, 0.5) for k in range(n))))
+        written(drawn)
+        ((_, box),) = drawn.artists["names"][0].placed  # type: ignore[attr-defined]
+        wide.append(box.width)
+        tall.append(box.height)
+    assert abs(wide[1] - wide[0]) < 0.1 * wide[0]  # a comma more
+    assert 1.8 * tall[0] < tall[1] < 2.6 * tall[0]  # two lines, and what is between them
+
+
 CROWDED = (  # what the toy meets over mu_2 next to the end of its stable motion
     ("LP3", 0.280808, -0.469534), ("PD4", 0.280808, -0.469535), ("BC9", 0.280825, -0.469440),
     ("BC10", 0.280964, -0.467748), ("FF2", 0.281282, -0.464322), ("FF1", 0.282240, -0.461943),

@@ -153,6 +153,7 @@ def unframed(text: str) -> str:
     [
         (["diagram", "--parameter", "eps_n9"], "unknown parameter 'eps_n9'"),
         (["diagram", "--span", "0.6", "0.9"], "span must hold eps_n1 = 0.5"),
+        (["diagram", "--parameter", "eps-n1", "--span", "0.6", "0.9"], "must hold eps_n1 = 0.5"),
         (["diagram", "--span", "0.9", "0.1"], "span must ascend"),
         (["diagram", "--window", "-1", "-0.8"], "window must hold the orbit, phi_S = -0.529472"),
         (
@@ -565,5 +566,6 @@ def test_animate_writes_a_picture_that_moves(tmp_path: Path) -> None:
     status, text = run("animate", "--file", "../toy.gif", "--out", str(tmp_path))
     assert (status, "a name without folders, got '../toy.gif'" in text) == (2, True)
     status, text = run("animate", "--file", "toy.bmp", "--out", str(tmp_path))
+    assert "replaces" not in text
     assert status == 2
     assert ".gif" in text

@@ -47,7 +47,7 @@ def test_it_follows_a_and_c(tmp_path: Path) -> None:
     [
         (["--parameters", "eps_n1"], "--parameters needs two different names"),
         (["--parameters", "eps_n1,mu"], "unknown parameter 'mu'"),
-        (["--parameters", "eps_n1,eps_n1"], "--parameters needs two different names"),
+        (["--parameters", "eps-n1,eps_n1"], "--parameters needs two different names"),
     ],
 )
 def test_wrong_values(arguments: list[str], sentence: str, tmp_path: Path) -> None:

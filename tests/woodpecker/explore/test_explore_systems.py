@@ -196,6 +196,13 @@ def test_a_file_that_is_none_is_refused_with_a_sentence(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match="there is no Python file"):
         explored(str(tmp_path / "missing.py"))
     path = tmp_path / "wrong.py"
+    for text, sentence in (
+        ("x = 1\nimport sympyy", r"line 2 of .*wrong\.py: ModuleNotFoundError: No module named"),
+        ("x = 1\ny = (2", r"line 2 of .*wrong\.py: SyntaxError: '\(' was never closed"),
+    ):
+        path.write_text(text)
+        with pytest.raises(ValueError, match=sentence):
+            explored(str(path))
     path.write_text("map_, start, window = 1, [0], [(0, 1)]")
     with pytest.raises(TypeError, match=r"map_ of .* must be a SystemMap, got int"):
         explored(str(path))

@@ -10,7 +10,9 @@ import sympy
 
 mpl.use("Agg")
 
+from pwmap import PointKind
 from pwmap.plot.labels import Labels
+from pwmap.plot.palette import LINES
 from woodpecker import Curve, Settings, continuation, curve_in_two, shoot
 from woodpecker.plane import family_from_sympy
 from woodpecker.plot.plane import plot_curves
@@ -52,3 +54,12 @@ def test_the_toy_is_marked_where_it_is_seen(
     said = "the toy" if inside else "the toy lies beyond: 0.5, 3"
     assert legend.get_texts()[-1].get_text() == said
     assert ("the toy" in drawn.artists) is inside
+
+
+def test_a_curve_has_the_colour_that_its_points_have_in_exact_planes(curve: Curve) -> None:
+    """It is a fold-flip for a > 1 and a border collision, a fold, below."""
+    lines = plot_curves({"A": curve}).ax.get_lines()
+    drawn = {
+        (line.get_color(), line.get_linestyle()) for line in lines if len(line.get_xdata()) > 1
+    }
+    assert drawn == {(LINES[PointKind.FF]["color"], "-"), (LINES[PointKind.BC]["color"], "-")}

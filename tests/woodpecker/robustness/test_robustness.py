@@ -1,6 +1,7 @@
 """Smallest changes: known limits, stationarity, and nothing nearer in random directions."""
 
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -170,3 +171,24 @@ def test_what_is_nearest_is_confirmed() -> None:
     only = Robustness(orbit=orbit, critical=(row(0.1, confirmed=False),), harmless=(), limits=())
     assert only.nearest is None
     assert repr(only).startswith("Robustness(nothing confirmed; 1 critical change")
+
+
+@pytest.mark.slow
+def test_a_step_of_the_search_to_no_toy_leaves_what_was_found(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """With all twenty parameters a step of SLSQP had its beak inside the pole."""
+
+    def too_far(_: object, start: np.ndarray, *, constraints: dict[str, Any], **__: object) -> Any:
+        return constraints["fun"](start + 1e6)  # l_s is some kilometres there
+
+    monkeypatch.setattr("woodpecker.robustness.nearest.minimize", too_far)
+    toy = Toy()
+    found = smallest_changes(toy, shoot(toy, GUESS), ("l_s", "l_g")).nearest
+    assert found is not None
+    assert found.kind == "PD"
+    monkeypatch.undo()
+    exact = smallest_changes(toy, shoot(toy, GUESS), ("l_s", "l_g")).nearest
+    assert exact is not None
+    # before the search the sine of the angle to the nearest is 0.05 or less; half of its square
+    assert found.size == pytest.approx(exact.size, rel=1.3e-3)

@@ -148,6 +148,7 @@ def test_orbits_lie_under_a_diagram_in_the_colours_of_their_periods() -> None:
     tent = from_sympy(TENT, X, P)
     found = orbit_diagram(tent, [0.5, 1.5], [0.3], (0.0, 1.0), keep=32)
     below = plot_diagram(drawn(0.0))
+    first = [text.get_text() for text in below.ax.get_legend().get_texts()]  # type: ignore[union-attr]
     over = plot_orbits(found, below.ax, styles={"no period": {"alpha": 0.5}})
     assert over.ax is below.ax
     assert [*over.artists] == ["no period", "period 1"]
@@ -158,6 +159,7 @@ def test_orbits_lie_under_a_diagram_in_the_colours_of_their_periods() -> None:
     assert legend is not None
     texts = [text.get_text() for text in legend.get_texts()]
     assert {"period 1", "no period", "stable"} <= {*texts}
+    assert texts[: len(first)] == first
     assert len(texts) == len({*texts})
 
 
