@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from typing import Any
 
 import sympy
@@ -189,7 +189,7 @@ class Axis(ABC):
         """Who decides all signs at a place."""
         value = self.real(place)
         if isinstance(value, RealRoot):
-            return SignOracle(self._orbits_here, SignAt(value))
+            return SignOracle(self._orbits_here, partial(_sign_at_root, value))
         table = self._orbits_here.table.mapped(lambda number: value_at(dense(number), value))
         return SignOracle(Orbits(in_integers(table)), sign)
 
@@ -267,14 +267,8 @@ class Axis(ABC):
         return degree_in(number, self.index)
 
 
-@dataclass(frozen=True, slots=True)
-class SignAt:
-    """Signs at an algebraic number."""
-
-    root: RealRoot
-
-    def __call__(self, number: Number) -> int:
-        return self.root.sign_of(_integers(number))
+def _sign_at_root(root: RealRoot, number: Number) -> int:
+    return root.sign_of(_integers(number))
 
 
 @lru_cache(maxsize=65536)  # the same polynomial is asked at many places

@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import sympy
 
@@ -131,12 +131,8 @@ def grown(
     return PlaceStudy(oracle, iterates, current)
 
 
-class CellStage(NamedTuple):
-    """Cells and edges of an interval of the axis, from left to right, for orders up to one."""
-
-    order: int
-    cells: list[Cell]
-    pieces: int  # that were made so far
+# Cells and edges from left to right, for orders up to one, and how many pieces were made so far
+CellStage = tuple[int, list[Cell], int]
 
 
 def stages(
@@ -176,12 +172,12 @@ def stages(
     for order in range(1, max(orders) + 1):
         answers = Answers(axis, cells[0].lower, cells[-1].upper)
         cells = [part for cell in cells for part in _parts(axis, cell, answers, grow)]
-        yield CellStage(order, cells, pieces)
+        yield order, cells, pieces
 
 
 def last(found: Iterable[CellStage]) -> list[Cell]:
     """The cells for all orders."""
-    return deque(found, maxlen=1).pop().cells
+    return deque(found, maxlen=1).pop()[1]
 
 
 def _parts(

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from sympy import Basic
 
 from pwmap.algebra.exact import Fraction_, cancelled
-from pwmap.diagrams.data import BranchKind
+from pwmap.diagrams.data import BranchKind, FloatArray
 from pwmap.maps.cylinders import Cut, Inclusion, StudiedIterate
 from pwmap.maps.words import Orbits, Word
 
@@ -174,7 +174,7 @@ class KnownValues:
     segments: dict[Hashable, Segment] = field(default_factory=dict)  # by all that they hold
     ends: dict[Segment, tuple[SegmentEnd, SegmentEnd]] = field(default_factory=dict)
     formulas: dict[Segment, dict[str, Basic]] = field(default_factory=dict)
-    arrays: dict[Segment, Any] = field(default_factory=dict)
+    arrays: dict[Segment, FloatArray] = field(default_factory=dict)
 
 
 Present = list[tuple[BranchKey, Location | None]]  # what of an iterate lies on the diagonal
