@@ -14,7 +14,7 @@ from itertools import islice
 import sympy
 from sympy.core.relational import Relational
 
-from pwmap.algebra.arithmetic import Arithmetic, WorkLimit, worked_out
+from pwmap.algebra.arithmetic import Arithmetic, worked_out
 from pwmap.algebra.exact import (
     Number,
     Portable,
@@ -168,7 +168,7 @@ def read_constraints(given: Iterable[Term], ring: Ring) -> tuple[Constraint, ...
                 generator = ring.gens[symbols.index(symbol)]
                 found.append(Constraint(sense * generator, "=" not in text))
     for condition in given:
-        found.extend(_read(condition, Arithmetic(ring, WorkLimit())))
+        found.extend(_read(condition, Arithmetic(ring)))
     return tuple(dict.fromkeys(found))
 
 

@@ -240,7 +240,7 @@ def _named_together(figure: Any, *tables: Any) -> list[dict[str, Any]]:
         [full[k]["label"][i] for k, i in rows], (places - start) * scale, frame,
         [full[k]["must"][i] for k, i in rows],
     )  # fmt: skip
-    for row, dx, dy in list(zip(*labels, strict=True))[: 2 * MOST_LABELS]:
+    for row, dx, dy in labels[: 2 * MOST_LABELS]:
         k, i = rows[row]
         values = places[row, 0], places[row, 1], full[k]["label"][i], dx, -dy  # offsets go down
         for column, value in zip(found[k].values(), values, strict=True):

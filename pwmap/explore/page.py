@@ -31,14 +31,8 @@ S = TypeVar("S")
 Verb = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 
 
-class Wish(DataModel):  # type: ignore[misc]
-    """What the user wants, as JSON."""
-
-    text = String(default="")
-
-
-class PageAnswer(DataModel):  # type: ignore[misc]
-    """What the page shows besides its views, as JSON."""
+class Letter(DataModel):  # type: ignore[misc]
+    """A wish of the user, or what the page shows besides its views, as JSON."""
 
     text = String(default="")
 
@@ -134,7 +128,7 @@ def fill(
         Sends an answer: values that are told to the script of the page, and the :class:`DrawnFrame`
         ``frame``, if there is one.
     """
-    wish, answer = Wish(name="wish"), PageAnswer(name="answer")
+    wish, answer = Letter(name="wish"), Letter(name="answer")
     numbers = ColumnDataSource({"all": np.empty(0)}, name="numbers")  # of a frame
     count = 0
 

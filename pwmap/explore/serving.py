@@ -83,7 +83,7 @@ def serve(
     loop: IOLoop = server.io_loop
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: loop.add_callback_from_signal(loop.stop))
-    watch = PeriodicCallback(_Watch(server, loop), 500.0)
+    watch = PeriodicCallback(_ending(server, loop), 500.0)
     if not stay:
         watch.start()
     loop.add_callback(ready, f"http://{ADDRESS}:{server.port}/")
@@ -119,17 +119,18 @@ def _started(site: Site, port: int | None) -> Any:
     raise AssertionError
 
 
-class _Watch:
-    """Ends the loop some time after the last page was closed."""
+def _ending(server: Any, loop: IOLoop) -> Callable[[], None]:
+    """What ends the loop some time after the last page was closed; it is called periodically."""
+    seen = 0.0
 
-    def __init__(self, server: Any, loop: IOLoop) -> None:
-        self.server, self.loop, self.seen = server, loop, 0.0
+    def look() -> None:
+        nonlocal seen
+        if any(session.connection_count for session in server.get_sessions()):
+            seen = time.monotonic()
+        elif seen and time.monotonic() - seen > LINGER:
+            loop.stop()
 
-    def __call__(self) -> None:
-        if any(session.connection_count for session in self.server.get_sessions()):
-            self.seen = time.monotonic()
-        elif self.seen and time.monotonic() - self.seen > LINGER:
-            self.loop.stop()
+    return look
 
 
 # --- Files and other pages --------------------------------------------------------------------

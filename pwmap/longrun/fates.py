@@ -11,7 +11,7 @@ from functools import cached_property
 from sympy import QQ
 
 from pwmap.algebra.exact import HIGHEST, sign
-from pwmap.longrun.line import AffinePiece, Germ, Interval, MapLine
+from pwmap.longrun.line import IDENTITY, AffinePiece, Germ, Interval, MapLine
 from pwmap.longrun.numbers import Exact, key, work_of
 from pwmap.longrun.pointsets import PointSet, open_intervals
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
@@ -200,16 +200,16 @@ class Fates:
 
     def _cycle_at(self, germ: Germ, period: int) -> AttractingCycle | None:
         """The attracting cycle whose pieces a germ visits."""
-        slope, intercept, here = QQ.one, QQ.zero, germ
+        whole, here = IDENTITY, germ
         for _ in range(period):
             if not here.side and here.x in self.line.breaks:
                 return None
             branch = self.line.beside(here)
-            slope, intercept = branch.slope * slope, branch.slope * intercept + branch.intercept
+            whole = branch.after(whole)
             here = self.line.image(here)
-        if not abs_(slope) < 1:
+        if not abs_(whole.slope) < 1:
             return None
-        return self.attracting(intercept / (1 - slope), period)
+        return self.attracting(whole.fixed_point, period)
 
     def attracting(self, x: Exact, period: int) -> AttractingCycle | None:
         """The attracting cycle of a point; None if it has none, or a jump of it is in the way.

@@ -17,13 +17,14 @@ from typing import Any, NamedTuple
 import sympy
 from sympy import QQ
 
-from pwmap.algebra.exact import HIGHEST, LOWEST, dense, sign
+from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, dense, sign
 from pwmap.algebra.roots import Real, RealRoot, real_to_sympy, value_at
 from pwmap.algebra.terms import own_name
 from pwmap.longrun.numbers import Element, Exact, algebraic
 from pwmap.maps.kinds import check_map
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
+IDENTITY = Affine(QQ.one, QQ.zero)
 Interval = tuple[Exact, Exact]  # closed; both ends may be the same
 
 
@@ -46,6 +47,10 @@ class AffinePiece(NamedTuple):
     def __call__(self, x: Exact) -> Exact:
         """The value of its formula at a point."""
         return self.slope * x + self.intercept
+
+    def after(self, first: Affine) -> Affine:
+        """Its formula after another map."""
+        return Affine(*self[:2]).after(first)
 
     def over(self, interval: Interval) -> Interval:
         """The image of an interval within its ends."""

@@ -198,7 +198,7 @@ class ProfileLine:
         found = dict.fromkeys(b for breaks in several for b in breaks)
         if len(found) > MAX_BREAKS:
             raise ValueError(f"a map may have {MAX_BREAKS} breaks, this one has more")
-        self._arithmetic.limit.spend(4 * len(found))
+        self._arithmetic.spend(4 * len(found))
         ordered = sorted(sorted(found, key=str), key=cmp_to_key(self._order))
         for left, right in pairwise(ordered):
             if self._order(left, right) == 0:
@@ -210,7 +210,7 @@ class ProfileLine:
         """The values of a profile on the slots of more breaks."""
         if not profile.breaks:
             return [profile.slots[0]] * (2 * len(breaks) + 1)
-        self._arithmetic.limit.spend(1 + len(breaks) // 50)
+        self._arithmetic.spend(1 + len(breaks) // 50)
         values, own = [profile.slots[0]], 0
         for b in breaks:  # both are sorted
             if own < len(profile.breaks) and profile.breaks[own] == b:

@@ -11,13 +11,7 @@ from string import ascii_uppercase
 import sympy
 from sympy import QQ
 
-from pwmap.algebra.arithmetic import (
-    MAX_PARAMETERS,
-    Arithmetic,
-    NotPolynomialError,
-    Quotient,
-    WorkLimit,
-)
+from pwmap.algebra.arithmetic import MAX_PARAMETERS, Arithmetic, NotPolynomialError, Quotient
 from pwmap.algebra.assumptions import AssumedRegion, UndecidedError, read_constraints
 from pwmap.algebra.exact import (
     Fraction_,
@@ -104,7 +98,7 @@ def _read(
     given = [given] if isinstance(given, str | sympy.Basic) else list(given)
     assumed = [term_of(condition, [x]) for condition in given]
     region = _region([term for pair in pairs for term in pair], assumed, x)
-    line = ProfileLine(x, region, Arithmetic(region.ring, WorkLimit()))
+    line = ProfileLine(x, region, Arithmetic(region.ring))
     conditions = [line.condition(condition) for _, condition in pairs]
     formulas = [_formula(formula, line) for formula, _ in pairs]
     breaks = line.union([*conditions, *formulas])

@@ -10,7 +10,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import sympy
 
@@ -33,20 +32,6 @@ from pwmap.algebra.inequalities import Constraint
 from pwmap.algebra.roots import Real, real_roots, real_to_sympy, sign_at, simplest_between
 
 Orders = tuple[int, ...]
-
-
-class Scope(Protocol):
-    """Values of the parameters; a :class:`AssumedRegion`, or a cell."""
-
-    @property
-    def constraints(self) -> tuple[Constraint, ...]:
-        """Inequalities that hold for all these values."""
-
-    def sign(self, polynomial: Number) -> int:
-        """The one sign of a polynomial; UndecidedError if it has several, or may have."""
-
-    def contains(self, values: Mapping[str, Number]) -> object | None:
-        """What some values break, as far as they are given, or None."""
 
 
 class CellScope(Portable, ABC):
@@ -92,6 +77,9 @@ class CellScope(Portable, ABC):
     @abstractmethod
     def _holds(self, values: Mapping[str, Number]) -> bool:
         """Whether values lie inside."""
+
+
+Scope = AssumedRegion | CellScope  # values of the parameters
 
 
 @dataclass(frozen=True, slots=True)

@@ -84,46 +84,15 @@ class Entropy:
         return self.value is not None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Laps:
-    """The graph of laps of a map up to some order.
-
-    Attributes
-    ----------
-    nodes
-        By order; nodes of the last order may lead to others, which are not here.
-    ways
-        From each node to others, by their numbers.
-    whole
-        The same, with further ones taken for whole pieces.
-    """
-
-    nodes: tuple[Node, ...]
-    ways: tuple[tuple[int, ...], ...]
-    whole: tuple[tuple[int, ...], ...]
-
-    @property
-    def is_finite(self) -> bool:
-        """Whether no way leads to further nodes."""
-        return self.ways == self.whole
+Ways = tuple[tuple[int, ...], ...]  # from each node to others, by their numbers
 
 
-def laps_of(line: MapLine, found: Attractors, order: int, budget: Budget | Meter = BUDGET) -> Laps:
-    """The graph of laps up to an order.
+def laps_of(
+    line: MapLine, found: Attractors, order: int, budget: Budget | Meter = BUDGET
+) -> tuple[Ways, Ways]:
+    """The graph of laps up to an order: ways to nodes that are known, and all.
 
-    Parameters
-    ----------
-    line, found
-        The map and its attractors.
-    order
-        At least 1.
-    budget
-        What that may take.
-
-    Raises
-    ------
-    BudgetError
-        If it takes more.
+    Of all, those to further nodes are taken for whole pieces. Both are the same if there are none.
     """
     meter = metered(budget)
     cut_off = _without_laps(line, found)
@@ -149,7 +118,7 @@ def laps_of(line: MapLine, found: Attractors, order: int, budget: Budget | Meter
         )
         for onward in leads
     )
-    return Laps(tuple(number)[:known], ways, whole)
+    return ways, whole
 
 
 def _work(node: Node) -> int:
@@ -210,15 +179,15 @@ def entropy_of(
     best, meter = Entropy(low=0.0, high=most, value=None, order=0), metered(budget)
     with meter.keeping(orders):
         for order in meter.each(orders, "orders"):
-            laps = laps_of(line, found, order, meter)
-            if laps.is_finite:
-                growth = growth_of(laps.ways)
+            ways, whole = laps_of(line, found, order, meter)
+            if ways == whole:
+                growth = growth_of(ways)
                 if growth is not None:
                     return exact_entropy(growth, order)
-            low = max(best.low, _log(spectral_bounds(laps.ways)[0])[0])
-            high = min(best.high, _log(spectral_bounds(laps.whole)[1])[1])
+            low = max(best.low, _log(spectral_bounds(ways)[0])[0])
+            high = min(best.high, _log(spectral_bounds(whole)[1])[1])
             best = Entropy(low=low, high=high, value=None, order=order)
-            if laps.is_finite or high - low <= WIDTH:
+            if ways == whole or high - low <= WIDTH:
                 break
     if meter.stopped:
         best = replace(best, left_out=f"stopped after order {best.order}: {meter.stopped}")

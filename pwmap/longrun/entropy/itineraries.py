@@ -13,12 +13,10 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import Enum
 
-from sympy import QQ
-
-from pwmap.algebra.exact import sign
+from pwmap.algebra.exact import Affine, sign
 from pwmap.algebra.roots import Real
 from pwmap.longrun.entropy.entropies import growth_of
-from pwmap.longrun.line import Germ, MapLine
+from pwmap.longrun.line import IDENTITY, Germ, MapLine
 from pwmap.longrun.numbers import Exact, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 
@@ -108,12 +106,11 @@ def _drawn_from(line: MapLine, pieces: Sequence[int]) -> int | None:
     twice has its first point and that after w on two sides of the fixed point, and what lies
     between them is taken into itself.
     """
-    slope, intercept = QQ.one, QQ.zero
+    whole = IDENTITY
     for start in range(len(pieces) - 1, -1, -1):
-        branch = line.branches[pieces[start]]
-        slope, intercept = branch.slope * slope, slope * branch.intercept + intercept
-        word = pieces[start:]
-        if 0 < slope < 1 and _follows(line, intercept / (1 - slope), word):
+        whole = whole.after(Affine(*line.branches[pieces[start]][:2]))
+        slope, word = whole.slope, pieces[start:]
+        if 0 < slope < 1 and _follows(line, whole.fixed_point, word):
             return start
         before = start - len(word)
         if -1 < slope < 0 and before >= 0 and pieces[before:start] == word:
@@ -123,11 +120,10 @@ def _drawn_from(line: MapLine, pieces: Sequence[int]) -> int | None:
 
 def drawn_to(line: MapLine, word: Sequence[int]) -> Exact:
     """The fixed point of a word that draws in."""
-    slope, intercept = QQ.one, QQ.zero
+    whole = IDENTITY
     for k in word:
-        branch = line.branches[k]
-        slope, intercept = branch.slope * slope, branch.slope * intercept + branch.intercept
-    return intercept / (1 - slope)
+        whole = line.branches[k].after(whole)
+    return whole.fixed_point
 
 
 def _follows(line: MapLine, x: Exact, word: Sequence[int]) -> bool:
