@@ -136,12 +136,7 @@ class Arithmetic:
     def inverse(self, value: Quotient) -> Quotient:
         """One over a quotient.
 
-        Raises
-        ------
-        NotPolynomialError
-            If the variable occurs in it.
-        ValueError
-            If it is zero.
+        NotPolynomialError if the variable occurs in it; ValueError if it is zero.
         """
         if not value.is_constant:
             raise NotPolynomialError
@@ -179,12 +174,8 @@ class Arithmetic:
     def applied(self, term: Term, arguments: Sequence[Quotient]) -> Quotient:
         """What a tree is, from its arguments; its name must be that of a parameter.
 
-        Raises
-        ------
-        NotPolynomialError
-            If it is no polynomial in the variable.
-        ValueError
-            If it is too large, no formula, or divides by zero.
+        NotPolynomialError if it is no polynomial in the variable; ValueError if it is too large, no
+        formula, or divides by zero.
         """
         try:
             return self._applied(term, arguments)
@@ -248,10 +239,7 @@ def _size(number: Number) -> tuple[int, int, int]:
 def worked_out(term: Term, arithmetic: Arithmetic) -> Fraction_:
     """Numerator and denominator of a tree whose names are all parameters.
 
-    Raises
-    ------
-    ValueError
-        If it is too large, no formula, or divides by zero.
+    ValueError if it is too large, no formula, or divides by zero.
     """
     known: dict[int, Quotient] = {}
 
@@ -267,12 +255,8 @@ def worked_out(term: Term, arithmetic: Arithmetic) -> Fraction_:
 def fraction_of(value: object, ring: Ring, what: str) -> Fraction_:
     """Text, a number or a sympy expression in the parameters, as a quotient in lowest terms.
 
-    Raises
-    ------
-    TypeError
-        If a float occurs; the message names the rational it probably means.
-    ValueError
-        If it holds other symbols or is no formula; ``what`` names it.
+    TypeError if a float occurs; the message names the rational it probably means. ValueError if it
+    holds other symbols or is no formula; ``what`` names it.
     """
     symbols = ring.symbols if ring is not None else ()
     term = term_of(value, symbols)
@@ -285,12 +269,7 @@ def fraction_of(value: object, ring: Ring, what: str) -> Fraction_:
 def rational(value: object) -> Number:
     """An element of ``QQ`` from an int, a Fraction, a sympy Rational or text such as ``"5/4"``.
 
-    Raises
-    ------
-    TypeError
-        If it is a float.
-    ValueError
-        If it is no rational number.
+    TypeError if it is a float; ValueError if it is no rational number.
     """
     term = term_of(value)
     if term.names() or term.operation in CONDITIONS:

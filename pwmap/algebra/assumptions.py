@@ -61,42 +61,21 @@ class UndecidedError(ValueError):
 
 @dataclass(frozen=True)
 class AssumedRegion(Portable):
-    """All parameter values that satisfy some inequalities.
+    """All parameter values that satisfy some inequalities."""
 
-    Parameters
-    ----------
-    ring
-        The polynomial ring over all parameters, or None for no parameters.
-    constraints
-        The inequalities, in the ring.
-    """
-
-    ring: Ring
+    ring: Ring  # None for no parameters
     constraints: tuple[Constraint, ...] = ()
 
     @cached_property
     def sample(self) -> dict[str, Number]:
-        """Values that satisfy all inequalities, by name.
-
-        Raises
-        ------
-        ValueError
-            If there are none.
-        """
+        """Values that satisfy all inequalities, by name; ValueError if there are none."""
         return next(self.samples())
 
     def samples(self, coefficients: Sequence[Number] = ()) -> Iterator[dict[str, Number]]:
         """Different values that satisfy all inequalities: first plain ones, then generic ones.
 
-        Parameters
-        ----------
-        coefficients
-            Of a map: they tell its parameters apart where the inequalities do not.
-
-        Raises
-        ------
-        ValueError
-            If there are none.
+        Coefficients of a map tell its parameters apart where the inequalities do not. ValueError if
+        there are none.
         """
         if self.ring is None:
             yield {}
@@ -113,10 +92,7 @@ class AssumedRegion(Portable):
     def sign(self, polynomial: Number) -> int:
         """The one sign of a polynomial over the region.
 
-        Raises
-        ------
-        UndecidedError
-            If it is not proved to have one.
+        UndecidedError if it is not proved to have one.
         """
         if is_constant(polynomial):
             return sign(constant(polynomial))
@@ -151,10 +127,7 @@ class AssumedRegion(Portable):
 def read_constraints(given: Iterable[Term], ring: Ring) -> tuple[Constraint, ...]:
     """Inequalities from relations and conjunctions of them, and from what symbols assume.
 
-    Raises
-    ------
-    ValueError
-        If one is no inequality between quotients of polynomials in the parameters.
+    ValueError if one is no inequality between quotients of polynomials in the parameters.
     """
     found: list[Constraint] = []
     symbols = ring.symbols if ring is not None else ()

@@ -109,10 +109,7 @@ def sign(number: Number) -> int:
 class Infinite:
     """What grows without bound: it compares with all numbers, and a map takes it to its limit.
 
-    Attributes
-    ----------
-    side
-        -1 or +1.
+    Its side is -1 or +1.
     """
 
     __slots__ = ("side",)

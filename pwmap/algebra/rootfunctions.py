@@ -56,20 +56,11 @@ class Root(Portable):
     """A value of one parameter that solves an equation, and so depends on the other one.
 
     Two are equal if their values at the sample are; :func:`identical` says whether they stay so.
-
-    Attributes
-    ----------
-    value
-        At the sample of the other parameter.
-    factor
-        The irreducible polynomial in both parameters of which it is a root.
-    number
-        Which of its real roots in the one parameter it is, counted from the lowest.
     """
 
-    value: Real
-    factor: PolyElement
-    number: int
+    value: Real  # at the sample of the other parameter
+    factor: PolyElement  # irreducible, in both parameters; zero on it
+    number: int  # which of the real roots in the one parameter, counted from the lowest
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Root) and self.value == other.value
@@ -97,25 +88,13 @@ class Root(Portable):
 
 @dataclass(frozen=True, slots=True)
 class Column(Portable):
-    """An open interval of one of two parameters; which may be the whole line.
-
-    Attributes
-    ----------
-    symbols
-        Both parameters.
-    along
-        Which of them is the one of roots.
-    low, high
-        Ends of the other one.
-    sample
-        A value of it inside.
-    """
+    """An open interval of one of two parameters; which may be the whole line."""
 
     symbols: tuple[sympy.Symbol, sympy.Symbol]
-    along: int
-    low: Real
+    along: int  # which of both symbols is the parameter of roots
+    low: Real  # of the other one, as is high
     high: Real
-    sample: Number
+    sample: Number  # a value of it inside
 
     @property
     def ring(self) -> Ring:

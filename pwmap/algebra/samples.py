@@ -66,21 +66,11 @@ class Solved:
 
 @dataclass(frozen=True, slots=True)
 class Interior:
-    """A point at which inequalities hold strictly, and parameters that follow from others.
+    """A point at which inequalities hold strictly, and parameters that follow from others."""
 
-    Attributes
-    ----------
-    constraints
-        Those that are left to the free parameters.
-    point
-        Values of the free parameters, by generator.
-    solved
-        The others; each is solved for those that are free or come later.
-    """
-
-    constraints: tuple[Constraint, ...]
-    point: Mapping[int, Number]
-    solved: tuple[Solved, ...] = ()
+    constraints: tuple[Constraint, ...]  # those that are left to the free parameters
+    point: Mapping[int, Number]  # values of the free parameters, by generator
+    solved: tuple[Solved, ...] = ()  # the others, each for those that are free or come later
 
 
 def points(
@@ -88,10 +78,7 @@ def points(
 ) -> Iterator[list[Number]]:
     """Values of all parameters that satisfy the constraints: first plain ones, then generic ones.
 
-    Raises
-    ------
-    EmptyRegionError
-        If there are none.
+    EmptyRegionError if there are none.
     """
     parts = _interiors(ring, constraints, order)
     free = [variable for variable in order if any(variable in part.point for part in parts)]

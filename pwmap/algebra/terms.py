@@ -75,20 +75,12 @@ class Excerpt(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Term:
-    """A tree.
-
-    Attributes
-    ----------
-    value
-        An element of ``QQ`` for a number, a symbol for a name, a bool for a truth value.
-    source
-        What it was read from, for messages.
-    """
+    """A tree."""
 
     operation: Operation
     arguments: tuple[Term, ...] = ()
-    value: Any = None
-    source: object = None
+    value: Any = None  # an element of QQ, a symbol for a name, a bool for a truth value
+    source: object = None  # what it was read from, for messages
 
     def __str__(self) -> str:
         """As it was written, in one line, its middle left out if it is long."""
@@ -159,10 +151,7 @@ def float_refusal(value: object) -> TypeError:
 def term_of_number(value: object) -> Term | None:
     """A bool or an exact number as a tree; None if the value is neither.
 
-    Raises
-    ------
-    TypeError
-        If it is a float; the message names the rational it probably means.
+    TypeError if it is a float; the message names the rational it probably means.
     """
     if isinstance(value, bool):
         return Term(Operation.TRUTH, value=value, source=value)
@@ -256,11 +245,7 @@ class _Reader:
 def term_of_sympy(expr: sympy.Basic) -> Term:
     """A sympy expression as a tree.
 
-    Raises
-    ------
-    TypeError
-        If a float occurs.
-    ValueError
-        If it holds what no piecewise-linear map over the rationals holds, or is too large.
+    TypeError if a float occurs; ValueError if it holds what no piecewise-linear map over the
+    rationals holds, or is too large.
     """
     return _Reader().read(expr)

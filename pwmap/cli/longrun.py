@@ -28,15 +28,8 @@ HIGHEST = 5  # order up to which crises are looked for
 class LongRun:
     """Attractors and entropy over a parameter, and densities at values of it.
 
-    Parameters
-    ----------
-    map_, parameter, span
-        A map of that parameter alone, its name, and two rationals if it is asked for more than
-        densities.
-    interrupts
-        To which each Ctrl-C is added; after one nothing more is begun.
-    bar
-        That says how far a question is.
+    The map has that parameter alone; the span, two rationals, is needed for more than densities.
+    Each Ctrl-C is added to the interrupts, and after one nothing more is begun.
     """
 
     def __init__(
@@ -53,10 +46,8 @@ class LongRun:
     def ask(self, *, attractors: bool, entropy: bool, density: tuple[str, ...], order: int) -> None:
         """Ask one question after the other, until Ctrl-C; what is finished of each is kept.
 
-        Raises
-        ------
-        ValueError
-            If something is asked for over a parameter without a span, or there is no density.
+        ValueError if something is asked for over a parameter without a span, or there is no
+        density.
         """
         map_, name, span = self._map, self._parameter, self._span
         if span is None and (attractors or entropy):

@@ -25,41 +25,20 @@ _T = sympy.Symbol("t")
 
 @dataclass(frozen=True, slots=True)
 class ExactValue:
-    """A formula at one value of the parameter.
+    """A formula at one value of the parameter."""
 
-    Attributes
-    ----------
-    formula
-        The exact number, or a formula in parameters that stay symbolic.
-    key
-        That number at the sample of these: an element of ``QQ``, one of the field of an algebraic
-        value as its coefficients, or an infinity.
-    number
-        The same as a float.
-    """
-
-    formula: sympy.Expr
-    key: Any
-    number: float
+    formula: sympy.Expr  # exact, or in parameters that stay symbolic
+    key: Any  # at their sample: in QQ, coefficients in the field of an algebraic value, or infinite
+    number: float  # the same as a float
 
 
 @dataclass(frozen=True, slots=True)
 class ExactSlice:
-    """One value of the parameter.
-
-    Parameters
-    ----------
-    name
-        The parameter.
-    at
-        Its value.
-    sample
-        Values of parameters that stay symbolic.
-    """
+    """One value of the parameter."""
 
     name: str
     at: Real
-    sample: Mapping[str, sympy.Expr]
+    sample: Mapping[str, sympy.Expr]  # of parameters that stay symbolic
 
     def meets(self, interval: sympy.Set) -> bool:
         """Whether an interval of the parameter holds the value."""
@@ -117,12 +96,7 @@ def _side(key: Any) -> int:
 def exact_number(value: object) -> Real:
     """The exact number that a value of a parameter is; a float is the binary number it holds.
 
-    Raises
-    ------
-    ValueError
-        If it is no finite real number.
-    TypeError
-        If it is neither a number nor text.
+    ValueError if it is no finite real number; TypeError if it is neither a number nor text.
     """
     if isinstance(value, numbers.Real) and not isinstance(value, numbers.Rational | sympy.Basic):
         if not math.isfinite(value):

@@ -55,13 +55,7 @@ def _texts(figure: Any, table: Any, color: str = INK) -> Any:
 
 
 class DiagramView:
-    """Branches as they are found, special points with their names, and where the page is.
-
-    Attributes
-    ----------
-    figure
-        The root for the page.
-    """
+    """Branches as they are found, special points with their names, and where the page is."""
 
     def __init__(self, name: str, x_label: str, y_label: str) -> None:
         self.figure = new_figure(name, x_label, y_label)

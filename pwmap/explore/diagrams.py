@@ -26,29 +26,14 @@ ORDERED = 0.9  # how far places in the graph follow the order of values, not the
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shown:
-    """What is drawn of a diagram; tables of columns, one row for each line or marker.
-
-    Parameters
-    ----------
-    diagram
-        The diagram itself.
-    lines
-        Stretches of branches in one style: ``xs ys color dash width branch``.
-    samples
-        Every sample: ``x y branch kind word multiplier``.
-    points
-        Special points: ``x y id label kind cause where marker color size angle must``.
-    nodes, edges
-        The graph in the plane: nodes as ``points``, edges as ``lines`` with ``x y label`` of their
-        middles.
-    """
+    """What is drawn of a diagram; tables of columns, one row for each line or marker."""
 
     diagram: Diagram
-    lines: Table
-    samples: Table
-    points: Table
-    nodes: Table
-    edges: Table
+    lines: Table  # stretches of branches in one style: xs ys color dash width branch
+    samples: Table  # all: x y branch kind word multiplier
+    points: Table  # x y id label kind cause where marker color size angle must
+    nodes: Table  # of the graph in the plane: as points
+    edges: Table  # as lines, with x y label of their middles
 
 
 def shown(diagram: Diagram) -> Shown:
@@ -237,14 +222,7 @@ def _curve(a: Floats, b: Floats, k: int) -> Floats:
 def nearest_line(table: Table, x: float, y: float, scale: tuple[float, float]) -> tuple[str, float]:
     """The branch whose line passes nearest to a place, and how far away [px].
 
-    Parameters
-    ----------
-    table
-        Lines or edges.
-    x, y
-        The place.
-    scale
-        Pixels for one unit of x, and of y.
+    The scale is in pixels for one unit of x, and of y.
     """
     best, least = "", np.inf
     for xs, ys, branch in zip(table["xs"], table["ys"], table["branch"], strict=True):

@@ -40,36 +40,19 @@ Rows = list[list[str]]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapAnswer:
-    """One answer.
+    """One answer."""
 
-    Parameters
-    ----------
-    name
-        ``map``, ``cells``, ``diagram``, ``long`` or ``plane``.
-    tables
-        Columns by the name of the table, for the figures.
-    rows
-        Exact values as text, by the heading of their list.
-    message
-        Why there is no answer, or not all of it.
-    shown
-        The diagram, if that is the answer.
-    """
-
-    name: str
-    tables: dict[str, dict[str, Any]] = field(default_factory=dict)
-    rows: dict[str, Rows] = field(default_factory=dict)
-    message: str = ""
-    shown: Shown | None = None
+    name: str  # map, cells, diagram, long or plane
+    tables: dict[str, dict[str, Any]] = field(default_factory=dict)  # columns by name
+    rows: dict[str, Rows] = field(default_factory=dict)  # as text, by their heading
+    message: str = ""  # why there is no answer, or not all of it
+    shown: Shown | None = None  # the diagram, if that is the answer
 
 
 def maps_of(state: MapState) -> tuple[PiecewiseLinearMap, PiecewiseLinearMap]:
     """The map with its parameters, and with their values.
 
-    Raises
-    ------
-    ValueError
-        If the text is no map, or one with too many parameters.
+    ValueError if the text is no map, or one with too many parameters.
     """
     given = [part.strip() for part in state.given.split(";") if part.strip()]
     family = PiecewiseLinearMap.from_sympy(state.map, "x", given)

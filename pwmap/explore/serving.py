@@ -42,20 +42,13 @@ POLICY = (
 class Site:
     """What is served.
 
-    Parameters
-    ----------
-    page
-        Fills the document of one tab.
-    export
-        Called with the name of a file and the query: a job that yields its type and content, and
-        what that is called with. ValueError if there is no such file or state.
-    compare
-        Title of the page with two states side by side.
+    ``export`` is called with the name of a file and the query, and gives a job that yields its type
+    and content, with what that is called with; ValueError if there is no such file or state.
     """
 
-    page: Callable[[Document], None]
+    page: Callable[[Document], None]  # fills the document of one tab
     export: Callable[[str, str], tuple[Any, ...]]
-    compare: str
+    compare: str  # title of the page with two states side by side
 
 
 def serve(
@@ -63,21 +56,9 @@ def serve(
 ) -> None:
     """Serve a site until it is asked to end.
 
-    Parameters
-    ----------
-    site
-        What is served.
-    port
-        Where; by default the first from 5007 on that is free.
-    stay
-        Whether to go on when the last page was closed.
-    ready
-        Called with the address when pages can be loaded.
-
-    Raises
-    ------
-    OSError
-        If the port is taken.
+    The port is by default the first from 5007 on that is free. With ``stay`` it goes on when the
+    last page was closed; ``ready`` is called with the address when pages can be loaded. OSError if
+    the port is taken.
     """
     server = _started(site, port)
     loop: IOLoop = server.io_loop

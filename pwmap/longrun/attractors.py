@@ -85,27 +85,15 @@ class Bands:
 
 @dataclass(frozen=True, eq=False)
 class Attractors:
-    """Everything bounded that orbits settle to.
-
-    Attributes
-    ----------
-    cycles, neutral, bands
-        Attracting cycles, neutral intervals, and chaotic attractors, each from left to right.
-    orbits
-        Of all germs at breaks, with their fates.
-    open
-        Breaks of which it is not known what grows from them.
-    left_out
-        A sentence if a budget or an interrupt is the cause.
-    """
+    """Everything bounded that orbits settle to."""
 
     line: MapLine
-    cycles: tuple[AttractingCycle, ...]
+    cycles: tuple[AttractingCycle, ...]  # these and the next from left to right
     neutral: tuple[NeutralIntervals, ...]
     bands: tuple[Bands, ...]
-    orbits: tuple[GermOrbit, ...]
-    open: tuple[Exact, ...]
-    left_out: str = ""
+    orbits: tuple[GermOrbit, ...]  # of all germs at breaks, with their fates
+    open: tuple[Exact, ...]  # breaks of which it is not known what grows from them
+    left_out: str = ""  # a sentence if a budget or an interrupt is the cause
 
     def __len__(self) -> int:
         """How many."""
@@ -119,12 +107,7 @@ class _Settled(Exception):  # noqa: N818  it is not an error
 def attractors_of(line: MapLine, *, budget: Budget | Meter = BUDGET) -> Attractors:
     """The attractors of a map.
 
-    Parameters
-    ----------
-    line
-        The map.
-    budget
-        If it is used up, more breaks are open.
+    If the budget is used up, more breaks are open.
     """
     meter = metered(budget)
     expands = all(abs_(branch.slope) > 1 for branch in line.branches)

@@ -93,16 +93,8 @@ def whole_basin(
 ) -> WholeBasin:
     """All that comes to an attractor.
 
-    Parameters
-    ----------
-    line
-        The map.
-    core
-        Points that stay at the attractor, or are known to be drawn in.
-    immediate
-        Its immediate basin: open intervals.
-    budget
-        If it is used up what was collected is not complete.
+    The core are points that stay at the attractor, or are known to be drawn in; the immediate basin
+    is given as open intervals. If the budget is used up what was collected is not complete.
     """
     meter = metered(budget)
     found = [core | open_intervals(immediate)]
@@ -178,15 +170,9 @@ def basin_of(
     Iterates are looked at until all ends may have come back, twice: what is mapped to the other
     side of a repelling point comes back the second time.
 
-    Parameters
-    ----------
-    line
-        The map.
-    start
-        Intervals from left to right that hold the attractor, and that are mapped into themselves:
-        its bands, its neutral intervals, or what its points are known to draw in.
-    budget
-        If it is used up, or that takes many rounds, intervals may be too short.
+    They start as intervals from left to right that hold the attractor, and that are mapped into
+    themselves: its bands, its neutral intervals, or what its points are known to draw in. If the
+    budget is used up, or that takes many rounds, intervals may be too short.
     """
     known, meter = list(start), metered(budget)
     with meter.keeping(known):

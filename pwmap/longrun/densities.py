@@ -70,21 +70,11 @@ class Enclosure(mpmath.ctx_iv.ivmpf):  # type: ignore[misc]
 
 @dataclass(frozen=True, slots=True)
 class _BreakSide:
-    """One side of a break inside a band, with the jumps that leave it.
+    """One side of a break inside a band, with the jumps that leave it."""
 
-    Attributes
-    ----------
-    germ
-        The end, with the side on which the piece lies.
-    jumps
-        Where jumps are, and how high if the density beside the end is one.
-    rest
-        A bound of the heights of all further ones.
-    """
-
-    germ: Germ
-    jumps: tuple[tuple[Exact, Exact], ...]
-    rest: float
+    germ: Germ  # with the side on which the piece lies
+    jumps: tuple[tuple[Exact, Exact], ...]  # where, and how high if the density there is one
+    rest: float  # a bound of the heights of all further ones
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,20 +174,8 @@ class Density:
 def density_of(line: MapLine, bands: Bands, budget: Budget | Meter = BUDGET) -> Density | None:
     """The invariant density of a chaotic attractor.
 
-    Parameters
-    ----------
-    line
-        The map.
-    bands
-        An attractor of it.
-    budget
-        What that may take.
-
-    Returns
-    -------
-    Density or None
-        None if no iterate is found that expands everywhere, or rounding leaves open which it is,
-        or the budget does not suffice.
+    None if no iterate is found that expands everywhere, or rounding leaves open which it is, or the
+    budget does not suffice.
     """
     try:
         return _density_of(line, bands, metered(budget))

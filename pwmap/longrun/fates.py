@@ -95,27 +95,13 @@ class AttractingCycle:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GermOrbit:
-    """A germ's orbit, as far as it was followed.
+    """A germ's orbit, as far as it was followed."""
 
-    Attributes
-    ----------
-    germs
-        The germ itself and its images, each once.
-    letters
-        Of the pieces by which they are mapped.
-    fate
-        What becomes of it.
-    start
-        If it is finite, the number of the first germ that comes again.
-    cycle
-        What draws it in.
-    """
-
-    germs: tuple[Germ, ...]
-    letters: tuple[str, ...]
+    germs: tuple[Germ, ...]  # itself and its images, each once
+    letters: tuple[str, ...]  # of the pieces by which they are mapped
     fate: Fate
-    start: int = -1
-    cycle: AttractingCycle | None = None
+    start: int = -1  # if it is finite, the number of the first germ that comes again
+    cycle: AttractingCycle | None = None  # what draws it in
 
     @property
     def period(self) -> int:
@@ -136,17 +122,7 @@ def unfollowed(line: MapLine, germ: Germ) -> GermOrbit:
 
 
 class Fates:
-    """Follows orbits, and keeps the attracting cycles that it meets.
-
-    Parameters
-    ----------
-    line
-        The map.
-    steps
-        How far an orbit is followed at most.
-    budget
-        What it may take.
-    """
+    """Follows orbits, and keeps the attracting cycles that it meets."""
 
     def __init__(self, line: MapLine, steps: int, budget: Budget | Meter = BUDGET) -> None:
         self.line, self.steps, self.meter = line, steps, metered(budget)

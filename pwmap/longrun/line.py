@@ -67,21 +67,11 @@ class Owner(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MapLine:
-    """A map at one place of its parameters.
+    """A map at one place of its parameters."""
 
-    Attributes
-    ----------
-    branches
-        The pieces on open intervals, from left to right.
-    values
-        The value at each break between two of them.
-    owners
-        The piece that each break belongs to.
-    """
-
-    branches: tuple[AffinePiece, ...]
-    values: tuple[Exact, ...]
-    owners: tuple[Owner, ...]
+    branches: tuple[AffinePiece, ...]  # on open intervals, from left to right
+    values: tuple[Exact, ...]  # at each break between two of them
+    owners: tuple[Owner, ...]  # of each break
 
     @cached_property
     def breaks(self) -> tuple[Exact, ...]:
@@ -201,20 +191,9 @@ def length(intervals: Iterable[Interval]) -> Exact:
 def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None) -> MapLine:
     """A map at one place of its parameters.
 
-    Parameters
-    ----------
-    map_
-        The map, or an iterate of it.
-    values
-        Of its parameters by symbol or name: rationals, and one may be a real algebraic number given
-        as an expression, such as ``(1 + sqrt(5))/2``.
-
-    Raises
-    ------
-    ValueError
-        If a parameter has no value, or several have algebraic values, or of an iterate.
-    TypeError
-        If it is no map, or a value is a float.
+    Values are rationals by symbol or name, and one may be a real algebraic number given as an
+    expression, such as ``(1 + sqrt(5))/2``. ValueError if a parameter has no value, or several have
+    algebraic values, or of an iterate; TypeError if it is no map, or a value is a float.
     """
     check_map(map_)
     rationals, roots = dict[str, object](), dict[str, RealRoot]()
@@ -277,10 +256,7 @@ def line_at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
 
     Its branches are those of the map's layout, one by one.
 
-    Raises
-    ------
-    ValueError
-        If that contradicts what is assumed of it.
+    ValueError if that contradicts what is assumed of it.
     """
     table, ring = map_.definition.table, map_.definition.ring
 

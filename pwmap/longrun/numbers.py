@@ -29,12 +29,7 @@ Exact = Any  # an element of QQ, or an Element; an end of an interval may be Inf
 class Element:
     """A number of the field of one real root: a polynomial in it, of a lower degree than its own.
 
-    Parameters
-    ----------
-    root
-        The algebraic number that generates the field.
-    value
-        Coefficients, highest power first, reduced.
+    Its value has coefficients, highest power first, reduced.
     """
 
     __slots__ = ("root", "value")
@@ -170,10 +165,7 @@ def enclosed(x: Exact, bits: int = 64) -> tuple[Fraction, Fraction]:
 def algebraic(expression: sympy.Expr) -> Real:
     """A real algebraic number given as an expression without symbols, such as ``(1 + sqrt(5))/2``.
 
-    Raises
-    ------
-    ValueError
-        If it is not real, or not algebraic.
+    ValueError if it is not real, or not algebraic.
     """
     expression = sympy.sympify(expression)
     if expression.is_Rational:

@@ -57,10 +57,7 @@ def refined(
 
     Who is asked may know answers from elsewhere; by default it is the oracle.
 
-    Raises
-    ------
-    BudgetError
-        If there are too many.
+    BudgetError if there are too many.
     """
     pieces, meter = list[Cylinder](), metered(budget)
     ask = ask or oracle.ask

@@ -51,17 +51,7 @@ _HOLDS: dict[Operation, Callable[[int], bool]] = {
 
 
 class ProfileLine:
-    """The line of a variable, on which trees become profiles.
-
-    Parameters
-    ----------
-    x
-        The variable.
-    region
-        What is assumed of the parameters.
-    arithmetic
-        Over the ring of the parameters.
-    """
+    """The line of a variable, on which trees become profiles."""
 
     def __init__(self, x: sympy.Symbol, region: AssumedRegion, arithmetic: Arithmetic) -> None:
         self.x = x
@@ -76,12 +66,8 @@ class ProfileLine:
     def formula(self, term: Term) -> Profile:
         """A formula as a profile of quotients.
 
-        Raises
-        ------
-        UndecidedError
-            If the assumptions leave open how its breaks lie.
-        ValueError
-            If it is no formula, too large, or no polynomial on a slot.
+        UndecidedError if the assumptions leave open how its breaks lie; ValueError if it is no
+        formula, too large, or no polynomial on a slot.
         """
         if term.operation in CONDITIONS:
             raise ValueError(f"expected a formula such as 2*{self.x}, got the condition {term}")
@@ -185,12 +171,8 @@ class ProfileLine:
     def union(self, profiles: Iterable[Profile]) -> tuple[Fraction_, ...]:
         """The breaks of all profiles, sorted.
 
-        Raises
-        ------
-        UndecidedError
-            If their order does not follow from the assumptions.
-        ValueError
-            If two of them coincide there, or there are too many.
+        UndecidedError if their order does not follow from the assumptions; ValueError if two of
+        them coincide there, or there are too many.
         """
         several = {profile.breaks for profile in profiles if profile.breaks}
         if len(several) <= 1:

@@ -60,10 +60,7 @@ def read(
 
     With ``first_wins`` the first condition that holds counts, otherwise exactly one must hold.
 
-    Raises
-    ------
-    ValueError, TypeError
-        One sentence that names the piece and what is wrong with it.
+    ValueError, TypeError: one sentence that names the piece and what is wrong with it.
     """
     variable = _symbol(x)
     for piece in pieces:
@@ -239,10 +236,7 @@ def _value(affine: Affine, x: Fraction_) -> Fraction_:
 def _denominator(fractions: Iterable[Fraction_], region: AssumedRegion, one: Number) -> Number:
     """A positive common multiple of denominators.
 
-    Raises
-    ------
-    UndecidedError
-        If the sign of one does not follow from the assumptions.
+    UndecidedError if the sign of one does not follow from the assumptions.
     """
     common = one
     for _, bottom in fractions:

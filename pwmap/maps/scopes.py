@@ -35,16 +35,10 @@ Orders = tuple[int, ...]
 
 
 class CellScope(Portable, ABC):
-    """A cell, or an edge of cells: a sign is known at one place of it, maybe everywhere.
-
-    Attributes
-    ----------
-    symbol
-        The parameter of the axis.
-    """
+    """A cell, or an edge of cells: a sign is known at one place of it, maybe everywhere."""
 
     __slots__ = ()
-    symbol: sympy.Symbol
+    symbol: sympy.Symbol  # the parameter of the axis
     orders: Orders
 
     @property
@@ -120,25 +114,14 @@ class NumberCell(CellScope):
 
 @dataclass(frozen=True, slots=True)
 class SymbolicCell(CellScope):
-    """An open cell of one parameter where others stay symbolic, or one value of it.
-
-    Attributes
-    ----------
-    region
-        What is assumed of the others and, of an open cell, its bounds, as inequalities.
-    low, high
-        Its ends; of one value both are that.
-    value
-        Numerator and denominator of the one value; the denominator has one sign. None if it is
-        open.
-    """
+    """An open cell of one parameter where others stay symbolic, or one value of it."""
 
     symbol: sympy.Symbol
-    region: AssumedRegion
-    low: sympy.Expr
+    region: AssumedRegion  # what is assumed of the others and, of an open cell, its bounds
+    low: sympy.Expr  # its ends; of one value both are that
     high: sympy.Expr
     orders: Orders = field(compare=False)
-    value: Fraction_ | None = None
+    value: Fraction_ | None = None  # the one value, with a denominator of one sign
 
     @property
     def is_edge(self) -> bool:

@@ -62,22 +62,12 @@ class DegreeError(ValueError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ValueAt:
-    """A quotient of polynomials at a place, where other parameters stay symbolic.
+    """A quotient of polynomials at a place, where other parameters stay symbolic."""
 
-    Attributes
-    ----------
-    value
-        At the sample of the other parameters, in canonical form.
-    top, bottom
-        The polynomials, not in lowest terms.
-    factor
-        The polynomial that is zero at the place.
-    """
-
-    value: Any
-    top: PolyElement
+    value: Any  # at the sample of the other parameters, in canonical form
+    top: PolyElement  # not in lowest terms
     bottom: PolyElement
-    factor: PolyElement
+    factor: PolyElement  # zero at the place
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, ValueAt) or self.value != other.value:
@@ -99,14 +89,7 @@ def identical(first: Any, second: Any) -> bool:
 class Axis(ABC):
     """One parameter of a map, along which the signs of polynomials are followed.
 
-    Parameters
-    ----------
-    definition
-        The map.
-    name
-        The parameter of the axis.
-    sample
-        Values of the others, which stay symbolic.
+    The sample has values of the others, which stay symbolic.
     """
 
     def __init__(self, definition: Definition, name: str, sample: dict[str, Number]) -> None:
@@ -150,10 +133,7 @@ class Axis(ABC):
     def limits(self, constraint: Constraint) -> tuple[Any, ...]:
         """Places where an assumption begins or ceases to hold.
 
-        Raises
-        ------
-        ValueError
-            If its degree is too high for that.
+        ValueError if its degree is too high for that.
         """
         polynomial = constraint.polynomial
         if polynomial not in self._roots:

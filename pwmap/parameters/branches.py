@@ -43,23 +43,13 @@ NOWHERE = (Inclusion.VIRTUAL, Inclusion.NONE)  # then a cylinder holds no fixed 
 
 @dataclass(frozen=True, eq=False)
 class Continuation:
-    """What lies on the diagonal, followed through the cells of a parameter from left to right.
-
-    Attributes
-    ----------
-    length
-        Of the words of order 1: how many maps are composed.
-    span
-        Places of the first and the last value of the parameter, as far as the assumptions reach.
-    known
-        From other cells of the same axis, if there were any.
-    """
+    """What lies on the diagonal, followed through the cells of a parameter from left to right."""
 
     axis: Axis
     cells: Sequence[Cell]
-    length: int
-    span: tuple[Any, Any]
-    known: KnownValues = field(default_factory=KnownValues, repr=False)
+    length: int  # of the words of order 1: how many maps are composed
+    span: tuple[Any, Any]  # first and last value, as far as the assumptions reach
+    known: KnownValues = field(default_factory=KnownValues, repr=False)  # of the axis
 
     @property
     def orbits(self) -> Orbits:

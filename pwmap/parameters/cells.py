@@ -56,17 +56,11 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaceStudy:
-    """All iterates at one place, and the oracle that decided them.
-
-    Attributes
-    ----------
-    cylinders
-        Of the last iterate that was composed.
-    """
+    """All iterates at one place, and the oracle that decided them."""
 
     oracle: SignOracle
     iterates: dict[int, StudiedIterate]
-    cylinders: tuple[Cylinder, ...] = WHOLE_LINE
+    cylinders: tuple[Cylinder, ...] = WHOLE_LINE  # of the last iterate
 
     def shown(self) -> dict[int, StudiedIterate]:
         """The iterates, without telling apart fixed points that are virtual or missing."""
@@ -147,15 +141,7 @@ def stages(
     What a cell knows of lower orders holds in all its parts and on the edges between them. What the
     new order finds is kept from one place to the next (:mod:`pwmap.parameters.persistence`).
 
-    Parameters
-    ----------
-    cells
-        As :func:`uncut` gives them.
-
-    Raises
-    ------
-    BudgetError
-        If an order takes more pieces than there are left.
+    BudgetError if an order takes more pieces than there are left.
     """
     pieces, meter = 0, metered(budget)
 
@@ -496,11 +482,8 @@ def only_axis(
 ) -> tuple[Axis, tuple[Number, Number]]:
     """The axis of the one parameter of a map, and the ends of a span of it.
 
-    Raises
-    ------
-    ValueError
-        If the map has other parameters, or is an iterate, or the span is no interval that the
-        assumptions admit.
+    ValueError if the map has other parameters, or is an iterate, or the span is no interval that
+    the assumptions admit.
     """
     name = str(own_name(parameter, map_.parameters))
     names = [str(symbol) for symbol in map_.parameters]

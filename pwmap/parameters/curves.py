@@ -32,16 +32,8 @@ def connected(
 ) -> tuple[list[SegmentCurve], list[Junction]]:
     """The curves that segments make, and the junctions that are left, in which curves end.
 
-    Parameters
-    ----------
-    segments, junctions
-        As :class:`pwmap.parameters.branches.Continuation` has them.
-    stops
-        Places at which every branch ends.
-
-    Returns
-    -------
-    Curves start at the one of their ends that comes first; junctions have the ends of curves only.
+    Every branch ends at a stop. Curves start at the one of their ends that comes first; junctions
+    have the ends of curves only.
     """
     following = {
         tip: other
@@ -96,10 +88,7 @@ def traced(
 
     Each thing is in one line; one that closes begins at the first end of its first thing.
 
-    Parameters
-    ----------
-    following
-        The end that meets an end, both ways.
+    Of two ends that meet, each is followed by the other.
     """
     passed = set[Thing]()
     for thing in things:

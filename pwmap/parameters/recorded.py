@@ -81,17 +81,7 @@ def axis_of(definition: Definition, name: str, sample: dict[str, Number]) -> Axi
 
 
 class RecordedAxis(Axis):
-    """One parameter of a map that has others, which stay symbolic.
-
-    Parameters
-    ----------
-    definition
-        The map.
-    name
-        The parameter of the axis.
-    sample
-        Values of the other parameters.
-    """
+    """One parameter of a map that has others, which stay symbolic."""
 
     def __init__(self, definition: Definition, name: str, sample: dict[str, Number]) -> None:
         super().__init__(definition, name, sample)

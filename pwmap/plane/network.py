@@ -33,24 +33,12 @@ Node = tuple[Real, Real]  # values of both parameters
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaneArc(Portable):
-    """A part of a curve that is a function of one of the parameters.
+    """A part of a curve that is a function of one of the parameters."""
 
-    Attributes
-    ----------
-    event
-        What happens on it.
-    polynomial
-        Zero on it; irreducible.
-    ends
-        Values of both parameters at its ends, the parameter across first.
-    column, root
-        Which root it is, and where; None for an upright arc.
-    """
-
-    event: PlaneEvent
-    polynomial: PolyElement
-    ends: tuple[Node, Node]
-    column: Column | None = None
+    event: PlaneEvent  # what happens on it
+    polynomial: PolyElement  # zero on it; irreducible
+    ends: tuple[Node, Node]  # values of both parameters, the one across first
+    column: Column | None = None  # where it is a root; None for an upright arc
     root: Root | None = None
 
 
@@ -164,13 +152,7 @@ Meeting = dict[
 def network(
     rectangle: Rectangle, strips: Sequence[Strip]
 ) -> tuple[tuple[PlaneCurve, ...], tuple[CodimensionTwo, ...]]:
-    """The curves of a rectangle, and the points in which they meet.
-
-    Parameters
-    ----------
-    rectangle, strips
-        As they were cut, from left to right.
-    """
+    """The curves of a rectangle, and the points in which they meet."""
     arcs = list(_arcs(rectangle, strips))
     meetings: dict[Node, Meeting] = defaultdict(lambda: defaultdict(list))
     for arc in arcs:

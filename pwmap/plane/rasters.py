@@ -166,13 +166,7 @@ def _middles(low: Number, high: Number, n: int) -> tuple[Number, ...]:
 
 
 def arc_arrays(arc: PlaneArc, step: float) -> tuple[FloatArray, FloatArray]:
-    """An arc as arrays of both parameters, in steps of about some width.
-
-    Parameters
-    ----------
-    step
-        Between two values of the parameter across.
-    """
+    """An arc as arrays of both parameters, in steps of about some width."""
     ends = np.array([[_float(value) for value in node] for node in arc.ends])
     if arc.root is None or arc.column is None:
         return ends[:, 0], ends[:, 1]

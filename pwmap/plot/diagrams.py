@@ -185,10 +185,7 @@ def draw_branches(
 ) -> Artists:  # fmt: skip
     """Draw branches, special points of some kinds, names and axes; artists by their legend.
 
-    Parameters
-    ----------
-    diagram, ax, kinds, labels, branches, stable_only
-        As for :func:`plot_diagram`.
+    Arguments are those of :func:`plot_diagram`.
     """
     shown: Artists = {}
     for branch in diagram.branches:

@@ -88,14 +88,8 @@ class _Places(NamedTuple):
 class Labels(Artist):
     """The names in a picture.
 
-    Parameters
-    ----------
-    names
-        Names of points.
-    curves
-        Curves, which names of points do not cover if there is room elsewhere.
-    markers
-        Places (n, 2) of markers besides those of ``names``.
+    Names of points do not cover curves if there is room elsewhere. Other points have markers at
+    places (n, 2).
     """
 
     def __init__(

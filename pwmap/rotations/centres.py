@@ -317,10 +317,7 @@ def _univariate(
     of the radical has this shape; an ideal with finitely many zeros is made radical by a polynomial
     without multiple roots in each variable.
 
-    Raises
-    ------
-    ValueError
-        If the common zeros are a curve.
+    ValueError if the common zeros are a curve.
     """
     u, v = (map_.parameters[k] for k in at)
     t = sympy.Dummy("t")

@@ -306,14 +306,7 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
 class _Powers:
     """The field in which a family is computed: the parameters, n, and a variable for each s^n.
 
-    Parameters
-    ----------
-    map_
-        The map.
-    bases
-        The slopes s of repeated words, without those that are 0 or 1.
-    name
-        Of n.
+    The bases are the slopes s of repeated words, without those that are 0 or 1.
     """
 
     def __init__(self, map_: PiecewiseLinearMap, bases: tuple[Fraction_, ...], name: str) -> None:

@@ -201,10 +201,7 @@ def _lines(map_: PiecewiseLinearMap) -> TwoLines:
 def _fixed(lines: TwoLines) -> Fraction | None:
     """The rotation number 0 or 1 where no orbit comes round; None where the break is crossed.
 
-    Raises
-    ------
-    ValueError
-        If there is no rotation number.
+    ValueError if there is no rotation number.
     """
     top, low = lines.limits
     stays = top <= lines.at, low >= lines.at

@@ -35,26 +35,14 @@ NEAR = 1e-9  # of the numbers at hand: closer ones are compared exactly
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Onset:
-    """A place at which what attracts changes, or an interval in which it does.
+    """A place at which what attracts changes, or an interval in which it does."""
 
-    Attributes
-    ----------
-    low, high
-        Equal if the place is known.
-    before, after
-        Samples beside it: what attracts there does so up to the place.
-    met
-        Ends of bands, and the cycles that they meet.
-    is_open
-        Whether something is not known in the interval: then there may be several changes.
-    """
-
-    low: Real
+    low: Real  # equal to high if the place is known
     high: Real
-    before: Attracted
+    before: Attracted  # samples beside it: what attracts there does so up to the place
     after: Attracted
-    met: tuple[tuple[BreakImage, Word], ...] = ()
-    is_open: bool = False
+    met: tuple[tuple[BreakImage, Word], ...] = ()  # ends of bands, and the cycles that they meet
+    is_open: bool = False  # something is not known in the interval: there may be several changes
 
     @property
     def is_exact(self) -> bool:
@@ -72,12 +60,7 @@ class Onset:
 class Changes:
     """Finds what happens between samples.
 
-    Parameters
-    ----------
-    samples
-        The map over its parameter.
-    order
-        Up to which cycles are told apart whatever it takes.
+    Cycles up to the order are told apart whatever it takes.
     """
 
     def __init__(self, samples: Samples, order: int) -> None:

@@ -88,14 +88,8 @@ def doubles_of(line: MapLine) -> DoubleMap:
 def is_covered(line: DoubleMap, word: Sequence[int], side: int) -> bool:
     """Whether what grows from one side of a repelling cycle surrounds a point of it.
 
-    Parameters
-    ----------
-    line
-        The map.
-    word
-        The numbers of the pieces of the cycle.
-    side
-        -1 or 1: the side of its first point.
+    The word has the numbers of the pieces of the cycle; the side, -1 or 1, is one of its first
+    point.
     """
     points, slope = line.cycle(word)
     first = _first_part(line, word if slope > 0.0 else (*word, *word), points[0], side)

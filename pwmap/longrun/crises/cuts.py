@@ -42,12 +42,7 @@ class AxisPart:
 class Cuts:
     """Places at which words up to some order change, or say that what attracts may.
 
-    Parameters
-    ----------
-    samples
-        The map over its parameter.
-    order
-        How long the words of images and cycles are, at most.
+    Words of images and cycles are as long as the order, at most.
     """
 
     def __init__(self, samples: Samples, order: int) -> None:

@@ -269,15 +269,7 @@ def attractor_diagram(
 
 
 class _Sweep:
-    """Goes over an interval from left to right, and makes cells and crises of what it finds.
-
-    Parameters
-    ----------
-    samples, cuts, changes
-        The map over its parameter.
-    low, high
-        Where it starts and ends.
-    """
+    """Goes over an interval from left to right, and makes cells and crises of what it finds."""
 
     def __init__(
         self, samples: Samples, cuts: Cuts, changes: Changes, low: Real, high: Real

@@ -27,14 +27,7 @@ Floats = npt.NDArray[np.float64]
 class Glimpses:
     """Chooses places at which something else may attract.
 
-    Parameters
-    ----------
-    samples
-        The map over its parameter.
-    low, high
-        The interval that is looked at.
-    order
-        Longer cycles are not looked for.
+    Cycles longer than the order are not looked for.
     """
 
     def __init__(self, samples: Samples, low: Number, high: Number, order: int) -> None:

@@ -96,13 +96,7 @@ def meeting_x(map_: PiecewiseLinearMap, meeting: Meeting) -> sympy.Expr:
 
 
 def numbers_of(map_: PiecewiseLinearMap, word: str) -> Word:
-    """The letters of a word as numbers.
-
-    Raises
-    ------
-    ValueError
-        If it is empty, or has an unknown letter.
-    """
+    """The letters of a word as numbers; ValueError if it is empty, or has an unknown letter."""
     return tuple(_numbers(map_, word))
 
 

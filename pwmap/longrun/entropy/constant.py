@@ -92,21 +92,11 @@ class _Proved:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Proof:
-    """The growth of laps at a place, and what was decided to know it.
+    """The growth of laps at a place, and what was decided to know it."""
 
-    Attributes
-    ----------
-    growth
-        A number, at least 1.
-    decisions
-        Wherever their polynomials have the signs that they have at the place, it is the same.
-    matches
-        Whether orbits of a break match.
-    """
-
-    growth: Real
-    decisions: tuple[Decision, ...]
-    matches: bool = False
+    growth: Real  # at least 1
+    decisions: tuple[Decision, ...]  # it is the same wherever their polynomials have the same signs
+    matches: bool = False  # whether orbits of a break match
 
 
 def constant_entropy(

@@ -166,14 +166,8 @@ def entropy_of(
 ) -> Entropy:
     """The topological entropy of a map.
 
-    Parameters
-    ----------
-    line, found
-        The map and its attractors.
-    orders
-        Up to which nodes are found, one after the other, until that is close enough.
-    budget
-        Where it ends bounds are those of the last order that is finished.
+    Nodes are found up to one order after the other, until that is close enough; where the budget
+    ends bounds are those of the last order that is finished.
     """
     most = math.nextafter(math.log(len(line.branches)), math.inf)  # each step has so many laps
     best, meter = Entropy(low=0.0, high=most, value=None, order=0), metered(budget)

@@ -36,21 +36,11 @@ class Ending(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Itinerary:
-    """The pieces that a germ visits.
+    """The pieces that a germ visits."""
 
-    Attributes
-    ----------
-    pieces
-        Their numbers from the left. Those from ``start`` on come again and again.
-    start
-        After so many steps.
-    ending
-        Why; None if it is that of one side of a break up to where it matches the other one.
-    """
-
-    pieces: tuple[int, ...]
+    pieces: tuple[int, ...]  # their numbers; those from start on come again and again
     start: int
-    ending: Ending | None
+    ending: Ending | None  # None for one side of a break up to where it matches the other one
 
     @property
     def word(self) -> tuple[int, ...]:
@@ -65,17 +55,7 @@ class Itinerary:
 def itinerary_of(
     line: MapLine, germ: Germ, steps: int, budget: Budget | Meter = BUDGET
 ) -> Itinerary:
-    """The itinerary of a germ, up to the first step after which it is known to the end.
-
-    Parameters
-    ----------
-    line, germ
-        A map, and what is followed.
-    steps
-        How far at most.
-    budget
-        What it may take.
-    """
+    """The itinerary of a germ, up to the first step after which it is known to the end."""
     meter = metered(budget)
     seen, pieces, places = dict[Germ, int](), list[int](), list[Exact]()
     for step in range(steps):
@@ -156,17 +136,8 @@ def _outward_from(line: MapLine, pieces: Sequence[int], places: Sequence[Exact])
 def growth_at(line: MapLine, itineraries: Sequence[Itinerary]) -> Real | None:
     """How laps grow: the spectral radius of the graph that itineraries make, at least 1.
 
-    Parameters
-    ----------
-    line
-        The map, of which only the signs of slopes are looked at.
-    itineraries
-        Of all its germs, in its order, and all known to the end.
-
-    Returns
-    -------
-    Real or None
-        None if the graph is too large.
+    Of the map only the signs of slopes are looked at. Itineraries are those of all its germs, in
+    its order, and all known to the end. None if the graph is too large.
     """
     return growth_of(_merged(_ways(line, itineraries)))
 

@@ -54,14 +54,7 @@ def matched(
 ) -> tuple[Itinerary, Itinerary] | None:
     """The itineraries of both sides of a break up to the step at which they match; None if none.
 
-    Parameters
-    ----------
-    line, number
-        A map, and which of its breaks, counted from the left.
-    steps
-        How far they are followed.
-    budget
-        What that may take.
+    Breaks are counted from the left.
     """
     meter = metered(budget)
     sides = line.germs[2 * number : 2 * number + 2]
@@ -82,20 +75,10 @@ def matched(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapFamily:
-    """A map over an interval of its parameter.
+    """A map over an interval of its parameter."""
 
-    Attributes
-    ----------
-    slopes
-        Of its pieces from left to right, the same everywhere, and none is zero.
-    intercepts
-        Of its pieces, affine in the parameter.
-    breaks
-        Between pieces, affine in the parameter.
-    """
-
-    slopes: tuple[Number, ...]
-    intercepts: tuple[Ends, ...]
+    slopes: tuple[Number, ...]  # of pieces from left to right, the same everywhere, none zero
+    intercepts: tuple[Ends, ...]  # affine in the parameter, as breaks are
     breaks: tuple[Ends, ...]
 
 
@@ -125,19 +108,11 @@ def _along(slope: Number, x: Ends, intercept: Ends) -> Ends:
 
 
 class Pair(NamedTuple):
-    """The orbits of both sides of a break: the left one at x, the right one at ratio x + offset.
+    """The orbits of both sides of a break: the left one at x, the right one at ratio x + offset."""
 
-    Attributes
-    ----------
-    ratio, offset
-        The slope of the right one is so many times that of the left one, too.
-    lag
-        How many steps more the left one has made.
-    """
-
-    ratio: Number
+    ratio: Number  # of the slopes, too
     offset: Ends
-    lag: int
+    lag: int  # how many steps more the left one has made
 
     @property
     def left_is_next(self) -> bool:
@@ -269,19 +244,8 @@ def growth_of_pairs(
 ) -> Real | None:
     """The growth of laps if it is one number over an interval, its ends among it.
 
-    Parameters
-    ----------
-    family, number
-        A map over the interval, and which of its breaks has orbits that need not match.
-    weights
-        Of pieces in the series of an orbit, of which the determinant is a difference.
-    budget
-        What that may take.
-
-    Returns
-    -------
-    Real or None
-        Above 1; None if nothing is proved.
+    Orbits of the break with this number need not match. Weights are those of pieces in the series
+    of an orbit, of which the determinant is a difference. Above 1; None if nothing is proved.
     """
     meter = metered(budget)
     one = _step(family, weights, TOGETHER, number, left=True)
