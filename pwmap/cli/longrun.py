@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 from rich.progress import Progress
 from rich.table import Table
 
+from pwmap.cli.screen import budget_on
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import PictureFormat, write_figure, write_table
 from pwmap.longrun.crises.bands import with_attractors
@@ -72,19 +73,11 @@ class LongRun:
         """What is found of a question; None if Ctrl-C ended it before anything was."""
         found: Found | None = None
         if not self._interrupts:
-            task = self._bar.add_task(what, total=None)
-            budget = Budget(
-                progress=lambda at: self._bar.update(
-                    task, description=f"{what}: {at.what}" if at.what else what,
-                    completed=at.done, total=at.total or None,
-                ),
-                on_interrupt=lambda: self._interrupts.append(True),
-            )  # fmt: skip
-            try:
-                found = question(budget)
-            except KeyboardInterrupt:
-                self._interrupts.append(True)
-            self._bar.update(task, visible=False)
+            with budget_on(self._bar, what, self._interrupts) as budget:
+                try:
+                    found = question(budget)
+                except KeyboardInterrupt:
+                    self._interrupts.append(True)
         if found is None:
             self.left_out.append(f"left out: {what}")
         elif left_out := getattr(found, "left_out", ""):

@@ -23,6 +23,7 @@ import typer
 from rich.console import Console
 
 from pwmap.diagrams.files import PictureFormat
+from pwmap.maps.budget import BUDGET, Advance, Budget
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -131,6 +132,21 @@ def bar_on(console: Console) -> Progress:
         TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn(),
         console=console, transient=True, disable=not console.is_terminal,
     )  # fmt: skip
+
+
+@contextmanager
+def budget_on(
+    bar: Progress, what: str, interrupts: list[bool], pieces: int = BUDGET.pieces
+) -> Iterator[Budget]:
+    """A budget that shows on a bar how far something is, and to which each Ctrl-C is added."""
+    task = bar.add_task(what, total=None)
+
+    def tell(at: Advance) -> None:
+        text = f"{what}: {at.what}" if at.what else what
+        bar.update(task, description=text, completed=at.done, total=at.total or None)
+
+    yield Budget(pieces=pieces, progress=tell, on_interrupt=lambda: interrupts.append(True))
+    bar.update(task, visible=False)
 
 
 @contextmanager

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,6 +13,7 @@ from pwmap.diagrams.data import Branch, BranchKind, PointKind, PointStatus, Spec
 from pwmap.diagrams.diagram import Diagram
 from pwmap.explore.figures import COLORS, DASHES, MARKS
 from pwmap.plot import GREY, MARKERS, WIDTHS
+from pwmap.plot.diagrams import stretches
 
 Floats = npt.NDArray[np.float64]
 Table = dict[str, Any]
@@ -67,34 +67,28 @@ def style_of(branch: Branch, sample: int) -> str:
     return "stable" if branch.stable[sample] else "unstable"
 
 
-def _stretches(branch: Branch) -> Iterator[tuple[str, slice]]:
-    """Parts of a branch in one style; neighbours share a sample, and ends may be flips."""
-    if branch.kind is BranchKind.JUMP:
-        yield "jump crossing", slice(0, len(branch))
-        return
-    stable = branch.stable.copy()
-    if len(branch) > 2:
-        stable[0], stable[-1] = stable[1], stable[-2]
-    cuts = np.flatnonzero(stable[1:] != stable[:-1]) + 1
-    for a, b in pairwise([0, *cuts.tolist(), len(branch)]):
-        yield ("stable" if stable[a] else "unstable"), slice(max(0, a - 1), b)
+def table(names: Sequence[str], rows: Iterable[Sequence[Any]]) -> Table:
+    """Rows as columns by their names."""
+    listed = list(rows)
+    return {name: [row[k] for row in listed] for k, name in enumerate(names)}
 
 
 def _lines(diagram: Diagram) -> Table:
-    rows: Table = {name: [] for name in ("xs", "ys", "color", "dash", "width", "branch")}
     ranks = {o: k for k, o in enumerate(sorted({b.order for b in diagram.branches}))}
-    for branch in diagram.branches:
-        if branch.kind is BranchKind.BAND:
-            continue
-        thin = WIDTHS[min(ranks[branch.order], len(WIDTHS) - 1)] if len(ranks) > 1 else 1.0
-        for style, part in _stretches(branch):
-            rows["xs"].append(np.array(branch.parameter[part]))
-            rows["ys"].append(np.array(branch.x[part]))
-            rows["color"].append(COLORS[style])
-            rows["dash"].append(DASHES[style])
-            rows["width"].append(WIDTH[style] * thin)
-            rows["branch"].append(branch.id)
-    return rows
+    rows = [
+        (
+            *(np.array(branch.parameter[part]), np.array(branch.x[part])),
+            *(COLORS[style], DASHES[style], WIDTH[style] * _thin(ranks, branch), branch.id),
+        )
+        for branch in diagram.branches if branch.kind is not BranchKind.BAND
+        for style, part in stretches(branch)
+    ]  # fmt: skip
+    return table(("xs", "ys", "color", "dash", "width", "branch"), rows)
+
+
+def _thin(ranks: dict[int, int], branch: Branch) -> float:
+    """What the width of a line is multiplied by: the higher its order, the thinner it is."""
+    return WIDTHS[min(ranks[branch.order], len(WIDTHS) - 1)] if len(ranks) > 1 else 1.0
 
 
 def _samples(diagram: Diagram) -> Table:
@@ -123,27 +117,20 @@ def _brief(word: str) -> str:
 
 
 def _points(diagram: Diagram) -> Table:
-    rows: Table = {
-        name: []
-        for name in (
-            "x", "y", "id", "label", "kind", "cause", "where", "marker", "color", "size", "angle",
-            "must",
-        )
-    }  # fmt: skip
+    rows = []
     for point in diagram.points:
         mark, color = MARKERS.get(point.kind, (".", GREY))
         end = point.kind is PointKind.EP
-        values = (
+        rows.append((
             point.parameter, point.x, point.id,
             point.name or ("" if end else str(point.kind)),
             f"{point.kind.label}{', ' + point.note if point.note else ''}",
             point.cause or point.kind.meaning, _where(point), MARKS.get(mark, "circle"), color,
             14 if mark == "*" else 10 if mark == "D" else 8, np.pi / 2 if end else 0.0,
             bool(point.name),
-        )  # fmt: skip
-        for column, value in zip(rows.values(), values, strict=True):
-            column.append(value)
-    return rows
+        ))  # fmt: skip
+    names = ("x", "y", "id", "label", "kind", "cause", "where", "marker", "color", "size", "angle")
+    return table((*names, "must"), rows)
 
 
 def _where(point: SpecialPoint) -> str:
@@ -161,8 +148,7 @@ def _graph(diagram: Diagram, points: Table) -> tuple[Table, Table]:
     places = _layout(points)
     nodes = {**points, "x": places[:, 0].tolist(), "y": places[:, 1].tolist()}
     where = dict(zip(points["id"], places, strict=True))
-    names = ("xs", "ys", "color", "dash", "width", "branch", "x", "y", "label", "tip")
-    rows: Table = {name: [] for name in names}
+    rows = []
     seen: dict[frozenset[str], int] = {}
     for branch in diagram.branches:
         pair = frozenset(branch.ends)
@@ -171,13 +157,12 @@ def _graph(diagram: Diagram, points: Table) -> tuple[Table, Table]:
         style = style_of(branch, len(branch) // 2)
         middle = way[len(way) // 2]
         tip = f"{style}, P_{branch.order}: {_brief(branch.word)}"
-        values = (
+        rows.append((
             way[:, 0], way[:, 1], COLORS[style], DASHES[style], WIDTH[style], branch.id,
             float(middle[0]), float(middle[1]), branch.id, tip,
-        )  # fmt: skip
-        for column, value in zip(rows.values(), values, strict=True):
-            column.append(value)
-    return nodes, rows
+        ))  # fmt: skip
+    names = ("xs", "ys", "color", "dash", "width", "branch", "x", "y", "label", "tip")
+    return nodes, table(names, rows)
 
 
 def _layout(points: Table) -> Floats:

@@ -292,7 +292,7 @@ def _curves(diagram: Diagram) -> list[_Curve]:
     """
     curves: list[_Curve] = []
     for branch in diagram.branches:
-        parts = _stretches(branch) if branch.kind is not BranchKind.BAND else []
+        parts = stretches(branch) if branch.kind is not BranchKind.BAND else []
         for k, (label, stretch) in enumerate(parts):
             ends = (
                 branch.ends[0] if k == 0 else f"{branch.id}:{k}",
@@ -336,7 +336,7 @@ class _Curve(NamedTuple):
         return None
 
 
-def _stretches(branch: Branch) -> list[tuple[str, slice]]:
+def stretches(branch: Branch) -> list[tuple[str, slice]]:
     """Parts of a branch with one line style; neighbours share their common point."""
     if branch.kind is BranchKind.JUMP:
         return [("jump crossing", slice(0, len(branch)))]
@@ -419,24 +419,13 @@ def plot_map(
         raise ValueError(f"a window must ascend, got ({low}, {high})")
     shown: Artists = {name: [] for name in PLAIN}
     shown["diagonal"] = [*ax.plot([low, high], [low, high], color=GREY, linewidth=0.8, zorder=1)]
-    for piece in map_.pieces:
-        left, right = max(low, float(piece.lower)), min(high, float(piece.upper))
-        if left > right:
-            continue
-        slope, intercept = float(piece.slope), float(piece.intercept)
-        values = [slope * left + intercept, slope * right + intercept]
-        shown["pieces"] += ax.plot(
-            [left, right], values, color=INK, linewidth=1.5, solid_capstyle="butt"
-        )
-        for x, end, closed, value in (
-            (left, piece.lower, piece.lower_closed, values[0]),
-            (right, piece.upper, piece.upper_closed, values[1]),
-        ):
-            if x == float(end):
-                face = INK if closed else "white"
-                shown["ends"] += ax.plot(
-                    x, value, "o", markersize=3.4, mfc=face, mec=INK, mew=0.9, zorder=4
-                )
+    within, ends = pieces_within(map_, (low, high))
+    for piece in within:
+        shown["pieces"] += ax.plot(*zip(*piece, strict=True), color=INK, linewidth=1.5,
+                                   solid_capstyle="butt")  # fmt: skip
+    for x, y, closed in ends:
+        face = INK if closed else "white"
+        shown["ends"] += ax.plot(x, y, "o", markersize=3.4, mfc=face, mec=INK, mew=0.9, zorder=4)
     for crossing in map_.jump_crossings():
         x, limits = float(crossing.x), (float(crossing.left), float(crossing.right))
         line = ax.plot([x, x], limits, color=JUMP, linestyle=(0, (1, 1.3)), linewidth=1.6)
@@ -479,9 +468,38 @@ def _window(map_: PiecewiseLinearMap) -> tuple[float, float]:
     for jump in map_.jumps():
         marks += [float(v) for v in (jump.x, jump.left, jump.value, jump.right)]
     marks += [float(piece.lower) for piece in map_.pieces[1:]]
+    return around(marks)
+
+
+def around(marks: Sequence[float]) -> tuple[float, float]:
+    """The ends of an interval that holds some numbers, with a margin."""
     low, high = min(marks, default=-1.0), max(marks, default=1.0)
     margin = 0.2 * (high - low) or 1.0
     return low - margin, high + margin
+
+
+def pieces_within(
+    map_: PiecewiseLinearMap, window: tuple[float, float]
+) -> tuple[list[tuple[tuple[float, float], ...]], list[tuple[float, float, bool]]]:
+    """Both ends (x, y) of each line of a map, and those that are ends of pieces.
+
+    The latter with whether they belong to their piece.
+    """
+    lines, ends = [], []
+    for piece in map_.pieces:
+        outer = float(piece.lower), float(piece.upper)
+        left, right = max(window[0], outer[0]), min(window[1], outer[1])
+        if left > right:
+            continue
+        slope, intercept = float(piece.slope), float(piece.intercept)
+        line = tuple((x, slope * x + intercept) for x in (left, right))
+        lines.append(line)
+        for place, end, closed in zip(
+            line, outer, (piece.lower_closed, piece.upper_closed), strict=True
+        ):
+            if place[0] == end:
+                ends.append((*place, closed))
+    return lines, ends
 
 
 def plot_cobweb(
