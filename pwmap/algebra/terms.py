@@ -7,6 +7,7 @@ bounded in size, so that no input can cost more than reading it.
 from __future__ import annotations
 
 import numbers
+import operator
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -129,6 +130,15 @@ def checked_parameter(name: object, symbols: Sequence[sympy.Symbol]) -> str:
     if own not in names:
         raise ValueError(f"{own} is no parameter of this map, it has {names or 'none'}")
     return own
+
+
+def positive_integer(number: object) -> int:
+    """An integer of at least 1; 0 for what is none."""
+    try:
+        found = operator.index(number)  # type: ignore[arg-type]
+    except TypeError:
+        return 0
+    return 0 if isinstance(number, bool) else max(0, found)
 
 
 def float_refusal(value: object) -> TypeError:

@@ -68,7 +68,7 @@ class ExactSlice:
             point = {own: real_to_sympy(self.at)} if own is not None else {}
             key = real(drawn.xreplace(point))
             return ExactValue(expr.xreplace(point), key, to_float(key))
-        top, bottom = _quotient(drawn, own)
+        top, bottom = quotient_in(drawn, own)
         coefficients = self.at.quotient(top, bottom)
         formula = expr.xreplace({own: self.at.to_sympy()})
         if drawn == expr:
@@ -134,7 +134,7 @@ def real(expr: sympy.Expr) -> Real:
 
 
 @lru_cache(maxsize=4096)
-def _quotient(expr: sympy.Expr, symbol: sympy.Symbol) -> tuple[Dense, Dense]:
+def quotient_in(expr: sympy.Expr, symbol: sympy.Symbol) -> tuple[Dense, Dense]:
     """Coefficients of numerator and denominator of a formula in one symbol."""
     top, bottom = sympy.fraction(sympy.together(expr))
     return _dense(sympy.Poly(top, symbol)), _dense(sympy.Poly(bottom, symbol))

@@ -27,6 +27,7 @@ LINES = ("xs", "ys", "color", "dash", "width", "branch")
 SAMPLES = ("x", "y", "branch", "kind", "word", "multiplier")
 POINTS = ("x", "y", "id", "label", "kind", "cause", "where", "marker", "color", "size", "angle")
 EDGES = (*LINES, "x", "y", "label", "tip")
+SIZE = ("inner_width", "inner_height")  # of a figure, as the page tells it
 USUAL = (520.0, 230.0)  # px of a picture, until the page has told
 MOST_LABELS = 30
 POLE = 8.0  # how much higher a diagram is than most of it, if not all of it is shown
@@ -81,8 +82,8 @@ class DiagramView:
         )  # fmt: skip
         figure.add_tools(hover(marks, OF_POINT), hover(samples, OF_BRANCH))
         for axis_range in (figure.x_range, figure.y_range):
-            axis_range.on_change("end", self._renamed)
-        _when_resized(figure, self._renamed)
+            _on_change(axis_range, "end", hear=self._name)
+        _on_change(figure, *SIZE, hear=self._name)
 
     @property
     def scale(self) -> tuple[float, float]:
@@ -111,12 +112,9 @@ class DiagramView:
     def show(self, found: Shown | None) -> None:
         """Draw a diagram, or none."""
         self._shown = found
-        for table, columns in ((self.lines, LINES), (self.samples, SAMPLES), (self.points, POINTS)):
-            attribute = {id(self.lines): "lines", id(self.samples): "samples"}.get(
-                id(table), "points"
-            )
-            values = getattr(found, attribute) if found is not None else {}
-            patch(table, **{name: values.get(name, []) for name in columns})
+        for name, columns in (("lines", LINES), ("samples", SAMPLES), ("points", POINTS)):
+            values = getattr(found, name) if found is not None else {}
+            patch(getattr(self, name), **{each: values.get(each, []) for each in columns})
         self._fit()
         self._name()
 
@@ -127,9 +125,6 @@ class DiagramView:
     def stand(self, p: float, x: float, put: Put = patch) -> None:
         """Show where the page is; nan if it has no height."""
         put(self.here, x=[p], y=[x])
-
-    def _renamed(self, attr: str, old: object, new: object) -> None:
-        self._name()
 
     def _name(self) -> None:
         """Write names where they cover nothing."""
@@ -156,7 +151,7 @@ class GraphView:
         _texts(figure, self.tags, GREY)
         _texts(figure, self.names)
         figure.add_tools(hover(nodes, OF_POINT), hover(edges, OF_EDGE))
-        _when_resized(figure, self._renamed)
+        _on_change(figure, *SIZE, hear=self._name)
 
     @property
     def scale(self) -> tuple[float, float]:
@@ -169,9 +164,6 @@ class GraphView:
         nodes, edges = (found.nodes, found.edges) if found is not None else ({}, {})
         patch(self.edges, **{name: edges.get(name, []) for name in EDGES})
         patch(self.nodes, **{name: nodes.get(name, []) for name in POINTS})
-        self._name()
-
-    def _renamed(self, attr: str, old: object, new: object) -> None:
         self._name()
 
     def _name(self) -> None:
@@ -190,10 +182,14 @@ class GraphView:
         patch(self.selected, **_part(self._shown.edges if self._shown else None, branch))
 
 
-def _when_resized(figure: Any, hear: Callable[[str, object, object], None]) -> None:
-    """Call a function when the page has told another size of a figure."""
-    for side in ("inner_width", "inner_height"):
-        figure.on_change(side, hear)
+def _on_change(model: Any, *properties: str, hear: Callable[[], None]) -> None:
+    """Call a function when one of some properties has changed."""
+
+    def changed(attr: str, old: object, new: object) -> None:
+        hear()
+
+    for name in properties:
+        model.on_change(name, changed)
 
 
 def _size(figure: Any) -> tuple[float, float]:

@@ -26,7 +26,7 @@ from pwmap.longrun.attractors import (
 from pwmap.longrun.basins import WholeBasin, basin_of, staying, whole_basin
 from pwmap.longrun.densities import Density, density_of
 from pwmap.longrun.entropy.entropies import ORDERS, Entropy, entropy_of, lap_numbers
-from pwmap.longrun.entropy.itineraries import STEPS, Ending, itinerary_of
+from pwmap.longrun.entropy.itineraries import STEPS, itinerary_of
 from pwmap.longrun.fates import AttractingCycle, Fate, GermOrbit
 from pwmap.longrun.line import Germ, Interval, MapLine, line_of
 from pwmap.longrun.neutral import NeutralIntervals
@@ -532,7 +532,7 @@ EXTREMA = {-1: Extremum.MAXIMUM, 1: Extremum.MINIMUM, 0: Extremum.CONSTANT}  # b
 def _minmax(line: MapLine, start: Germ, orbit: GermOrbit) -> MinMax:
     """The min-max sequence of an orbit: it starts at the first image."""
     found = itinerary_of(line, start, STEPS)
-    if found.ending in (Ending.FLAT, Ending.OPEN):
+    if found.ending in (Fate.FLAT, Fate.OPEN):
         germs, again = _until_back(line, start, orbit)
         letters = [line.letter(germ) for germ in germs]
         return _from_first_image([germ.side for germ in germs], letters, again)

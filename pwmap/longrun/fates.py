@@ -28,6 +28,7 @@ class Fate(Enum):
     FINITE = "periodic after a while"
     DRAWN = "drawn into a cycle"
     LOST = "lost to infinity"
+    FLAT = "one with all points beside it, after a flat piece"
     OPEN = "not known"
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 import sympy
 
 from pwmap.algebra.exact import fraction_to_sympy
+from pwmap.algebra.terms import positive_integer
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.maps import diagonal
 from pwmap.maps.budget import checked_size
@@ -465,10 +465,7 @@ class PiecewiseLinearMap:
 
 def checked_order(j: object) -> int:
     """The order of an iterate; ValueError unless it is an integer of at least 1."""
-    try:
-        order = operator.index(j)  # type: ignore[arg-type]
-    except TypeError:
-        order = 0
-    if order < 1 or isinstance(j, bool):
+    order = positive_integer(j)
+    if not order:
         raise ValueError(f"the order of an iterate must be an integer j >= 1, got {j}")
     return order

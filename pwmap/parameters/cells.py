@@ -161,11 +161,6 @@ def stages(
         yield order, cells, pieces
 
 
-def last(found: Iterable[CellStage]) -> list[Cell]:
-    """The cells for all orders."""
-    return deque(found, maxlen=1).pop()[1]
-
-
 def _parts(
     axis: Axis, cell: Cell, answers: Answers, grow: Callable[[PlaceStudy, Ask], PlaceStudy]
 ) -> list[Cell]:
@@ -317,8 +312,8 @@ def parameter_cells(
     """
     meter = metered(budget)
     orders = checked_orders(orders, meter.budget)
-    return with_cells(
-        lambda axis, cells: shown_cells(map_, orders, axis, cells),
+    return with_stages(
+        from_all_orders(lambda axis, cells: shown_cells(map_, orders, axis, cells)),
         map_,
         parameter,
         orders,
@@ -351,27 +346,17 @@ def shown_cells(
     return ParameterCells(parameter=symbol, orders=orders, cells=tuple(shown), given=axis.given)
 
 
-def with_cells(
+def from_all_orders(
     build: Callable[[Axis, list[Cell]], Result],
-    map_: PiecewiseLinearMap,
-    parameter: object,
-    orders: Sequence[int],
-    span: Span,
-    sample: Mapping[Any, object] | None,
-    *,
-    with_ends: bool = False,
-    budget: Budget | Meter = BUDGET,
-) -> Result:
-    """Build something from the cells of a parameter for all orders, as :func:`with_stages` does."""
+) -> Callable[[Axis, Iterator[CellStage]], Result]:
+    """What is built from the cells for all orders, for :func:`with_stages`."""
 
     def built(axis: Axis, found: Iterator[CellStage]) -> Result:
-        cells = last(found)
+        _, cells, _ = deque(found, maxlen=1).pop()
         close(axis, cells)
         return build(axis, cells)
 
-    return with_stages(
-        built, map_, parameter, orders, span, sample, with_ends=with_ends, budget=budget
-    )
+    return built
 
 
 def with_stages(

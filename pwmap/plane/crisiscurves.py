@@ -16,7 +16,7 @@ from sympy import QQ
 from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.bivariate import irreducible_factors
-from pwmap.algebra.exact import Number, degree_in, to_sympy
+from pwmap.algebra.exact import Number, degree_in
 from pwmap.algebra.inequalities import along
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, real_roots
@@ -28,7 +28,7 @@ from pwmap.longrun.numbers import algebraic
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.plane.marks import PlaneEvent
-from pwmap.plane.network import PlaneArc, PlaneCurve
+from pwmap.plane.network import PlaneArc, PlaneCurve, curve_of
 from pwmap.plane.plane import ParameterPlane
 
 SEARCH = Budget(work=20 * BUDGET.work)  # some minutes
@@ -111,15 +111,7 @@ def with_crises(
             meter.spend(1)
             for arc in search.arcs(family, values):
                 count = sum(curve.kind is family.event.kind for curve in curves) + 1
-                curves.append(
-                    PlaneCurve(
-                        id=f"{family.event.kind}{count}",
-                        **family.event._asdict(),
-                        polynomial=to_sympy(family.polynomial),
-                        arcs=(arc,),
-                        ends=("", ""),
-                    )
-                )
+                curves.append(curve_of(f"{family.event.kind}{count}", [arc]))
     left_out = "; ".join(filter(None, (plane.left_out, meter.left_out)))
     return replace(plane, curves=(*plane.curves, *curves), left_out=left_out)
 

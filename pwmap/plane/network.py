@@ -173,16 +173,19 @@ def network(
     points = tuple(_points(rectangle, meetings, names))
     at = {point.node: point.id for point in points}
     curves = tuple(
-        PlaneCurve(
-            id=names[line[0][0]],
-            **line[0][0].event._asdict(),
-            polynomial=to_sympy(line[0][0].polynomial),
-            arcs=tuple(arc for arc, _ in line),
-            ends=_ends(line, following, at),
-        )
+        curve_of(names[line[0][0]], [arc for arc, _ in line], _ends(line, following, at))
         for line in lines
     )
     return curves, points
+
+
+def curve_of(name: str, arcs: Sequence[PlaneArc], ends: tuple[str, str] = ("", "")) -> PlaneCurve:
+    """The curve of arcs that have one event and one polynomial."""
+    first = arcs[0]
+    polynomial = to_sympy(first.polynomial)
+    return PlaneCurve(
+        id=name, **first.event._asdict(), polynomial=polynomial, arcs=tuple(arcs), ends=ends
+    )
 
 
 def _arcs(rectangle: Rectangle, strips: Sequence[Strip]) -> Iterator[PlaneArc]:

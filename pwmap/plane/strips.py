@@ -14,7 +14,7 @@ from pwmap.algebra.roots import Real, RealRoot, integers, real_to_sympy, simples
 from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.axis import Axis, ResampleError
-from pwmap.parameters.cells import Cell, merged, shown_cells, with_cells
+from pwmap.parameters.cells import Cell, from_all_orders, merged, shown_cells, with_stages
 from pwmap.parameters.recorded import RecordedAxis
 from pwmap.parameters.results import ParameterCells
 from pwmap.plane.marks import PlaneMark, marks
@@ -127,8 +127,8 @@ class Rectangle:
             raise ValueError(f"{value} in the span contradicts the assumption {broken}")
 
     def _strip(self, sample: Any) -> Strip:
-        return with_cells(
-            self._built,
+        return with_stages(
+            from_all_orders(self._built),
             self.map,
             self.along,
             self.studied,
@@ -153,6 +153,12 @@ class Rectangle:
     def upright_marks(self, along: Any, span: tuple[Any, Any]) -> list[PlaneMark]:
         """What happens over the parameter across, at a rational value of the one along."""
         map_ = self.map.at({self.along: QQ.to_sympy(along)})
-        return with_cells(
-            partial(marks, map_), map_, self.across, self.studied, span, None, with_ends=True
+        return with_stages(
+            from_all_orders(partial(marks, map_)),
+            map_,
+            self.across,
+            self.studied,
+            span,
+            None,
+            with_ends=True,
         )

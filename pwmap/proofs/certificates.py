@@ -21,7 +21,6 @@ from pwmap.algebra.roots import (
     real_roots,
     sign_at,
     simplest_between,
-    trimmed,
 )
 from pwmap.checking import branches, certificate, points
 from pwmap.checking import check_certificate as check_certificate
@@ -33,7 +32,7 @@ from pwmap.checking.refusing import Effort
 from pwmap.checking.refusing import Refused as Refused
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.slices import real
+from pwmap.diagrams.slices import quotient_in, real
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import Table
 from pwmap.proofs.document import Certificate
@@ -402,12 +401,9 @@ class _DiagramWriter:
         is_nan = slope is sympy.nan
         return row | {"slope": None if is_nan else self._quotient(slope), "stable": stable}
 
-    def _parts(self, expr: sympy.Expr) -> list[Dense]:
+    def _parts(self, expr: sympy.Expr) -> tuple[Dense, Dense]:
         """Numerator and denominator of a formula in the parameter."""
-        return [
-            trimmed(QQ(int(c.p), int(c.q)) for c in sympy.Poly(part, self._symbol).all_coeffs())
-            for part in sympy.fraction(sympy.together(expr))
-        ]
+        return quotient_in(expr, self._symbol)
 
     def _quotient(self, expr: sympy.Expr) -> list[list[str]]:
         """A formula in the parameter as the checker reads it."""

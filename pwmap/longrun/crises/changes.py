@@ -279,7 +279,7 @@ class Changes:
                 yield from ((root, ()) for root in self._crossings(polynomial, low, high))
         lines = [doubles_of(line_at(self.samples.map, place)) for place in (low, high)]
         at = [[to_double(self.samples.value(end, place)) for end in ends] for place in (low, high)]
-        for numbers in self._repelling(sample):
+        for numbers in self._repelling(sample.place):
             word = tuple(self.samples.letters[k] for k in numbers)
             points = [line.cycle(numbers)[0] for line in lines]
             for i in range(len(word)):
@@ -302,12 +302,9 @@ class Changes:
             return ()
         return roots_between(polynomial, low, high)
 
-    def _repelling(self, sample: Attracted) -> list[tuple[int, ...]]:
-        """Words of repelling cycles at a sample, as numbers of pieces."""
-        return self._repelling_at(sample.place)
-
     @cache  # noqa: B019  as long as the changes live
-    def _repelling_at(self, place: Number) -> list[tuple[int, ...]]:
+    def _repelling(self, place: Number) -> list[tuple[int, ...]]:
+        """Words of repelling cycles at the place of a sample, as numbers of pieces."""
         line = self.samples.at(place).line
         found = closed_words(line, max(PERIOD, self.order), self.samples.meter)
         return [word for word, multiplier in found if not -1 <= multiplier <= 1]

@@ -385,36 +385,20 @@ class _Sweep:
             low = self._opened
             self.cells.pop()
         sample = self.samples.axis.between(low, high)
-        self.cells.append(
-            AttractorCell(
-                lower=real_to_sympy(low),
-                upper=real_to_sympy(high),
-                sample=QQ.to_sympy(sample),
-                cycles=(),
-                bands=(),
-                line=line_at(self.samples.map, sample),
-                is_open=True,
-            )
-        )
+        line = line_at(self.samples.map, sample)
+        self.cells.append(AttractorCell(*_shown(low, high, sample), (), (), line, is_open=True))
         self._opened, self._low, self._inside = low, high, []
 
     def _known(self, low: Real, high: Real, sample: Attracted) -> AttractorCell:
         value = self.samples.axis.orbits.value
-        return AttractorCell(
-            lower=real_to_sympy(low),
-            upper=real_to_sympy(high),
-            sample=QQ.to_sympy(sample.place),
-            cycles=sample.cycles,
-            bands=tuple(
-                tuple(
-                    (_expression(value(a.k, a.word)), _expression(value(b.k, b.word)))
-                    for a, b in bands
-                )
-                for bands in sample.ends
-            ),
-            line=sample.line,
-            neutral=sample.neutral,
+        bands = tuple(
+            tuple(
+                (_expression(value(a.k, a.word)), _expression(value(b.k, b.word))) for a, b in each
+            )
+            for each in sample.ends
         )
+        ends = _shown(low, high, sample.place)
+        return AttractorCell(*ends, sample.cycles, bands, sample.line, sample.neutral)
 
     def _crisis(self, change: Onset, kind: PointKind) -> Crisis:
         spelled, breaks = self.samples.map.spelled, self.samples.layout.breaks
@@ -429,6 +413,11 @@ class _Sweep:
             ),
             width=0.0 if change.is_exact else width,
         )
+
+
+def _shown(low: Real, high: Real, sample: Number) -> tuple[sympy.Expr, sympy.Expr, sympy.Rational]:
+    """Ends of a cell and its sample as expressions."""
+    return real_to_sympy(low), real_to_sympy(high), QQ.to_sympy(sample)
 
 
 def _expression(fraction: Fraction_) -> sympy.Expr:

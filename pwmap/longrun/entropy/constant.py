@@ -48,7 +48,6 @@ from pwmap.longrun.entropy.entropies import (
 )
 from pwmap.longrun.entropy.itineraries import (
     STEPS,
-    Ending,
     Itinerary,
     drawn_to,
     growth_at,
@@ -56,7 +55,7 @@ from pwmap.longrun.entropy.itineraries import (
 )
 from pwmap.longrun.entropy.kneading import cofactors, growth_by_kneading
 from pwmap.longrun.entropy.matching import family_of, growth_of_pairs, matched
-from pwmap.longrun.fates import AttractingCycle, Fates
+from pwmap.longrun.fates import AttractingCycle, Fate, Fates
 from pwmap.longrun.line import MapLine, line_at
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
@@ -189,7 +188,7 @@ class _Study:
             return Proof(QQ.one, tuple(units))
         itineraries = self.itineraries(line)
         endings = {each.ending for each in itineraries}
-        if Ending.OPEN in endings:
+        if Fate.OPEN in endings:
             expands = all(not -1 <= branch.slope <= 1 for branch in line.branches)
             return GapCause.EXPANDS if expands else GapCause.OPEN
         grown = growth_by_kneading if None in endings else growth_at
@@ -228,7 +227,7 @@ class _Study:
         changing = {
             number // 2
             for number, each in enumerate(itineraries)
-            if each.ending is Ending.OPEN
+            if each.ending is Fate.OPEN
             or not self.lasts(self.decisions(line, number // 2, each), low, high)
         }
         if len(changing) != 1:
@@ -270,11 +269,11 @@ class _Study:
                 yield CriticalOrbit(k, word[:n], other)
         again = word[itinerary.start :]
         match itinerary.ending:
-            case Ending.PERIODIC | Ending.OUTWARD:
+            case Fate.FINITE | Fate.LOST:
                 yield OrbitReturn(k, word, itinerary.start)
-            case Ending.DRAWN if self.slope(line, itinerary) < 0:
+            case Fate.DRAWN if self.slope(line, itinerary) < 0:
                 yield MultiplierSign(tuple(sorted(again)), -1)
-            case Ending.DRAWN:
+            case Fate.DRAWN:
                 yield MultiplierSign(tuple(sorted(again)), 1)
                 for n, piece in enumerate(itinerary.word):
                     turned = again[n:] + again[:n]
@@ -340,10 +339,10 @@ class _Study:
         found = list[AttractingCycle | None]()
         for germ in line.germs:
             itinerary = itinerary_of(line, germ, self.steps)
-            if itinerary.ending is Ending.DRAWN:
+            if itinerary.ending is Fate.DRAWN:
                 x = drawn_to(line, itinerary.word)
                 found.append(fates.attracting(x, len(itinerary.word)))
-            elif itinerary.ending is Ending.FLAT:
+            elif itinerary.ending is Fate.FLAT:
                 found.append(fates.orbit(germ).cycle)
                 found += fates.cycles
         known = {cycle.points: cycle.word for cycle in found if cycle is not None}

@@ -11,11 +11,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from enum import Enum
 
 from pwmap.algebra.exact import Affine, sign
 from pwmap.algebra.roots import Real
 from pwmap.longrun.entropy.entropies import growth_of
+from pwmap.longrun.fates import Fate
 from pwmap.longrun.line import IDENTITY, Germ, MapLine
 from pwmap.longrun.numbers import Exact, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
@@ -24,23 +24,13 @@ WORK = 10  # operations of one step for each step before it, which may begin a w
 STEPS = 64  # of an itinerary until it is known to the end
 
 
-class Ending(Enum):
-    """Why the letters of an orbit are known from some step on; the value says it in words."""
-
-    PERIODIC = "it comes back"
-    DRAWN = "it follows a word that draws it in"
-    OUTWARD = "it moves outward on outer pieces"
-    FLAT = "it comes to a flat piece, where laps end"
-    OPEN = "not known"
-
-
 @dataclass(frozen=True, slots=True)
 class Itinerary:
     """The pieces that a germ visits."""
 
     pieces: tuple[int, ...]  # their numbers; those from start on come again and again
     start: int
-    ending: Ending | None  # None for one side of a break up to where it matches the other one
+    ending: Fate | None  # None for one side of a break up to where it matches the other one
 
     @property
     def word(self) -> tuple[int, ...]:
@@ -60,21 +50,21 @@ def itinerary_of(
     seen, pieces, places = dict[Germ, int](), list[int](), list[Exact]()
     for step in range(steps):
         if germ in seen:
-            return Itinerary(tuple(pieces), seen[germ], Ending.PERIODIC)
+            return Itinerary(tuple(pieces), seen[germ], Fate.FINITE)
         meter.spend(WORK * (step + 1) + 3 * work_of(germ.x))
         seen[germ] = step
         pieces.append(line.number(germ))
         places.append(germ.x)
         if not line.branches[pieces[-1]].slope:
-            return Itinerary(tuple(pieces), step, Ending.FLAT)
+            return Itinerary(tuple(pieces), step, Fate.FLAT)
         germ = line.image(germ)
         start = _drawn_from(line, pieces)
         if start is not None:
-            return Itinerary(tuple(pieces), start, Ending.DRAWN)
+            return Itinerary(tuple(pieces), start, Fate.DRAWN)
         start = _outward_from(line, pieces, [*places[-2:], germ.x])
         if start is not None:
-            return Itinerary(tuple(pieces), start, Ending.OUTWARD)
-    return Itinerary(tuple(pieces), 0, Ending.OPEN)
+            return Itinerary(tuple(pieces), start, Fate.LOST)
+    return Itinerary(tuple(pieces), 0, Fate.OPEN)
 
 
 def _drawn_from(line: MapLine, pieces: Sequence[int]) -> int | None:

@@ -16,7 +16,7 @@ from pwmap.algebra.roots import Real, most_roots, real_to_sympy, simplest_betwee
 from pwmap.longrun import ConstantEntropy, EntropyIntervals, GapCause
 from pwmap.longrun.entropy import constant
 from pwmap.longrun.entropy.entropies import lap_numbers
-from pwmap.longrun.entropy.itineraries import Ending, growth_at, itinerary_of
+from pwmap.longrun.entropy.itineraries import growth_at, itinerary_of
 from pwmap.longrun.entropy.kneading import RING, T, growth_by_kneading
 from pwmap.longrun.entropy.matching import (
     TOGETHER,
@@ -26,6 +26,7 @@ from pwmap.longrun.entropy.matching import (
     growth_of_pairs,
     matched,
 )
+from pwmap.longrun.fates import Fate
 from pwmap.longrun.line import MapLine, line_of
 from pwmap.maps.budget import metered
 from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, OrbitReturn, Orbits
@@ -289,7 +290,7 @@ def test_kneading_determinants_grow_as_graphs_of_laps() -> None:
         text = f"Piecewise({', '.join(pieces)}, ({rng.randint(-3, 3)}*x/2 + 1, True))"
         line = line_of(PiecewiseLinearMap.from_sympy(text))
         found = [itinerary_of(line, germ, 24) for germ in line.germs]
-        if any(each.ending is Ending.OPEN for each in found):
+        if any(each.ending is Fate.OPEN for each in found):
             continue
         one, other = growth_at(line, found), growth_by_kneading(line, found)
         if one is None or other is None:
@@ -408,7 +409,7 @@ def test_a_multiplier_that_is_forgotten_shows(monkeypatch: pytest.MonkeyPatch) -
 def test_itineraries_are_what_orbits_do() -> None:
     """Of random maps, 60 steps on: the letters that were said to come do come, exactly."""
     rng = random.Random(5)
-    looked = dict.fromkeys(Ending, 0)
+    looked = dict.fromkeys(Fate, 0)
     for _ in range(300):
         c, m, n = (Rational(rng.randint(-40, 40), 16) for _ in range(3))
         text = f"Piecewise(({m}*x - 1, x <= 0), ({n}*x + {c}, x <= 1), (({m} - {n})*x - {c}, True))"
@@ -416,7 +417,7 @@ def test_itineraries_are_what_orbits_do() -> None:
         for germ in line.germs:
             found = itinerary_of(line, germ, 40)
             looked[found.ending] += 1
-            if found.ending in (Ending.OPEN, Ending.FLAT):
+            if found.ending in (Fate.OPEN, Fate.FLAT):
                 continue
             step = 0
             for _ in range(100):
@@ -434,7 +435,7 @@ def test_the_growth_of_itineraries_is_that_of_laps() -> None:
         r, a, b = (Rational(rng.randint(*ends), 16) for ends in ((33, 190), (8, 48), (-40, 40)))
         line = line_of(PAPER, {"r": r, "a": a, "b": b})
         found = [itinerary_of(line, germ, 60) for germ in line.germs]
-        if any(each.ending is Ending.OPEN for each in found):
+        if any(each.ending is Fate.OPEN for each in found):
             continue
         growth = growth_at(line, found)
         assert growth is not None
