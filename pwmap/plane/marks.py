@@ -26,7 +26,11 @@ class PlaneEvent(NamedTuple):
     words: tuple[str, ...]  # of the cycles, each from its first letter in the alphabet on
 
 
-PlaneMark = tuple[Any, PlaneEvent]  # a place on an axis, and what happens there
+class PlaneMark(NamedTuple):
+    """A place on an axis at which something happens."""
+
+    place: Any
+    event: PlaneEvent
 
 
 def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[PlaneMark]:
@@ -53,7 +57,7 @@ def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[Plane
             spelled = tuple(sorted(map(map_.spelled, words)))
             found[junction.place, spelled].append((kind, note))
     return [
-        (place, PlaneEvent(*_joined(happening), words))
+        PlaneMark(place, PlaneEvent(*_joined(happening), words))
         for (place, words), happening in found.items()
     ]
 
