@@ -35,8 +35,6 @@ class FoundCycle:
 
     Attributes
     ----------
-    line
-        The map there.
     word
         The pieces that it visits, from its leftmost point on.
     start

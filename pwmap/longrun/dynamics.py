@@ -138,12 +138,8 @@ class Attractor:
 
     Attributes
     ----------
-    line
-        The map.
     core
         The cycle, the intervals or the bands, in exact numbers.
-    budget
-        What each question about it may take.
 
     Examples
     --------
@@ -375,12 +371,8 @@ class Dynamics:
 
     Attributes
     ----------
-    line
-        The map there, in exact numbers.
     orders
         Up to which the graph of laps is made for bounds of the entropy, one after the other.
-    budget
-        What each question may take.
 
     Examples
     --------

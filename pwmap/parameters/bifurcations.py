@@ -68,10 +68,8 @@ def bifurcation_diagram(
 
     Parameters
     ----------
-    map_
-        The map; its other parameters have values, or stay symbolic.
-    parameter
-        Symbol or name of the parameter.
+    map_, parameter
+        The map, whose other parameters have values or stay symbolic, and the symbol or name.
     span
         Two rationals; by default from about one below the first value at which something happens
         to about one above the last. What exists at an end of the span only is left out.

@@ -276,10 +276,8 @@ def parameter_cells(
 
     Parameters
     ----------
-    map_
-        The map; its other parameters have values or stay symbolic.
-    parameter
-        Symbol or name.
+    map_, parameter
+        The map, whose other parameters have values or stay symbolic, and the symbol or name.
     orders
         The iterates to look at.
     span

@@ -116,8 +116,6 @@ class CodimensionTwo:
     ----------
     id
         The code of its kind with a number.
-    kind
-        What it is.
     node
         Values of both parameters, the one across first.
     curves

@@ -29,8 +29,6 @@ class ParameterPlane:
 
     Attributes
     ----------
-    map
-        The map.
     across, along
         The parameter of the strips, and the one along each strip.
     across_span, along_span
@@ -198,12 +196,8 @@ def parameter_plane(
 
     Parameters
     ----------
-    map_
-        A map with just these two parameters.
-    across, along
-        Symbols or names.
-    across_span, along_span
-        Rationals.
+    map_, across, along, across_span, along_span
+        A map with just two parameters, their symbols or names, and two rationals for each.
     orders
         The iterates to look at; those of orders that divide them are, too.
     budget

@@ -32,8 +32,6 @@ class Strip:
         The cells of the other parameter; their edges are expressions in the first.
     borders
         The same edges, and both ends of the span, as roots of polynomials, from the lowest.
-    marks
-        Where cycles bifurcate.
     upright
         Coefficients of polynomials in the first parameter alone that decided something.
 

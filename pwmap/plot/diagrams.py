@@ -517,10 +517,8 @@ def plot_cobweb(
     ----------
     map_
         A map without parameters.
-    start
-        A rational.
-    steps
-        Number of steps, at least 1.
+    start, steps
+        A rational, and the number of steps, at least 1.
     ax, window
         As for :func:`plot_map`; by default the window holds the orbit.
     styles

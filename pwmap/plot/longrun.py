@@ -91,12 +91,8 @@ def plot_long_run(
 
     Parameters
     ----------
-    diagram
-        Branches, as :func:`pwmap.bifurcation_diagram` finds them.
-    found
-        Attractors, over an interval of the same parameter.
-    map_
-        The map both are of.
+    diagram, found, map_
+        Branches, attractors over an interval of the same parameter, and the map both are of.
     ax
         Axes to draw on; new ones by default.
     steps
@@ -156,10 +152,8 @@ def plot_attractors(
 
     Parameters
     ----------
-    found
-        What to draw.
-    map_
-        The map it is of.
+    found, map_
+        What to draw, and the map it is of.
     ax
         Axes to draw on; new ones by default.
     steps
@@ -429,16 +423,12 @@ def plot_entropy(
 
     Parameters
     ----------
-    map_
-        A map of one parameter.
-    parameter, span
-        Its name, and two rationals.
+    map_, parameter, span
+        A map of one parameter, its name, and two rationals.
     ax
         Axes to draw on; new ones by default.
-    steps
-        How many rational values.
-    orders
-        Up to which the graph of laps is made.
+    steps, orders
+        How many rational values, and up to which orders the graph of laps is made.
     intervals
         What :func:`pwmap.constant_entropy` found; by default it is asked.
     styles

@@ -73,8 +73,6 @@ class OrganisingCentre:
 
     Attributes
     ----------
-    across, along
-        The two parameters.
     values
         Their values at the centre.
     x

@@ -102,8 +102,6 @@ class WordFamily:
 
     Attributes
     ----------
-    pattern
-        As it was given.
     n
         The exponent, a positive integer.
     least
@@ -111,8 +109,6 @@ class WordFamily:
     x
         The first point of the cycle, whose word begins as the pattern does. Where the slope of a
         repeated word is 1 for single values of the parameters, x is the limit there.
-    multiplier
-        Of the cycle.
     conditions
         Those that bind: together they say for every n that each point lies in its piece.
 

@@ -50,8 +50,6 @@ class AttractorCell:
     ----------
     lower, upper
         Exact ends; they do not belong to it.
-    sample
-        A rational value inside.
     cycles
         Words of the attracting cycles, as long as they are.
     neutral
@@ -139,10 +137,6 @@ class AttractorDiagram:
 
     Attributes
     ----------
-    map
-        The map.
-    parameter
-        The symbol.
     order
         Up to which images of breaks are compared with breaks and cycles everywhere.
     cells
@@ -150,8 +144,6 @@ class AttractorDiagram:
     crises
         Of chaotic attractors, from left to right. Other bifurcations of attracting cycles separate
         cells, too; they are in :func:`pwmap.bifurcation_diagram`.
-    left_out
-        A sentence on what was not looked at; empty if all was.
     left_out
         A sentence on what was not looked at; empty if all was.
 
@@ -211,12 +203,8 @@ def attractor_diagram(
 
     Parameters
     ----------
-    map_
-        A map whose other parameters have values.
-    parameter
-        Symbol or name.
-    span
-        Two rationals.
+    map_, parameter, span
+        A map whose other parameters have values, the symbol or name of this one, and two rationals.
     order
         Up to which images of breaks are compared with breaks, and with repelling cycles of periods
         up to that, everywhere. All changes by such words are found; of changes by longer ones those

@@ -112,18 +112,12 @@ def constant_entropy(
 
     Parameters
     ----------
-    map_
-        A map whose other parameters have values.
-    parameter
-        Symbol or name.
-    span
-        Two rationals.
+    map_, parameter, span
+        A map whose other parameters have values, the symbol or name of this one, and two rationals.
     tolerance
         A rational: narrower gaps are left. By default 1/4096 of the span.
-    samples
-        How many values are tried at most.
-    steps
-        How far orbits of breaks are followed.
+    samples, steps
+        How many values are tried, and how far orbits of breaks are followed, at most.
     budget
         What all of it may take; what is not looked at then is a gap.
 

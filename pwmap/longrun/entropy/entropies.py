@@ -384,8 +384,6 @@ class EntropyIntervals:
 
     Attributes
     ----------
-    parameter
-        The symbol.
     intervals
         Apart, or touching with different entropies, from left to right.
     gaps
