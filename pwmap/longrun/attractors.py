@@ -23,7 +23,7 @@ from pwmap.longrun.fates import AttractingCycle, Fate, Fates, GermOrbit, abs_, u
 from pwmap.longrun.line import AffinePiece, Germ, Interval, MapLine, add, joined, length, outside
 from pwmap.longrun.neutral import NeutralIntervals, is_neutral, neutral_intervals
 from pwmap.longrun.numbers import Element, Exact, enclosed, in_order, work_of
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.budget import Meter
 
 STEPS = 600  # of an orbit, and of what grows from a break
 PARTS = 2000  # of what grows from a break at most, at any time
@@ -104,12 +104,11 @@ class _Settled(Exception):  # noqa: N818  it is not an error
     """What grows from a break comes elsewhere than to a chaotic attractor."""
 
 
-def attractors_of(line: MapLine, *, budget: Budget | Meter = BUDGET) -> Attractors:
+def attractors_of(line: MapLine, meter: Meter) -> Attractors:
     """The attractors of a map.
 
     If the budget is used up, more breaks are open.
     """
-    meter = metered(budget)
     expands = all(abs_(branch.slope) > 1 for branch in line.branches)
     fates = Fates(line, EXPANDING if expands else STEPS, meter)
     orbits, open_, bands = list[GermOrbit](), set(line.breaks), list[Bands]()

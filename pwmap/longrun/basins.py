@@ -31,7 +31,7 @@ from pwmap.longrun.pointsets import (
     point_set,
     preimage,
 )
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.budget import Meter
 
 ROUNDS = 40  # of extending all intervals on both sides, and of preimages
 PARTS = 64  # of a whole basin at most
@@ -89,14 +89,13 @@ class WholeBasin:
 
 
 def whole_basin(
-    line: MapLine, core: PointSet, immediate: Sequence[Interval], budget: Budget | Meter = BUDGET
+    line: MapLine, core: PointSet, immediate: Sequence[Interval], meter: Meter
 ) -> WholeBasin:
     """All that comes to an attractor.
 
     The core are points that stay at the attractor, or are known to be drawn in; the immediate basin
     is given as open intervals. If the budget is used up what was collected is not complete.
     """
-    meter = metered(budget)
     found = [core | open_intervals(immediate)]
     complete = False
     with meter.keeping(found):
@@ -162,9 +161,7 @@ def _comes(line: MapLine, core: PointSet, x: Exact, meter: Meter) -> bool | None
     return None
 
 
-def basin_of(
-    line: MapLine, start: Sequence[Interval], budget: Budget | Meter = BUDGET
-) -> tuple[Interval, ...]:
+def basin_of(line: MapLine, start: Sequence[Interval], meter: Meter) -> tuple[Interval, ...]:
     """The immediate basin of an attractor: open intervals, from left to right.
 
     Iterates are looked at until all ends may have come back, twice: what is mapped to the other
@@ -174,7 +171,7 @@ def basin_of(
     themselves: its bands, its neutral intervals, or what its points are known to draw in. If the
     budget is used up, or that takes many rounds, intervals may be too short.
     """
-    known, meter = list(start), metered(budget)
+    known = list(start)
     with meter.keeping(known):
         for _ in meter.each(range(ROUNDS), "rounds"):
             before = list(known)

@@ -235,13 +235,13 @@ def cycles(
 
 
 def closed_words(
-    line: MapLine, order: int, budget: Budget | Meter = BUDGET
+    line: MapLine, order: int, meter: Meter
 ) -> Iterator[tuple[tuple[int, ...], Exact]]:
     """Words of cycles that lie on no break, as numbers of branches, with their multipliers.
 
     Each once, from the leftmost point on; by period.
     """
-    for level in islice(_levels(line, metered(budget)), order):
+    for level in islice(_levels(line, meter), order):
         for start in level:
             if _closed(start) is not None:
                 yield start.word, start.whole.slope

@@ -33,7 +33,7 @@ from pwmap.longrun.numbers import (
     quotient_enclosure,
     work_of,
 )
-from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
+from pwmap.maps.budget import BudgetError, Meter
 
 LEAST = QQ(1, 2**60)  # of a weight: what follows along an orbit is bounded, not summed
 LONGEST = 600  # orbits that are summed
@@ -171,14 +171,14 @@ class Density:
         return math.nextafter(float(total.a), -math.inf), math.nextafter(float(total.b), math.inf)
 
 
-def density_of(line: MapLine, bands: Bands, budget: Budget | Meter = BUDGET) -> Density | None:
+def density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
     """The invariant density of a chaotic attractor.
 
     None if no iterate is found that expands everywhere, or rounding leaves open which it is, or the
     budget does not suffice.
     """
     try:
-        return _density_of(line, bands, metered(budget))
+        return _density_of(line, bands, meter)
     except BudgetError:
         return None
 

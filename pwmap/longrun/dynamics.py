@@ -32,7 +32,7 @@ from pwmap.longrun.line import Germ, Interval, MapLine, line_of
 from pwmap.longrun.neutral import NeutralIntervals
 from pwmap.longrun.numbers import exact_to_sympy
 from pwmap.longrun.pointsets import PointSet, open_intervals, part_to_sympy
-from pwmap.maps.budget import BUDGET, Budget, Meter
+from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 
 
@@ -228,7 +228,9 @@ class Attractor:
     def density(self) -> Density | None:
         """The invariant density of bands; None for cycles, or if it is not known to exist."""
         return (
-            density_of(self.line, self.core, self.budget) if isinstance(self.core, Bands) else None
+            density_of(self.line, self.core, metered(self.budget))
+            if isinstance(self.core, Bands)
+            else None
         )
 
     @cached_property
@@ -254,7 +256,7 @@ class Attractor:
 
     @cached_property
     def _basin(self) -> tuple[Interval, ...]:
-        return basin_of(self.line, self._core.interior, self.budget)
+        return basin_of(self.line, self._core.interior, metered(self.budget))
 
     @property
     def basin(self) -> tuple[sympy.Interval, ...]:
@@ -270,7 +272,7 @@ class Attractor:
     @cached_property
     def whole_basin(self) -> WholeBasin:
         """All that is known to come here: the immediate basin and its preimages, wherever."""
-        return whole_basin(self.line, self._core, self._basin, self.budget)
+        return whole_basin(self.line, self._core, self._basin, metered(self.budget))
 
     def share(self, window: tuple[object, object]) -> sympy.Expr:
         """The part of a window that the immediate basin covers.
@@ -396,7 +398,7 @@ class Dynamics:
 
     @cached_property
     def _found(self) -> Attractors:
-        return attractors_of(self.line, budget=self.budget)
+        return attractors_of(self.line, metered(self.budget))
 
     @cached_property
     def attractors(self) -> FoundAttractors:
@@ -429,7 +431,7 @@ class Dynamics:
     @cached_property
     def entropy(self) -> Entropy:
         """The topological entropy, exact or between bounds."""
-        return entropy_of(self.line, self._found, self.orders, self.budget)
+        return entropy_of(self.line, self._found, self.orders, metered(self.budget))
 
     @cached_property
     def kneading(self) -> tuple[Kneading, ...]:
@@ -467,7 +469,7 @@ class Dynamics:
         list of int
             One number for each order from 1 to ``order``.
         """
-        return lap_numbers(self.line, checked_order(order), self.budget)
+        return lap_numbers(self.line, checked_order(order), metered(self.budget))
 
 
 def dynamics(
@@ -523,7 +525,7 @@ EXTREMA = {-1: Extremum.MAXIMUM, 1: Extremum.MINIMUM, 0: Extremum.CONSTANT}  # b
 
 def _minmax(line: MapLine, start: Germ, orbit: GermOrbit) -> MinMax:
     """The min-max sequence of an orbit: it starts at the first image."""
-    found = itinerary_of(line, start, STEPS)
+    found = itinerary_of(line, start, STEPS, Meter(BUDGET))
     if found.ending in (Fate.FLAT, Fate.OPEN):
         germs, again = _until_back(line, start, orbit)
         letters = [line.letter(germ) for germ in germs]

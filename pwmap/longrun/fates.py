@@ -14,7 +14,7 @@ from pwmap.algebra.exact import HIGHEST, sign
 from pwmap.longrun.line import IDENTITY, AffinePiece, Germ, Interval, MapLine
 from pwmap.longrun.numbers import Exact, key, work_of
 from pwmap.longrun.pointsets import PointSet, open_intervals
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.budget import Meter
 
 REPEATS = 3  # of a word, before its cycle is asked whether it draws the orbit in
 STEP = 8  # operations of one step
@@ -125,8 +125,8 @@ def unfollowed(line: MapLine, germ: Germ) -> GermOrbit:
 class Fates:
     """Follows orbits, and keeps the attracting cycles that it meets."""
 
-    def __init__(self, line: MapLine, steps: int, budget: Budget | Meter = BUDGET) -> None:
-        self.line, self.steps, self.meter = line, steps, metered(budget)
+    def __init__(self, line: MapLine, steps: int, meter: Meter) -> None:
+        self.line, self.steps, self.meter = line, steps, meter
         self.lost_below, self.lost_above = escapes(line)
         self.cycles = list[AttractingCycle]()
 

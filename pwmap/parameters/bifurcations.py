@@ -128,7 +128,7 @@ def bifurcation_diagram(
         limits,
         sample,
         with_ends=True,
-        budget=meter,
+        meter=meter,
     )
 
 

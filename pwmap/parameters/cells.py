@@ -112,12 +112,12 @@ def grown(
     order: int,
     *,
     shown: bool,
-    budget: Budget | Meter = BUDGET,
+    meter: Meter,
     ask: Ask | None = None,
 ) -> PlaceStudy:
     """A study of one order more, with every sign that its fixed points depend on if it is shown."""
     oracle, current, iterates = study.oracle, study.cylinders, study.iterates
-    meter, ask = metered(budget), ask or oracle.ask
+    ask = ask or oracle.ask
     for layout in chain:
         current = refined(current, layout, oracle, meter, ask)
     if shown:
@@ -134,7 +134,7 @@ def stages(
     chain: tuple[int, ...],
     orders: Sequence[int],
     cells: list[Cell],
-    budget: Budget | Meter = BUDGET,
+    meter: Meter,
 ) -> Iterator[CellStage]:
     """Cut cells of which nothing is known into cells and edges, order by order.
 
@@ -143,11 +143,11 @@ def stages(
 
     BudgetError if an order takes more pieces than there are left.
     """
-    pieces, meter = 0, metered(budget)
+    pieces = 0
 
     def grow(study: PlaceStudy, ask: Ask) -> PlaceStudy:
         nonlocal pieces
-        more = grown(study, chain, order, shown=order in orders, budget=meter, ask=ask)
+        more = grown(study, chain, order, shown=order in orders, meter=meter, ask=ask)
         pieces += len(more.cylinders)
         if pieces > meter.budget.pieces:
             raise BudgetError(
@@ -219,7 +219,8 @@ def studied_at(place: Any, axis: Axis, chain: tuple[int, ...], cell: Cell) -> Ce
     """An edge at some place in or beside a cell, with the same iterates."""
     study = PlaceStudy(axis.oracle(place), {})
     for order in range(1, max(cell.study.iterates) + 1):
-        study = grown(study, chain, order, shown=order in cell.study.iterates)
+        study = grown(study, chain, order, shown=order in cell.study.iterates,
+                      meter=Meter(BUDGET))  # fmt: skip
     return Cell(place, place, study, place)
 
 
@@ -317,7 +318,7 @@ def parameter_cells(
         orders,
         (LOWEST, HIGHEST) if span is None else checked_span(span),
         sample,
-        budget=meter,
+        meter=meter,
     )
 
 
@@ -365,8 +366,8 @@ def with_stages(
     span: Span,
     sample: Mapping[Any, object] | None,
     *,
+    meter: Meter,
     with_ends: bool = False,
-    budget: Budget | Meter = BUDGET,
 ) -> Result:
     """Build something from cells that are cut order by order, at the first generic sample.
 
@@ -375,7 +376,6 @@ def with_stages(
     """
     check_map(map_)
     name = checked_parameter(parameter, map_.parameters)
-    meter = metered(budget)
     checked_size(max(orders), len(map_.chain), meter.budget)
     tried: list[Mapping[str, Number]] = []
     for values in samples(map_, name, span, sample):

@@ -175,7 +175,7 @@ class _Search:
             return False
         place, width = roots[family.number], (high - low) * QQ(1, BESIDE)
         map_ = self.map_at(value)
-        kind = kind_at(map_, self.along, self.order, place, width, budget=self.meter)
+        kind = kind_at(map_, self.along, self.order, place, width, self.meter)
         return kind is family.event.kind
 
     def _end(self, family: _Family, inside: Number, outside: Number) -> Number:

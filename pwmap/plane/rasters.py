@@ -151,7 +151,7 @@ _OPEN: _Point = (0, 0, 0.0, True)
 
 
 def _at(line: MapLine, meter: Meter) -> _Point:
-    found = attractors_of(line, budget=meter)
+    found = attractors_of(line, meter)
     return (
         min((len(cycle.points) for cycle in found.cycles), default=0),
         sum(map(len, found.bands)),

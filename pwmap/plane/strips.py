@@ -11,7 +11,7 @@ from sympy import QQ
 
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, RealRoot, integers, real_to_sympy, simplest_between
-from pwmap.maps.budget import Meter
+from pwmap.maps.budget import BUDGET, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.axis import Axis, ResampleError
 from pwmap.parameters.cells import Cell, from_all_orders, merged, shown_cells, with_stages
@@ -133,7 +133,7 @@ class Rectangle:
             self.along_span,
             {self.across: sample},
             with_ends=True,
-            budget=self.meter,
+            meter=self.meter,
         )
 
     def _built(self, axis: Axis, cells: list[Cell]) -> Strip:
@@ -159,4 +159,5 @@ class Rectangle:
             span,
             None,
             with_ends=True,
+            meter=Meter(BUDGET),
         )

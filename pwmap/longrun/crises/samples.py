@@ -86,7 +86,7 @@ class Samples:
         line = line_at(self.map, place)
         left = self.meter.budget.work - self.meter.work
         meter = Meter(Budget(work=max(1, min(WORK, left))))  # what takes more is open
-        found = attractors_of(line, budget=meter)
+        found = attractors_of(line, meter)
         self.meter.spend(meter.work)
         if len(found.orbits) < len(self.germs):
             return Attracted(place, line, found, (), (), (), is_special=False)

@@ -329,10 +329,10 @@ class _Study:
     def cycles(self, sample: Number) -> list[str]:
         """Words of the attracting cycles at a sample, to which orbits of breaks come."""
         line = self.line(sample)
-        fates = Fates(line, self.steps)
+        fates = Fates(line, self.steps, Meter(BUDGET))
         found = list[AttractingCycle | None]()
         for germ in line.germs:
-            itinerary = itinerary_of(line, germ, self.steps)
+            itinerary = itinerary_of(line, germ, self.steps, Meter(BUDGET))
             if itinerary.ending is Fate.DRAWN:
                 x = drawn_to(line, itinerary.word)
                 found.append(fates.attracting(x, len(itinerary.word)))

@@ -32,7 +32,7 @@ from pwmap.longrun.attractors import Attractors
 from pwmap.longrun.fates import escapes
 from pwmap.longrun.line import Interval, MapLine, cut_at
 from pwmap.longrun.numbers import Element, Exact, log_bounds, work_of
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.budget import Meter
 
 Node = tuple[int, Exact, Exact]  # the number of a piece, and a part of its interval
 LARGEST = 48  # matrix whose characteristic polynomial is factored
@@ -87,14 +87,11 @@ class Entropy:
 Ways = tuple[tuple[int, ...], ...]  # from each node to others, by their numbers
 
 
-def laps_of(
-    line: MapLine, found: Attractors, order: int, budget: Budget | Meter = BUDGET
-) -> tuple[Ways, Ways]:
+def laps_of(line: MapLine, found: Attractors, order: int, meter: Meter) -> tuple[Ways, Ways]:
     """The graph of laps up to an order: ways to nodes that are known, and all.
 
     Of all, those to further nodes are taken for whole pieces. Both are the same if there are none.
     """
-    meter = metered(budget)
     cut_off = _without_laps(line, found)
     pieces = [(k, *part) for k, branch in enumerate(line.branches)
               for part in _clipped((branch.lower, branch.upper), cut_off)]  # fmt: skip
@@ -161,8 +158,8 @@ def _onward(line: MapLine, node: Node, cut_off: Sequence[Interval]) -> Iterator[
 def entropy_of(
     line: MapLine,
     found: Attractors,
-    orders: Sequence[int] = ORDERS,
-    budget: Budget | Meter = BUDGET,
+    orders: Sequence[int],
+    meter: Meter,
 ) -> Entropy:
     """The topological entropy of a map.
 
@@ -170,7 +167,7 @@ def entropy_of(
     ends bounds are those of the last order that is finished.
     """
     most = math.nextafter(math.log(len(line.branches)), math.inf)  # each step has so many laps
-    best, meter = Entropy(low=0.0, high=most, value=None, order=0), metered(budget)
+    best = Entropy(low=0.0, high=most, value=None, order=0)
     with meter.keeping(orders):
         for order in meter.each(orders, "orders"):
             ways, whole = laps_of(line, found, order, meter)
@@ -273,14 +270,14 @@ def growth_of(ways: Sequence[Sequence[int]]) -> Real | None:
     return best
 
 
-def lap_numbers(line: MapLine, order: int, budget: Budget | Meter = BUDGET) -> list[int]:
+def lap_numbers(line: MapLine, order: int, meter: Meter) -> list[int]:
     """How many intervals iterates up to an order cut the line into, each affine on every one.
 
     Nodes of the graph of laps are counted with how many paths lead there, so that the cost grows
     with the square of the order, not with the number of laps. An interval that is mapped to a
     point remains one.
     """
-    found, meter = list[int](), metered(budget)
+    found = list[int]()
     counted = {(k, branch.lower, branch.upper): 1 for k, branch in enumerate(line.branches)}
     ended = 0
     for _ in range(order):

@@ -18,7 +18,7 @@ from pwmap.longrun.entropy.entropies import growth_of
 from pwmap.longrun.fates import Fate
 from pwmap.longrun.line import IDENTITY, Germ, MapLine
 from pwmap.longrun.numbers import Exact, work_of
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.budget import Meter
 
 WORK = 10  # operations of one step for each step before it, which may begin a word that draws in
 STEPS = 64  # of an itinerary until it is known to the end
@@ -42,11 +42,8 @@ class Itinerary:
         return step + 1 if step + 1 < len(self.pieces) else self.start
 
 
-def itinerary_of(
-    line: MapLine, germ: Germ, steps: int, budget: Budget | Meter = BUDGET
-) -> Itinerary:
+def itinerary_of(line: MapLine, germ: Germ, steps: int, meter: Meter) -> Itinerary:
     """The itinerary of a germ, up to the first step after which it is known to the end."""
-    meter = metered(budget)
     seen, pieces, places = dict[Germ, int](), list[int](), list[Exact]()
     for step in range(steps):
         if germ in seen:

@@ -35,7 +35,7 @@ from pwmap.longrun.entropy.itineraries import Itinerary
 from pwmap.longrun.entropy.kneading import RING, T, growth_from
 from pwmap.longrun.line import Germ, MapLine
 from pwmap.longrun.numbers import work_of
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 STEP = 10  # operations of one step
@@ -50,13 +50,12 @@ Range = tuple[Number, Number]  # of a number: all from one to another
 
 
 def matched(
-    line: MapLine, number: int, steps: int, budget: Budget | Meter = BUDGET
+    line: MapLine, number: int, steps: int, meter: Meter
 ) -> tuple[Itinerary, Itinerary] | None:
     """The itineraries of both sides of a break up to the step at which they match; None if none.
 
     Breaks are counted from the left.
     """
-    meter = metered(budget)
     sides = line.germs[2 * number : 2 * number + 2]
     pieces = list[int](), list[int]()
     for _ in range(steps):
@@ -240,14 +239,13 @@ def growth_of_pairs(
     family: MapFamily,
     number: int,
     weights: Sequence[PolyElement],
-    budget: Budget | Meter = BUDGET,
+    meter: Meter,
 ) -> Real | None:
     """The growth of laps if it is one number over an interval, its ends among it.
 
     Orbits of the break with this number need not match. Weights are those of pieces in the series
     of an orbit, of which the determinant is a difference. Above 1; None if nothing is proved.
     """
-    meter = metered(budget)
     one = _step(family, weights, TOGETHER, number, left=True)
     other = _step(family, weights, one.onward, number + 1, left=False)
     start = PairStep(one.term + one.factor * other.term, one.factor * other.factor, other.onward)

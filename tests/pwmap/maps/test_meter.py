@@ -36,7 +36,7 @@ from pwmap.diagrams.encoding import to_plain
 from pwmap.diagrams.tables import FILES
 from pwmap.longrun.entropy.entropies import GapCause
 from pwmap.maps import Advance, Meter
-from pwmap.maps.budget import cost
+from pwmap.maps.budget import BUDGET, cost
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.cells import Cell, aside, close, from_all_orders, with_stages
 from pwmap.plane import plane_raster
@@ -371,7 +371,7 @@ def test_copies_of_cells_and_their_axis_record_for_themselves() -> None:
 
     sample = {"a": "1/2", "b": "-3/2", "l": "1/3"}
     whole = from_all_orders(build)
-    assert with_stages(whole, LEVELS, "m", (1, 2), (LOWEST, HIGHEST), sample)
+    assert with_stages(whole, LEVELS, "m", (1, 2), (LOWEST, HIGHEST), sample, meter=Meter(BUDGET))
 
 
 def _upto(last: int) -> str:
