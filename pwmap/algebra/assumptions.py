@@ -6,7 +6,7 @@ admit, or reported as undecided: a sample decides nothing by itself.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
@@ -114,6 +114,10 @@ class AssumedRegion(Portable):
                 if not constraint.holds(sign(value)):
                     return constraint
         return None
+
+    def broken(self, sign_of: Callable[[Number], int]) -> Constraint | None:
+        """The first inequality that does not hold where polynomials have some signs."""
+        return next((c for c in self.constraints if not c.holds(sign_of(c.polynomial))), None)
 
     def relations(self) -> tuple[Relational, ...]:
         """The inequalities as sympy relations."""

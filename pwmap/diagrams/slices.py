@@ -18,9 +18,16 @@ from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import HIGHEST, LOWEST, to_float
-from pwmap.algebra.roots import Dense, Real, RealRoot, real_roots, real_to_sympy, sign_at, trimmed
-
-_T = sympy.Symbol("t")
+from pwmap.algebra.roots import (
+    Dense,
+    Real,
+    RealRoot,
+    algebraic,
+    dense_of,
+    real_to_sympy,
+    sign_at,
+    trimmed,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,7 +59,7 @@ class ExactSlice:
     def _end(self, end: sympy.Expr) -> Real:
         if end.is_infinite:
             return HIGHEST if end is sympy.oo else LOWEST
-        return real(self._sampled(end))
+        return algebraic(self._sampled(end))
 
     def _sampled(self, expr: sympy.Expr) -> sympy.Expr:
         values = {s: self.sample[s.name] for s in expr.free_symbols if s.name in self.sample}
@@ -66,7 +73,7 @@ class ExactSlice:
         drawn = self._sampled(expr)
         if not isinstance(self.at, RealRoot) or own is None:
             point = {own: real_to_sympy(self.at)} if own is not None else {}
-            key = real(drawn.xreplace(point))
+            key = algebraic(drawn.xreplace(point))
             return ExactValue(expr.xreplace(point), key, to_float(key))
         top, bottom = quotient_in(drawn, own)
         coefficients = self.at.quotient(top, bottom)
@@ -111,34 +118,13 @@ def exact_number(value: object) -> Real:
     if not (isinstance(value, sympy.Expr) and value.is_number and value.is_real):
         raise ValueError(f"a slice needs a real number, got {value}")
     try:
-        return real(value)
-    except (NotImplementedError, sympy.polys.polyerrors.BasePolynomialError):
+        return algebraic(value)
+    except ValueError:
         raise ValueError(f"a slice needs a rational or algebraic number, got {value}") from None
-
-
-@lru_cache(maxsize=4096)
-def real(expr: sympy.Expr) -> Real:
-    """A real algebraic number of sympy as one of this package."""
-    if isinstance(expr, sympy.Rational):
-        return QQ(int(expr.p), int(expr.q))
-    if isinstance(expr, sympy.CRootOf):
-        return real_roots(_dense(expr.poly))[expr.index]
-    polynomial = sympy.minimal_polynomial(expr, _T, polys=True)
-    for root in real_roots(_dense(polynomial)):
-        if not isinstance(root, RealRoot):
-            return root
-        low, high = real_to_sympy(root.low), real_to_sympy(root.high)
-        if expr > low and expr < high:  # irrational: the digits show it
-            return root
-    raise ValueError(f"{expr} is no real number")
 
 
 @lru_cache(maxsize=4096)
 def quotient_in(expr: sympy.Expr, symbol: sympy.Symbol) -> tuple[Dense, Dense]:
     """Coefficients of numerator and denominator of a formula in one symbol."""
     top, bottom = sympy.fraction(sympy.together(expr))
-    return _dense(sympy.Poly(top, symbol)), _dense(sympy.Poly(bottom, symbol))
-
-
-def _dense(polynomial: sympy.Poly) -> Dense:
-    return trimmed(QQ(int(c.p), int(c.q)) for c in polynomial.all_coeffs())
+    return dense_of(sympy.Poly(top, symbol)), dense_of(sympy.Poly(bottom, symbol))

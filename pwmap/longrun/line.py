@@ -18,9 +18,9 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, dense, sign
-from pwmap.algebra.roots import Real, RealRoot, real_to_sympy, value_at
+from pwmap.algebra.roots import Real, RealRoot, algebraic, real_to_sympy, value_at
 from pwmap.algebra.terms import own_name
-from pwmap.longrun.numbers import Element, Exact, algebraic
+from pwmap.longrun.numbers import Element, Exact
 from pwmap.maps.kinds import check_map
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
@@ -266,11 +266,10 @@ def line_at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
             return Element(place, place.reduced(coefficients))
         return value_at(coefficients, place)
 
-    for constraint in map_.definition.region.constraints:
-        found = sign(element(constraint.polynomial))
-        if found < 0 or (constraint.strict and not found):
-            value = f"{ring.symbols[0]} = {real_to_sympy(place)}"
-            raise ValueError(f"{value} contradicts the assumption {constraint}")
+    broken = map_.definition.region.broken(lambda polynomial: sign(element(polynomial)))
+    if broken is not None:
+        value = f"{ring.symbols[0]} = {real_to_sympy(place)}"
+        raise ValueError(f"{value} contradicts the assumption {broken}")
     bottom = element(table.denominator)
     slopes, intercepts, breaks = (
         [element(each) / bottom for each in group]

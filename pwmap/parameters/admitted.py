@@ -81,8 +81,7 @@ def _limits(axis: Axis) -> list[Any]:
 
 def _broken(axis: Axis, place: Any) -> Constraint | None:
     """The first assumption that does not hold at a place."""
-    constraints = axis.definition.region.constraints
-    return next((c for c in constraints if not c.holds(axis.sign(c.polynomial, place))), None)
+    return axis.definition.region.broken(lambda polynomial: axis.sign(polynomial, place))
 
 
 def _belongs(axis: Axis, place: Any) -> bool:

@@ -19,12 +19,11 @@ from pwmap.algebra.bivariate import irreducible_factors
 from pwmap.algebra.exact import Number, degree_in
 from pwmap.algebra.inequalities import along
 from pwmap.algebra.rootfunctions import Column, Root
-from pwmap.algebra.roots import Real, real_roots
+from pwmap.algebra.roots import Real, algebraic, real_roots
 from pwmap.diagrams.data import PointKind
 from pwmap.longrun.crises.diagram import Crisis, attractor_diagram
 from pwmap.longrun.crises.kinds import kind_at
 from pwmap.longrun.crises.meetings import meeting_polynomial
-from pwmap.longrun.numbers import algebraic
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.plane.marks import PlaneEvent

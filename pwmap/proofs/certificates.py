@@ -16,6 +16,7 @@ from pwmap.algebra.roots import (
     Dense,
     Real,
     RealRoot,
+    algebraic,
     difference,
     integers,
     real_roots,
@@ -32,7 +33,7 @@ from pwmap.checking.refusing import Effort
 from pwmap.checking.refusing import Refused as Refused
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.slices import quotient_in, real
+from pwmap.diagrams.slices import quotient_in
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import Table
 from pwmap.proofs.document import Certificate
@@ -367,10 +368,10 @@ class _DiagramWriter:
         """The first and the last value of the parameter."""
         interval: Any = stretch.exact["interval"]
         if isinstance(interval, sympy.FiniteSet):
-            return real(interval.args[0]), real(interval.args[0])
+            return algebraic(interval.args[0]), algebraic(interval.args[0])
         if interval.start.is_infinite or interval.end.is_infinite:
             _fail(f"the branch {stretch.word} goes on without end")
-        return real(interval.start), real(interval.end)
+        return algebraic(interval.start), algebraic(interval.end)
 
     def _places(self, stretch: Stretch) -> list[int]:
         """Its first and its last place."""
@@ -422,7 +423,7 @@ class _DiagramWriter:
 
     def _point(self, point: SpecialPoint, read: branches.ClaimedDiagram) -> Iterator[Row]:
         """A special point as the checker reads it, if fixed points end there."""
-        parameter = real(point.exact["parameter"])
+        parameter = algebraic(point.exact["parameter"])
         i = self._index.get(parameter, 0)
         at = self._x(point, parameter) if 0 < i < len(self._edges) - 1 else None
         if at is None:
@@ -457,5 +458,5 @@ class _DiagramWriter:
         if formula is None or x in (sympy.oo, -sympy.oo):
             return None if formula is None else str(x)
         if not isinstance(parameter, RealRoot):
-            return _number(real(x))
+            return _number(algebraic(x))
         return _number(_image(parameter, *self._parts(formula)))

@@ -176,12 +176,11 @@ def organising_centres(
     symbols = _two_parameters(map_, across, along)
     k = map_.definition.table.layouts[map_.chain[0]].breaks[0]
     equations = [map_.orbits.polynomial(CriticalOrbit(k, (side,), k)) for side in (LEFT, RIGHT)]
-    found = []
-    for place in _places(map_, symbols, equations):
-        constraints = map_.definition.region.constraints
-        if all(c.holds(place.sign(c.polynomial)) for c in constraints):
-            found.append(_centre(pieces, symbols, equations, place))
-    return tuple(found)
+    return tuple(
+        _centre(pieces, symbols, equations, place)
+        for place in _places(map_, symbols, equations)
+        if map_.definition.region.broken(place.sign) is None
+    )
 
 
 def _two_parameters(

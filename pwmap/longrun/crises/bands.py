@@ -16,13 +16,12 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.exact import to_float
-from pwmap.algebra.roots import simplest_between, spread
+from pwmap.algebra.roots import algebraic, simplest_between, spread
 from pwmap.diagrams.data import Branch, BranchKind, FloatArray, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import Diagram
 from pwmap.longrun.crises.diagram import AttractorCell, AttractorDiagram, Crisis
 from pwmap.longrun.crises.meetings import meeting_x
 from pwmap.longrun.dynamics import dynamics
-from pwmap.longrun.numbers import algebraic
 
 PLACES = 7  # in each cell at which bands are computed exactly
 NEAR = QQ(1, 8)  # of the distance between two of them: there a simple rational is taken

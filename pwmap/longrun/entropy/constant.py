@@ -168,8 +168,8 @@ class _Study:
 
     def admits(self, place: Real) -> bool:
         """Whether the assumptions hold at a place."""
-        constraints = self.axis.definition.region.constraints
-        return all(c.holds(self.axis.sign(c.polynomial, place)) for c in constraints)
+        region = self.axis.definition.region
+        return region.broken(lambda polynomial: self.axis.sign(polynomial, place)) is None
 
     def line(self, place: Real) -> MapLine:
         """The map at a place."""
