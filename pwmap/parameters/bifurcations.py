@@ -214,7 +214,7 @@ def _outermost(axis: Axis, cells: Sequence[Cell]) -> tuple[Any, Any]:
     """Places about one below the first edge and one above the last."""
     edges = [cell.lower for cell in cells if cell.is_edge]
     edges = edges or [axis.between(cells[0].lower, cells[-1].upper)]
-    low, high = whole_part(_number(edges[0])) - 1, ceiling(_number(edges[-1])) + 1
+    low, high = whole_part(axis.real(edges[0])) - 1, ceiling(axis.real(edges[-1])) + 1
     return axis.place(QQ(low)), axis.place(QQ(high))
 
 
@@ -228,11 +228,6 @@ def _cut_off(
     if high < kept[-1].upper:
         kept[-1:] = [replace(kept[-1], upper=high), studied_at(high, axis, chain, kept[-1])]
     return kept
-
-
-def _number(place: Any) -> Any:
-    """A place at the sample of symbolic parameters."""
-    return getattr(place, "value", place)
 
 
 def _assembled(

@@ -11,7 +11,7 @@ from pwmap.algebra.bivariate import resultant
 from pwmap.algebra.exact import dense
 from pwmap.algebra.inequalities import along
 from pwmap.algebra.rootfunctions import Column, Root, minimal_polynomial
-from pwmap.algebra.roots import Real, RealRoot, real_roots, simplest_between
+from pwmap.algebra.roots import Real, RealRoot, bounds, real_roots, simplest_between
 
 
 def limit_of(root: Root, column: Column, end: Real) -> Real | None:
@@ -23,16 +23,14 @@ def limit_of(root: Root, column: Column, end: Real) -> Real | None:
     found = _candidates(root.factor, column.along, end)
     if not found:
         return None
-    walls = [found[0] - 1 if not isinstance(found[0], RealRoot) else found[0].low - 1]
-    walls += [simplest_between(low, high) for low, high in pairwise(found)]
-    walls.append(found[-1] + 1 if not isinstance(found[-1], RealRoot) else found[-1].high + 1)
+    between = [simplest_between(low, high) for low, high in pairwise(found)]
+    walls = [bounds(found[0])[0] - 1, *between, bounds(found[-1])[1] + 1]
     near: Real = column.sample
     for wall in walls:
         for crossing in real_roots(along(root.factor, (wall, wall), 1 - column.along)):
             if near < crossing < end or end < crossing < near:
                 near = crossing
-    between = simplest_between(*sorted((near, end)))
-    value = column.number(root, between)
+    value = column.number(root, simplest_between(*sorted((near, end))))
     assert value is not None
     place = bisect_left(walls, value)
     return found[place - 1] if 0 < place < len(walls) else None

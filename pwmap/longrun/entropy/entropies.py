@@ -21,7 +21,6 @@ from itertools import islice
 
 import networkx as nx
 import numpy as np
-import numpy.typing as npt
 import sympy
 from sympy import QQ, ZZ
 from sympy.polys.matrices import DomainMatrix
@@ -210,16 +209,6 @@ def _components(ways: Sequence[Sequence[int]]) -> list[list[int]]:
     ]
 
 
-def _matrix(ways: Sequence[Sequence[int]], nodes: Sequence[int]) -> npt.NDArray[np.int64]:
-    number = {node: k for k, node in enumerate(nodes)}
-    matrix = np.zeros((len(nodes), len(nodes)), dtype=np.int64)
-    for node, k in number.items():
-        for other in ways[node]:
-            if other in number:
-                matrix[k, number[other]] += 1
-    return matrix
-
-
 def spectral_bounds(ways: Sequence[Sequence[int]]) -> tuple[Fraction, Fraction]:
     """Fractions below and above the spectral radius of a matrix of zeros and ones.
 
@@ -263,9 +252,8 @@ def growth_of(ways: Sequence[Sequence[int]]) -> Real | None:
     for nodes in _components(ways):
         if len(nodes) > LARGEST:
             return None
-        matrix = _matrix(ways, nodes)
-        rows = [[ZZ(int(x)) for x in row] for row in matrix]
-        polynomial = DomainMatrix(rows, matrix.shape, ZZ).charpoly()
+        rows = [[ZZ(ways[node].count(other)) for other in nodes] for node in nodes]
+        polynomial = DomainMatrix(rows, (len(nodes), len(nodes)), ZZ).charpoly()
         best = max(best, real_roots([QQ(int(c)) for c in polynomial])[-1])
     return best
 
