@@ -128,7 +128,7 @@ class DiagramView:
 
     def _name(self) -> None:
         """Write names where they cover nothing."""
-        patch(self.names, **_named(self.figure, self._shown.points if self._shown else None))
+        patch(self.names, **_named(self.figure, self._shown.points if self._shown else None)[0])
 
 
 class GraphView:
@@ -173,7 +173,7 @@ class GraphView:
         few = {**edges, "must": [False] * len(edges["x"])} if edges else None
         if few is not None and len(few["x"]) > MOST_LABELS:
             few["label"] = [""] * len(few["x"])
-        names, tags = _named_together(self.figure, nodes or None, few)
+        names, tags = _named(self.figure, nodes or None, few)
         patch(self.names, **names)
         patch(self.tags, **tags)
 
@@ -211,12 +211,7 @@ def _part(table: Any, branch: str) -> dict[str, Any]:
     return {name: [table[name][k] for k in rows] for name in ("xs", "ys")}
 
 
-def _named(figure: Any, table: Any) -> dict[str, Any]:
-    """Names of points at places where they cover nothing."""
-    return _named_together(figure, table, None)[0]
-
-
-def _named_together(figure: Any, *tables: Any) -> list[dict[str, Any]]:
+def _named(figure: Any, *tables: Any) -> list[dict[str, Any]]:
     """Names of the points of some tables, the first ones first."""
     scale, frame = np.array(_scale(figure)), _size(figure)
     start = np.array([figure.x_range.start, figure.y_range.start])

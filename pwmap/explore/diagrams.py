@@ -11,15 +11,16 @@ import numpy.typing as npt
 
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, PointStatus, SpecialPoint
 from pwmap.diagrams.diagram import Diagram
+from pwmap.diagrams.shown import brief, counted
 from pwmap.explore.figures import COLORS, DASHES, MARKS
-from pwmap.plot import GREY, MARKERS, WIDTHS
-from pwmap.plot.diagrams import stretches
+from pwmap.plot import GREY, MARKERS
+from pwmap.plot.diagrams import ranks_of, stretches, width_of
 
 Floats = npt.NDArray[np.float64]
 Table = dict[str, Any]
 
 WIDTH = {"stable": 2.0, "unstable": 1.6, "jump crossing": 1.9}  # px of P_1
-WORD_MOST = 60  # characters of a word in a hint
+WORD_MOST = 60  # characters of an exact value in a hint
 BEND = 0.16  # of its length: how far one of several edges between two nodes is bent
 ORDERED = 0.9  # how far places in the graph follow the order of values, not their size
 
@@ -49,15 +50,10 @@ def summary(found: Shown) -> str:
     left = [text for text in diagram.given if text.startswith("stopped")]
     given_up = sum(point.status is PointStatus.OPEN for point in diagram.points)
     if given_up:
-        left.append(_counted(given_up, "end was given up", "ends were given up"))
-    counts = f"{_counted(len(diagram.branches), 'branch', 'branches')}, " + _counted(
-        len(diagram.points), "point", "points"
-    )
+        ends = "end was given up" if given_up == 1 else "ends were given up"
+        left.append(f"{given_up} {ends}")
+    counts = f"{counted(len(diagram.branches), 'branch')}, {counted(len(diagram.points), 'point')}"
     return "; ".join([counts, *left])
-
-
-def _counted(number: int, one: str, several: str) -> str:
-    return f"{number} {one if number == 1 else several}"
 
 
 def style_of(branch: Branch, sample: int) -> str:
@@ -74,21 +70,17 @@ def table(names: Sequence[str], rows: Iterable[Sequence[Any]]) -> Table:
 
 
 def _lines(diagram: Diagram) -> Table:
-    ranks = {o: k for k, o in enumerate(sorted({b.order for b in diagram.branches}))}
+    ranks = ranks_of(diagram)
+    thin = {order: width_of(k) if len(ranks) > 1 else 1.0 for order, k in ranks.items()}
     rows = [
         (
             *(np.array(branch.parameter[part]), np.array(branch.x[part])),
-            *(COLORS[style], DASHES[style], WIDTH[style] * _thin(ranks, branch), branch.id),
+            *(COLORS[style], DASHES[style], WIDTH[style] * thin[branch.order], branch.id),
         )
         for branch in diagram.branches if branch.kind is not BranchKind.BAND
         for style, part in stretches(branch)
     ]  # fmt: skip
     return table(("xs", "ys", "color", "dash", "width", "branch"), rows)
-
-
-def _thin(ranks: dict[int, int], branch: Branch) -> float:
-    """What the width of a line is multiplied by: the higher its order, the thinner it is."""
-    return WIDTHS[min(ranks[branch.order], len(WIDTHS) - 1)] if len(ranks) > 1 else 1.0
 
 
 def _samples(diagram: Diagram) -> Table:
@@ -100,7 +92,7 @@ def _samples(diagram: Diagram) -> Table:
         parts["y"].append(branch.x)
         parts["branch"].append([branch.id] * n)
         parts["kind"].append([f"{style_of(branch, k)}, P_{branch.order}" for k in range(n)])
-        parts["word"].append([_brief(branch.word_at(k)) for k in range(n)])
+        parts["word"].append([brief(branch.word_at(k)) for k in range(n)])
         parts["multiplier"].append([_multiplier(m) for m in branch.multiplier.tolist()])
     empty = np.array([])
     joined = {name: np.concatenate([empty, *parts[name]]) for name in ("x", "y")}
@@ -110,10 +102,6 @@ def _samples(diagram: Diagram) -> Table:
 
 def _multiplier(value: float) -> str:
     return "none: a jump" if np.isnan(value) else f"{value:.6g}"
-
-
-def _brief(word: str) -> str:
-    return word if len(word) <= WORD_MOST else word[: WORD_MOST - 1] + "…"
 
 
 def _points(diagram: Diagram) -> Table:
@@ -156,7 +144,7 @@ def _graph(diagram: Diagram, points: Table) -> tuple[Table, Table]:
         way = _curve(where[branch.ends[0]], where[branch.ends[1]], k)
         style = style_of(branch, len(branch) // 2)
         middle = way[len(way) // 2]
-        tip = f"{style}, P_{branch.order}: {_brief(branch.word)}"
+        tip = f"{style}, P_{branch.order}: {brief(branch.word)}"
         rows.append((
             way[:, 0], way[:, 1], COLORS[style], DASHES[style], WIDTH[style], branch.id,
             float(middle[0]), float(middle[1]), branch.id, tip,

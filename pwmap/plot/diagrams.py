@@ -154,7 +154,7 @@ def order_samples(
     diagram: Diagram, shown: Artists, styles: Styles | None = None, stable_only: bool = False
 ) -> list[Line2D]:
     """For a legend: lines in ink and colours of periods; none if there is one iterate."""
-    if len(_ranks(diagram)) < 2:
+    if len(ranks_of(diagram)) < 2:
         return []
     lines = [
         Line2D([], [], **{**style, "color": INK, **(styles or {}).get(label, {})}, label=label)
@@ -169,12 +169,12 @@ def order_samples(
     return [*lines, *colours]
 
 
-def _ranks(diagram: Diagram) -> dict[int, int]:
+def ranks_of(diagram: Diagram) -> dict[int, int]:
     """The orders of a diagram, counted from the lowest."""
     return {order: k for k, order in enumerate(sorted({b.order for b in diagram.branches}))}
 
 
-def _width(rank: int) -> float:
+def width_of(rank: int) -> float:
     """What the breadth of a line is multiplied by."""
     return WIDTHS[min(rank, len(WIDTHS) - 1)]
 
@@ -195,11 +195,11 @@ def draw_branches(
             add(shown, {"bands": [area]})
     curves = [c for c in _curves(diagram) if c.label == "stable" or not stable_only]
     lines: Artists = {}
-    ranks = _ranks(diagram)
+    ranks = ranks_of(diagram)
     for curve in curves:
         style = dict(_STYLES[curve.label], color=_colour(curve, len(ranks) > 1))
         if len(ranks) > 1:
-            style["linewidth"] *= _width(ranks[curve.order])
+            style["linewidth"] *= width_of(ranks[curve.order])
         add(lines, {curve.label: ax.plot(curve.p, curve.x, solid_capstyle="round", **style)})
     shown |= {label: lines[label] for label in _STYLES if label in lines}
     near = _ends_of(curves) if stable_only else {point.id for point in diagram.points}
