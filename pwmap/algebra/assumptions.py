@@ -27,8 +27,7 @@ from pwmap.algebra.exact import (
     to_sympy,
 )
 from pwmap.algebra.inequalities import Constraint, shown, variables
-from pwmap.algebra.ranks import ranked
-from pwmap.algebra.samples import points
+from pwmap.algebra.samples import points, ranked
 from pwmap.algebra.signs import possible_signs
 from pwmap.algebra.terms import Operation, Term, shortened
 

@@ -21,8 +21,7 @@ from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, dense, sign
 from pwmap.algebra.roots import Real, RealRoot, algebraic, real_to_sympy, value_at
 from pwmap.algebra.terms import own_name
 from pwmap.longrun.numbers import Element, Exact
-from pwmap.maps.kinds import check_map
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 
 IDENTITY = Affine(QQ.one, QQ.zero)
 Interval = tuple[Exact, Exact]  # closed; both ends may be the same

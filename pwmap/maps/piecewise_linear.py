@@ -10,7 +10,7 @@ from typing import Any
 import sympy
 
 from pwmap.algebra.exact import fraction_to_sympy
-from pwmap.algebra.terms import positive_integer
+from pwmap.algebra.terms import positive_integer, shortened
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.maps import diagonal
 from pwmap.maps.budget import checked_size
@@ -469,3 +469,17 @@ def checked_order(j: object) -> int:
     if not order:
         raise ValueError(f"the order of an iterate must be an integer j >= 1, got {j}")
     return order
+
+
+def check_map(map_: object) -> None:
+    """TypeError unless it is a map."""
+    if not isinstance(map_, PiecewiseLinearMap):
+        raise TypeError(
+            f"expected a PiecewiseLinearMap (see its from_sympy), got {shortened(repr(map_), 100)}"
+        )
+
+
+def check_kind(name: str, value: object, kind: type, room: str = "pwmap") -> None:
+    """TypeError unless a value is of a kind that has a public name."""
+    if not isinstance(value, kind):
+        raise TypeError(f"{name} must be {room}.{kind.__name__}, got {shortened(repr(value), 100)}")

@@ -34,8 +34,7 @@ from pwmap.maps.cylinders import (
     refined,
 )
 from pwmap.maps.decided import in_cell
-from pwmap.maps.kinds import check_map
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
 from pwmap.maps.words import SignOracle
 from pwmap.parameters.admitted import (
     AdmittedInterval,

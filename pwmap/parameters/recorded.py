@@ -59,9 +59,8 @@ from pwmap.algebra.roots import (
     sign_at,
 )
 from pwmap.algebra.signs import possible_signs, without_implied
-from pwmap.maps.columns import ColumnCell
 from pwmap.maps.reading import Definition
-from pwmap.maps.scopes import Scope, SymbolicCell
+from pwmap.maps.scopes import ColumnCell, Scope, SymbolicCell
 from pwmap.maps.words import Decision
 from pwmap.parameters.axis import (
     INFINITE,

@@ -24,7 +24,6 @@ from pwmap.algebra.roots import Real, real_to_sympy, sign_at, simplest_between
 from pwmap.diagrams.data import PointKind
 from pwmap.parameters.curves import tips_of, traced
 from pwmap.plane.kinds import PlaneKind
-from pwmap.plane.limits import limit_of
 from pwmap.plane.marks import PlaneEvent
 from pwmap.plane.strips import Rectangle, Strip
 
@@ -192,7 +191,7 @@ def _arcs(rectangle: Rectangle, strips: Sequence[Strip]) -> Iterator[PlaneArc]:
     for strip in strips:
         column = strip.column
         for root, event in strip.marks:
-            ends = [(end, limit_of(root, column, end)) for end in (column.low, column.high)]
+            ends = [(end, column.limit(root, end)) for end in (column.low, column.high)]
             for across, along in ends:
                 heights[across].add(along)
             yield PlaneArc(event, root.factor, (ends[0], ends[1]), column, root)

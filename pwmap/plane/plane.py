@@ -14,8 +14,7 @@ from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.dynamics import Dynamics, dynamics
 from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, BudgetError, Meter, metered
-from pwmap.maps.kinds import check_map
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 from pwmap.parameters.cells import checked_orders, checked_span
 from pwmap.plane.network import CodimensionTwo, PlaneCurve, network
 from pwmap.plane.regions import PlaneRegion, regions_of

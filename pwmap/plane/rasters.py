@@ -17,7 +17,7 @@ from pwmap.longrun.attractors import attractors_of
 from pwmap.longrun.entropy.entropies import entropy_of
 from pwmap.longrun.line import MapLine, line_of
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
-from pwmap.maps.kinds import check_kind
+from pwmap.maps.piecewise_linear import check_kind
 from pwmap.plane.network import PlaneArc
 from pwmap.plane.plane import ParameterPlane
 

@@ -27,8 +27,7 @@ from pwmap.diagrams.data import (
     stable_inside,
 )
 from pwmap.diagrams.diagram import Diagram
-from pwmap.maps.kinds import check_kind, check_map
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_kind, check_map
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, new_axes, styled
 from pwmap.plot.labels import LabelledCurve, Labels, Name
 from pwmap.plot.palette import named as period_named

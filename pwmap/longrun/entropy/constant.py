@@ -59,8 +59,7 @@ from pwmap.longrun.fates import AttractingCycle, Fate, Fates
 from pwmap.longrun.line import MapLine, line_at
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
-from pwmap.maps.kinds import check_map
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
 from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, OrbitReturn, Slope
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.cells import only_axis
