@@ -9,7 +9,6 @@ out.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import reduce
 from typing import NamedTuple
 
@@ -38,39 +37,24 @@ class Quotient(NamedTuple):
         return len(self.top) <= 1
 
 
-@dataclass(slots=True)
-class WorkLimit:
-    """How much work a formula may still cause."""
-
-    left: int = MAX_WORK
-
-    def spend(self, work: int) -> None:
-        """Take note of some work that is about to be done; ValueError if that is too much."""
-        self.left -= work
-        if self.left < 0:
-            raise ValueError(
-                "the formulas are too large to be multiplied out, or have too many pieces"
-            )
-
-
 class Arithmetic:
-    """Sums, products and powers of quotients over one ring.
+    """Sums, products and powers of quotients over the ring of the parameters, or None for none."""
 
-    Parameters
-    ----------
-    ring
-        The ring of the parameters, or None for no parameters.
-    limit
-        What all of it may cost.
-    """
-
-    def __init__(self, ring: Ring, limit: WorkLimit) -> None:
+    def __init__(self, ring: Ring) -> None:
         self.ring = ring
-        self.limit = limit
+        self._left = MAX_WORK
         self.one: Number = ring.one if ring is not None else QQ.one
         self.zero: Number = self.one - self.one
         generators = zip(ring.symbols, ring.gens, strict=True) if ring is not None else ()
         self._generators = {plain_name(symbol): generator for symbol, generator in generators}
+
+    def spend(self, work: int) -> None:
+        """Take note of some work that is about to be done; ValueError if all is too much."""
+        self._left -= work
+        if self._left < 0:
+            raise ValueError(
+                "the formulas are too large to be multiplied out, or have too many pieces"
+            )
 
     # --- Numbers of the ring --------------------------------------------------------------------
 
@@ -80,14 +64,14 @@ class Arithmetic:
             return b if a == self.one else a
         (n, bits, degree), (m, more_bits, more) = _size(a), _size(b)
         self._check(bits + more_bits, degree + more)
-        self.limit.spend(n * m * _words(bits, more_bits))
+        self.spend(n * m * _words(bits, more_bits))
         return a * b
 
     def plus(self, a: Number, b: Number) -> Number:
         """A sum of two coefficients."""
         (n, bits, _), (m, more_bits, _) = _size(a), _size(b)
         self._check(max(bits, more_bits), 0)
-        self.limit.spend((n + m) * _words(bits, more_bits))
+        self.spend((n + m) * _words(bits, more_bits))
         return a + b
 
     def _check(self, bits: int, degree: int) -> None:
@@ -152,12 +136,7 @@ class Arithmetic:
     def inverse(self, value: Quotient) -> Quotient:
         """One over a quotient.
 
-        Raises
-        ------
-        NotPolynomialError
-            If the variable occurs in it.
-        ValueError
-            If it is zero.
+        NotPolynomialError if the variable occurs in it; ValueError if it is zero.
         """
         if not value.is_constant:
             raise NotPolynomialError
@@ -195,12 +174,8 @@ class Arithmetic:
     def applied(self, term: Term, arguments: Sequence[Quotient]) -> Quotient:
         """What a tree is, from its arguments; its name must be that of a parameter.
 
-        Raises
-        ------
-        NotPolynomialError
-            If it is no polynomial in the variable.
-        ValueError
-            If it is too large, no formula, or divides by zero.
+        NotPolynomialError if it is no polynomial in the variable; ValueError if it is too large, no
+        formula, or divides by zero.
         """
         try:
             return self._applied(term, arguments)
@@ -264,10 +239,7 @@ def _size(number: Number) -> tuple[int, int, int]:
 def worked_out(term: Term, arithmetic: Arithmetic) -> Fraction_:
     """Numerator and denominator of a tree whose names are all parameters.
 
-    Raises
-    ------
-    ValueError
-        If it is too large, no formula, or divides by zero.
+    ValueError if it is too large, no formula, or divides by zero.
     """
     known: dict[int, Quotient] = {}
 
@@ -283,33 +255,24 @@ def worked_out(term: Term, arithmetic: Arithmetic) -> Fraction_:
 def fraction_of(value: object, ring: Ring, what: str) -> Fraction_:
     """Text, a number or a sympy expression in the parameters, as a quotient in lowest terms.
 
-    Raises
-    ------
-    TypeError
-        If a float occurs; the message names the rational it probably means.
-    ValueError
-        If it holds other symbols or is no formula; ``what`` names it.
+    TypeError if a float occurs; the message names the rational it probably means. ValueError if it
+    holds other symbols or is no formula; ``what`` names it.
     """
     symbols = ring.symbols if ring is not None else ()
     term = term_of(value, symbols)
     unknown = sorted(term.names().keys() - {plain_name(symbol) for symbol in symbols})
     if unknown:
         raise ValueError(f"{what} {term} holds the unknown symbol {unknown[0]}")
-    return cancelled(worked_out(term, Arithmetic(ring, WorkLimit())))
+    return cancelled(worked_out(term, Arithmetic(ring)))
 
 
 def rational(value: object) -> Number:
     """An element of ``QQ`` from an int, a Fraction, a sympy Rational or text such as ``"5/4"``.
 
-    Raises
-    ------
-    TypeError
-        If it is a float.
-    ValueError
-        If it is no rational number.
+    TypeError if it is a float; ValueError if it is no rational number.
     """
     term = term_of(value)
     if term.names() or term.operation in CONDITIONS:
         raise ValueError(f"expected a rational number, got {shown(value)}")
-    top, bottom = worked_out(term, Arithmetic(None, WorkLimit()))
+    top, bottom = worked_out(term, Arithmetic(None))
     return top / bottom

@@ -6,7 +6,7 @@ admit, or reported as undecided: a sample decides nothing by itself.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from itertools import islice
@@ -14,7 +14,7 @@ from itertools import islice
 import sympy
 from sympy.core.relational import Relational
 
-from pwmap.algebra.arithmetic import Arithmetic, WorkLimit, worked_out
+from pwmap.algebra.arithmetic import Arithmetic, worked_out
 from pwmap.algebra.exact import (
     Number,
     Portable,
@@ -27,8 +27,7 @@ from pwmap.algebra.exact import (
     to_sympy,
 )
 from pwmap.algebra.inequalities import Constraint, shown, variables
-from pwmap.algebra.ranks import ranked
-from pwmap.algebra.samples import points
+from pwmap.algebra.samples import points, ranked
 from pwmap.algebra.signs import possible_signs
 from pwmap.algebra.terms import Operation, Term, shortened
 
@@ -61,42 +60,21 @@ class UndecidedError(ValueError):
 
 @dataclass(frozen=True)
 class AssumedRegion(Portable):
-    """All parameter values that satisfy some inequalities.
+    """All parameter values that satisfy some inequalities."""
 
-    Parameters
-    ----------
-    ring
-        The polynomial ring over all parameters, or None for no parameters.
-    constraints
-        The inequalities, in the ring.
-    """
-
-    ring: Ring
+    ring: Ring  # None for no parameters
     constraints: tuple[Constraint, ...] = ()
 
     @cached_property
     def sample(self) -> dict[str, Number]:
-        """Values that satisfy all inequalities, by name.
-
-        Raises
-        ------
-        ValueError
-            If there are none.
-        """
+        """Values that satisfy all inequalities, by name; ValueError if there are none."""
         return next(self.samples())
 
     def samples(self, coefficients: Sequence[Number] = ()) -> Iterator[dict[str, Number]]:
         """Different values that satisfy all inequalities: first plain ones, then generic ones.
 
-        Parameters
-        ----------
-        coefficients
-            Of a map: they tell its parameters apart where the inequalities do not.
-
-        Raises
-        ------
-        ValueError
-            If there are none.
+        Coefficients of a map tell its parameters apart where the inequalities do not. ValueError if
+        there are none.
         """
         if self.ring is None:
             yield {}
@@ -113,10 +91,7 @@ class AssumedRegion(Portable):
     def sign(self, polynomial: Number) -> int:
         """The one sign of a polynomial over the region.
 
-        Raises
-        ------
-        UndecidedError
-            If it is not proved to have one.
+        UndecidedError if it is not proved to have one.
         """
         if is_constant(polynomial):
             return sign(constant(polynomial))
@@ -139,6 +114,10 @@ class AssumedRegion(Portable):
                     return constraint
         return None
 
+    def broken(self, sign_of: Callable[[Number], int]) -> Constraint | None:
+        """The first inequality that does not hold where polynomials have some signs."""
+        return next((c for c in self.constraints if not c.holds(sign_of(c.polynomial))), None)
+
     def relations(self) -> tuple[Relational, ...]:
         """The inequalities as sympy relations."""
         return tuple(constraint.relation() for constraint in self.constraints)
@@ -151,10 +130,7 @@ class AssumedRegion(Portable):
 def read_constraints(given: Iterable[Term], ring: Ring) -> tuple[Constraint, ...]:
     """Inequalities from relations and conjunctions of them, and from what symbols assume.
 
-    Raises
-    ------
-    ValueError
-        If one is no inequality between quotients of polynomials in the parameters.
+    ValueError if one is no inequality between quotients of polynomials in the parameters.
     """
     found: list[Constraint] = []
     symbols = ring.symbols if ring is not None else ()
@@ -168,7 +144,7 @@ def read_constraints(given: Iterable[Term], ring: Ring) -> tuple[Constraint, ...
                 generator = ring.gens[symbols.index(symbol)]
                 found.append(Constraint(sense * generator, "=" not in text))
     for condition in given:
-        found.extend(_read(condition, Arithmetic(ring, WorkLimit())))
+        found.extend(_read(condition, Arithmetic(ring)))
     return tuple(dict.fromkeys(found))
 
 

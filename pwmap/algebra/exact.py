@@ -81,6 +81,26 @@ def _remade(kind: type, *kept: Any) -> Any:
     return kind(*map(restored, kept))
 
 
+class Affine(NamedTuple):
+    """x -> slope x + intercept, in numbers of any kind."""
+
+    slope: Number
+    intercept: Number
+
+    def __call__(self, x: Number) -> Number:
+        """The value at a point."""
+        return self.slope * x + self.intercept
+
+    def after(self, first: Affine) -> Affine:
+        """The map that takes a point through another one, and then through this one."""
+        return Affine(self.slope * first.slope, self.slope * first.intercept + self.intercept)
+
+    @property
+    def fixed_point(self) -> Number:
+        """The point that it takes to itself; its slope is not 1."""
+        return self.intercept / (1 - self.slope)
+
+
 def sign(number: Number) -> int:
     """Sign of an element of ``QQ``."""
     return int(number > 0) - int(number < 0)
@@ -89,10 +109,7 @@ def sign(number: Number) -> int:
 class Infinite:
     """What grows without bound: it compares with all numbers, and a map takes it to its limit.
 
-    Attributes
-    ----------
-    side
-        -1 or +1.
+    Its side is -1 or +1.
     """
 
     __slots__ = ("side",)

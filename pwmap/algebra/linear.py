@@ -31,10 +31,7 @@ class Separation:
 def combination(columns: Sequence[Vector], target: Vector) -> Combination | Separation:
     """Nonnegative weights that combine columns to a target, or why there are none.
 
-    Parameters
-    ----------
-    columns
-        Vectors of integers, all as long as the target.
+    Columns are vectors of integers, all as long as the target.
     """
     tableau = _Tableau(columns, target)
     while (column := tableau.entering()) is not None:

@@ -23,10 +23,8 @@ def open_point(
 ) -> dict[int, Number] | list[Constraint]:
     """A point at which inequalities hold strictly, or the weak ones of which one is an equation.
 
-    Parameters
-    ----------
-    order
-        The parameters that occur; of several that are as easy to eliminate the first one is.
+    The order lists the parameters that occur; of several that are as easy to eliminate the first
+    one is.
     """
     ring = constraints[0].polynomial.ring
     polynomials = {f for c in constraints for f, _ in factors(c.polynomial)[1]}

@@ -86,12 +86,8 @@ def term_of(value: object, symbols: Sequence[sympy.Symbol] = ()) -> Term:
 
     Names in the text that are among ``symbols`` stand for these.
 
-    Raises
-    ------
-    TypeError
-        If a float occurs; the message names the rational it probably means.
-    ValueError
-        If the text is no expression, or there is more of it than any map needs.
+    TypeError if a float occurs; the message names the rational it probably means. ValueError if the
+    text is no expression, or there is more of it than any map needs.
     """
     if isinstance(value, str):
         return _Parser(value, {plain_name(symbol): symbol for symbol in symbols}).parsed()

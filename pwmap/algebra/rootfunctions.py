@@ -6,9 +6,11 @@ which neither leading coefficients nor discriminants are zero, they are continuo
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import total_ordering
+from itertools import pairwise
 from typing import Any
 
 import sympy
@@ -28,7 +30,15 @@ from pwmap.algebra.exact import (
     to_sympy,
 )
 from pwmap.algebra.inequalities import along
-from pwmap.algebra.roots import Dense, Real, RealRoot, real_roots, sign_at
+from pwmap.algebra.roots import (
+    Dense,
+    Real,
+    RealRoot,
+    bounds,
+    real_roots,
+    sign_at,
+    simplest_between,
+)
 
 
 class RealRootOf(sympy.Function):  # type: ignore[misc]
@@ -56,20 +66,11 @@ class Root(Portable):
     """A value of one parameter that solves an equation, and so depends on the other one.
 
     Two are equal if their values at the sample are; :func:`identical` says whether they stay so.
-
-    Attributes
-    ----------
-    value
-        At the sample of the other parameter.
-    factor
-        The irreducible polynomial in both parameters of which it is a root.
-    number
-        Which of its real roots in the one parameter it is, counted from the lowest.
     """
 
-    value: Real
-    factor: PolyElement
-    number: int
+    value: Real  # at the sample of the other parameter
+    factor: PolyElement  # irreducible, in both parameters; zero on it
+    number: int  # which of the real roots in the one parameter, counted from the lowest
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Root) and self.value == other.value
@@ -97,25 +98,13 @@ class Root(Portable):
 
 @dataclass(frozen=True, slots=True)
 class Column(Portable):
-    """An open interval of one of two parameters; which may be the whole line.
-
-    Attributes
-    ----------
-    symbols
-        Both parameters.
-    along
-        Which of them is the one of roots.
-    low, high
-        Ends of the other one.
-    sample
-        A value of it inside.
-    """
+    """An open interval of one of two parameters; which may be the whole line."""
 
     symbols: tuple[sympy.Symbol, sympy.Symbol]
-    along: int
-    low: Real
+    along: int  # which of both symbols is the parameter of roots
+    low: Real  # of the other one, as is high
     high: Real
-    sample: Number
+    sample: Number  # a value of it inside
 
     @property
     def ring(self) -> Ring:
@@ -168,6 +157,34 @@ class Column(Portable):
         if not self.holds(value):
             return None
         return real_roots(along(root.factor, (value, value), self.along))[root.number]
+
+    def limit(self, root: Root, end: Real) -> Real | None:
+        """The value that a root tends to at an end; None if it grows without bound.
+
+        It is among the roots of the polynomial there. Rationals part these; close enough to the end
+        the polynomial is not zero at any of them, so that the root has no way past them.
+        """
+        found = self._candidates(root.factor, end)
+        if not found:
+            return None
+        between = [simplest_between(low, high) for low, high in pairwise(found)]
+        walls = [bounds(found[0])[0] - 1, *between, bounds(found[-1])[1] + 1]
+        near: Real = self.sample
+        for wall in walls:
+            for crossing in real_roots(along(root.factor, (wall, wall), 1 - self.along)):
+                if near < crossing < end or end < crossing < near:
+                    near = crossing
+        value = self.number(root, simplest_between(*sorted((near, end))))
+        assert value is not None
+        place = bisect_left(walls, value)
+        return found[place - 1] if 0 < place < len(walls) else None
+
+    def _candidates(self, factor: PolyElement, end: Real) -> tuple[Real, ...]:
+        """Numbers among which all roots of a polynomial at a value of the other parameter are."""
+        if not isinstance(end, RealRoot):
+            return real_roots(along(factor, (end, end), self.along))
+        minimal = minimal_polynomial(factor.ring, 1 - self.along, end)
+        return real_roots(dense(resultant(factor, minimal, 1 - self.along), self.along))
 
 
 def minimal_polynomial(ring: Ring, index: int, value: Real) -> PolyElement:

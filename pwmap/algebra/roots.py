@@ -7,7 +7,7 @@ that isolates one of its roots, refined only as far as a comparison asks for.
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from functools import cache, total_ordering
+from functools import cache, lru_cache, total_ordering
 from itertools import pairwise
 from math import lcm
 from typing import Any
@@ -364,6 +364,37 @@ Real = Number | RealRoot
 def real_to_sympy(x: Real) -> sympy.Expr:
     """A rational or algebraic number as an expression."""
     return x.to_sympy() if isinstance(x, (RealRoot, Infinite)) else QQ.to_sympy(x)
+
+
+@lru_cache(maxsize=4096)
+def algebraic(expression: sympy.Expr) -> Real:
+    """A real algebraic number given as an expression without symbols, such as ``(1 + sqrt(5))/2``.
+
+    ValueError if it is not real, or not algebraic.
+    """
+    if isinstance(expression, sympy.Rational):
+        return QQ.from_sympy(expression)
+    if isinstance(expression, sympy.CRootOf) and expression.is_real:
+        return real_roots(dense_of(expression.poly))[expression.index]
+    try:
+        polynomial = sympy.minimal_polynomial(expression, _T, polys=True)
+    except (NotImplementedError, sympy.polys.polyerrors.BasePolynomialError):
+        raise ValueError(f"expected a real algebraic number, got {expression}") from None
+    if not expression.is_real:
+        raise ValueError(f"expected a real algebraic number, got {expression}")
+    roots, digits = real_roots(dense_of(polynomial)), 20
+    while True:  # the roots are apart: with more digits one alone is near
+        value = QQ.from_sympy(sympy.Rational(str(sympy.N(expression, digits))))
+        off = QQ(1, 10 ** (digits - 4)) * (1 + abs(value))
+        near = [root for root in roots if value - off < root < value + off]
+        if len(near) == 1:
+            return near[0]
+        digits *= 2
+
+
+def dense_of(polynomial: sympy.Poly) -> Dense:
+    """The coefficients of a polynomial of sympy in one symbol."""
+    return trimmed(QQ(int(c.p), int(c.q)) for c in polynomial.all_coeffs())
 
 
 def bounds(x: Real) -> tuple[Number, Number]:

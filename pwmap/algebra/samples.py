@@ -5,13 +5,13 @@ cylindrical decomposition. Both are complete. Where all inequalities cannot be s
 that must be equations are solved for a parameter. Inside an interior points are moved along one
 parameter after the other, as far as the inequalities allow, which is exact too.
 
-Points depend on the order in which the parameters are listed (:mod:`pwmap.algebra.ranks`), but not
+Points depend on the order in which the parameters are listed (:func:`ranked`), but not
 on their names, nor on the order of the inequalities.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from random import Random
 from typing import Any
@@ -66,21 +66,11 @@ class Solved:
 
 @dataclass(frozen=True, slots=True)
 class Interior:
-    """A point at which inequalities hold strictly, and parameters that follow from others.
+    """A point at which inequalities hold strictly, and parameters that follow from others."""
 
-    Attributes
-    ----------
-    constraints
-        Those that are left to the free parameters.
-    point
-        Values of the free parameters, by generator.
-    solved
-        The others; each is solved for those that are free or come later.
-    """
-
-    constraints: tuple[Constraint, ...]
-    point: Mapping[int, Number]
-    solved: tuple[Solved, ...] = ()
+    constraints: tuple[Constraint, ...]  # those that are left to the free parameters
+    point: Mapping[int, Number]  # values of the free parameters, by generator
+    solved: tuple[Solved, ...] = ()  # the others, each for those that are free or come later
 
 
 def points(
@@ -88,10 +78,7 @@ def points(
 ) -> Iterator[list[Number]]:
     """Values of all parameters that satisfy the constraints: first plain ones, then generic ones.
 
-    Raises
-    ------
-    EmptyRegionError
-        If there are none.
+    EmptyRegionError if there are none.
     """
     parts = _interiors(ring, constraints, order)
     free = [variable for variable in order if any(variable in part.point for part in parts)]
@@ -286,3 +273,41 @@ def _linear_point(
     *coordinates, scale, _ = found.vector
     ratios = [x / scale for x in coordinates]
     return {v: QQ(x.numerator, x.denominator) for v, x in zip(order, ratios, strict=True)}
+
+
+# --- The order of parameters ---------------------------------------------------------------------
+
+
+def ranked(
+    ring: Ring, constraints: Sequence[Constraint], coefficients: Sequence[Number] = ()
+) -> list[int]:
+    """The parameters in an order that depends on what they do, and on names only as a last resort.
+
+    Each gets a rank by the terms in which it occurs, then by those of the parameters it occurs
+    with, and so on.
+    """
+    ranks = [0] * len(ring.gens)
+
+    def signature(terms: Iterable[tuple[tuple[int, ...], Number]]) -> list[tuple[Any, ...]]:
+        return sorted(
+            (number, sorted((ranks[i], e) for i, e in enumerate(exponents) if e))
+            for exponents, number in terms
+        )
+
+    numbers = [(i, n.terms()) for i, n in enumerate(coefficients) if isinstance(n, PolyElement)]
+    for _ in ranks:
+        roles: list[list[Any]] = [[] for _ in ranks]
+        terms_by_role: list[tuple[Any, Any]] = [((0, i, []), terms) for i, terms in numbers]
+        terms_by_role += [
+            ((1, int(c.strict), signature(c.polynomial.terms())), c.polynomial.terms())
+            for c in constraints
+        ]
+        for role, terms in terms_by_role:
+            for exponents, number in terms:
+                for i, exponent in enumerate(exponents):
+                    if exponent:
+                        roles[i].append((role, exponent, signature([(exponents, number)])))
+        own = [(rank, sorted(role)) for rank, role in zip(ranks, roles, strict=True)]
+        ordered = sorted(own)
+        ranks = [ordered.index(item) for item in own]
+    return sorted(range(len(ranks)), key=lambda i: (ranks[i], str(ring.symbols[i])))

@@ -42,10 +42,7 @@ def possible_signs(
 ) -> Signs:
     """A set that holds every sign the polynomial takes where the constraints hold.
 
-    Parameters
-    ----------
-    points
-        Gives some that satisfy the constraints: what they show need not be refuted.
+    What some points show that satisfy the constraints need not be refuted.
     """
     return _product_signs(
         polynomial, lambda factor: _fully(factor, connected(constraints, variables(factor)), points)

@@ -7,6 +7,7 @@ bounded in size, so that no input can cost more than reading it.
 from __future__ import annotations
 
 import numbers
+import operator
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -75,20 +76,12 @@ class Excerpt(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Term:
-    """A tree.
-
-    Attributes
-    ----------
-    value
-        An element of ``QQ`` for a number, a symbol for a name, a bool for a truth value.
-    source
-        What it was read from, for messages.
-    """
+    """A tree."""
 
     operation: Operation
     arguments: tuple[Term, ...] = ()
-    value: Any = None
-    source: object = None
+    value: Any = None  # an element of QQ, a symbol for a name, a bool for a truth value
+    source: object = None  # what it was read from, for messages
 
     def __str__(self) -> str:
         """As it was written, in one line, its middle left out if it is long."""
@@ -139,6 +132,15 @@ def checked_parameter(name: object, symbols: Sequence[sympy.Symbol]) -> str:
     return own
 
 
+def positive_integer(number: object) -> int:
+    """An integer of at least 1; 0 for what is none."""
+    try:
+        found = operator.index(number)  # type: ignore[arg-type]
+    except TypeError:
+        return 0
+    return 0 if isinstance(number, bool) else max(0, found)
+
+
 def float_refusal(value: object) -> TypeError:
     """The error that a float is, naming the rational it probably means if that is short."""
     text = str(value)
@@ -159,10 +161,7 @@ def float_refusal(value: object) -> TypeError:
 def term_of_number(value: object) -> Term | None:
     """A bool or an exact number as a tree; None if the value is neither.
 
-    Raises
-    ------
-    TypeError
-        If it is a float; the message names the rational it probably means.
+    TypeError if it is a float; the message names the rational it probably means.
     """
     if isinstance(value, bool):
         return Term(Operation.TRUTH, value=value, source=value)
@@ -256,11 +255,7 @@ class _Reader:
 def term_of_sympy(expr: sympy.Basic) -> Term:
     """A sympy expression as a tree.
 
-    Raises
-    ------
-    TypeError
-        If a float occurs.
-    ValueError
-        If it holds what no piecewise-linear map over the rationals holds, or is too large.
+    TypeError if a float occurs; ValueError if it holds what no piecewise-linear map over the
+    rationals holds, or is too large.
     """
     return _Reader().read(expr)

@@ -35,10 +35,7 @@ def seal_of(certificate: Mapping[str, Any]) -> str:
 def statement_of(certificate: object) -> str:
     """What a certificate proves, in one sentence; its own sentence and seal are not looked at.
 
-    Raises
-    ------
-    Refused
-        If it proves nothing.
+    Refused if it proves nothing.
     """
     if not isinstance(certificate, dict) or certificate.get("format") != FORMAT:
         refuse(f"this is no {FORMAT}")

@@ -13,12 +13,7 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 def in_a_part_only(map_: PiecewiseLinearMap, diagram: Diagram) -> str:
     """That a diagram holds in a part of what was assumed, and how to get the rest; else nothing.
 
-    Parameters
-    ----------
-    map_
-        The map, with what was assumed.
-    diagram
-        What was found: ``given`` says where it holds, ``sample`` where it was decided.
+    What was found says in ``given`` where it holds, and in ``sample`` where it was decided.
     """
     assumed = [each for each in map_.given if not _varies(each, diagram)]
     named = {str(symbol): symbol for symbol in map_.parameters if str(symbol) in diagram.sample}

@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 from rich.progress import Progress
 from rich.table import Table
 
+from pwmap.cli.screen import budget_on
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import PictureFormat, write_figure, write_table
 from pwmap.longrun.crises.bands import with_attractors
@@ -28,15 +29,8 @@ HIGHEST = 5  # order up to which crises are looked for
 class LongRun:
     """Attractors and entropy over a parameter, and densities at values of it.
 
-    Parameters
-    ----------
-    map_, parameter, span
-        A map of that parameter alone, its name, and two rationals if it is asked for more than
-        densities.
-    interrupts
-        To which each Ctrl-C is added; after one nothing more is begun.
-    bar
-        That says how far a question is.
+    The map has that parameter alone; the span, two rationals, is needed for more than densities.
+    Each Ctrl-C is added to the interrupts, and after one nothing more is begun.
     """
 
     def __init__(
@@ -53,10 +47,8 @@ class LongRun:
     def ask(self, *, attractors: bool, entropy: bool, density: tuple[str, ...], order: int) -> None:
         """Ask one question after the other, until Ctrl-C; what is finished of each is kept.
 
-        Raises
-        ------
-        ValueError
-            If something is asked for over a parameter without a span, or there is no density.
+        ValueError if something is asked for over a parameter without a span, or there is no
+        density.
         """
         map_, name, span = self._map, self._parameter, self._span
         if span is None and (attractors or entropy):
@@ -81,19 +73,11 @@ class LongRun:
         """What is found of a question; None if Ctrl-C ended it before anything was."""
         found: Found | None = None
         if not self._interrupts:
-            task = self._bar.add_task(what, total=None)
-            budget = Budget(
-                progress=lambda at: self._bar.update(
-                    task, description=f"{what}: {at.what}" if at.what else what,
-                    completed=at.done, total=at.total or None,
-                ),
-                on_interrupt=lambda: self._interrupts.append(True),
-            )  # fmt: skip
-            try:
-                found = question(budget)
-            except KeyboardInterrupt:
-                self._interrupts.append(True)
-            self._bar.update(task, visible=False)
+            with budget_on(self._bar, what, self._interrupts) as budget:
+                try:
+                    found = question(budget)
+                except KeyboardInterrupt:
+                    self._interrupts.append(True)
         if found is None:
             self.left_out.append(f"left out: {what}")
         elif left_out := getattr(found, "left_out", ""):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -16,6 +15,7 @@ from pwmap.cli.screen import (
     INTERRUPTED,
     Formats,
     bar_on,
+    budget_on,
     complain,
     picture_format,
     say,
@@ -26,7 +26,7 @@ from pwmap.cli.screen import (
     told,
 )
 from pwmap.diagrams.files import in_format
-from pwmap.maps.budget import BUDGET, Advance, Budget
+from pwmap.maps.budget import BUDGET, Budget
 from pwmap.plane.colours import Colours
 
 if TYPE_CHECKING:
@@ -93,7 +93,10 @@ def draw_plane(
         axes = (across, along, exact_span(across_span), exact_span(along_span), orders_of(orders))
         seen_on = None if colours is None else raster
         tell_replaced(out, "plane")
-        with _budget(pieces, interrupts) as budget:
+        with (
+            bar_on(screen(stderr=True)) as bar,
+            budget_on(bar, "plane", interrupts, pieces) as budget,
+        ):
             found, seen = _computed(map_, axes, crises, seen_on, budget, interrupts)
         _write(found, out)
         try:
@@ -110,19 +113,6 @@ def draw_plane(
         without = "" if file in names else ", without the picture"
         complain(f"Interrupted: what was finished is kept{without}")
         raise typer.Exit(INTERRUPTED)
-
-
-@contextmanager
-def _budget(pieces: int, interrupts: list[bool]) -> Iterator[Budget]:
-    """What may be computed; a bar says how far it is, and interrupts are counted."""
-    with bar_on(screen(stderr=True)) as bar:
-        task = bar.add_task("strips", total=None)
-
-        def tell(at: Advance) -> None:
-            what, total = at.what or "strips", at.total or None
-            bar.update(task, description=what, completed=at.done, total=total)
-
-        yield Budget(pieces=pieces, progress=tell, on_interrupt=lambda: interrupts.append(True))
 
 
 def _computed(

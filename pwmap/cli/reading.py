@@ -63,10 +63,7 @@ def exact_span(span: tuple[str, str] | None) -> tuple[str, str] | None:
 def assignments(texts: Iterable[str], option: str = "--set") -> dict[str, str]:
     """Values of parameters from texts such as a=5/4 or a=1.25, which are the same.
 
-    Raises
-    ------
-    ValueError
-        If a text is none.
+    ValueError if a text is none.
     """
     found = dict[str, str]()
     for text in texts:
@@ -78,13 +75,7 @@ def assignments(texts: Iterable[str], option: str = "--set") -> dict[str, str]:
 
 
 def orders_of(text: str) -> list[int]:
-    """Orders from a text such as 1,2,3.
-
-    Raises
-    ------
-    ValueError
-        If it has something else than integers.
-    """
+    """Orders from a text such as 1,2,3; ValueError if it has something else than integers."""
     try:
         return [int(part) for part in text.split(",")]
     except ValueError:

@@ -23,6 +23,7 @@ import typer
 from rich.console import Console
 
 from pwmap.diagrams.files import PictureFormat
+from pwmap.maps.budget import BUDGET, Advance, Budget
 
 if TYPE_CHECKING:
     from rich.progress import Progress
@@ -62,15 +63,7 @@ _tables: ContextVar[Format | None] = ContextVar("_tables", default=None)
 def picture_format(asked: Iterable[Format] | None) -> PictureFormat:
     """The format of pictures; that of tables is kept for :func:`show`.
 
-    Parameters
-    ----------
-    asked
-        What ``--format`` was given.
-
-    Raises
-    ------
-    ValueError
-        If there are two formats of pictures, or two of tables.
+    ValueError if there are two formats of pictures, or two of tables.
     """
     listed = [*dict.fromkeys(asked or ())]
     tables = [each for each in listed if each in TABLES]
@@ -88,12 +81,7 @@ def picture_format(asked: Iterable[Format] | None) -> PictureFormat:
 def screen(*, stderr: bool = False, width: int | None = None) -> Console:
     """A console that takes ``[b]`` in a path, or ``[a, b]`` in a table, for what it is.
 
-    Parameters
-    ----------
-    stderr
-        Whether it is that of errors.
-    width
-        In characters; by default that of the terminal.
+    By default it is as wide as the terminal.
     """
     return Console(stderr=stderr, width=width, markup=False, emoji=False)
 
@@ -101,11 +89,8 @@ def screen(*, stderr: bool = False, width: int | None = None) -> Console:
 def show(*tables: Table) -> None:
     """Tables on stdout, each in the format that was asked for.
 
-    Parameters
-    ----------
-    *tables
-        For people; a program gets their cells as text. In CSV there is an empty line between two
-        tables, and no title.
+    A program gets their cells as text. In CSV there is an empty line between two tables, and no
+    title.
     """
     console = screen()
     form = _tables.get()
@@ -140,19 +125,28 @@ def complain(sentence: str) -> None:
 
 
 def bar_on(console: Console) -> Progress:
-    """A progress bar that leaves nothing behind, and shows only on a terminal.
-
-    Parameters
-    ----------
-    console
-        What it is shown on.
-    """
+    """A progress bar that leaves nothing behind, and shows only on a terminal."""
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
     return Progress(
         TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn(),
         console=console, transient=True, disable=not console.is_terminal,
     )  # fmt: skip
+
+
+@contextmanager
+def budget_on(
+    bar: Progress, what: str, interrupts: list[bool], pieces: int = BUDGET.pieces
+) -> Iterator[Budget]:
+    """A budget that shows on a bar how far something is, and to which each Ctrl-C is added."""
+    task = bar.add_task(what, total=None)
+
+    def tell(at: Advance) -> None:
+        text = f"{what}: {at.what}" if at.what else what
+        bar.update(task, description=text, completed=at.done, total=at.total or None)
+
+    yield Budget(pieces=pieces, progress=tell, on_interrupt=lambda: interrupts.append(True))
+    bar.update(task, visible=False)
 
 
 @contextmanager
@@ -169,13 +163,7 @@ def told(lost: Callable[[], str]) -> Iterator[None]:
 
 
 def in_words(error: Exception) -> str:
-    """What went wrong, without the number that an operating system has for it.
-
-    Parameters
-    ----------
-    error
-        What was raised.
-    """
+    """What went wrong, without the number that an operating system has for it."""
     if isinstance(error, OSError) and error.strerror and error.filename is not None:
         return f"{error.filename}: {error.strerror}"
     return str(error)
@@ -184,16 +172,8 @@ def in_words(error: Exception) -> str:
 def tell_replaced(folder: Path, command: str, *files: str, kept: Sequence[str] = ()) -> None:
     """Say which files of an earlier run a command is about to replace, before it begins.
 
-    Parameters
-    ----------
-    folder
-        Where the results go.
-    command
-        Its name: its record says what it wrote.
-    *files
-        Names of further files that it writes in any case.
-    kept
-        Names of those that it goes on with.
+    The record of the command says what it wrote; it writes further files in any case, and goes on
+    with those that are kept.
     """
     from pwmap.diagrams.record import earlier_files
 
@@ -205,15 +185,7 @@ def tell_replaced(folder: Path, command: str, *files: str, kept: Sequence[str] =
 
 
 def tell_written(folder: Path, names: Sequence[str], gone: Sequence[str] = ()) -> None:
-    """Say which files were written, and which of an earlier run were removed.
-
-    Parameters
-    ----------
-    folder
-        Where the files are.
-    names, gone
-        Names of both.
-    """
+    """Say which files were written, and which of an earlier run were removed."""
     say("wrote " + ", ".join(str(folder / name) for name in names))
     if gone:
         say("removed what an earlier run wrote: " + ", ".join(gone))

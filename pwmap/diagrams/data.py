@@ -116,8 +116,6 @@ class Stretch:
     ----------
     first
         Its first sample; it ends where the next stretch begins.
-    word
-        The word.
     cause
         A sentence on what happens where it begins; empty at the start of a branch.
     exact
@@ -327,10 +325,6 @@ class SpecialPoint:
     ----------
     id
         Name of the point, unique in its diagram, without ``:``.
-    kind
-        One of the codes of :class:`PointKind`.
-    parameter, x
-        Where it lies.
     branches
         Ids of the branches that end here.
     order

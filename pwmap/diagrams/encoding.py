@@ -32,10 +32,7 @@ BYTES, SET = "$bytes", "$set"  # likewise
 def to_plain(value: Any) -> Any:
     """A record, or a value that it holds, as dictionaries, lists, text, numbers, booleans and None.
 
-    Raises
-    ------
-    TypeError
-        If it holds what a record may not hold.
+    TypeError if it holds what a record may not hold.
     """
     kind: Any = type(value)
     if _is_record(kind):
@@ -67,10 +64,7 @@ def to_plain(value: Any) -> Any:
 def from_plain(data: Any, kind: Any) -> Any:
     """A value of some type from :func:`to_plain`; a field that is missing has its default.
 
-    Raises
-    ------
-    ValueError, TypeError, LookupError
-        If the data are not those of such a value.
+    ValueError, TypeError, LookupError if the data are not those of such a value.
     """
     if _is_record(kind):
         return _record(data, kind)

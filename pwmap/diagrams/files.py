@@ -18,12 +18,8 @@ def write_whole(path: Path, content: bytes) -> None:
 
     An interrupted write leaves an older file as it was.
 
-    Raises
-    ------
-    FileNotFoundError
-        If the folder does not exist.
-    IsADirectoryError
-        If there is a folder of this name.
+    FileNotFoundError if the folder does not exist; IsADirectoryError if there is a folder of this
+    name.
     """
     if not path.parent.is_dir():
         raise FileNotFoundError(f"cannot write {path.name}: there is no folder {path.parent}")

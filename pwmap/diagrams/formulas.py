@@ -26,10 +26,7 @@ SETS = {"FiniteSet": sympy.FiniteSet, "Union": sympy.Union}
 def to_plain(value: sympy.Basic) -> Any:
     """A number, formula or set as nested lists and text.
 
-    Raises
-    ------
-    TypeError
-        If it has a part of a kind that no exact diagram has.
+    TypeError if it has a part of a kind that no exact diagram has.
     """
     match value:
         case sympy.Rational():
@@ -67,13 +64,7 @@ def text_of(value: object) -> str:
 
 
 def from_plain(data: Any) -> Any:
-    """What :func:`to_plain` wrote.
-
-    Raises
-    ------
-    ValueError, TypeError, LookupError
-        If it is none of these.
-    """
+    """What :func:`to_plain` wrote; ValueError, TypeError, LookupError if it is none of these."""
     if isinstance(data, str):
         return NUMBERS[data] if data in NUMBERS else _rational(data)
     name, *parts = data

@@ -63,23 +63,11 @@ _EDGES = "edges" if "edges" in inspect.signature(nx.node_link_data).parameters e
 def sanitised(graph: nx.MultiGraph) -> nx.MultiGraph:
     """Copy a graph into the form that every file format keeps.
 
-    Parameters
-    ----------
-    graph
-        An undirected multigraph. Ids of nodes and keys of edges are non-empty text without
-        ``:``, names of attributes are identifiers, and values are numbers, text or enums of
-        these. Text holds only characters of XML 1.0.
-
-    Returns
-    -------
-    networkx.MultiGraph
-        The same nodes and edges in the same order, with floats and plain text only. A graph
-        that was sanitised stays as it is.
-
-    Raises
-    ------
-    TypeError, ValueError
-        One sentence that names the node or edge, the attribute and the value.
+    The graph is an undirected multigraph. Ids of nodes and keys of edges are non-empty text without
+    ``:``, names of attributes are identifiers, and values are numbers, text or enums of these. Text
+    holds only characters of XML 1.0. The copy has the same nodes and edges in the same order, with
+    floats and plain text only; one that was sanitised stays as it is. TypeError, ValueError: one
+    sentence that names the node or edge, the attribute and the value.
     """
     _check_kind(graph)
     copy = nx.MultiGraph()

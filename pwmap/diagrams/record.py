@@ -34,21 +34,8 @@ def keep_record(
     Only files that the earlier record names are removed, and only while they are, byte for byte,
     what was written then.
 
-    Parameters
-    ----------
-    folder
-        Where the files are.
-    command
-        Its name.
-    names
-        The files that it has written just now, all of them in the folder itself.
-    about
-        What it was asked for; see :func:`plain`.
-
-    Returns
-    -------
-    tuple of str
-        The names of the files that were removed.
+    The files that were written just now lie in the folder itself. Returned are the names of those
+    that were removed.
     """
     path, written = folder / record_of(command), list(names)
     stale = [

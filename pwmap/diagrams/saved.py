@@ -45,10 +45,7 @@ def record_as_bytes(record: Any, name: str, version: int) -> bytes:
 def read_record(path: Path, kind: type, name: str, version: int) -> Any:
     """Read what :func:`write_record` wrote, in this or an older version.
 
-    Raises
-    ------
-    ValueError
-        If the file is none of these.
+    ValueError if the file is none of these.
     """
     data = path.read_bytes()
     try:

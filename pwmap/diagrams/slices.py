@@ -18,48 +18,34 @@ from sympy import QQ
 
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import HIGHEST, LOWEST, to_float
-from pwmap.algebra.roots import Dense, Real, RealRoot, real_roots, real_to_sympy, sign_at, trimmed
-
-_T = sympy.Symbol("t")
+from pwmap.algebra.roots import (
+    Dense,
+    Real,
+    RealRoot,
+    algebraic,
+    dense_of,
+    real_to_sympy,
+    sign_at,
+    trimmed,
+)
 
 
 @dataclass(frozen=True, slots=True)
 class ExactValue:
-    """A formula at one value of the parameter.
+    """A formula at one value of the parameter."""
 
-    Attributes
-    ----------
-    formula
-        The exact number, or a formula in parameters that stay symbolic.
-    key
-        That number at the sample of these: an element of ``QQ``, one of the field of an algebraic
-        value as its coefficients, or an infinity.
-    number
-        The same as a float.
-    """
-
-    formula: sympy.Expr
-    key: Any
-    number: float
+    formula: sympy.Expr  # exact, or in parameters that stay symbolic
+    key: Any  # at their sample: in QQ, coefficients in the field of an algebraic value, or infinite
+    number: float  # the same as a float
 
 
 @dataclass(frozen=True, slots=True)
 class ExactSlice:
-    """One value of the parameter.
-
-    Parameters
-    ----------
-    name
-        The parameter.
-    at
-        Its value.
-    sample
-        Values of parameters that stay symbolic.
-    """
+    """One value of the parameter."""
 
     name: str
     at: Real
-    sample: Mapping[str, sympy.Expr]
+    sample: Mapping[str, sympy.Expr]  # of parameters that stay symbolic
 
     def meets(self, interval: sympy.Set) -> bool:
         """Whether an interval of the parameter holds the value."""
@@ -73,7 +59,7 @@ class ExactSlice:
     def _end(self, end: sympy.Expr) -> Real:
         if end.is_infinite:
             return HIGHEST if end is sympy.oo else LOWEST
-        return real(self._sampled(end))
+        return algebraic(self._sampled(end))
 
     def _sampled(self, expr: sympy.Expr) -> sympy.Expr:
         values = {s: self.sample[s.name] for s in expr.free_symbols if s.name in self.sample}
@@ -87,9 +73,9 @@ class ExactSlice:
         drawn = self._sampled(expr)
         if not isinstance(self.at, RealRoot) or own is None:
             point = {own: real_to_sympy(self.at)} if own is not None else {}
-            key = real(drawn.xreplace(point))
+            key = algebraic(drawn.xreplace(point))
             return ExactValue(expr.xreplace(point), key, to_float(key))
-        top, bottom = _quotient(drawn, own)
+        top, bottom = quotient_in(drawn, own)
         coefficients = self.at.quotient(top, bottom)
         formula = expr.xreplace({own: self.at.to_sympy()})
         if drawn == expr:
@@ -117,12 +103,7 @@ def _side(key: Any) -> int:
 def exact_number(value: object) -> Real:
     """The exact number that a value of a parameter is; a float is the binary number it holds.
 
-    Raises
-    ------
-    ValueError
-        If it is no finite real number.
-    TypeError
-        If it is neither a number nor text.
+    ValueError if it is no finite real number; TypeError if it is neither a number nor text.
     """
     if isinstance(value, numbers.Real) and not isinstance(value, numbers.Rational | sympy.Basic):
         if not math.isfinite(value):
@@ -137,34 +118,13 @@ def exact_number(value: object) -> Real:
     if not (isinstance(value, sympy.Expr) and value.is_number and value.is_real):
         raise ValueError(f"a slice needs a real number, got {value}")
     try:
-        return real(value)
-    except (NotImplementedError, sympy.polys.polyerrors.BasePolynomialError):
+        return algebraic(value)
+    except ValueError:
         raise ValueError(f"a slice needs a rational or algebraic number, got {value}") from None
 
 
 @lru_cache(maxsize=4096)
-def real(expr: sympy.Expr) -> Real:
-    """A real algebraic number of sympy as one of this package."""
-    if isinstance(expr, sympy.Rational):
-        return QQ(int(expr.p), int(expr.q))
-    if isinstance(expr, sympy.CRootOf):
-        return real_roots(_dense(expr.poly))[expr.index]
-    polynomial = sympy.minimal_polynomial(expr, _T, polys=True)
-    for root in real_roots(_dense(polynomial)):
-        if not isinstance(root, RealRoot):
-            return root
-        low, high = real_to_sympy(root.low), real_to_sympy(root.high)
-        if expr > low and expr < high:  # irrational: the digits show it
-            return root
-    raise ValueError(f"{expr} is no real number")
-
-
-@lru_cache(maxsize=4096)
-def _quotient(expr: sympy.Expr, symbol: sympy.Symbol) -> tuple[Dense, Dense]:
+def quotient_in(expr: sympy.Expr, symbol: sympy.Symbol) -> tuple[Dense, Dense]:
     """Coefficients of numerator and denominator of a formula in one symbol."""
     top, bottom = sympy.fraction(sympy.together(expr))
-    return _dense(sympy.Poly(top, symbol)), _dense(sympy.Poly(bottom, symbol))
-
-
-def _dense(polynomial: sympy.Poly) -> Dense:
-    return trimmed(QQ(int(c.p), int(c.q)) for c in polynomial.all_coeffs())
+    return dense_of(sympy.Poly(top, symbol)), dense_of(sympy.Poly(bottom, symbol))

@@ -27,6 +27,7 @@ LINES = ("xs", "ys", "color", "dash", "width", "branch")
 SAMPLES = ("x", "y", "branch", "kind", "word", "multiplier")
 POINTS = ("x", "y", "id", "label", "kind", "cause", "where", "marker", "color", "size", "angle")
 EDGES = (*LINES, "x", "y", "label", "tip")
+SIZE = ("inner_width", "inner_height")  # of a figure, as the page tells it
 USUAL = (520.0, 230.0)  # px of a picture, until the page has told
 MOST_LABELS = 30
 POLE = 8.0  # how much higher a diagram is than most of it, if not all of it is shown
@@ -55,13 +56,7 @@ def _texts(figure: Any, table: Any, color: str = INK) -> Any:
 
 
 class DiagramView:
-    """Branches as they are found, special points with their names, and where the page is.
-
-    Attributes
-    ----------
-    figure
-        The root for the page.
-    """
+    """Branches as they are found, special points with their names, and where the page is."""
 
     def __init__(self, name: str, x_label: str, y_label: str) -> None:
         self.figure = new_figure(name, x_label, y_label)
@@ -87,8 +82,8 @@ class DiagramView:
         )  # fmt: skip
         figure.add_tools(hover(marks, OF_POINT), hover(samples, OF_BRANCH))
         for axis_range in (figure.x_range, figure.y_range):
-            axis_range.on_change("end", self._renamed)
-        _when_resized(figure, self._renamed)
+            _on_change(axis_range, "end", hear=self._name)
+        _on_change(figure, *SIZE, hear=self._name)
 
     @property
     def scale(self) -> tuple[float, float]:
@@ -117,12 +112,9 @@ class DiagramView:
     def show(self, found: Shown | None) -> None:
         """Draw a diagram, or none."""
         self._shown = found
-        for table, columns in ((self.lines, LINES), (self.samples, SAMPLES), (self.points, POINTS)):
-            attribute = {id(self.lines): "lines", id(self.samples): "samples"}.get(
-                id(table), "points"
-            )
-            values = getattr(found, attribute) if found is not None else {}
-            patch(table, **{name: values.get(name, []) for name in columns})
+        for name, columns in (("lines", LINES), ("samples", SAMPLES), ("points", POINTS)):
+            values = getattr(found, name) if found is not None else {}
+            patch(getattr(self, name), **{each: values.get(each, []) for each in columns})
         self._fit()
         self._name()
 
@@ -134,12 +126,9 @@ class DiagramView:
         """Show where the page is; nan if it has no height."""
         put(self.here, x=[p], y=[x])
 
-    def _renamed(self, attr: str, old: object, new: object) -> None:
-        self._name()
-
     def _name(self) -> None:
         """Write names where they cover nothing."""
-        patch(self.names, **_named(self.figure, self._shown.points if self._shown else None))
+        patch(self.names, **_named(self.figure, self._shown.points if self._shown else None)[0])
 
 
 class GraphView:
@@ -162,7 +151,7 @@ class GraphView:
         _texts(figure, self.tags, GREY)
         _texts(figure, self.names)
         figure.add_tools(hover(nodes, OF_POINT), hover(edges, OF_EDGE))
-        _when_resized(figure, self._renamed)
+        _on_change(figure, *SIZE, hear=self._name)
 
     @property
     def scale(self) -> tuple[float, float]:
@@ -177,9 +166,6 @@ class GraphView:
         patch(self.nodes, **{name: nodes.get(name, []) for name in POINTS})
         self._name()
 
-    def _renamed(self, attr: str, old: object, new: object) -> None:
-        self._name()
-
     def _name(self) -> None:
         """Write names of nodes and edges where they cover nothing."""
         found = self._shown
@@ -187,7 +173,7 @@ class GraphView:
         few = {**edges, "must": [False] * len(edges["x"])} if edges else None
         if few is not None and len(few["x"]) > MOST_LABELS:
             few["label"] = [""] * len(few["x"])
-        names, tags = _named_together(self.figure, nodes or None, few)
+        names, tags = _named(self.figure, nodes or None, few)
         patch(self.names, **names)
         patch(self.tags, **tags)
 
@@ -196,10 +182,14 @@ class GraphView:
         patch(self.selected, **_part(self._shown.edges if self._shown else None, branch))
 
 
-def _when_resized(figure: Any, hear: Callable[[str, object, object], None]) -> None:
-    """Call a function when the page has told another size of a figure."""
-    for side in ("inner_width", "inner_height"):
-        figure.on_change(side, hear)
+def _on_change(model: Any, *properties: str, hear: Callable[[], None]) -> None:
+    """Call a function when one of some properties has changed."""
+
+    def changed(attr: str, old: object, new: object) -> None:
+        hear()
+
+    for name in properties:
+        model.on_change(name, changed)
 
 
 def _size(figure: Any) -> tuple[float, float]:
@@ -221,12 +211,7 @@ def _part(table: Any, branch: str) -> dict[str, Any]:
     return {name: [table[name][k] for k in rows] for name in ("xs", "ys")}
 
 
-def _named(figure: Any, table: Any) -> dict[str, Any]:
-    """Names of points at places where they cover nothing."""
-    return _named_together(figure, table, None)[0]
-
-
-def _named_together(figure: Any, *tables: Any) -> list[dict[str, Any]]:
+def _named(figure: Any, *tables: Any) -> list[dict[str, Any]]:
     """Names of the points of some tables, the first ones first."""
     scale, frame = np.array(_scale(figure)), _size(figure)
     start = np.array([figure.x_range.start, figure.y_range.start])
@@ -240,7 +225,7 @@ def _named_together(figure: Any, *tables: Any) -> list[dict[str, Any]]:
         [full[k]["label"][i] for k, i in rows], (places - start) * scale, frame,
         [full[k]["must"][i] for k, i in rows],
     )  # fmt: skip
-    for row, dx, dy in list(zip(*labels, strict=True))[: 2 * MOST_LABELS]:
+    for row, dx, dy in labels[: 2 * MOST_LABELS]:
         k, i = rows[row]
         values = places[row, 0], places[row, 1], full[k]["label"][i], dx, -dy  # offsets go down
         for column, value in zip(found[k].values(), values, strict=True):

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -12,43 +11,30 @@ import numpy.typing as npt
 
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, PointStatus, SpecialPoint
 from pwmap.diagrams.diagram import Diagram
+from pwmap.diagrams.shown import brief, counted
 from pwmap.explore.figures import COLORS, DASHES, MARKS
-from pwmap.plot import GREY, MARKERS, WIDTHS
+from pwmap.plot import GREY, MARKERS
+from pwmap.plot.diagrams import ranks_of, stretches, width_of
 
 Floats = npt.NDArray[np.float64]
 Table = dict[str, Any]
 
 WIDTH = {"stable": 2.0, "unstable": 1.6, "jump crossing": 1.9}  # px of P_1
-WORD_MOST = 60  # characters of a word in a hint
+WORD_MOST = 60  # characters of an exact value in a hint
 BEND = 0.16  # of its length: how far one of several edges between two nodes is bent
 ORDERED = 0.9  # how far places in the graph follow the order of values, not their size
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Shown:
-    """What is drawn of a diagram; tables of columns, one row for each line or marker.
-
-    Parameters
-    ----------
-    diagram
-        The diagram itself.
-    lines
-        Stretches of branches in one style: ``xs ys color dash width branch``.
-    samples
-        Every sample: ``x y branch kind word multiplier``.
-    points
-        Special points: ``x y id label kind cause where marker color size angle must``.
-    nodes, edges
-        The graph in the plane: nodes as ``points``, edges as ``lines`` with ``x y label`` of their
-        middles.
-    """
+    """What is drawn of a diagram; tables of columns, one row for each line or marker."""
 
     diagram: Diagram
-    lines: Table
-    samples: Table
-    points: Table
-    nodes: Table
-    edges: Table
+    lines: Table  # stretches of branches in one style: xs ys color dash width branch
+    samples: Table  # all: x y branch kind word multiplier
+    points: Table  # x y id label kind cause where marker color size angle must
+    nodes: Table  # of the graph in the plane: as points
+    edges: Table  # as lines, with x y label of their middles
 
 
 def shown(diagram: Diagram) -> Shown:
@@ -64,15 +50,10 @@ def summary(found: Shown) -> str:
     left = [text for text in diagram.given if text.startswith("stopped")]
     given_up = sum(point.status is PointStatus.OPEN for point in diagram.points)
     if given_up:
-        left.append(_counted(given_up, "end was given up", "ends were given up"))
-    counts = f"{_counted(len(diagram.branches), 'branch', 'branches')}, " + _counted(
-        len(diagram.points), "point", "points"
-    )
+        ends = "end was given up" if given_up == 1 else "ends were given up"
+        left.append(f"{given_up} {ends}")
+    counts = f"{counted(len(diagram.branches), 'branch')}, {counted(len(diagram.points), 'point')}"
     return "; ".join([counts, *left])
-
-
-def _counted(number: int, one: str, several: str) -> str:
-    return f"{number} {one if number == 1 else several}"
 
 
 def style_of(branch: Branch, sample: int) -> str:
@@ -82,34 +63,24 @@ def style_of(branch: Branch, sample: int) -> str:
     return "stable" if branch.stable[sample] else "unstable"
 
 
-def _stretches(branch: Branch) -> Iterator[tuple[str, slice]]:
-    """Parts of a branch in one style; neighbours share a sample, and ends may be flips."""
-    if branch.kind is BranchKind.JUMP:
-        yield "jump crossing", slice(0, len(branch))
-        return
-    stable = branch.stable.copy()
-    if len(branch) > 2:
-        stable[0], stable[-1] = stable[1], stable[-2]
-    cuts = np.flatnonzero(stable[1:] != stable[:-1]) + 1
-    for a, b in pairwise([0, *cuts.tolist(), len(branch)]):
-        yield ("stable" if stable[a] else "unstable"), slice(max(0, a - 1), b)
+def table(names: Sequence[str], rows: Iterable[Sequence[Any]]) -> Table:
+    """Rows as columns by their names."""
+    listed = list(rows)
+    return {name: [row[k] for row in listed] for k, name in enumerate(names)}
 
 
 def _lines(diagram: Diagram) -> Table:
-    rows: Table = {name: [] for name in ("xs", "ys", "color", "dash", "width", "branch")}
-    ranks = {o: k for k, o in enumerate(sorted({b.order for b in diagram.branches}))}
-    for branch in diagram.branches:
-        if branch.kind is BranchKind.BAND:
-            continue
-        thin = WIDTHS[min(ranks[branch.order], len(WIDTHS) - 1)] if len(ranks) > 1 else 1.0
-        for style, part in _stretches(branch):
-            rows["xs"].append(np.array(branch.parameter[part]))
-            rows["ys"].append(np.array(branch.x[part]))
-            rows["color"].append(COLORS[style])
-            rows["dash"].append(DASHES[style])
-            rows["width"].append(WIDTH[style] * thin)
-            rows["branch"].append(branch.id)
-    return rows
+    ranks = ranks_of(diagram)
+    thin = {order: width_of(k) if len(ranks) > 1 else 1.0 for order, k in ranks.items()}
+    rows = [
+        (
+            *(np.array(branch.parameter[part]), np.array(branch.x[part])),
+            *(COLORS[style], DASHES[style], WIDTH[style] * thin[branch.order], branch.id),
+        )
+        for branch in diagram.branches if branch.kind is not BranchKind.BAND
+        for style, part in stretches(branch)
+    ]  # fmt: skip
+    return table(("xs", "ys", "color", "dash", "width", "branch"), rows)
 
 
 def _samples(diagram: Diagram) -> Table:
@@ -121,7 +92,7 @@ def _samples(diagram: Diagram) -> Table:
         parts["y"].append(branch.x)
         parts["branch"].append([branch.id] * n)
         parts["kind"].append([f"{style_of(branch, k)}, P_{branch.order}" for k in range(n)])
-        parts["word"].append([_brief(branch.word_at(k)) for k in range(n)])
+        parts["word"].append([brief(branch.word_at(k)) for k in range(n)])
         parts["multiplier"].append([_multiplier(m) for m in branch.multiplier.tolist()])
     empty = np.array([])
     joined = {name: np.concatenate([empty, *parts[name]]) for name in ("x", "y")}
@@ -133,32 +104,21 @@ def _multiplier(value: float) -> str:
     return "none: a jump" if np.isnan(value) else f"{value:.6g}"
 
 
-def _brief(word: str) -> str:
-    return word if len(word) <= WORD_MOST else word[: WORD_MOST - 1] + "…"
-
-
 def _points(diagram: Diagram) -> Table:
-    rows: Table = {
-        name: []
-        for name in (
-            "x", "y", "id", "label", "kind", "cause", "where", "marker", "color", "size", "angle",
-            "must",
-        )
-    }  # fmt: skip
+    rows = []
     for point in diagram.points:
         mark, color = MARKERS.get(point.kind, (".", GREY))
         end = point.kind is PointKind.EP
-        values = (
+        rows.append((
             point.parameter, point.x, point.id,
             point.name or ("" if end else str(point.kind)),
             f"{point.kind.label}{', ' + point.note if point.note else ''}",
             point.cause or point.kind.meaning, _where(point), MARKS.get(mark, "circle"), color,
             14 if mark == "*" else 10 if mark == "D" else 8, np.pi / 2 if end else 0.0,
             bool(point.name),
-        )  # fmt: skip
-        for column, value in zip(rows.values(), values, strict=True):
-            column.append(value)
-    return rows
+        ))  # fmt: skip
+    names = ("x", "y", "id", "label", "kind", "cause", "where", "marker", "color", "size", "angle")
+    return table((*names, "must"), rows)
 
 
 def _where(point: SpecialPoint) -> str:
@@ -176,8 +136,7 @@ def _graph(diagram: Diagram, points: Table) -> tuple[Table, Table]:
     places = _layout(points)
     nodes = {**points, "x": places[:, 0].tolist(), "y": places[:, 1].tolist()}
     where = dict(zip(points["id"], places, strict=True))
-    names = ("xs", "ys", "color", "dash", "width", "branch", "x", "y", "label", "tip")
-    rows: Table = {name: [] for name in names}
+    rows = []
     seen: dict[frozenset[str], int] = {}
     for branch in diagram.branches:
         pair = frozenset(branch.ends)
@@ -185,14 +144,13 @@ def _graph(diagram: Diagram, points: Table) -> tuple[Table, Table]:
         way = _curve(where[branch.ends[0]], where[branch.ends[1]], k)
         style = style_of(branch, len(branch) // 2)
         middle = way[len(way) // 2]
-        tip = f"{style}, P_{branch.order}: {_brief(branch.word)}"
-        values = (
+        tip = f"{style}, P_{branch.order}: {brief(branch.word)}"
+        rows.append((
             way[:, 0], way[:, 1], COLORS[style], DASHES[style], WIDTH[style], branch.id,
             float(middle[0]), float(middle[1]), branch.id, tip,
-        )  # fmt: skip
-        for column, value in zip(rows.values(), values, strict=True):
-            column.append(value)
-    return nodes, rows
+        ))  # fmt: skip
+    names = ("xs", "ys", "color", "dash", "width", "branch", "x", "y", "label", "tip")
+    return nodes, table(names, rows)
 
 
 def _layout(points: Table) -> Floats:
@@ -237,14 +195,7 @@ def _curve(a: Floats, b: Floats, k: int) -> Floats:
 def nearest_line(table: Table, x: float, y: float, scale: tuple[float, float]) -> tuple[str, float]:
     """The branch whose line passes nearest to a place, and how far away [px].
 
-    Parameters
-    ----------
-    table
-        Lines or edges.
-    x, y
-        The place.
-    scale
-        Pixels for one unit of x, and of y.
+    The scale is in pixels for one unit of x, and of y.
     """
     best, least = "", np.inf
     for xs, ys, branch in zip(table["xs"], table["ys"], table["branch"], strict=True):

@@ -37,12 +37,7 @@ class JobFinished:
 class Job:
     """Work that is being done elsewhere.
 
-    Parameters
-    ----------
-    work, arguments
-        A generator function at the top level of a module, and what it is called with.
-    seconds
-        How long it may take.
+    The work is a generator function at the top level of a module.
     """
 
     def __init__(self, work: Work, *arguments: Any, seconds: float = 600.0) -> None:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -18,17 +17,9 @@ COVERED = 5.0  # the cost of a marker under a label: those that cost more are le
 DISTANCES = (1.0, 6.0, 14.0)  # px from the point
 
 
-class Placed(NamedTuple):
-    """Labels that are shown: which, and where their middles are beside their points [px]."""
-
-    rows: tuple[int, ...]
-    dx: tuple[float, ...]
-    dy: tuple[float, ...]
-
-
 def place(
     texts: Sequence[str], points: Floats, frame: tuple[float, float], must: Sequence[bool]
-) -> Placed:
+) -> list[tuple[int, float, float]]:
     """Choose places one after the other; a label that covers another one is left out.
 
     Parameters
@@ -41,6 +32,11 @@ def place(
         Width and height [px].
     must
         Which are placed first, and shown in any case.
+
+    Returns
+    -------
+    list
+        Of the labels that are shown: which it is, and where its middle is beside its point [px].
     """
     taken: list[Floats] = []
     found: list[tuple[int, float, float]] = []
@@ -59,10 +55,7 @@ def place(
         if costs[best] < COVERED or must[k]:
             taken.append(boxes[best] + GAP * np.array([-1.0, -1.0, 1.0, 1.0]))
             found.append((k, float(middles[best, 0]), float(middles[best, 1])))
-    if not found:
-        return Placed((), (), ())
-    rows, dx, dy = zip(*found, strict=True)
-    return Placed(rows, dx, dy)
+    return found
 
 
 def _costs(

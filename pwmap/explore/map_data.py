@@ -20,11 +20,12 @@ from pwmap import (
     parameter_cells,
     parameter_plane,
 )
-from pwmap.explore.diagrams import Shown, shown
+from pwmap.explore.diagrams import Shown, shown, table
 from pwmap.explore.map_state import PLANE_ORDERS, MapState
 from pwmap.longrun.cycles import FoundCycle
 from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.rasters import arc_arrays
+from pwmap.plot.diagrams import around, pieces_within
 from pwmap.plot.palette import LINES
 
 BUDGET = Budget(pieces=30_000, work=8_000_000)
@@ -40,36 +41,19 @@ Rows = list[list[str]]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapAnswer:
-    """One answer.
+    """One answer."""
 
-    Parameters
-    ----------
-    name
-        ``map``, ``cells``, ``diagram``, ``long`` or ``plane``.
-    tables
-        Columns by the name of the table, for the figures.
-    rows
-        Exact values as text, by the heading of their list.
-    message
-        Why there is no answer, or not all of it.
-    shown
-        The diagram, if that is the answer.
-    """
-
-    name: str
-    tables: dict[str, dict[str, Any]] = field(default_factory=dict)
-    rows: dict[str, Rows] = field(default_factory=dict)
-    message: str = ""
-    shown: Shown | None = None
+    name: str  # map, cells, diagram, long or plane
+    tables: dict[str, dict[str, Any]] = field(default_factory=dict)  # columns by name
+    rows: dict[str, Rows] = field(default_factory=dict)  # as text, by their heading
+    message: str = ""  # why there is no answer, or not all of it
+    shown: Shown | None = None  # the diagram, if that is the answer
 
 
 def maps_of(state: MapState) -> tuple[PiecewiseLinearMap, PiecewiseLinearMap]:
     """The map with its parameters, and with their values.
 
-    Raises
-    ------
-    ValueError
-        If the text is no map, or one with too many parameters.
+    ValueError if the text is no map, or one with too many parameters.
     """
     given = [part.strip() for part in state.given.split(";") if part.strip()]
     family = PiecewiseLinearMap.from_sympy(state.map, "x", given)
@@ -101,16 +85,12 @@ def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) 
     pieces, fixed, jumps = iterate.pieces, iterate.fixed_points(), iterate.jump_crossings()
     web = orbit(iterate, state)
     points = [float(p.x) for p in fixed]
-    marks = [
-        *points,
-        *(float(v) for j in jumps for v in (j.x, j.left, j.right)),
-        *map(float, web),
-    ]
+    marks = [*points, *(float(v) for j in jumps for v in (j.x, j.left, j.right)), *map(float, web)]
     marks += [float(piece.lower) for piece in pieces[1:]]
-    low, high = _around(marks)
+    low, high = around(marks)
     crossings = [(float(j.x), float(j.left), float(j.x), float(j.right)) for j in jumps]
     tables = {
-        **_graph(pieces, low, high),
+        **_graph(iterate, low, high),
         "crossings": {"lines": np.array(crossings).reshape(-1, 4)},
         "fixed": {"x": points, "stable": [p.stable for p in fixed], "word": [p.word for p in fixed],
                   "exact": [_text(p.x) for p in fixed]},
@@ -146,32 +126,11 @@ def cycles_here(here: PiecewiseLinearMap) -> list[FoundCycle]:
     return list(islice(cycles(here, {}, PERIODS, budget=BUDGET), ROWS))
 
 
-def _graph(pieces: Any, low: float, high: float) -> dict[str, dict[str, Any]]:
+def _graph(iterate: PiecewiseLinearMap, low: float, high: float) -> dict[str, dict[str, Any]]:
     """Lines with gaps between pieces, and their ends: filled where they belong to the piece."""
-    x: list[float] = []
-    y: list[float] = []
-    ends: dict[str, list[Any]] = {"x": [], "y": [], "closed": []}
-    for piece in pieces:
-        slope, intercept = float(piece.slope), float(piece.intercept)
-        left, right = max(low, float(piece.lower)), min(high, float(piece.upper))
-        if left > right:
-            continue
-        x += [left, right, np.nan]
-        y += [slope * left + intercept, slope * right + intercept, np.nan]
-        for at, end, closed in (
-            (left, piece.lower, piece.lower_closed), (right, piece.upper, piece.upper_closed),
-        ):  # fmt: skip
-            if at == float(end):
-                ends["x"].append(at)
-                ends["y"].append(slope * at + intercept)
-                ends["closed"].append(bool(closed))
-    return {"curve": {"x": x, "y": y}, "ends": ends}
-
-
-def _around(marks: list[float]) -> tuple[float, float]:
-    low, high = min(marks, default=-1.0), max(marks, default=1.0)
-    margin = 0.2 * (high - low) or 1.0
-    return low - margin, high + margin
+    lines, ends = pieces_within(iterate, (low, high))
+    places = [(x, y) for line in lines for x, y in (*line, (np.nan, np.nan))]
+    return {"curve": table(("x", "y"), places), "ends": table(("x", "y", "closed"), ends)}
 
 
 def _cycle_rows(family: PiecewiseLinearMap, here: PiecewiseLinearMap) -> Rows:
@@ -256,13 +215,12 @@ def _long(_: MapState, __: PiecewiseLinearMap, here: PiecewiseLinearMap) -> MapA
         "Attractors": [[str(each)[:TEXT], _exponent(each)] for each in found.attractors],
         "Entropy": [[f"in [{entropy.low:.12g}, {entropy.high:.12g}]", exact]],
     }
-    steps: dict[str, list[float]] = {"left": [], "right": [], "top": []}
-    for attractor in found.attractors:
-        density = attractor.density
-        for low, high, value in density.steps() if density is not None else ():
-            for column, each in zip(steps.values(), (low, high, value), strict=True):
-                column.append(float(each))
-    return MapAnswer("long", {"density": steps}, rows)
+    steps = [
+        tuple(map(float, step))
+        for attractor in found.attractors if attractor.density is not None
+        for step in attractor.density.steps()
+    ]  # fmt: skip
+    return MapAnswer("long", {"density": table(("left", "right", "top"), steps)}, rows)
 
 
 def _exponent(attractor: Any) -> str:
@@ -289,18 +247,16 @@ def _plane(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -
         return MapAnswer("plane")
     found = plane(state, family)
     low, high = map(Fraction, state.across)
-    lines: dict[str, list[Any]] = {n: [] for n in ("xs", "ys", "color", "dash", "name", "tip")}
+    lines = []
     for curve in found.curves:
         style = LINES[curve.kind]
         for arc in curve.arcs:
             x, y = arc_arrays(arc, float(high - low) / SAMPLES)
-            values = (
+            lines.append((
                 x, y, style["color"], [5, 3] if style.get("linestyle") == "--" else [], curve.id,
                 f"{curve.kind.label} of {', '.join(map(_word, curve.words))}: "
                 f"{_text(curve.polynomial)} = 0",
-            )  # fmt: skip
-            for column, value in zip(lines.values(), values, strict=True):
-                column.append(value)
+            ))  # fmt: skip
     nodes = [[float(v) for v in point.values] for point in found.points]
     rows = [
         [curve.id, curve.kind.label, ", ".join(map(_word, curve.words)),
@@ -311,7 +267,8 @@ def _plane(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -
         [p.id, p.kind.label, ", ".join(map(_text, p.values)), " ".join(p.curves)]
         for p in found.points
     ]
-    tables = {"plane": lines, "meeting": {"x": [n[0] for n in nodes], "y": [n[1] for n in nodes]}}
+    curves = table(("xs", "ys", "color", "dash", "name", "tip"), lines)
+    tables = {"plane": curves, "meeting": table(("x", "y"), nodes)}
     told = {"Curves of the plane": rows[:ROWS], "Points of codimension two": meeting[:ROWS]}
     return MapAnswer("plane", tables, told, found.left_out)
 

@@ -42,12 +42,7 @@ OF_CURVE = "<div class='tip'><b>@name</b> @tip</div>"
 class MapTab(Tab[MapState]):
     """One tab of a piecewise-linear map.
 
-    Parameters
-    ----------
-    state
-        What it begins with.
-    first
-        What a reset goes back to.
+    A reset goes back to the first state.
     """
 
     def __init__(self, state: MapState, first: MapState) -> None:

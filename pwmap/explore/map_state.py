@@ -23,34 +23,20 @@ WORDS = {"Piecewise", "True", "False", "Abs", "Max", "Min", "And", "Or", "Not", 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class MapState:
-    """What all views of a page share; every number is a rational, as text.
+    """What all views of a page share; every number is a rational, as text."""
 
-    Parameters
-    ----------
-    map, given
-        The formula in x and its assumptions, separated by ``;``.
-    values
-        Values of parameters by name; those without one have 1.
-    order, steps, start
-        The iterate, and the cobweb.
-    over, span
-        The parameter of the diagram and its interval; the first one if empty.
-    across, along
-        The plane: two parameters with their intervals, none if empty.
-    """
-
-    map: str = P1L
-    given: str = "a > 1"
-    values: tuple[tuple[str, str], ...] = (("a", "5/4"),)
-    order: int = 1
-    steps: int = 20
+    map: str = P1L  # a formula in x
+    given: str = "a > 1"  # its assumptions, separated by ;
+    values: tuple[tuple[str, str], ...] = (("a", "5/4"),)  # others have 1
+    order: int = 1  # of the iterate
+    steps: int = 20  # of the cobweb
     start: str = "3/10"
-    over: str = "r"
+    over: str = "r"  # the parameter of the diagram; the first one if empty
     span: tuple[str, str] = ("-1", "4")
     orders: int = 2
     across: tuple[str, str] = ("1", "3")
     along: tuple[str, str] = ("-1", "4")
-    plane: tuple[str, ...] = ("a", "r")
+    plane: tuple[str, ...] = ("a", "r")  # two parameters; none if empty
     focus: str = ""
 
     def __post_init__(self) -> None:

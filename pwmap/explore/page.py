@@ -31,59 +31,32 @@ S = TypeVar("S")
 Verb = Callable[[Mapping[str, Any]], Mapping[str, Any]]
 
 
-class Wish(DataModel):  # type: ignore[misc]
-    """What the user wants, as JSON."""
-
-    text = String(default="")
-
-
-class PageAnswer(DataModel):  # type: ignore[misc]
-    """What the page shows besides its views, as JSON."""
+class Letter(DataModel):  # type: ignore[misc]
+    """A wish of the user, or what the page shows besides its views, as JSON."""
 
     text = String(default="")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Control:
-    """A slider with a field.
+    """A slider with a field."""
 
-    Parameters
-    ----------
-    name
-        As in links.
-    label
-        As the paper writes it, HTML.
-    meaning, unit
-        A phrase, and ``-`` for a pure number.
-    low, high, step
-        Of the slider; the field takes any value.
-    default
-        What a reset sets, as text.
-    group
-        The heading it stands under.
-    exact
-        Whether the field takes rationals.
-    """
-
-    name: str
-    label: str
-    meaning: str
-    unit: str
-    low: float
+    name: str  # as in links
+    label: str  # as the paper writes it, HTML
+    meaning: str  # a phrase
+    unit: str  # - for a pure number
+    low: float  # of the slider; the field takes any value
     high: float
     step: float
-    default: str
-    group: str
-    exact: bool = False
+    default: str  # what a reset sets, as text
+    group: str  # the heading it stands under
+    exact: bool = False  # whether the field takes rationals
 
 
 class DrawnFrame:
     """New columns of tables, for one letter: they are drawn by ``sketch.js``, and not by Bokeh.
 
-    Attributes
-    ----------
-    tables
-        Columns by the id of their table: a list, or where its numbers lie among all of them.
+    A table, by its id, has columns that are lists, or say where their numbers lie among all.
     """
 
     def __init__(self) -> None:
@@ -114,27 +87,12 @@ def fill(
 ) -> Callable[[Mapping[str, Any]], None]:  # fmt: skip
     """Fill the document of one tab.
 
-    Parameters
-    ----------
-    document
-        The document.
-    template
-        A page that extends ``shell.html``, in a folder of its own.
-    roots
-        Figures, by their names in the template.
-    verbs
-        What a wish may ask for; each gives what the answer tells. A ``ValueError`` becomes its
-        message.
-    variables
-        For the template; ``controls`` are also told to the script.
-
-    Returns
-    -------
-    callable
-        Sends an answer: values that are told to the script of the page, and the :class:`DrawnFrame`
-        ``frame``, if there is one.
+    The template extends ``shell.html``, in a folder of its own, and names the roots. Each verb
+    gives what the answer tells; a ``ValueError`` becomes its message. Of the variables ``controls``
+    are told to the script, too. What is returned sends an answer: values for the script of the
+    page, and the :class:`DrawnFrame` ``frame``, if there is one.
     """
-    wish, answer = Wish(name="wish"), PageAnswer(name="answer")
+    wish, answer = Letter(name="wish"), Letter(name="answer")
     numbers = ColumnDataSource({"all": np.empty(0)}, name="numbers")  # of a frame
     count = 0
 

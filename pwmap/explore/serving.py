@@ -42,20 +42,13 @@ POLICY = (
 class Site:
     """What is served.
 
-    Parameters
-    ----------
-    page
-        Fills the document of one tab.
-    export
-        Called with the name of a file and the query: a job that yields its type and content, and
-        what that is called with. ValueError if there is no such file or state.
-    compare
-        Title of the page with two states side by side.
+    ``export`` is called with the name of a file and the query, and gives a job that yields its type
+    and content, with what that is called with; ValueError if there is no such file or state.
     """
 
-    page: Callable[[Document], None]
+    page: Callable[[Document], None]  # fills the document of one tab
     export: Callable[[str, str], tuple[Any, ...]]
-    compare: str
+    compare: str  # title of the page with two states side by side
 
 
 def serve(
@@ -63,27 +56,15 @@ def serve(
 ) -> None:
     """Serve a site until it is asked to end.
 
-    Parameters
-    ----------
-    site
-        What is served.
-    port
-        Where; by default the first from 5007 on that is free.
-    stay
-        Whether to go on when the last page was closed.
-    ready
-        Called with the address when pages can be loaded.
-
-    Raises
-    ------
-    OSError
-        If the port is taken.
+    The port is by default the first from 5007 on that is free. With ``stay`` it goes on when the
+    last page was closed; ``ready`` is called with the address when pages can be loaded. OSError if
+    the port is taken.
     """
     server = _started(site, port)
     loop: IOLoop = server.io_loop
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: loop.add_callback_from_signal(loop.stop))
-    watch = PeriodicCallback(_Watch(server, loop), 500.0)
+    watch = PeriodicCallback(_ending(server, loop), 500.0)
     if not stay:
         watch.start()
     loop.add_callback(ready, f"http://{ADDRESS}:{server.port}/")
@@ -119,17 +100,18 @@ def _started(site: Site, port: int | None) -> Any:
     raise AssertionError
 
 
-class _Watch:
-    """Ends the loop some time after the last page was closed."""
+def _ending(server: Any, loop: IOLoop) -> Callable[[], None]:
+    """What ends the loop some time after the last page was closed; it is called periodically."""
+    seen = 0.0
 
-    def __init__(self, server: Any, loop: IOLoop) -> None:
-        self.server, self.loop, self.seen = server, loop, 0.0
+    def look() -> None:
+        nonlocal seen
+        if any(session.connection_count for session in server.get_sessions()):
+            seen = time.monotonic()
+        elif seen and time.monotonic() - seen > LINGER:
+            loop.stop()
 
-    def __call__(self) -> None:
-        if any(session.connection_count for session in self.server.get_sessions()):
-            self.seen = time.monotonic()
-        elif self.seen and time.monotonic() - self.seen > LINGER:
-            self.loop.stop()
+    return look
 
 
 # --- Files and other pages --------------------------------------------------------------------

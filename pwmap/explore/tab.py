@@ -29,27 +29,10 @@ Demand = Callable[[Mapping[str, Any]], None]
 class Tab(ABC, Generic[S]):
     """One tab of a browser. What is shown besides the diagram is up to its subclasses.
 
-    Parameters
-    ----------
-    state
-        What it begins with, frozen; with ``order``, ``steps`` and ``focus``.
-    map_figure
-        The figure of the return map.
-    y_label
-        The coordinate that the diagram shows.
-
-    Attributes
-    ----------
-    message, stage
-        What there is to say about the state, and about the search for the diagram.
-    branch
-        The branch that is selected, empty if there is none.
-    shown
-        The diagram, as far as it was found.
-    jobs
-        What is being done in other processes.
-    say
-        Sends values to the script of the page.
+    Its state is frozen, with ``order``, ``steps`` and ``focus``. ``message`` and ``stage`` are what
+    there is to say about the state, and about the search for the diagram, which is ``shown`` as far
+    as it was found; ``branch`` is the one that is selected, or empty, and ``say`` sends values to
+    the script of the page.
     """
 
     def __init__(self, state: S, map_figure: Any, y_label: str) -> None:

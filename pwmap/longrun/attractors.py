@@ -23,7 +23,7 @@ from pwmap.longrun.fates import AttractingCycle, Fate, Fates, GermOrbit, abs_, u
 from pwmap.longrun.line import AffinePiece, Germ, Interval, MapLine, add, joined, length, outside
 from pwmap.longrun.neutral import NeutralIntervals, is_neutral, neutral_intervals
 from pwmap.longrun.numbers import Element, Exact, enclosed, in_order, work_of
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.budget import Meter
 
 STEPS = 600  # of an orbit, and of what grows from a break
 PARTS = 2000  # of what grows from a break at most, at any time
@@ -85,27 +85,15 @@ class Bands:
 
 @dataclass(frozen=True, eq=False)
 class Attractors:
-    """Everything bounded that orbits settle to.
-
-    Attributes
-    ----------
-    cycles, neutral, bands
-        Attracting cycles, neutral intervals, and chaotic attractors, each from left to right.
-    orbits
-        Of all germs at breaks, with their fates.
-    open
-        Breaks of which it is not known what grows from them.
-    left_out
-        A sentence if a budget or an interrupt is the cause.
-    """
+    """Everything bounded that orbits settle to."""
 
     line: MapLine
-    cycles: tuple[AttractingCycle, ...]
+    cycles: tuple[AttractingCycle, ...]  # these and the next from left to right
     neutral: tuple[NeutralIntervals, ...]
     bands: tuple[Bands, ...]
-    orbits: tuple[GermOrbit, ...]
-    open: tuple[Exact, ...]
-    left_out: str = ""
+    orbits: tuple[GermOrbit, ...]  # of all germs at breaks, with their fates
+    open: tuple[Exact, ...]  # breaks of which it is not known what grows from them
+    left_out: str = ""  # a sentence if a budget or an interrupt is the cause
 
     def __len__(self) -> int:
         """How many."""
@@ -116,17 +104,11 @@ class _Settled(Exception):  # noqa: N818  it is not an error
     """What grows from a break comes elsewhere than to a chaotic attractor."""
 
 
-def attractors_of(line: MapLine, *, budget: Budget | Meter = BUDGET) -> Attractors:
+def attractors_of(line: MapLine, meter: Meter) -> Attractors:
     """The attractors of a map.
 
-    Parameters
-    ----------
-    line
-        The map.
-    budget
-        If it is used up, more breaks are open.
+    If the budget is used up, more breaks are open.
     """
-    meter = metered(budget)
     expands = all(abs_(branch.slope) > 1 for branch in line.branches)
     fates = Fates(line, EXPANDING if expands else STEPS, meter)
     orbits, open_, bands = list[GermOrbit](), set(line.breaks), list[Bands]()

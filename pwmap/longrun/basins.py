@@ -31,7 +31,7 @@ from pwmap.longrun.pointsets import (
     point_set,
     preimage,
 )
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.budget import Meter
 
 ROUNDS = 40  # of extending all intervals on both sides, and of preimages
 PARTS = 64  # of a whole basin at most
@@ -89,22 +89,13 @@ class WholeBasin:
 
 
 def whole_basin(
-    line: MapLine, core: PointSet, immediate: Sequence[Interval], budget: Budget | Meter = BUDGET
+    line: MapLine, core: PointSet, immediate: Sequence[Interval], meter: Meter
 ) -> WholeBasin:
     """All that comes to an attractor.
 
-    Parameters
-    ----------
-    line
-        The map.
-    core
-        Points that stay at the attractor, or are known to be drawn in.
-    immediate
-        Its immediate basin: open intervals.
-    budget
-        If it is used up what was collected is not complete.
+    The core are points that stay at the attractor, or are known to be drawn in; the immediate basin
+    is given as open intervals. If the budget is used up what was collected is not complete.
     """
-    meter = metered(budget)
     found = [core | open_intervals(immediate)]
     complete = False
     with meter.keeping(found):
@@ -170,25 +161,17 @@ def _comes(line: MapLine, core: PointSet, x: Exact, meter: Meter) -> bool | None
     return None
 
 
-def basin_of(
-    line: MapLine, start: Sequence[Interval], budget: Budget | Meter = BUDGET
-) -> tuple[Interval, ...]:
+def basin_of(line: MapLine, start: Sequence[Interval], meter: Meter) -> tuple[Interval, ...]:
     """The immediate basin of an attractor: open intervals, from left to right.
 
     Iterates are looked at until all ends may have come back, twice: what is mapped to the other
     side of a repelling point comes back the second time.
 
-    Parameters
-    ----------
-    line
-        The map.
-    start
-        Intervals from left to right that hold the attractor, and that are mapped into themselves:
-        its bands, its neutral intervals, or what its points are known to draw in.
-    budget
-        If it is used up, or that takes many rounds, intervals may be too short.
+    They start as intervals from left to right that hold the attractor, and that are mapped into
+    themselves: its bands, its neutral intervals, or what its points are known to draw in. If the
+    budget is used up, or that takes many rounds, intervals may be too short.
     """
-    known, meter = list(start), metered(budget)
+    known = list(start)
     with meter.keeping(known):
         for _ in meter.each(range(ROUNDS), "rounds"):
             before = list(known)

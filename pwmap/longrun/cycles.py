@@ -18,10 +18,10 @@ from typing import Any, NamedTuple
 import sympy
 from sympy import QQ
 
-from pwmap.algebra.exact import HIGHEST, LOWEST, sign
+from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, sign
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.fates import abs_
-from pwmap.longrun.line import AffinePiece, Germ, Interval, MapLine, Owner, line_of
+from pwmap.longrun.line import IDENTITY, AffinePiece, Germ, Interval, MapLine, Owner, line_of
 from pwmap.longrun.numbers import Exact, exact_to_sympy, key, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, Progress, Report, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
@@ -35,8 +35,6 @@ class FoundCycle:
 
     Attributes
     ----------
-    line
-        The map there.
     word
         The pieces that it visits, from its leftmost point on.
     start
@@ -153,8 +151,7 @@ class _StartSet(NamedTuple):
     """The points, between two ends, that follow a word and lie left of all of their images."""
 
     word: tuple[int, ...]
-    slope: Exact
-    intercept: Exact
+    whole: Affine  # of the word
     low: Exact
     high: Exact
 
@@ -214,7 +211,7 @@ def cycles(
         for level in meter.each(islice(_levels(line, meter), order), "periods"):
             searched += len(level)
             cycles_ = [
-                FoundCycle(line, _spelled(line, start.word), x, start.slope)
+                FoundCycle(line, _spelled(line, start.word), x, start.whole.slope)
                 for start in level
                 if (x := _closed(start)) is not None
             ]
@@ -238,47 +235,45 @@ def cycles(
 
 
 def closed_words(
-    line: MapLine, order: int, budget: Budget | Meter = BUDGET
+    line: MapLine, order: int, meter: Meter
 ) -> Iterator[tuple[tuple[int, ...], Exact]]:
     """Words of cycles that lie on no break, as numbers of branches, with their multipliers.
 
     Each once, from the leftmost point on; by period.
     """
-    for level in islice(_levels(line, metered(budget)), order):
+    for level in islice(_levels(line, meter), order):
         for start in level:
             if _closed(start) is not None:
-                yield start.word, start.slope
+                yield start.word, start.whole.slope
 
 
 def _levels(line: MapLine, meter: Meter) -> Iterator[list[_StartSet]]:
     """All words of one letter, of two, and so on, until there are none."""
-    level = [_StartSet((), QQ.one, QQ.zero, LOWEST, HIGHEST)]
+    level = [_StartSet((), IDENTITY, LOWEST, HIGHEST)]
     while level := [longer for start in level for longer in _longer(line, start, meter)]:
         yield level
 
 
 def _longer(line: MapLine, start: _StartSet, meter: Meter) -> Iterator[_StartSet]:
     """The words of one letter more that points follow, each with these points."""
-    meter.spend(STEP * len(line.branches) * work_of(start.intercept))
+    meter.spend(STEP * len(line.branches) * work_of(start.whole.intercept))
     for k, branch in enumerate(line.branches):
         cut = _mapped_into(start, branch)
         if cut is None:
             continue
-        slope = branch.slope * start.slope
-        intercept = branch.slope * start.intercept + branch.intercept
-        yield _StartSet((*start.word, k), slope, intercept, *cut)
+        yield _StartSet((*start.word, k), branch.after(start.whole), *cut)
 
 
 def _mapped_into(start: _StartSet, branch: AffinePiece) -> Interval | None:
     """The points of a start whose last image lies in a branch, and not left of themselves."""
-    low, high = start.low, start.high
+    low, high, (slope, intercept) = start.low, start.high, start.whole
     for end, side in ((branch.lower, 1), (branch.upper, -1)):
-        cut = _cut(side * start.slope, side * (start.intercept - end), low, high)
+        cut = _cut(side * slope, side * (intercept - end), low, high)
         if cut is None:
             return None
         low, high = cut
     if start.word:
-        return _cut(start.slope - 1, start.intercept, low, high)
+        return _cut(slope - 1, intercept, low, high)
     return low, high
 
 
@@ -293,9 +288,9 @@ def _cut(slope: Exact, intercept: Exact, low: Exact, high: Exact) -> Interval | 
 
 def _closed(start: _StartSet) -> Exact | None:
     """The fixed point of a word, if it is among the points that follow it."""
-    if start.slope == 1:
+    if start.whole.slope == 1:
         return None
-    x = start.intercept / (1 - start.slope)
+    x = start.whole.fixed_point
     return x if start.low < x < start.high else None
 
 

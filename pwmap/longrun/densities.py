@@ -33,7 +33,7 @@ from pwmap.longrun.numbers import (
     quotient_enclosure,
     work_of,
 )
-from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
+from pwmap.maps.budget import BudgetError, Meter
 
 LEAST = QQ(1, 2**60)  # of a weight: what follows along an orbit is bounded, not summed
 LONGEST = 600  # orbits that are summed
@@ -70,21 +70,11 @@ class Enclosure(mpmath.ctx_iv.ivmpf):  # type: ignore[misc]
 
 @dataclass(frozen=True, slots=True)
 class _BreakSide:
-    """One side of a break inside a band, with the jumps that leave it.
+    """One side of a break inside a band, with the jumps that leave it."""
 
-    Attributes
-    ----------
-    germ
-        The end, with the side on which the piece lies.
-    jumps
-        Where jumps are, and how high if the density beside the end is one.
-    rest
-        A bound of the heights of all further ones.
-    """
-
-    germ: Germ
-    jumps: tuple[tuple[Exact, Exact], ...]
-    rest: float
+    germ: Germ  # with the side on which the piece lies
+    jumps: tuple[tuple[Exact, Exact], ...]  # where, and how high if the density there is one
+    rest: float  # a bound of the heights of all further ones
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,26 +171,14 @@ class Density:
         return math.nextafter(float(total.a), -math.inf), math.nextafter(float(total.b), math.inf)
 
 
-def density_of(line: MapLine, bands: Bands, budget: Budget | Meter = BUDGET) -> Density | None:
+def density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
     """The invariant density of a chaotic attractor.
 
-    Parameters
-    ----------
-    line
-        The map.
-    bands
-        An attractor of it.
-    budget
-        What that may take.
-
-    Returns
-    -------
-    Density or None
-        None if no iterate is found that expands everywhere, or rounding leaves open which it is,
-        or the budget does not suffice.
+    None if no iterate is found that expands everywhere, or rounding leaves open which it is, or the
+    budget does not suffice.
     """
     try:
-        return _density_of(line, bands, metered(budget))
+        return _density_of(line, bands, meter)
     except BudgetError:
         return None
 

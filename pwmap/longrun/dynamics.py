@@ -26,13 +26,13 @@ from pwmap.longrun.attractors import (
 from pwmap.longrun.basins import WholeBasin, basin_of, staying, whole_basin
 from pwmap.longrun.densities import Density, density_of
 from pwmap.longrun.entropy.entropies import ORDERS, Entropy, entropy_of, lap_numbers
-from pwmap.longrun.entropy.itineraries import STEPS, Ending, itinerary_of
+from pwmap.longrun.entropy.itineraries import STEPS, itinerary_of
 from pwmap.longrun.fates import AttractingCycle, Fate, GermOrbit
 from pwmap.longrun.line import Germ, Interval, MapLine, line_of
 from pwmap.longrun.neutral import NeutralIntervals
 from pwmap.longrun.numbers import exact_to_sympy
 from pwmap.longrun.pointsets import PointSet, open_intervals, part_to_sympy
-from pwmap.maps.budget import BUDGET, Budget, Meter
+from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 
 
@@ -138,12 +138,8 @@ class Attractor:
 
     Attributes
     ----------
-    line
-        The map.
     core
         The cycle, the intervals or the bands, in exact numbers.
-    budget
-        What each question about it may take.
 
     Examples
     --------
@@ -232,7 +228,9 @@ class Attractor:
     def density(self) -> Density | None:
         """The invariant density of bands; None for cycles, or if it is not known to exist."""
         return (
-            density_of(self.line, self.core, self.budget) if isinstance(self.core, Bands) else None
+            density_of(self.line, self.core, metered(self.budget))
+            if isinstance(self.core, Bands)
+            else None
         )
 
     @cached_property
@@ -258,7 +256,7 @@ class Attractor:
 
     @cached_property
     def _basin(self) -> tuple[Interval, ...]:
-        return basin_of(self.line, self._core.interior, self.budget)
+        return basin_of(self.line, self._core.interior, metered(self.budget))
 
     @property
     def basin(self) -> tuple[sympy.Interval, ...]:
@@ -274,7 +272,7 @@ class Attractor:
     @cached_property
     def whole_basin(self) -> WholeBasin:
         """All that is known to come here: the immediate basin and its preimages, wherever."""
-        return whole_basin(self.line, self._core, self._basin, self.budget)
+        return whole_basin(self.line, self._core, self._basin, metered(self.budget))
 
     def share(self, window: tuple[object, object]) -> sympy.Expr:
         """The part of a window that the immediate basin covers.
@@ -375,12 +373,8 @@ class Dynamics:
 
     Attributes
     ----------
-    line
-        The map there, in exact numbers.
     orders
         Up to which the graph of laps is made for bounds of the entropy, one after the other.
-    budget
-        What each question may take.
 
     Examples
     --------
@@ -404,7 +398,7 @@ class Dynamics:
 
     @cached_property
     def _found(self) -> Attractors:
-        return attractors_of(self.line, budget=self.budget)
+        return attractors_of(self.line, metered(self.budget))
 
     @cached_property
     def attractors(self) -> FoundAttractors:
@@ -437,7 +431,7 @@ class Dynamics:
     @cached_property
     def entropy(self) -> Entropy:
         """The topological entropy, exact or between bounds."""
-        return entropy_of(self.line, self._found, self.orders, self.budget)
+        return entropy_of(self.line, self._found, self.orders, metered(self.budget))
 
     @cached_property
     def kneading(self) -> tuple[Kneading, ...]:
@@ -475,7 +469,7 @@ class Dynamics:
         list of int
             One number for each order from 1 to ``order``.
         """
-        return lap_numbers(self.line, checked_order(order), self.budget)
+        return lap_numbers(self.line, checked_order(order), metered(self.budget))
 
 
 def dynamics(
@@ -531,8 +525,8 @@ EXTREMA = {-1: Extremum.MAXIMUM, 1: Extremum.MINIMUM, 0: Extremum.CONSTANT}  # b
 
 def _minmax(line: MapLine, start: Germ, orbit: GermOrbit) -> MinMax:
     """The min-max sequence of an orbit: it starts at the first image."""
-    found = itinerary_of(line, start, STEPS)
-    if found.ending in (Ending.FLAT, Ending.OPEN):
+    found = itinerary_of(line, start, STEPS, Meter(BUDGET))
+    if found.ending in (Fate.FLAT, Fate.OPEN):
         germs, again = _until_back(line, start, orbit)
         letters = [line.letter(germ) for germ in germs]
         return _from_first_image([germ.side for germ in germs], letters, again)

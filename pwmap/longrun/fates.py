@@ -11,10 +11,10 @@ from functools import cached_property
 from sympy import QQ
 
 from pwmap.algebra.exact import HIGHEST, sign
-from pwmap.longrun.line import AffinePiece, Germ, Interval, MapLine
+from pwmap.longrun.line import IDENTITY, AffinePiece, Germ, Interval, MapLine
 from pwmap.longrun.numbers import Exact, key, work_of
 from pwmap.longrun.pointsets import PointSet, open_intervals
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.budget import Meter
 
 REPEATS = 3  # of a word, before its cycle is asked whether it draws the orbit in
 STEP = 8  # operations of one step
@@ -28,6 +28,7 @@ class Fate(Enum):
     FINITE = "periodic after a while"
     DRAWN = "drawn into a cycle"
     LOST = "lost to infinity"
+    FLAT = "one with all points beside it, after a flat piece"
     OPEN = "not known"
 
 
@@ -95,27 +96,13 @@ class AttractingCycle:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GermOrbit:
-    """A germ's orbit, as far as it was followed.
+    """A germ's orbit, as far as it was followed."""
 
-    Attributes
-    ----------
-    germs
-        The germ itself and its images, each once.
-    letters
-        Of the pieces by which they are mapped.
-    fate
-        What becomes of it.
-    start
-        If it is finite, the number of the first germ that comes again.
-    cycle
-        What draws it in.
-    """
-
-    germs: tuple[Germ, ...]
-    letters: tuple[str, ...]
+    germs: tuple[Germ, ...]  # itself and its images, each once
+    letters: tuple[str, ...]  # of the pieces by which they are mapped
     fate: Fate
-    start: int = -1
-    cycle: AttractingCycle | None = None
+    start: int = -1  # if it is finite, the number of the first germ that comes again
+    cycle: AttractingCycle | None = None  # what draws it in
 
     @property
     def period(self) -> int:
@@ -136,20 +123,10 @@ def unfollowed(line: MapLine, germ: Germ) -> GermOrbit:
 
 
 class Fates:
-    """Follows orbits, and keeps the attracting cycles that it meets.
+    """Follows orbits, and keeps the attracting cycles that it meets."""
 
-    Parameters
-    ----------
-    line
-        The map.
-    steps
-        How far an orbit is followed at most.
-    budget
-        What it may take.
-    """
-
-    def __init__(self, line: MapLine, steps: int, budget: Budget | Meter = BUDGET) -> None:
-        self.line, self.steps, self.meter = line, steps, metered(budget)
+    def __init__(self, line: MapLine, steps: int, meter: Meter) -> None:
+        self.line, self.steps, self.meter = line, steps, meter
         self.lost_below, self.lost_above = escapes(line)
         self.cycles = list[AttractingCycle]()
 
@@ -200,16 +177,16 @@ class Fates:
 
     def _cycle_at(self, germ: Germ, period: int) -> AttractingCycle | None:
         """The attracting cycle whose pieces a germ visits."""
-        slope, intercept, here = QQ.one, QQ.zero, germ
+        whole, here = IDENTITY, germ
         for _ in range(period):
             if not here.side and here.x in self.line.breaks:
                 return None
             branch = self.line.beside(here)
-            slope, intercept = branch.slope * slope, branch.slope * intercept + branch.intercept
+            whole = branch.after(whole)
             here = self.line.image(here)
-        if not abs_(slope) < 1:
+        if not abs_(whole.slope) < 1:
             return None
-        return self.attracting(intercept / (1 - slope), period)
+        return self.attracting(whole.fixed_point, period)
 
     def attracting(self, x: Exact, period: int) -> AttractingCycle | None:
         """The attracting cycle of a point; None if it has none, or a jump of it is in the way.

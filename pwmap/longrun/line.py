@@ -17,13 +17,13 @@ from typing import Any, NamedTuple
 import sympy
 from sympy import QQ
 
-from pwmap.algebra.exact import HIGHEST, LOWEST, dense, sign
-from pwmap.algebra.roots import Real, RealRoot, real_to_sympy, value_at
+from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, dense, sign
+from pwmap.algebra.roots import Real, RealRoot, algebraic, real_to_sympy, value_at
 from pwmap.algebra.terms import own_name
-from pwmap.longrun.numbers import Element, Exact, algebraic
-from pwmap.maps.kinds import check_map
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.longrun.numbers import Element, Exact
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 
+IDENTITY = Affine(QQ.one, QQ.zero)
 Interval = tuple[Exact, Exact]  # closed; both ends may be the same
 
 
@@ -47,6 +47,10 @@ class AffinePiece(NamedTuple):
         """The value of its formula at a point."""
         return self.slope * x + self.intercept
 
+    def after(self, first: Affine) -> Affine:
+        """Its formula after another map."""
+        return Affine(*self[:2]).after(first)
+
     def over(self, interval: Interval) -> Interval:
         """The image of an interval within its ends."""
         first, last = self(interval[0]), self(interval[1])
@@ -62,21 +66,11 @@ class Owner(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MapLine:
-    """A map at one place of its parameters.
+    """A map at one place of its parameters."""
 
-    Attributes
-    ----------
-    branches
-        The pieces on open intervals, from left to right.
-    values
-        The value at each break between two of them.
-    owners
-        The piece that each break belongs to.
-    """
-
-    branches: tuple[AffinePiece, ...]
-    values: tuple[Exact, ...]
-    owners: tuple[Owner, ...]
+    branches: tuple[AffinePiece, ...]  # on open intervals, from left to right
+    values: tuple[Exact, ...]  # at each break between two of them
+    owners: tuple[Owner, ...]  # of each break
 
     @cached_property
     def breaks(self) -> tuple[Exact, ...]:
@@ -196,20 +190,9 @@ def length(intervals: Iterable[Interval]) -> Exact:
 def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None) -> MapLine:
     """A map at one place of its parameters.
 
-    Parameters
-    ----------
-    map_
-        The map, or an iterate of it.
-    values
-        Of its parameters by symbol or name: rationals, and one may be a real algebraic number given
-        as an expression, such as ``(1 + sqrt(5))/2``.
-
-    Raises
-    ------
-    ValueError
-        If a parameter has no value, or several have algebraic values, or of an iterate.
-    TypeError
-        If it is no map, or a value is a float.
+    Values are rationals by symbol or name, and one may be a real algebraic number given as an
+    expression, such as ``(1 + sqrt(5))/2``. ValueError if a parameter has no value, or several have
+    algebraic values, or of an iterate; TypeError if it is no map, or a value is a float.
     """
     check_map(map_)
     rationals, roots = dict[str, object](), dict[str, RealRoot]()
@@ -272,10 +255,7 @@ def line_at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
 
     Its branches are those of the map's layout, one by one.
 
-    Raises
-    ------
-    ValueError
-        If that contradicts what is assumed of it.
+    ValueError if that contradicts what is assumed of it.
     """
     table, ring = map_.definition.table, map_.definition.ring
 
@@ -285,11 +265,10 @@ def line_at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
             return Element(place, place.reduced(coefficients))
         return value_at(coefficients, place)
 
-    for constraint in map_.definition.region.constraints:
-        found = sign(element(constraint.polynomial))
-        if found < 0 or (constraint.strict and not found):
-            value = f"{ring.symbols[0]} = {real_to_sympy(place)}"
-            raise ValueError(f"{value} contradicts the assumption {constraint}")
+    broken = map_.definition.region.broken(lambda polynomial: sign(element(polynomial)))
+    if broken is not None:
+        value = f"{ring.symbols[0]} = {real_to_sympy(place)}"
+        raise ValueError(f"{value} contradicts the assumption {broken}")
     bottom = element(table.denominator)
     slopes, intercepts, breaks = (
         [element(each) / bottom for each in group]

@@ -70,13 +70,7 @@ class NeutralIntervals:
 
 
 def neutral_intervals(line: MapLine, orbits: Iterable[GermOrbit]) -> tuple[NeutralIntervals, ...]:
-    """All neutral intervals at which orbits of germs end, from left to right.
-
-    Parameters
-    ----------
-    line, orbits
-        A map, and the orbits of all germs at its breaks.
-    """
+    """All neutral intervals at which orbits of germs end, from left to right."""
     if not line.breaks:
         return _of_one_piece(line)
     found = dict[Interval, NeutralIntervals]()

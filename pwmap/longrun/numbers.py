@@ -19,7 +19,7 @@ from sympy import QQ
 from sympy.polys.densearith import dup_add, dup_mul, dup_neg, dup_sub
 
 from pwmap.algebra.exact import Infinite, Number, bits, pair, to_float
-from pwmap.algebra.roots import Dense, Real, RealRoot, bounds, integers, real_roots
+from pwmap.algebra.roots import Dense, RealRoot, bounds, integers
 from pwmap.maps.budget import cost
 
 Exact = Any  # an element of QQ, or an Element; an end of an interval may be Infinite
@@ -29,12 +29,7 @@ Exact = Any  # an element of QQ, or an Element; an end of an interval may be Inf
 class Element:
     """A number of the field of one real root: a polynomial in it, of a lower degree than its own.
 
-    Parameters
-    ----------
-    root
-        The algebraic number that generates the field.
-    value
-        Coefficients, highest power first, reduced.
+    Its value has coefficients, highest power first, reduced.
     """
 
     __slots__ = ("root", "value")
@@ -165,35 +160,6 @@ def enclosed(x: Exact, bits: int = 64) -> tuple[Fraction, Fraction]:
         if found[-1] - found[0] <= max(Fraction(1), abs(found[0])) / (1 << bits):
             return found[0], found[-1]
         x.root.refine()
-
-
-def algebraic(expression: sympy.Expr) -> Real:
-    """A real algebraic number given as an expression without symbols, such as ``(1 + sqrt(5))/2``.
-
-    Raises
-    ------
-    ValueError
-        If it is not real, or not algebraic.
-    """
-    expression = sympy.sympify(expression)
-    if expression.is_Rational:
-        return QQ.from_sympy(expression)
-    t = sympy.Symbol("t")
-    try:
-        polynomial = sympy.minimal_polynomial(expression, t, polys=True)
-    except (NotImplementedError, sympy.polys.polyerrors.BasePolynomialError):
-        raise ValueError(f"expected a real algebraic number, got {expression}") from None
-    if not expression.is_real:
-        raise ValueError(f"expected a real algebraic number, got {expression}")
-    roots = real_roots(QQ.from_sympy(c) for c in polynomial.all_coeffs())
-    digits = 20
-    while True:  # the roots are apart: with more digits one alone is near
-        value = QQ.from_sympy(sympy.Rational(str(sympy.N(expression, digits))))
-        off = QQ(1, 10 ** (digits - 4)) * (1 + abs(value))
-        near = [root for root in roots if value - off < root < value + off]
-        if len(near) == 1:
-            return near[0]
-        digits *= 2
 
 
 def quotient_enclosure(x: Fraction) -> Any:

@@ -23,15 +23,9 @@ Part = tuple[Cut, Cut]  # from a cut to a higher one
 
 @dataclass(frozen=True, eq=False)
 class PointSet:
-    """A set of numbers.
+    """A set of numbers."""
 
-    Attributes
-    ----------
-    parts
-        Apart, from left to right; two parts never have a cut in common.
-    """
-
-    parts: tuple[Part, ...] = ()
+    parts: tuple[Part, ...] = ()  # apart, from left to right; two never have a cut in common
 
     def __bool__(self) -> bool:
         return bool(self.parts)

@@ -344,10 +344,7 @@ Report = Callable[[Progress], None]
 def checked_size(order: int, maps: int, budget: Budget = BUDGET) -> None:
     """Refuse an iterate of a composition of some maps whose words would be too long.
 
-    Raises
-    ------
-    BudgetError
-        With the length they would have.
+    BudgetError with the length they would have.
     """
     letters = order * maps
     if letters > budget.letters:

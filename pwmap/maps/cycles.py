@@ -21,8 +21,6 @@ class Cycle:
 
     Attributes
     ----------
-    word
-        The pieces visited.
     points
         The points, in the order of the word.
     multiplier

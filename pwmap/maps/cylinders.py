@@ -15,7 +15,7 @@ from functools import lru_cache, partial
 from itertools import pairwise
 from typing import Any, NamedTuple
 
-from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
+from pwmap.maps.budget import BudgetError, Meter
 from pwmap.maps.words import CriticalOrbit, Offset, SignOracle, Word
 
 
@@ -50,20 +50,16 @@ def refined(
     cylinders: Sequence[Cylinder],
     layout: int,
     oracle: SignOracle,
-    budget: Budget | Meter = BUDGET,
+    meter: Meter,
     ask: Ask | None = None,
 ) -> tuple[Cylinder, ...]:
     """Cylinders one letter longer: the pieces of P o Q from those of Q, where P is ``layout``.
 
     Who is asked may know answers from elsewhere; by default it is the oracle.
 
-    Raises
-    ------
-    BudgetError
-        If there are too many.
+    BudgetError if there are too many.
     """
-    pieces, meter = list[Cylinder](), metered(budget)
-    ask = ask or oracle.ask
+    pieces, ask = list[Cylinder](), ask or oracle.ask
     for cylinder in cylinders:
         meter.spend(PIECE + oracle.orbits.work(len(cylinder.word)))
         pieces += ask(split, cylinder, layout)

@@ -36,27 +36,15 @@ Chain = tuple[int, ...]  # the maps (layouts) that are applied one after the oth
 
 @dataclass(frozen=True, eq=False)
 class Decided:
-    """A map whose signs are decided.
+    """A map whose signs are decided."""
 
-    Attributes
-    ----------
-    definition, chain
-        Coefficients and assumptions, and which maps are applied one after the other.
-    scope, orbits, oracle
-        Where decisions hold, affine forms in the ring of the parameters, and their signs there.
-    iterates
-        Those that the cell of the map was cut for.
-    known
-        The pieces of chains that were asked for, the same mapping for all iterates of a map.
-    """
-
-    definition: Definition
-    chain: Chain
-    scope: Scope
-    orbits: Orbits
-    oracle: SignOracle
-    iterates: Mapping[Chain, StudiedIterate]
-    known: dict[Chain, tuple[Cylinder, ...]]
+    definition: Definition  # coefficients and assumptions
+    chain: Chain  # which maps are applied one after the other
+    scope: Scope  # where decisions hold
+    orbits: Orbits  # affine forms in the ring of the parameters
+    oracle: SignOracle  # and their signs there
+    iterates: Mapping[Chain, StudiedIterate]  # those that the cell of the map was cut for
+    known: dict[Chain, tuple[Cylinder, ...]]  # pieces that were asked for, for all iterates
 
     def __reduce__(self) -> tuple[Callable[..., Decided], tuple[object, ...]]:
         kept = self.definition, self.chain, self.scope, self.orbits, self.oracle, self.iterates

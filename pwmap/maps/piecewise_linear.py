@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import operator
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import cached_property
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 import sympy
 
 from pwmap.algebra.exact import fraction_to_sympy
+from pwmap.algebra.terms import positive_integer, shortened
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.maps import diagonal
 from pwmap.maps.budget import checked_size
@@ -465,10 +465,21 @@ class PiecewiseLinearMap:
 
 def checked_order(j: object) -> int:
     """The order of an iterate; ValueError unless it is an integer of at least 1."""
-    try:
-        order = operator.index(j)  # type: ignore[arg-type]
-    except TypeError:
-        order = 0
-    if order < 1 or isinstance(j, bool):
+    order = positive_integer(j)
+    if not order:
         raise ValueError(f"the order of an iterate must be an integer j >= 1, got {j}")
     return order
+
+
+def check_map(map_: object) -> None:
+    """TypeError unless it is a map."""
+    if not isinstance(map_, PiecewiseLinearMap):
+        raise TypeError(
+            f"expected a PiecewiseLinearMap (see its from_sympy), got {shortened(repr(map_), 100)}"
+        )
+
+
+def check_kind(name: str, value: object, kind: type, room: str = "pwmap") -> None:
+    """TypeError unless a value is of a kind that has a public name."""
+    if not isinstance(value, kind):
+        raise TypeError(f"{name} must be {room}.{kind.__name__}, got {shortened(repr(value), 100)}")

@@ -51,17 +51,7 @@ _HOLDS: dict[Operation, Callable[[int], bool]] = {
 
 
 class ProfileLine:
-    """The line of a variable, on which trees become profiles.
-
-    Parameters
-    ----------
-    x
-        The variable.
-    region
-        What is assumed of the parameters.
-    arithmetic
-        Over the ring of the parameters.
-    """
+    """The line of a variable, on which trees become profiles."""
 
     def __init__(self, x: sympy.Symbol, region: AssumedRegion, arithmetic: Arithmetic) -> None:
         self.x = x
@@ -76,12 +66,8 @@ class ProfileLine:
     def formula(self, term: Term) -> Profile:
         """A formula as a profile of quotients.
 
-        Raises
-        ------
-        UndecidedError
-            If the assumptions leave open how its breaks lie.
-        ValueError
-            If it is no formula, too large, or no polynomial on a slot.
+        UndecidedError if the assumptions leave open how its breaks lie; ValueError if it is no
+        formula, too large, or no polynomial on a slot.
         """
         if term.operation in CONDITIONS:
             raise ValueError(f"expected a formula such as 2*{self.x}, got the condition {term}")
@@ -185,12 +171,8 @@ class ProfileLine:
     def union(self, profiles: Iterable[Profile]) -> tuple[Fraction_, ...]:
         """The breaks of all profiles, sorted.
 
-        Raises
-        ------
-        UndecidedError
-            If their order does not follow from the assumptions.
-        ValueError
-            If two of them coincide there, or there are too many.
+        UndecidedError if their order does not follow from the assumptions; ValueError if two of
+        them coincide there, or there are too many.
         """
         several = {profile.breaks for profile in profiles if profile.breaks}
         if len(several) <= 1:
@@ -198,7 +180,7 @@ class ProfileLine:
         found = dict.fromkeys(b for breaks in several for b in breaks)
         if len(found) > MAX_BREAKS:
             raise ValueError(f"a map may have {MAX_BREAKS} breaks, this one has more")
-        self._arithmetic.limit.spend(4 * len(found))
+        self._arithmetic.spend(4 * len(found))
         ordered = sorted(sorted(found, key=str), key=cmp_to_key(self._order))
         for left, right in pairwise(ordered):
             if self._order(left, right) == 0:
@@ -210,7 +192,7 @@ class ProfileLine:
         """The values of a profile on the slots of more breaks."""
         if not profile.breaks:
             return [profile.slots[0]] * (2 * len(breaks) + 1)
-        self._arithmetic.limit.spend(1 + len(breaks) // 50)
+        self._arithmetic.spend(1 + len(breaks) // 50)
         values, own = [profile.slots[0]], 0
         for b in breaks:  # both are sorted
             if own < len(profile.breaks) and profile.breaks[own] == b:

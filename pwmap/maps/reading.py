@@ -11,13 +11,7 @@ from string import ascii_uppercase
 import sympy
 from sympy import QQ
 
-from pwmap.algebra.arithmetic import (
-    MAX_PARAMETERS,
-    Arithmetic,
-    NotPolynomialError,
-    Quotient,
-    WorkLimit,
-)
+from pwmap.algebra.arithmetic import MAX_PARAMETERS, Arithmetic, NotPolynomialError, Quotient
 from pwmap.algebra.assumptions import AssumedRegion, UndecidedError, read_constraints
 from pwmap.algebra.exact import (
     Fraction_,
@@ -66,10 +60,7 @@ def read(
 
     With ``first_wins`` the first condition that holds counts, otherwise exactly one must hold.
 
-    Raises
-    ------
-    ValueError, TypeError
-        One sentence that names the piece and what is wrong with it.
+    ValueError, TypeError: one sentence that names the piece and what is wrong with it.
     """
     variable = _symbol(x)
     for piece in pieces:
@@ -104,7 +95,7 @@ def _read(
     given = [given] if isinstance(given, str | sympy.Basic) else list(given)
     assumed = [term_of(condition, [x]) for condition in given]
     region = _region([term for pair in pairs for term in pair], assumed, x)
-    line = ProfileLine(x, region, Arithmetic(region.ring, WorkLimit()))
+    line = ProfileLine(x, region, Arithmetic(region.ring))
     conditions = [line.condition(condition) for _, condition in pairs]
     formulas = [_formula(formula, line) for formula, _ in pairs]
     breaks = line.union([*conditions, *formulas])
@@ -245,10 +236,7 @@ def _value(affine: Affine, x: Fraction_) -> Fraction_:
 def _denominator(fractions: Iterable[Fraction_], region: AssumedRegion, one: Number) -> Number:
     """A positive common multiple of denominators.
 
-    Raises
-    ------
-    UndecidedError
-        If the sign of one does not follow from the assumptions.
+    UndecidedError if the sign of one does not follow from the assumptions.
     """
     common = one
     for _, bottom in fractions:

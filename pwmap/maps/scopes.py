@@ -10,14 +10,21 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Protocol
 
 import sympy
+from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.assumptions import AssumedRegion, UndecidedError
-from pwmap.algebra.bivariate import at_root_of
+from pwmap.algebra.bivariate import (
+    at_root_of,
+    discriminant,
+    divides,
+    irreducible_factors,
+    leading_in,
+)
 from pwmap.algebra.exact import (
     Fraction_,
+    Infinite,
     Number,
     Portable,
     constant,
@@ -30,36 +37,17 @@ from pwmap.algebra.exact import (
     to_sympy,
 )
 from pwmap.algebra.inequalities import Constraint
+from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, real_roots, real_to_sympy, sign_at, simplest_between
 
 Orders = tuple[int, ...]
 
 
-class Scope(Protocol):
-    """Values of the parameters; a :class:`AssumedRegion`, or a cell."""
-
-    @property
-    def constraints(self) -> tuple[Constraint, ...]:
-        """Inequalities that hold for all these values."""
-
-    def sign(self, polynomial: Number) -> int:
-        """The one sign of a polynomial; UndecidedError if it has several, or may have."""
-
-    def contains(self, values: Mapping[str, Number]) -> object | None:
-        """What some values break, as far as they are given, or None."""
-
-
 class CellScope(Portable, ABC):
-    """A cell, or an edge of cells: a sign is known at one place of it, maybe everywhere.
-
-    Attributes
-    ----------
-    symbol
-        The parameter of the axis.
-    """
+    """A cell, or an edge of cells: a sign is known at one place of it, maybe everywhere."""
 
     __slots__ = ()
-    symbol: sympy.Symbol
+    symbol: sympy.Symbol  # the parameter of the axis
     orders: Orders
 
     @property
@@ -92,6 +80,9 @@ class CellScope(Portable, ABC):
     @abstractmethod
     def _holds(self, values: Mapping[str, Number]) -> bool:
         """Whether values lie inside."""
+
+
+Scope = AssumedRegion | CellScope  # values of the parameters
 
 
 @dataclass(frozen=True, slots=True)
@@ -132,25 +123,14 @@ class NumberCell(CellScope):
 
 @dataclass(frozen=True, slots=True)
 class SymbolicCell(CellScope):
-    """An open cell of one parameter where others stay symbolic, or one value of it.
-
-    Attributes
-    ----------
-    region
-        What is assumed of the others and, of an open cell, its bounds, as inequalities.
-    low, high
-        Its ends; of one value both are that.
-    value
-        Numerator and denominator of the one value; the denominator has one sign. None if it is
-        open.
-    """
+    """An open cell of one parameter where others stay symbolic, or one value of it."""
 
     symbol: sympy.Symbol
-    region: AssumedRegion
-    low: sympy.Expr
+    region: AssumedRegion  # what is assumed of the others and, of an open cell, its bounds
+    low: sympy.Expr  # its ends; of one value both are that
     high: sympy.Expr
     orders: Orders = field(compare=False)
-    value: Fraction_ | None = None
+    value: Fraction_ | None = None  # the one value, with a denominator of one sign
 
     @property
     def is_edge(self) -> bool:
@@ -192,6 +172,71 @@ class SymbolicCell(CellScope):
         if self.value is not None:
             return f"{self.symbol} = {fraction_to_sympy(self.value)}"
         return between(self.low, self.symbol, self.high)
+
+
+@dataclass(frozen=True, slots=True)
+class ColumnCell(CellScope):
+    """The part of a column between two roots, or the ends of the line; or one root.
+
+    Over an open interval of one parameter real roots in the other one, of polynomials of any
+    degree, are functions that do not meet. A cell lies between two of them, an edge is one of them.
+    """
+
+    column: Column
+    low: Root | Infinite
+    high: Root | Infinite
+    orders: Orders = field(compare=False)
+
+    @property
+    def symbol(self) -> sympy.Symbol:
+        """The parameter of roots."""
+        return self.column.symbols[self.column.along]
+
+    @property
+    def _root(self) -> Root | None:
+        """That over which it lies, if it is an edge."""
+        return self.low if isinstance(self.low, Root) and self.low == self.high else None
+
+    def _sign(self, polynomial: Number) -> int | None:
+        root, column = self._root, self.column
+        if root is not None:
+            if divides(root.factor, polynomial):
+                return 0
+            value = root.value if column.is_apart(root, polynomial) else None
+        else:
+            clear = all(map(self._is_clear, irreducible_factors(polynomial)))
+            value = simplest_between(self.low.value, self.high.value) if clear else None
+        return None if value is None else sign_at(column.at_sample(polynomial), value)
+
+    def _is_clear(self, factor: PolyElement) -> bool:
+        """Whether an irreducible polynomial is surely not zero in the cell."""
+        column = self.column
+        if not degree_in(factor, column.along):
+            return column.keeps(factor)
+        for root in real_roots(column.at_sample(factor)):
+            if self.low.value < root < self.high.value:
+                return False
+        if not column.keeps(leading_in(factor, column.along)):
+            return False
+        if degree_in(factor, column.along) > 1 and not column.keeps(
+            discriminant(factor, column.along)
+        ):
+            return False
+        ends = (end for end in (self.low, self.high) if isinstance(end, Root))
+        return all(end.factor == factor or column.is_apart(end, factor) for end in ends)
+
+    def _holds(self, values: Mapping[str, Number]) -> bool:
+        other, own = self.column.values(values)
+        if other is None or not self.column.holds(other):
+            return other is None
+        low, high = (self.column.number(end, other) for end in (self.low, self.high))
+        if own is None or self._root is not None:
+            return own is None or own == low
+        return bool(low < own < high)
+
+    def __str__(self) -> str:
+        low, high = (end.to_sympy(self.column) for end in (self.low, self.high))
+        return between(low, self.symbol, high) if self._root is None else f"{self.symbol} = {low}"
 
 
 def _sign_in(region: AssumedRegion, polynomial: Number) -> int | None:

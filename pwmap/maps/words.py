@@ -160,10 +160,7 @@ class Orbits:
     With D the denominator of the table, the affine form of a word of n letters is kept over D**n,
     and the orbit of a break along it over D**(n + 1): all signs are those of numerators.
 
-    Parameters
-    ----------
-    table
-        The coefficients, all in one ring.
+    All coefficients of the table are in one ring.
     """
 
     def __init__(self, table: Table) -> None:
@@ -307,17 +304,7 @@ class Orbits:
 
 
 class SignOracle:
-    """Gives the signs of decisions, and remembers them.
-
-    Parameters
-    ----------
-    orbits
-        Where the polynomials come from.
-    sign_of
-        The sign of such a polynomial: -1, 0 or +1.
-    recorded
-        Signs that are known already.
-    """
+    """Gives the signs of decisions, and remembers them."""
 
     def __init__(
         self,

@@ -24,19 +24,11 @@ TRIES = 40  # samples: all but the first few are generic but for an accident
 
 @dataclass(frozen=True, slots=True)
 class AdmittedInterval:
-    """An open interval of an axis in which all assumptions hold.
+    """An open interval of an axis in which all assumptions hold."""
 
-    Attributes
-    ----------
-    low, high
-        Places, or infinite ends.
-    closed
-        Whether they hold at these ends too.
-    """
-
-    low: Any
+    low: Any  # a place, or an infinite end, as high
     high: Any
-    closed: tuple[bool, bool]
+    closed: tuple[bool, bool]  # whether they hold at these ends too
 
     @property
     def closed_ends(self) -> tuple[Any, ...]:
@@ -49,11 +41,8 @@ class AdmittedInterval:
 def admitted_intervals(axis: Axis, span: Span) -> list[AdmittedInterval]:
     """The parts of a span that the assumptions admit, from left to right.
 
-    Raises
-    ------
-    ValueError
-        If an interval inside a span with two ends is not admitted, or a value is admitted that has
-        none beside it, or an assumption is of a degree that the axis does not take.
+    ValueError if an interval inside a span with two ends is not admitted, or a value is admitted
+    that has none beside it, or an assumption is of a degree that the axis does not take.
     """
     low, high = (end if isinstance(end, Infinite) else axis.place(end) for end in span)
     limits = _limits(axis)
@@ -92,8 +81,7 @@ def _limits(axis: Axis) -> list[Any]:
 
 def _broken(axis: Axis, place: Any) -> Constraint | None:
     """The first assumption that does not hold at a place."""
-    constraints = axis.definition.region.constraints
-    return next((c for c in constraints if not c.holds(axis.sign(c.polynomial, place))), None)
+    return axis.definition.region.broken(lambda polynomial: axis.sign(polynomial, place))
 
 
 def _belongs(axis: Axis, place: Any) -> bool:
@@ -113,10 +101,7 @@ def samples(
 ) -> Iterator[dict[str, Number]]:
     """Values for the parameters besides one, to be tried in turn; only one if it was chosen.
 
-    Raises
-    ------
-    ValueError
-        If the chosen one lacks a parameter or contradicts the assumptions.
+    ValueError if the chosen one lacks a parameter or contradicts the assumptions.
     """
     others = {str(s) for s in map_.parameters} - {name}
     if chosen is not None:

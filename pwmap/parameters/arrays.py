@@ -7,7 +7,7 @@ have done; where that is too much (near a pole, or where large terms cancel), fr
 from __future__ import annotations
 
 from math import inf, nan
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from sympy import QQ
@@ -25,40 +25,32 @@ TRUSTED = 2.0**-40  # relative error of a value that is drawn; a picture shows 2
 RESOLVED = 2.0**-30  # width of an interval over its ends from which floats can part it
 
 
-class BranchArrays(NamedTuple):
-    """A branch as arrays; where a number is too large for a float it is infinite."""
-
-    parameter: FloatArray
-    x: FloatArray
-    multiplier: FloatArray
-
-
-def curve_arrays(continuation: Continuation, curve: SegmentCurve) -> tuple[BranchArrays, list[int]]:
-    """A branch as arrays, and the first sample of each of its segments.
+def curve_arrays(continuation: Continuation, curve: SegmentCurve) -> tuple[FloatArray, list[int]]:
+    """Parameter, x and multiplier of a branch, (3, n), and the first sample of each segment.
 
     Where a segment is followed by another one they share a sample, that of the following one. A
     segment that exists at one value only has that sample for itself.
     """
     parts = []
-    for segment, turned in zip(curve.segments, curve.turned, strict=True):
-        found = _known_arrays(continuation, segment)[:, :: -1 if turned else 1]
-        parts.append(
-            found if segment is curve.segments[-1] else found[:, : max(1, len(found[0]) - 1)]
-        )
+    for segment, entered in curve:
+        found = _known_arrays(continuation, segment)[:, :: -1 if entered else 1]
+        parts.append(found if segment is curve[-1][0] else found[:, : max(1, len(found[0]) - 1)])
     starts = np.cumsum([0, *(len(part[0]) for part in parts[:-1])])
-    return BranchArrays(*np.hstack(parts)), starts.tolist()
+    return np.hstack(parts), starts.tolist()
 
 
 def _known_arrays(continuation: Continuation, segment: Segment) -> FloatArray:
     known = continuation.known.arrays
     if segment not in known:
-        known[segment] = np.array(segment_arrays(continuation, segment))
-    found: FloatArray = known[segment]
-    return found
+        known[segment] = segment_arrays(continuation, segment)
+    return known[segment]
 
 
-def segment_arrays(continuation: Continuation, segment: Segment) -> BranchArrays:
-    """Parameter, x and multiplier along a segment, few points where that is enough."""
+def segment_arrays(continuation: Continuation, segment: Segment) -> FloatArray:
+    """Parameter, x and multiplier along a segment, few points where that is enough.
+
+    They are infinite where a number is too large for a float.
+    """
     axis, slope = continuation.axis, continuation.orbits.slope(segment.key.word)
     ends = [continuation.number(end) for end in continuation.ends(segment)]
     smooth = segment.key.kind is BranchKind.FIXED_POINT and not segment.is_isolated
@@ -70,13 +62,13 @@ def segment_arrays(continuation: Continuation, segment: Segment) -> BranchArrays
         for end, place in zip(ends, segment.places, strict=True)
     ]
     if segment.band is not None:
-        return BranchArrays(*np.array(outer).T)
+        return np.array(outer).T
     if segment.places[0] == segment.places[1]:
-        return BranchArrays(*np.array(outer[:1]).T)
+        return np.array(outer[:1]).T
     position = continuation.position(segment.key)
     degrees = [axis.degree(number) for number in (*position, *slope)]
     if degrees[0] <= 1 and not any(degrees[1:]):
-        return BranchArrays(*np.array(outer).T)
+        return np.array(outer).T
     places, parameter = _spread(axis, segment, *(p for p, _ in ends))
     multiplier = values(axis, slope, places, parameter)
     inner = np.array(
@@ -87,7 +79,7 @@ def segment_arrays(continuation: Continuation, segment: Segment) -> BranchArrays
         ]
     )
     first, last = (np.array(end)[:, None] for end in outer)
-    return BranchArrays(*np.hstack([first, inner, last]))
+    return np.hstack([first, inner, last])
 
 
 def _spread(axis: Axis, segment: Segment, low: float, high: float) -> tuple[list[Any], FloatArray]:

@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable, Sequence
 from copy import copy
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property, lru_cache, partial
 from typing import Any
 
 import sympy
@@ -62,22 +62,12 @@ class DegreeError(ValueError):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ValueAt:
-    """A quotient of polynomials at a place, where other parameters stay symbolic.
+    """A quotient of polynomials at a place, where other parameters stay symbolic."""
 
-    Attributes
-    ----------
-    value
-        At the sample of the other parameters, in canonical form.
-    top, bottom
-        The polynomials, not in lowest terms.
-    factor
-        The polynomial that is zero at the place.
-    """
-
-    value: Any
-    top: PolyElement
+    value: Any  # at the sample of the other parameters, in canonical form
+    top: PolyElement  # not in lowest terms
     bottom: PolyElement
-    factor: PolyElement
+    factor: PolyElement  # zero at the place
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, ValueAt) or self.value != other.value:
@@ -99,14 +89,7 @@ def identical(first: Any, second: Any) -> bool:
 class Axis(ABC):
     """One parameter of a map, along which the signs of polynomials are followed.
 
-    Parameters
-    ----------
-    definition
-        The map.
-    name
-        The parameter of the axis.
-    sample
-        Values of the others, which stay symbolic.
+    The sample has values of the others, which stay symbolic.
     """
 
     def __init__(self, definition: Definition, name: str, sample: dict[str, Number]) -> None:
@@ -150,10 +133,7 @@ class Axis(ABC):
     def limits(self, constraint: Constraint) -> tuple[Any, ...]:
         """Places where an assumption begins or ceases to hold.
 
-        Raises
-        ------
-        ValueError
-            If its degree is too high for that.
+        ValueError if its degree is too high for that.
         """
         polynomial = constraint.polynomial
         if polynomial not in self._roots:
@@ -189,7 +169,7 @@ class Axis(ABC):
         """Who decides all signs at a place."""
         value = self.real(place)
         if isinstance(value, RealRoot):
-            return SignOracle(self._orbits_here, SignAt(value))
+            return SignOracle(self._orbits_here, partial(_sign_at_root, value))
         table = self._orbits_here.table.mapped(lambda number: value_at(dense(number), value))
         return SignOracle(Orbits(in_integers(table)), sign)
 
@@ -267,14 +247,8 @@ class Axis(ABC):
         return degree_in(number, self.index)
 
 
-@dataclass(frozen=True, slots=True)
-class SignAt:
-    """Signs at an algebraic number."""
-
-    root: RealRoot
-
-    def __call__(self, number: Number) -> int:
-        return self.root.sign_of(_integers(number))
+def _sign_at_root(root: RealRoot, number: Number) -> int:
+    return root.sign_of(_integers(number))
 
 
 @lru_cache(maxsize=65536)  # the same polynomial is asked at many places

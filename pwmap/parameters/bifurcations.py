@@ -39,7 +39,7 @@ from pwmap.parameters.cells import (
     studied_at,
     with_stages,
 )
-from pwmap.parameters.curves import SegmentCurve, Tip, connected
+from pwmap.parameters.curves import SegmentCurve, Tip, connected, tips_of
 from pwmap.parameters.segments import (
     ALONG,
     LEFT,
@@ -68,10 +68,8 @@ def bifurcation_diagram(
 
     Parameters
     ----------
-    map_
-        The map; its other parameters have values, or stay symbolic.
-    parameter
-        Symbol or name of the parameter.
+    map_, parameter
+        The map, whose other parameters have values or stay symbolic, and the symbol or name.
     span
         Two rationals; by default from about one below the first value at which something happens
         to about one above the last. What exists at an end of the span only is left out.
@@ -130,7 +128,7 @@ def bifurcation_diagram(
         limits,
         sample,
         with_ends=True,
-        budget=meter,
+        meter=meter,
     )
 
 
@@ -216,7 +214,7 @@ def _outermost(axis: Axis, cells: Sequence[Cell]) -> tuple[Any, Any]:
     """Places about one below the first edge and one above the last."""
     edges = [cell.lower for cell in cells if cell.is_edge]
     edges = edges or [axis.between(cells[0].lower, cells[-1].upper)]
-    low, high = whole_part(_number(edges[0])) - 1, ceiling(_number(edges[-1])) + 1
+    low, high = whole_part(axis.real(edges[0])) - 1, ceiling(axis.real(edges[-1])) + 1
     return axis.place(QQ(low)), axis.place(QQ(high))
 
 
@@ -232,11 +230,6 @@ def _cut_off(
     return kept
 
 
-def _number(place: Any) -> Any:
-    """A place at the sample of symbolic parameters."""
-    return getattr(place, "value", place)
-
-
 def _assembled(
     map_: PiecewiseLinearMap, continuation: Continuation, orders: Sequence[int]
 ) -> Diagram:
@@ -244,9 +237,9 @@ def _assembled(
     segments = continuation.segments()
     curves, junctions = connected(segments, continuation.junctions(segments), continuation.stops)
     branch_ids: dict[Tip, str] = {}  # by where branches begin and end
-    shown = [curve for curve in curves if curve.length // continuation.length in orders]
+    shown = [curve for curve in curves if _length(curve) // continuation.length in orders]
     for curve, name in zip(shown, _names(shown), strict=True):
-        branch_ids.update(dict.fromkeys(curve.tips, name))
+        branch_ids.update(dict.fromkeys(tips_of(curve), name))
     counts: dict[str, int] = defaultdict(int)
     points: dict[Tip, SpecialPoint] = {}
     for junction in junctions:
@@ -280,11 +273,16 @@ def _text(map_: PiecewiseLinearMap) -> list[str]:
         return [repr(map_)]
 
 
+def _length(curve: SegmentCurve) -> int:
+    """Of the words."""
+    return len(curve[0][0].key.word)
+
+
 def _names(curves: Sequence[SegmentCurve]) -> Iterator[str]:
     """F1, F2, ... for branches of fixed points, and J1, J2, ... for jumps."""
     counts: dict[str, int] = defaultdict(int)
     for curve in curves:
-        letter = "F" if curve.segments[0].key.kind is BranchKind.FIXED_POINT else "J"
+        letter = "F" if curve[0][0].key.kind is BranchKind.FIXED_POINT else "J"
         counts[letter] += 1
         yield f"{letter}{counts[letter]}"
 
@@ -338,25 +336,26 @@ def _branch(
     branch_ids: Mapping[Tip, str],
     points: Mapping[Tip, SpecialPoint],
 ) -> Branch:
-    first = curve.segments[0]
-    drawn, starts = curve_arrays(continuation, curve)
+    segments = [segment for segment, _ in curve]
+    first, (start, end) = segments[0], tips_of(curve)
+    (parameter, x, multiplier), starts = curve_arrays(continuation, curve)
     words = [
-        Stretch(start, _spelled(map_, segment), exact=_formulas(continuation, segment))
-        for start, segment in zip(starts, curve.segments, strict=True)
+        Stretch(sample, _spelled(map_, segment), exact=_formulas(continuation, segment))
+        for sample, segment in zip(starts, segments, strict=True)
     ]
-    for i, (before, after) in enumerate(pairwise(curve.segments), start=1):
+    for i, (before, after) in enumerate(pairwise(segments), start=1):
         cause = _cause_of_change(map_, continuation, before.key, after.key)
         words[i] = replace(words[i], cause=cause)
     location = first.location
     return Branch(
-        id=branch_ids[curve.tips[0]],
+        id=branch_ids[start],
         kind=first.key.kind,
-        order=curve.length // continuation.length,
+        order=_length(curve) // continuation.length,
         word=words[0].word,
-        parameter=drawn.parameter,
-        x=drawn.x,
-        multiplier=drawn.multiplier,
-        ends=(points[curve.tips[0]].id, points[curve.tips[1]].id),
+        parameter=parameter,
+        x=x,
+        multiplier=multiplier,
+        ends=(points[start].id, points[end].id),
         exact=words[0].exact,
         attracts=None if location is None or location.is_inside else location.stable,
         words=tuple(words),

@@ -43,23 +43,13 @@ NOWHERE = (Inclusion.VIRTUAL, Inclusion.NONE)  # then a cylinder holds no fixed 
 
 @dataclass(frozen=True, eq=False)
 class Continuation:
-    """What lies on the diagonal, followed through the cells of a parameter from left to right.
-
-    Attributes
-    ----------
-    length
-        Of the words of order 1: how many maps are composed.
-    span
-        Places of the first and the last value of the parameter, as far as the assumptions reach.
-    known
-        From other cells of the same axis, if there were any.
-    """
+    """What lies on the diagonal, followed through the cells of a parameter from left to right."""
 
     axis: Axis
     cells: Sequence[Cell]
-    length: int
-    span: tuple[Any, Any]
-    known: KnownValues = field(default_factory=KnownValues, repr=False)
+    length: int  # of the words of order 1: how many maps are composed
+    span: tuple[Any, Any]  # first and last value, as far as the assumptions reach
+    known: KnownValues = field(default_factory=KnownValues, repr=False)  # of the axis
 
     @property
     def orbits(self) -> Orbits:
@@ -270,24 +260,16 @@ class Continuation:
             if not cell.is_edge or self._at_end(i):
                 continue
             beside = self._bands_beside(i)
-            for order, iterate in cell.study.iterates.items():
-                for cylinder, inclusion in zip(iterate.cylinders, iterate.inclusion, strict=True):
-                    if (
-                        inclusion is Inclusion.BAND
-                        and cylinder.word not in beside
-                        and self._is_own(cylinder, inclusion, order, cell.study.oracle)
-                    ):
-                        yield cylinder, cell.lower
+            for order, cylinder in _identities(cell):
+                if cylinder.word not in beside and self._is_own(
+                    cylinder, Inclusion.BAND, order, cell.study.oracle
+                ):
+                    yield cylinder, cell.lower
 
     def _bands_beside(self, i: int) -> set[Word]:
         """Words that are the identity in a cell next to an edge."""
-        return {
-            cylinder.word
-            for cell in (self.cells[i - 1], self.cells[i + 1])
-            for iterate in cell.study.iterates.values()
-            for cylinder, inclusion in zip(iterate.cylinders, iterate.inclusion, strict=True)
-            if inclusion is Inclusion.BAND
-        }
+        beside = self.cells[i - 1], self.cells[i + 1]
+        return {cylinder.word for cell in beside for _, cylinder in _identities(cell)}
 
     def _parted(
         self, cylinder: Cylinder, place: Any, junctions: Sequence[Junction]
@@ -460,6 +442,14 @@ class Continuation:
             return parameter, end.value.side * inf
         assert end.x is not None
         return parameter, self.axis.number(end.x, end.place)
+
+
+def _identities(cell: Cell) -> Iterator[tuple[int, Cylinder]]:
+    """Orders, and cylinders of their iterates on which these are the identity."""
+    for order, iterate in cell.study.iterates.items():
+        for cylinder, inclusion in zip(iterate.cylinders, iterate.inclusion, strict=True):
+            if inclusion is Inclusion.BAND:
+                yield order, cylinder
 
 
 def _cuts(cylinder: Cylinder, inclusion: Inclusion) -> list[Cut | None]:

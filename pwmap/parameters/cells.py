@@ -16,7 +16,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, NamedTuple, TypeVar
+from typing import Any, TypeVar
 
 import sympy
 
@@ -34,8 +34,7 @@ from pwmap.maps.cylinders import (
     refined,
 )
 from pwmap.maps.decided import in_cell
-from pwmap.maps.kinds import check_map
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
 from pwmap.maps.words import SignOracle
 from pwmap.parameters.admitted import (
     AdmittedInterval,
@@ -56,17 +55,11 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaceStudy:
-    """All iterates at one place, and the oracle that decided them.
-
-    Attributes
-    ----------
-    cylinders
-        Of the last iterate that was composed.
-    """
+    """All iterates at one place, and the oracle that decided them."""
 
     oracle: SignOracle
     iterates: dict[int, StudiedIterate]
-    cylinders: tuple[Cylinder, ...] = WHOLE_LINE
+    cylinders: tuple[Cylinder, ...] = WHOLE_LINE  # of the last iterate
 
     def shown(self) -> dict[int, StudiedIterate]:
         """The iterates, without telling apart fixed points that are virtual or missing."""
@@ -118,12 +111,12 @@ def grown(
     order: int,
     *,
     shown: bool,
-    budget: Budget | Meter = BUDGET,
+    meter: Meter,
     ask: Ask | None = None,
 ) -> PlaceStudy:
     """A study of one order more, with every sign that its fixed points depend on if it is shown."""
     oracle, current, iterates = study.oracle, study.cylinders, study.iterates
-    meter, ask = metered(budget), ask or oracle.ask
+    ask = ask or oracle.ask
     for layout in chain:
         current = refined(current, layout, oracle, meter, ask)
     if shown:
@@ -131,12 +124,8 @@ def grown(
     return PlaceStudy(oracle, iterates, current)
 
 
-class CellStage(NamedTuple):
-    """Cells and edges of an interval of the axis, from left to right, for orders up to one."""
-
-    order: int
-    cells: list[Cell]
-    pieces: int  # that were made so far
+# Cells and edges from left to right, for orders up to one, and how many pieces were made so far
+CellStage = tuple[int, list[Cell], int]
 
 
 def stages(
@@ -144,28 +133,20 @@ def stages(
     chain: tuple[int, ...],
     orders: Sequence[int],
     cells: list[Cell],
-    budget: Budget | Meter = BUDGET,
+    meter: Meter,
 ) -> Iterator[CellStage]:
     """Cut cells of which nothing is known into cells and edges, order by order.
 
     What a cell knows of lower orders holds in all its parts and on the edges between them. What the
     new order finds is kept from one place to the next (:mod:`pwmap.parameters.persistence`).
 
-    Parameters
-    ----------
-    cells
-        As :func:`uncut` gives them.
-
-    Raises
-    ------
-    BudgetError
-        If an order takes more pieces than there are left.
+    BudgetError if an order takes more pieces than there are left.
     """
-    pieces, meter = 0, metered(budget)
+    pieces = 0
 
     def grow(study: PlaceStudy, ask: Ask) -> PlaceStudy:
         nonlocal pieces
-        more = grown(study, chain, order, shown=order in orders, budget=meter, ask=ask)
+        more = grown(study, chain, order, shown=order in orders, meter=meter, ask=ask)
         pieces += len(more.cylinders)
         if pieces > meter.budget.pieces:
             raise BudgetError(
@@ -176,12 +157,7 @@ def stages(
     for order in range(1, max(orders) + 1):
         answers = Answers(axis, cells[0].lower, cells[-1].upper)
         cells = [part for cell in cells for part in _parts(axis, cell, answers, grow)]
-        yield CellStage(order, cells, pieces)
-
-
-def last(found: Iterable[CellStage]) -> list[Cell]:
-    """The cells for all orders."""
-    return deque(found, maxlen=1).pop().cells
+        yield order, cells, pieces
 
 
 def _parts(
@@ -242,7 +218,8 @@ def studied_at(place: Any, axis: Axis, chain: tuple[int, ...], cell: Cell) -> Ce
     """An edge at some place in or beside a cell, with the same iterates."""
     study = PlaceStudy(axis.oracle(place), {})
     for order in range(1, max(cell.study.iterates) + 1):
-        study = grown(study, chain, order, shown=order in cell.study.iterates)
+        study = grown(study, chain, order, shown=order in cell.study.iterates,
+                      meter=Meter(BUDGET))  # fmt: skip
     return Cell(place, place, study, place)
 
 
@@ -299,10 +276,8 @@ def parameter_cells(
 
     Parameters
     ----------
-    map_
-        The map; its other parameters have values or stay symbolic.
-    parameter
-        Symbol or name.
+    map_, parameter
+        The map, whose other parameters have values or stay symbolic, and the symbol or name.
     orders
         The iterates to look at.
     span
@@ -335,14 +310,14 @@ def parameter_cells(
     """
     meter = metered(budget)
     orders = checked_orders(orders, meter.budget)
-    return with_cells(
-        lambda axis, cells: shown_cells(map_, orders, axis, cells),
+    return with_stages(
+        from_all_orders(lambda axis, cells: shown_cells(map_, orders, axis, cells)),
         map_,
         parameter,
         orders,
         (LOWEST, HIGHEST) if span is None else checked_span(span),
         sample,
-        budget=meter,
+        meter=meter,
     )
 
 
@@ -369,27 +344,17 @@ def shown_cells(
     return ParameterCells(parameter=symbol, orders=orders, cells=tuple(shown), given=axis.given)
 
 
-def with_cells(
+def from_all_orders(
     build: Callable[[Axis, list[Cell]], Result],
-    map_: PiecewiseLinearMap,
-    parameter: object,
-    orders: Sequence[int],
-    span: Span,
-    sample: Mapping[Any, object] | None,
-    *,
-    with_ends: bool = False,
-    budget: Budget | Meter = BUDGET,
-) -> Result:
-    """Build something from the cells of a parameter for all orders, as :func:`with_stages` does."""
+) -> Callable[[Axis, Iterator[CellStage]], Result]:
+    """What is built from the cells for all orders, for :func:`with_stages`."""
 
     def built(axis: Axis, found: Iterator[CellStage]) -> Result:
-        cells = last(found)
+        _, cells, _ = deque(found, maxlen=1).pop()
         close(axis, cells)
         return build(axis, cells)
 
-    return with_stages(
-        built, map_, parameter, orders, span, sample, with_ends=with_ends, budget=budget
-    )
+    return built
 
 
 def with_stages(
@@ -400,8 +365,8 @@ def with_stages(
     span: Span,
     sample: Mapping[Any, object] | None,
     *,
+    meter: Meter,
     with_ends: bool = False,
-    budget: Budget | Meter = BUDGET,
 ) -> Result:
     """Build something from cells that are cut order by order, at the first generic sample.
 
@@ -410,7 +375,6 @@ def with_stages(
     """
     check_map(map_)
     name = checked_parameter(parameter, map_.parameters)
-    meter = metered(budget)
     checked_size(max(orders), len(map_.chain), meter.budget)
     tried: list[Mapping[str, Number]] = []
     for values in samples(map_, name, span, sample):
@@ -500,11 +464,8 @@ def only_axis(
 ) -> tuple[Axis, tuple[Number, Number]]:
     """The axis of the one parameter of a map, and the ends of a span of it.
 
-    Raises
-    ------
-    ValueError
-        If the map has other parameters, or is an iterate, or the span is no interval that the
-        assumptions admit.
+    ValueError if the map has other parameters, or is an iterate, or the span is no interval that
+    the assumptions admit.
     """
     name = str(own_name(parameter, map_.parameters))
     names = [str(symbol) for symbol in map_.parameters]

@@ -9,44 +9,22 @@ on a branch. Where more than two jumps of one iterate meet, or one ends alone, b
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, TypeVar
 
 from pwmap.algebra.exact import Infinite
 from pwmap.parameters.segments import ALONG, Junction, Segment, SegmentEnd
 
+Thing = TypeVar("Thing", bound=Hashable)
 Tip = tuple[Segment, int]  # one end of a segment: 0 or 1, the first or the last
+SegmentCurve = list[Tip]  # segments one after the other, each with the end at which it is entered
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class SegmentCurve:
-    """Segments one after the other, from one special point to another.
-
-    Attributes
-    ----------
-    segments
-        One or more, each continued by the next.
-    turned
-        For each of them whether it is passed from its last end to its first.
-    """
-
-    segments: tuple[Segment, ...]
-    turned: tuple[bool, ...]
-
-    @property
-    def tips(self) -> tuple[Tip, Tip]:
-        """Where it starts and where it ends."""
-        return (self.segments[0], int(self.turned[0])), (self.segments[-1], 1 - self.turned[-1])
-
-    @property
-    def length(self) -> int:
-        """Of the words."""
-        return len(self.segments[0].key.word)
-
-    def reversed(self) -> SegmentCurve:
-        """The same from its other end."""
-        return SegmentCurve(self.segments[::-1], tuple(not turned for turned in self.turned[::-1]))
+def tips_of(line: Sequence[tuple[Thing, int]]) -> tuple[tuple[Thing, int], tuple[Thing, int]]:
+    """Where a line of :func:`traced` starts and where it ends."""
+    last, entered = line[-1]
+    return line[0], (last, 1 - entered)
 
 
 def connected(
@@ -54,16 +32,8 @@ def connected(
 ) -> tuple[list[SegmentCurve], list[Junction]]:
     """The curves that segments make, and the junctions that are left, in which curves end.
 
-    Parameters
-    ----------
-    segments, junctions
-        As :class:`pwmap.parameters.branches.Continuation` has them.
-    stops
-        Places at which every branch ends.
-
-    Returns
-    -------
-    Curves start at the one of their ends that comes first; junctions have the ends of curves only.
+    Every branch ends at a stop. Curves start at the one of their ends that comes first; junctions
+    have the ends of curves only.
     """
     following = {
         tip: other
@@ -72,17 +42,21 @@ def connected(
         for pair in _passing(junction)
         for tip, other in (pair, pair[::-1])
     }
-    found = list(_traced(segments, following))
-    tips = {tip for curve in found for tip in curve.tips}
+    found = list(traced(segments, following))
+    tips = {tip for curve in found for tip in tips_of(curve)}
     left = [
         replace(junction, ends=ends)
         for junction in junctions
         if (ends := tuple(end for end in junction.ends if _tip(end) in tips))
     ]
     rank = {_tip(end): i for i, junction in enumerate(left) for end in junction.ends}
-    return [
-        curve if rank[curve.tips[0]] <= rank[curve.tips[1]] else curve.reversed() for curve in found
-    ], left
+    return [curve if rank[curve[0]] <= rank[tips_of(curve)[1]] else _turned(curve)
+            for curve in found], left  # fmt: skip
+
+
+def _turned(curve: SegmentCurve) -> SegmentCurve:
+    """The same from its other end."""
+    return [(segment, 1 - entered) for segment, entered in reversed(curve)]
 
 
 def _tip(end: SegmentEnd) -> Tip:
@@ -107,20 +81,28 @@ def _passing(junction: Junction) -> Iterator[tuple[Tip, Tip]]:
             yield from zip(line[::2], line[1::2], strict=True)
 
 
-def _traced(segments: Iterable[Segment], following: dict[Tip, Tip]) -> Iterator[SegmentCurve]:
-    """Curves through all segments; one that closes is opened at the start of its first segment."""
-    passed: set[Segment] = set()
-    for segment in segments:
-        if segment in passed:
+def traced(
+    things: Iterable[Thing], following: Mapping[tuple[Thing, int], tuple[Thing, int]]
+) -> Iterator[list[tuple[Thing, int]]]:
+    """Lines through things with two ends, 0 and 1: each with the end at which it is entered.
+
+    Each thing is in one line; one that closes begins at the first end of its first thing.
+
+    Of two ends that meet, each is followed by the other.
+    """
+    passed = set[Thing]()
+    for thing in things:
+        if thing in passed:
             continue
-        start = (segment, 0)
+        first = start = thing, 0
         while start in following:
-            before, which = following[start]
-            start = (before, 1 - which)
-            if start == (segment, 0):
-                del following[following.pop(start)]
+            before, met = following[start]
+            start = before, 1 - met
+            if start == first:
+                break
         line = [start]
-        while (tip := (line[-1][0], 1 - line[-1][1])) in following:
-            line.append(following[tip])
+        while (onward := following.get((line[-1][0], 1 - line[-1][1]))) not in (None, start):
+            assert onward is not None
+            line.append(onward)
         passed.update(each for each, _ in line)
-        yield SegmentCurve(tuple(each for each, _ in line), tuple(which == 1 for _, which in line))
+        yield line

@@ -29,15 +29,7 @@ class KeptAnswer:
 
 
 class Answers:
-    """The answers at one place of an axis after the other.
-
-    Parameters
-    ----------
-    axis
-        On which decisions have their roots.
-    low, high
-        Places between which all others lie.
-    """
+    """The answers at one place of an axis after the other."""
 
     def __init__(self, axis: Axis, low: Any, high: Any) -> None:
         self._axis = axis

@@ -59,9 +59,8 @@ from pwmap.algebra.roots import (
     sign_at,
 )
 from pwmap.algebra.signs import possible_signs, without_implied
-from pwmap.maps.columns import ColumnCell
 from pwmap.maps.reading import Definition
-from pwmap.maps.scopes import Scope, SymbolicCell
+from pwmap.maps.scopes import ColumnCell, Scope, SymbolicCell
 from pwmap.maps.words import Decision
 from pwmap.parameters.axis import (
     INFINITE,
@@ -81,17 +80,7 @@ def axis_of(definition: Definition, name: str, sample: dict[str, Number]) -> Axi
 
 
 class RecordedAxis(Axis):
-    """One parameter of a map that has others, which stay symbolic.
-
-    Parameters
-    ----------
-    definition
-        The map.
-    name
-        The parameter of the axis.
-    sample
-        Values of the other parameters.
-    """
+    """One parameter of a map that has others, which stay symbolic."""
 
     def __init__(self, definition: Definition, name: str, sample: dict[str, Number]) -> None:
         super().__init__(definition, name, sample)

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from sympy import Basic
 
 from pwmap.algebra.exact import Fraction_, cancelled
-from pwmap.diagrams.data import BranchKind
+from pwmap.diagrams.data import BranchKind, FloatArray
 from pwmap.maps.cylinders import Cut, Inclusion, StudiedIterate
 from pwmap.maps.words import Orbits, Word
 
@@ -19,21 +19,11 @@ LEFT, ALONG, RIGHT = -1, 0, 1  # of an end: the branch lies at smaller, equal, l
 
 @dataclass(frozen=True, slots=True)
 class BranchKey:
-    """What identifies a branch from cell to cell.
-
-    Attributes
-    ----------
-    kind
-        What it is a branch of.
-    words
-        The word of a fixed point, or the words on both sides of a jump.
-    cut
-        Where the jump is, or the end of a piece that is the identity; None for other fixed points.
-    """
+    """What identifies a branch from cell to cell."""
 
     kind: BranchKind
-    words: tuple[Word, ...]
-    cut: Cut | None = None
+    words: tuple[Word, ...]  # of a fixed point, or of both sides of a jump
+    cut: Cut | None = None  # of the jump, or the end of a piece that is the identity
 
     @property
     def word(self) -> Word:
@@ -66,23 +56,13 @@ class Location(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Segment:
-    """What has one key, from one place of the axis to another.
-
-    Attributes
-    ----------
-    closed
-        Whether it exists at its ends too.
-    location
-        How its fixed points lie in their cylinders, and whether they attract.
-    band
-        For a segment of fixed points along one value of the parameter, the x of its ends.
-    """
+    """What has one key, from one place of the axis to another."""
 
     key: BranchKey
     places: tuple[Any, Any]
-    closed: tuple[bool, bool] = (True, True)
-    location: Location | None = None
-    band: tuple[Position, Position] | None = None
+    closed: tuple[bool, bool] = (True, True)  # whether it exists at its ends too
+    location: Location | None = None  # how its fixed points lie in their cylinders
+    band: tuple[Position, Position] | None = None  # along one value: the x of its ends
 
     @property
     def is_isolated(self) -> bool:
@@ -92,31 +72,15 @@ class Segment:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SegmentEnd:
-    """One end of a segment.
-
-    Attributes
-    ----------
-    which
-        0 or 1: the first or the last.
-    side
-        LEFT, ALONG or RIGHT, as seen from the end.
-    unit
-        +1 or -1 if that is the multiplier there and not elsewhere, otherwise 0.
-    is_steep
-        Whether the multiplier near it is larger than 1 in size.
-    x
-        Its position as a quotient.
-    value
-        The same in canonical form, or :class:`Infinite`.
-    """
+    """One end of a segment."""
 
     segment: Segment
-    which: int
-    side: int
-    unit: int
-    is_steep: bool
-    x: Position
-    value: Any
+    which: int  # 0 or 1: the first or the last
+    side: int  # LEFT, ALONG or RIGHT, as seen from the end
+    unit: int  # +1 or -1 if that is the multiplier there and not elsewhere, otherwise 0
+    is_steep: bool  # whether the multiplier near it is larger than 1 in size
+    x: Position  # as a quotient
+    value: Any  # the same in canonical form, or Infinite
 
     @property
     def is_fixed(self) -> bool:
@@ -136,24 +100,13 @@ class SegmentEnd:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Junction:
-    """The ends of segments that lie at one place.
-
-    Attributes
-    ----------
-    value
-        The common x in canonical form, or :class:`Infinite`.
-    x
-        The same as a float, for drawing; it is infinite too where the x is too large for one.
-    attracts
-        +1 if a fixed point attracts here although none of its branches does, -1 if it does not
-        although its branches do, otherwise 0.
-    """
+    """The ends of segments that lie at one place."""
 
     place: Any
-    value: Any
-    x: float
+    value: Any  # the common x in canonical form, or Infinite
+    x: float  # the same as a float, infinite also where it is too large for one
     ends: tuple[SegmentEnd, ...]
-    attracts: int
+    attracts: int  # +1: a fixed point attracts here and none of its branches; -1: the reverse
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -174,7 +127,7 @@ class KnownValues:
     segments: dict[Hashable, Segment] = field(default_factory=dict)  # by all that they hold
     ends: dict[Segment, tuple[SegmentEnd, SegmentEnd]] = field(default_factory=dict)
     formulas: dict[Segment, dict[str, Basic]] = field(default_factory=dict)
-    arrays: dict[Segment, Any] = field(default_factory=dict)
+    arrays: dict[Segment, FloatArray] = field(default_factory=dict)
 
 
 Present = list[tuple[BranchKey, Location | None]]  # what of an iterate lies on the diagonal

@@ -16,19 +16,18 @@ from sympy import QQ
 from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.bivariate import irreducible_factors
-from pwmap.algebra.exact import Number, degree_in, to_sympy
+from pwmap.algebra.exact import Number, degree_in
 from pwmap.algebra.inequalities import along
 from pwmap.algebra.rootfunctions import Column, Root
-from pwmap.algebra.roots import Real, real_roots
+from pwmap.algebra.roots import Real, algebraic, real_roots
 from pwmap.diagrams.data import PointKind
 from pwmap.longrun.crises.diagram import Crisis, attractor_diagram
 from pwmap.longrun.crises.kinds import kind_at
 from pwmap.longrun.crises.meetings import meeting_polynomial
-from pwmap.longrun.numbers import algebraic
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.plane.marks import PlaneEvent
-from pwmap.plane.network import PlaneArc, PlaneCurve
+from pwmap.plane.network import PlaneArc, PlaneCurve, curve_of
 from pwmap.plane.plane import ParameterPlane
 
 SEARCH = Budget(work=20 * BUDGET.work)  # some minutes
@@ -111,15 +110,7 @@ def with_crises(
             meter.spend(1)
             for arc in search.arcs(family, values):
                 count = sum(curve.kind is family.event.kind for curve in curves) + 1
-                curves.append(
-                    PlaneCurve(
-                        id=f"{family.event.kind}{count}",
-                        **family.event._asdict(),
-                        polynomial=to_sympy(family.polynomial),
-                        arcs=(arc,),
-                        ends=("", ""),
-                    )
-                )
+                curves.append(curve_of(f"{family.event.kind}{count}", [arc]))
     left_out = "; ".join(filter(None, (plane.left_out, meter.left_out)))
     return replace(plane, curves=(*plane.curves, *curves), left_out=left_out)
 
@@ -183,7 +174,7 @@ class _Search:
             return False
         place, width = roots[family.number], (high - low) * QQ(1, BESIDE)
         map_ = self.map_at(value)
-        kind = kind_at(map_, self.along, self.order, place, width, budget=self.meter)
+        kind = kind_at(map_, self.along, self.order, place, width, self.meter)
         return kind is family.event.kind
 
     def _end(self, family: _Family, inside: Number, outside: Number) -> Number:

@@ -19,21 +19,11 @@ from pwmap.parameters.segments import Junction, SegmentEnd
 
 
 class PlaneEvent(NamedTuple):
-    """What happens to cycles, and to which.
+    """What happens to cycles, and to which."""
 
-    Attributes
-    ----------
-    kind
-        Of the special points of a diagram.
-    note
-        What it says beside that, such as "fold" or "persistence".
-    words
-        Of the cycles, each from its first letter in the alphabet on.
-    """
-
-    kind: PointKind
-    note: str
-    words: tuple[str, ...]
+    kind: PointKind  # as of special points of a diagram
+    note: str  # beside that, such as "fold" or "persistence"
+    words: tuple[str, ...]  # of the cycles, each from its first letter in the alphabet on
 
 
 class PlaneMark(NamedTuple):

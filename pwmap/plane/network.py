@@ -9,10 +9,9 @@ are one curve; everything else that meets is a point of codimension two.
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
 
 import sympy
 from sympy import QQ
@@ -23,8 +22,8 @@ from pwmap.algebra.exact import Portable, to_sympy
 from pwmap.algebra.rootfunctions import Column, Root, minimal_polynomial
 from pwmap.algebra.roots import Real, real_to_sympy, sign_at, simplest_between
 from pwmap.diagrams.data import PointKind
+from pwmap.parameters.curves import tips_of, traced
 from pwmap.plane.kinds import PlaneKind
-from pwmap.plane.limits import limit_of
 from pwmap.plane.marks import PlaneEvent
 from pwmap.plane.strips import Rectangle, Strip
 
@@ -33,37 +32,16 @@ Node = tuple[Real, Real]  # values of both parameters
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PlaneArc(Portable):
-    """A part of a curve that is a function of one of the parameters.
+    """A part of a curve that is a function of one of the parameters."""
 
-    Attributes
-    ----------
-    event
-        What happens on it.
-    polynomial
-        Zero on it; irreducible.
-    ends
-        Values of both parameters at its ends, the parameter across first.
-    column, root
-        Which root it is, and where; None for an upright arc.
-    """
-
-    event: PlaneEvent
-    polynomial: PolyElement
-    ends: tuple[Node, Node]
-    column: Column | None = None
+    event: PlaneEvent  # what happens on it
+    polynomial: PolyElement  # zero on it; irreducible
+    ends: tuple[Node, Node]  # values of both parameters, the one across first
+    column: Column | None = None  # where it is a root; None for an upright arc
     root: Root | None = None
 
 
-class Tip(NamedTuple):
-    """One end of an arc: 0 or 1."""
-
-    arc: PlaneArc
-    which: int
-
-    @property
-    def node(self) -> Node:
-        """Where it is."""
-        return self.arc.ends[self.which]
+Tip = tuple[PlaneArc, int]  # one end of an arc: 0 or 1
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -137,8 +115,6 @@ class CodimensionTwo:
     ----------
     id
         The code of its kind with a number.
-    kind
-        What it is.
     node
         Values of both parameters, the one across first.
     curves
@@ -173,43 +149,40 @@ Meeting = dict[
 def network(
     rectangle: Rectangle, strips: Sequence[Strip]
 ) -> tuple[tuple[PlaneCurve, ...], tuple[CodimensionTwo, ...]]:
-    """The curves of a rectangle, and the points in which they meet.
-
-    Parameters
-    ----------
-    rectangle, strips
-        As they were cut, from left to right.
-    """
+    """The curves of a rectangle, and the points in which they meet."""
     arcs = list(_arcs(rectangle, strips))
     meetings: dict[Node, Meeting] = defaultdict(lambda: defaultdict(list))
     for arc in arcs:
         for which, node in enumerate(arc.ends):
-            meetings[node][arc.event, arc.polynomial].append(Tip(arc, which))
+            meetings[node][arc.event, arc.polynomial].append((arc, which))
     following: dict[Tip, Tip] = {}
     for meeting in meetings.values():
         for tips in meeting.values():
             if len(tips) == 2:
                 following.update(zip(tips, tips[::-1], strict=True))
-    lines = list(_traced(arcs, following))
+    lines = list(traced(arcs, following))
     names = dict[PlaneArc, str]()
     counts: dict[str, int] = defaultdict(int)
     for line in lines:
-        kind = line[0].arc.event.kind
+        kind = line[0][0].event.kind
         counts[kind] += 1
-        names.update((tip.arc, f"{kind}{counts[kind]}") for tip in line)
+        names.update((arc, f"{kind}{counts[kind]}") for arc, _ in line)
     points = tuple(_points(rectangle, meetings, names))
     at = {point.node: point.id for point in points}
     curves = tuple(
-        PlaneCurve(
-            id=names[line[0].arc],
-            **line[0].arc.event._asdict(),
-            polynomial=to_sympy(line[0].arc.polynomial),
-            arcs=tuple(tip.arc for tip in line),
-            ends=_ends(line, following, at),
-        )
+        curve_of(names[line[0][0]], [arc for arc, _ in line], _ends(line, following, at))
         for line in lines
     )
     return curves, points
+
+
+def curve_of(name: str, arcs: Sequence[PlaneArc], ends: tuple[str, str] = ("", "")) -> PlaneCurve:
+    """The curve of arcs that have one event and one polynomial."""
+    first = arcs[0]
+    polynomial = to_sympy(first.polynomial)
+    return PlaneCurve(
+        id=name, **first.event._asdict(), polynomial=polynomial, arcs=tuple(arcs), ends=ends
+    )
 
 
 def _arcs(rectangle: Rectangle, strips: Sequence[Strip]) -> Iterator[PlaneArc]:
@@ -218,7 +191,7 @@ def _arcs(rectangle: Rectangle, strips: Sequence[Strip]) -> Iterator[PlaneArc]:
     for strip in strips:
         column = strip.column
         for root, event in strip.marks:
-            ends = [(end, limit_of(root, column, end)) for end in (column.low, column.high)]
+            ends = [(end, column.limit(root, end)) for end in (column.low, column.high)]
             for across, along in ends:
                 heights[across].add(along)
             yield PlaneArc(event, root.factor, (ends[0], ends[1]), column, root)
@@ -241,28 +214,6 @@ def _upright(
                 yield PlaneArc(event, polynomial, ((across, low), (across, high)))
 
 
-def _traced(arcs: Iterable[PlaneArc], following: dict[Tip, Tip]) -> Iterator[list[Tip]]:
-    """Arcs one after the other, each with the end at which it is entered; each arc once."""
-    passed: set[PlaneArc] = set()
-    for arc in arcs:
-        if arc in passed:
-            continue
-        start = Tip(arc, 0)
-        while (before := following.get(start)) is not None:
-            start = Tip(before.arc, 1 - before.which)
-            if start.arc is arc:  # closed
-                start = Tip(arc, 0)
-                break
-        line = [start]
-        while True:
-            onward = following.get(Tip(line[-1].arc, 1 - line[-1].which))
-            if onward is None or onward.arc is line[0].arc:
-                break
-            line.append(onward)
-        passed.update(tip.arc for tip in line)
-        yield line
-
-
 def _points(
     rectangle: Rectangle, meetings: Mapping[Node, Meeting], names: Mapping[PlaneArc, str]
 ) -> Iterator[CodimensionTwo]:
@@ -280,9 +231,7 @@ def _points(
             id=f"{kind}{counts[kind]}",
             kind=kind,
             node=node,
-            curves=tuple(
-                dict.fromkeys(names[tip.arc] for tips in meeting.values() for tip in tips)
-            ),
+            curves=tuple(dict.fromkeys(names[arc] for tips in meeting.values() for arc, _ in tips)),
         )
 
 
@@ -301,6 +250,8 @@ def _ends(
     line: Sequence[Tip], following: Mapping[Tip, Tip], at: Mapping[Node, str]
 ) -> tuple[str, str]:
     """Names of the points at both ends; empty where there is none."""
-    tips = line[0], Tip(line[-1].arc, 1 - line[-1].which)
-    first, last = ("" if tip in following else at.get(tip.node, "") for tip in tips)
+    first, last = (
+        "" if (arc, which) in following else at.get(arc.ends[which], "")
+        for arc, which in tips_of(line)
+    )
     return first, last

@@ -14,8 +14,7 @@ from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.dynamics import Dynamics, dynamics
 from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, BudgetError, Meter, metered
-from pwmap.maps.kinds import check_map
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 from pwmap.parameters.cells import checked_orders, checked_span
 from pwmap.plane.network import CodimensionTwo, PlaneCurve, network
 from pwmap.plane.regions import PlaneRegion, regions_of
@@ -29,8 +28,6 @@ class ParameterPlane:
 
     Attributes
     ----------
-    map
-        The map.
     across, along
         The parameter of the strips, and the one along each strip.
     across_span, along_span
@@ -198,12 +195,8 @@ def parameter_plane(
 
     Parameters
     ----------
-    map_
-        A map with just these two parameters.
-    across, along
-        Symbols or names.
-    across_span, along_span
-        Rationals.
+    map_, across, along, across_span, along_span
+        A map with just two parameters, their symbols or names, and two rationals for each.
     orders
         The iterates to look at; those of orders that divide them are, too.
     budget

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -18,7 +17,7 @@ from pwmap.longrun.attractors import attractors_of
 from pwmap.longrun.entropy.entropies import entropy_of
 from pwmap.longrun.line import MapLine, line_of
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
-from pwmap.maps.kinds import check_kind
+from pwmap.maps.piecewise_linear import check_kind
 from pwmap.plane.network import PlaneArc
 from pwmap.plane.plane import ParameterPlane
 
@@ -122,7 +121,7 @@ def plane_raster(
         _middles(*span, n)
         for span, n in zip((plane.across_span, plane.along_span), (columns, rows), strict=True)
     )
-    meter, finished = metered(budget), list[_Column]()
+    meter, finished = metered(budget), list[list[_Point]]()
     with meter.keeping(finished):
         for p in meter.each(across, "columns"):
             map_ = plane.map.at({plane.across: QQ.to_sympy(p)})
@@ -133,33 +132,27 @@ def plane_raster(
             if progress is not None:
                 progress(len(finished))
     finished += [[_OPEN] * rows] * (columns - len(finished))
+    periods, bands, entropy, open_ = (
+        np.array([[point[k] for point in column] for column in finished]).T for k in range(4)
+    )
     return PlaneRaster(
         across=across,
         along=along,
-        periods=np.array([[point.period for point in column] for column in finished]).T,
-        bands=np.array([[point.bands for point in column] for column in finished]).T,
-        entropy=np.array([[point.entropy for point in column] for column in finished]).T,
-        open=np.array([[point.is_open for point in column] for column in finished]).T,
+        periods=periods,
+        bands=bands,
+        entropy=entropy,
+        open=open_,
         left_out=meter.left_out,
     )
 
 
-class _RasterPoint(NamedTuple):
-    """What is known at a point, as in a raster."""
-
-    period: int
-    bands: int
-    entropy: float
-    is_open: bool
+_Point = tuple[int, int, float, bool]  # shortest period, bands, entropy, whether it is open
+_OPEN: _Point = (0, 0, 0.0, True)
 
 
-_Column = list[_RasterPoint]
-_OPEN = _RasterPoint(0, 0, 0.0, True)
-
-
-def _at(line: MapLine, meter: Meter) -> _RasterPoint:
-    found = attractors_of(line, budget=meter)
-    return _RasterPoint(
+def _at(line: MapLine, meter: Meter) -> _Point:
+    found = attractors_of(line, meter)
+    return (
         min((len(cycle.points) for cycle in found.cycles), default=0),
         sum(map(len, found.bands)),
         entropy_of(line, found, (ORDER,), meter).low,
@@ -173,13 +166,7 @@ def _middles(low: Number, high: Number, n: int) -> tuple[Number, ...]:
 
 
 def arc_arrays(arc: PlaneArc, step: float) -> tuple[FloatArray, FloatArray]:
-    """An arc as arrays of both parameters, in steps of about some width.
-
-    Parameters
-    ----------
-    step
-        Between two values of the parameter across.
-    """
+    """An arc as arrays of both parameters, in steps of about some width."""
     ends = np.array([[_float(value) for value in node] for node in arc.ends])
     if arc.root is None or arc.column is None:
         return ends[:, 0], ends[:, 1]

@@ -11,10 +11,10 @@ from sympy import QQ
 
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, RealRoot, integers, real_to_sympy, simplest_between
-from pwmap.maps.budget import Meter
+from pwmap.maps.budget import BUDGET, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.parameters.axis import Axis, ResampleError
-from pwmap.parameters.cells import Cell, merged, shown_cells, with_cells
+from pwmap.parameters.cells import Cell, from_all_orders, merged, shown_cells, with_stages
 from pwmap.parameters.recorded import RecordedAxis
 from pwmap.parameters.results import ParameterCells
 from pwmap.plane.marks import PlaneMark, marks
@@ -32,8 +32,6 @@ class Strip:
         The cells of the other parameter; their edges are expressions in the first.
     borders
         The same edges, and both ends of the span, as roots of polynomials, from the lowest.
-    marks
-        Where cycles bifurcate.
     upright
         Coefficients of polynomials in the first parameter alone that decided something.
 
@@ -127,15 +125,15 @@ class Rectangle:
             raise ValueError(f"{value} in the span contradicts the assumption {broken}")
 
     def _strip(self, sample: Any) -> Strip:
-        return with_cells(
-            self._built,
+        return with_stages(
+            from_all_orders(self._built),
             self.map,
             self.along,
             self.studied,
             self.along_span,
             {self.across: sample},
             with_ends=True,
-            budget=self.meter,
+            meter=self.meter,
         )
 
     def _built(self, axis: Axis, cells: list[Cell]) -> Strip:
@@ -153,6 +151,13 @@ class Rectangle:
     def upright_marks(self, along: Any, span: tuple[Any, Any]) -> list[PlaneMark]:
         """What happens over the parameter across, at a rational value of the one along."""
         map_ = self.map.at({self.along: QQ.to_sympy(along)})
-        return with_cells(
-            partial(marks, map_), map_, self.across, self.studied, span, None, with_ends=True
+        return with_stages(
+            from_all_orders(partial(marks, map_)),
+            map_,
+            self.across,
+            self.studied,
+            span,
+            None,
+            with_ends=True,
+            meter=Meter(BUDGET),
         )

@@ -39,6 +39,7 @@ def point_columns(points: Iterable[CodimensionTwo], symbols: Sequence[sympy.Symb
     )
 
 
-def doubles(point: CodimensionTwo) -> tuple[float, ...]:
+def doubles(point: CodimensionTwo) -> tuple[float, float]:
     """Both parameters at a point, as doubles."""
-    return tuple(to_float(bounds(value)[0]) for value in point.node)
+    across, along = (to_float(bounds(value)[0]) for value in point.node)
+    return across, along

@@ -27,8 +27,7 @@ from pwmap.diagrams.data import (
     stable_inside,
 )
 from pwmap.diagrams.diagram import Diagram
-from pwmap.maps.kinds import check_kind, check_map
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_kind, check_map
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, new_axes, styled
 from pwmap.plot.labels import LabelledCurve, Labels, Name
 from pwmap.plot.palette import named as period_named
@@ -154,7 +153,7 @@ def order_samples(
     diagram: Diagram, shown: Artists, styles: Styles | None = None, stable_only: bool = False
 ) -> list[Line2D]:
     """For a legend: lines in ink and colours of periods; none if there is one iterate."""
-    if len(_ranks(diagram)) < 2:
+    if len(ranks_of(diagram)) < 2:
         return []
     lines = [
         Line2D([], [], **{**style, "color": INK, **(styles or {}).get(label, {})}, label=label)
@@ -169,12 +168,12 @@ def order_samples(
     return [*lines, *colours]
 
 
-def _ranks(diagram: Diagram) -> dict[int, int]:
+def ranks_of(diagram: Diagram) -> dict[int, int]:
     """The orders of a diagram, counted from the lowest."""
     return {order: k for k, order in enumerate(sorted({b.order for b in diagram.branches}))}
 
 
-def _width(rank: int) -> float:
+def width_of(rank: int) -> float:
     """What the breadth of a line is multiplied by."""
     return WIDTHS[min(rank, len(WIDTHS) - 1)]
 
@@ -185,10 +184,7 @@ def draw_branches(
 ) -> Artists:  # fmt: skip
     """Draw branches, special points of some kinds, names and axes; artists by their legend.
 
-    Parameters
-    ----------
-    diagram, ax, kinds, labels, branches, stable_only
-        As for :func:`plot_diagram`.
+    Arguments are those of :func:`plot_diagram`.
     """
     shown: Artists = {}
     for branch in diagram.branches:
@@ -198,11 +194,11 @@ def draw_branches(
             add(shown, {"bands": [area]})
     curves = [c for c in _curves(diagram) if c.label == "stable" or not stable_only]
     lines: Artists = {}
-    ranks = _ranks(diagram)
+    ranks = ranks_of(diagram)
     for curve in curves:
         style = dict(_STYLES[curve.label], color=_colour(curve, len(ranks) > 1))
         if len(ranks) > 1:
-            style["linewidth"] *= _width(ranks[curve.order])
+            style["linewidth"] *= width_of(ranks[curve.order])
         add(lines, {curve.label: ax.plot(curve.p, curve.x, solid_capstyle="round", **style)})
     shown |= {label: lines[label] for label in _STYLES if label in lines}
     near = _ends_of(curves) if stable_only else {point.id for point in diagram.points}
@@ -295,7 +291,7 @@ def _curves(diagram: Diagram) -> list[_Curve]:
     """
     curves: list[_Curve] = []
     for branch in diagram.branches:
-        parts = _stretches(branch) if branch.kind is not BranchKind.BAND else []
+        parts = stretches(branch) if branch.kind is not BranchKind.BAND else []
         for k, (label, stretch) in enumerate(parts):
             ends = (
                 branch.ends[0] if k == 0 else f"{branch.id}:{k}",
@@ -339,7 +335,7 @@ class _Curve(NamedTuple):
         return None
 
 
-def _stretches(branch: Branch) -> list[tuple[str, slice]]:
+def stretches(branch: Branch) -> list[tuple[str, slice]]:
     """Parts of a branch with one line style; neighbours share their common point."""
     if branch.kind is BranchKind.JUMP:
         return [("jump crossing", slice(0, len(branch)))]
@@ -422,24 +418,13 @@ def plot_map(
         raise ValueError(f"a window must ascend, got ({low}, {high})")
     shown: Artists = {name: [] for name in PLAIN}
     shown["diagonal"] = [*ax.plot([low, high], [low, high], color=GREY, linewidth=0.8, zorder=1)]
-    for piece in map_.pieces:
-        left, right = max(low, float(piece.lower)), min(high, float(piece.upper))
-        if left > right:
-            continue
-        slope, intercept = float(piece.slope), float(piece.intercept)
-        values = [slope * left + intercept, slope * right + intercept]
-        shown["pieces"] += ax.plot(
-            [left, right], values, color=INK, linewidth=1.5, solid_capstyle="butt"
-        )
-        for x, end, closed, value in (
-            (left, piece.lower, piece.lower_closed, values[0]),
-            (right, piece.upper, piece.upper_closed, values[1]),
-        ):
-            if x == float(end):
-                face = INK if closed else "white"
-                shown["ends"] += ax.plot(
-                    x, value, "o", markersize=3.4, mfc=face, mec=INK, mew=0.9, zorder=4
-                )
+    within, ends = pieces_within(map_, (low, high))
+    for piece in within:
+        shown["pieces"] += ax.plot(*zip(*piece, strict=True), color=INK, linewidth=1.5,
+                                   solid_capstyle="butt")  # fmt: skip
+    for x, y, closed in ends:
+        face = INK if closed else "white"
+        shown["ends"] += ax.plot(x, y, "o", markersize=3.4, mfc=face, mec=INK, mew=0.9, zorder=4)
     for crossing in map_.jump_crossings():
         x, limits = float(crossing.x), (float(crossing.left), float(crossing.right))
         line = ax.plot([x, x], limits, color=JUMP, linestyle=(0, (1, 1.3)), linewidth=1.6)
@@ -482,9 +467,38 @@ def _window(map_: PiecewiseLinearMap) -> tuple[float, float]:
     for jump in map_.jumps():
         marks += [float(v) for v in (jump.x, jump.left, jump.value, jump.right)]
     marks += [float(piece.lower) for piece in map_.pieces[1:]]
+    return around(marks)
+
+
+def around(marks: Sequence[float]) -> tuple[float, float]:
+    """The ends of an interval that holds some numbers, with a margin."""
     low, high = min(marks, default=-1.0), max(marks, default=1.0)
     margin = 0.2 * (high - low) or 1.0
     return low - margin, high + margin
+
+
+def pieces_within(
+    map_: PiecewiseLinearMap, window: tuple[float, float]
+) -> tuple[list[tuple[tuple[float, float], ...]], list[tuple[float, float, bool]]]:
+    """Both ends (x, y) of each line of a map, and those that are ends of pieces.
+
+    The latter with whether they belong to their piece.
+    """
+    lines, ends = [], []
+    for piece in map_.pieces:
+        outer = float(piece.lower), float(piece.upper)
+        left, right = max(window[0], outer[0]), min(window[1], outer[1])
+        if left > right:
+            continue
+        slope, intercept = float(piece.slope), float(piece.intercept)
+        line = tuple((x, slope * x + intercept) for x in (left, right))
+        lines.append(line)
+        for place, end, closed in zip(
+            line, outer, (piece.lower_closed, piece.upper_closed), strict=True
+        ):
+            if place[0] == end:
+                ends.append((*place, closed))
+    return lines, ends
 
 
 def plot_cobweb(
@@ -502,10 +516,8 @@ def plot_cobweb(
     ----------
     map_
         A map without parameters.
-    start
-        A rational.
-    steps
-        Number of steps, at least 1.
+    start, steps
+        A rational, and the number of steps, at least 1.
     ax, window
         As for :func:`plot_map`; by default the window holds the orbit.
     styles

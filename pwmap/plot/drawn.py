@@ -69,19 +69,8 @@ def below(ax: Axes) -> dict[str, Any]:
 def styled(artists: Artists, styles: Styles | None, known: Iterable[str] = ()) -> None:
     """Give parts of a picture properties of matplotlib, such as ``{"stable": {"color": "k"}}``.
 
-    Parameters
-    ----------
-    artists
-        What was drawn, by names.
-    styles
-        By the same names, what ``artist.set`` takes.
-    known
-        Names of parts that the picture could have had.
-
-    Raises
-    ------
-    ValueError
-        If there can be no part of such a name.
+    Known parts are those that the picture could have had. ValueError if there can be no part of
+    such a name.
     """
     names = dict.fromkeys((*artists, *known))
     for name, properties in (styles or {}).items():

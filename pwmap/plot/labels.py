@@ -89,14 +89,8 @@ class _Places(NamedTuple):
 class Labels(Artist):
     """The names in a picture.
 
-    Parameters
-    ----------
-    names
-        Names of points.
-    curves
-        Curves, which names of points do not cover if there is room elsewhere.
-    markers
-        Places (n, 2) of markers besides those of ``names``.
+    Names of points do not cover curves if there is room elsewhere. Other points have markers at
+    places (n, 2).
     """
 
     def __init__(
@@ -173,7 +167,7 @@ class _TakenRoom:
                 for name, other in self.placed
             )
             free = free and self.frame.contains(*box.min) and self.frame.contains(*box.max)
-            if free and not _within(box, self.markers, MARKER * self.pt):
+            if free and not _inside(np.array([box.extents]), self.markers, MARKER * self.pt)[0]:
                 self._write(text, curve.text, box)
                 return
 
@@ -419,14 +413,6 @@ def _apart(box: Bbox, other: Bbox) -> float:
     return 0.5 * math.hypot(
         box.x0 + box.x1 - other.x0 - other.x1, box.y0 + box.y1 - other.y0 - other.y1
     )
-
-
-def _within(box: Bbox, places: Floats, margin: float) -> int:
-    """How many places lie in a box, or next to it."""
-    x, y = places.T
-    inside = (x > box.x0 - margin) & (x < box.x1 + margin)
-    inside &= (y > box.y0 - margin) & (y < box.y1 + margin)
-    return int(inside.sum())
 
 
 def _length(places: Floats) -> float:

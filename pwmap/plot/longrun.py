@@ -18,6 +18,7 @@ from pwmap.algebra.roots import simplest_between
 from pwmap.diagrams.data import FloatArray, PointKind
 from pwmap.diagrams.diagram import Diagram
 from pwmap.longrun.crises.bands import check_parameter, to_ends
+from pwmap.longrun.crises.covering import doubles_of
 from pwmap.longrun.crises.diagram import AttractorDiagram
 from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
 from pwmap.longrun.entropy.constant import constant_entropy
@@ -90,12 +91,8 @@ def plot_long_run(
 
     Parameters
     ----------
-    diagram
-        Branches, as :func:`pwmap.bifurcation_diagram` finds them.
-    found
-        Attractors, over an interval of the same parameter.
-    map_
-        The map both are of.
+    diagram, found, map_
+        Branches, attractors over an interval of the same parameter, and the map both are of.
     ax
         Axes to draw on; new ones by default.
     steps
@@ -155,10 +152,8 @@ def plot_attractors(
 
     Parameters
     ----------
-    found
-        What to draw.
-    map_
-        The map it is of.
+    found, map_
+        What to draw, and the map it is of.
     ax
         Axes to draw on; new ones by default.
     steps
@@ -428,16 +423,12 @@ def plot_entropy(
 
     Parameters
     ----------
-    map_
-        A map of one parameter.
-    parameter, span
-        Its name, and two rationals.
+    map_, parameter, span
+        A map of one parameter, its name, and two rationals.
     ax
         Axes to draw on; new ones by default.
-    steps
-        How many rational values.
-    orders
-        Up to which the graph of laps is made.
+    steps, orders
+        How many rational values, and up to which orders the graph of laps is made.
     intervals
         What :func:`pwmap.constant_entropy` found; by default it is asked.
     styles
@@ -565,9 +556,8 @@ def plot_density(
 
 def _orbits(found: Dynamics, attractor: Attractor, points: int) -> FloatArray:
     """Points of orbits in doubles; noise of a rounding keeps them from ending in a short cycle."""
-    line, rng = found.line, np.random.default_rng(SEED)
-    slopes, shifts = (np.array([to_double(b[k]) for b in line.branches]) for k in (0, 1))
-    breaks = np.array([to_double(x) for x in line.breaks])
+    line, rng = doubles_of(found.line), np.random.default_rng(SEED)
+    slopes, shifts, breaks = map(np.array, (line.slopes, line.intercepts, line.breaks))
     ends = [(float(band.start), float(band.end)) for band in attractor.bands]
     x = np.concatenate([rng.uniform(*end, max(1, points // (100 * len(ends)))) for end in ends])
     kept = []

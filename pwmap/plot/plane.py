@@ -16,11 +16,11 @@ from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import bounds, spread
 from pwmap.diagrams.data import FloatArray
 from pwmap.plane.colours import Colours
-from pwmap.plane.network import CodimensionTwo
 from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.rasters import PlaneRaster, arc_arrays, root_array
 from pwmap.plane.regions import attracting
 from pwmap.plane.strips import Strip
+from pwmap.plane.tables import doubles
 from pwmap.plot.diagrams import NAMES, axis_label
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, below, new_axes, styled
 from pwmap.plot.labels import LabelledCurve, Labels, Name
@@ -95,7 +95,7 @@ def plot_plane(
                            path_effects=HALO)  # fmt: skip
             add(shown, {curve.kind.label: line})
     for point in plane.points:
-        mark = ax.plot(*_place(point), "o", markersize=4.0, color="black", linestyle="none",
+        mark = ax.plot(*doubles(point), "o", markersize=4.0, color="black", linestyle="none",
                        markerfacecolor="white", markeredgewidth=0.9, zorder=4)  # fmt: skip
         add(shown, {POINTS: mark})
     names = [kind.label for kind in LINES]
@@ -114,11 +114,6 @@ def plot_plane(
     return Drawn((ax,), shown)
 
 
-def _place(point: CodimensionTwo) -> tuple[float, float]:
-    across, along = (to_float(bounds(value)[0]) for value in point.node)
-    return across, along
-
-
 def _named(ax: Axes, plane: ParameterPlane, step: float) -> Labels:
     """Names on the longest arcs of curves, and beside points."""
     curves = list[LabelledCurve]()
@@ -130,7 +125,7 @@ def _named(ax: Axes, plane: ParameterPlane, step: float) -> Labels:
             curves.append(
                 LabelledCurve(curve.id if k == longest else "", across, along, color, 0.0)
             )
-    points = [Name(point.id, *_place(point), always=False) for point in plane.points]
+    points = [Name(point.id, *doubles(point), always=False) for point in plane.points]
     labels = Labels(points, curves)
     ax.add_artist(labels)
     return labels

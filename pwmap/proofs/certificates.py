@@ -16,12 +16,12 @@ from pwmap.algebra.roots import (
     Dense,
     Real,
     RealRoot,
+    algebraic,
     difference,
     integers,
     real_roots,
     sign_at,
     simplest_between,
-    trimmed,
 )
 from pwmap.checking import branches, certificate, points
 from pwmap.checking import check_certificate as check_certificate
@@ -33,7 +33,7 @@ from pwmap.checking.refusing import Effort
 from pwmap.checking.refusing import Refused as Refused
 from pwmap.diagrams.data import Branch, BranchKind, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import Diagram
-from pwmap.diagrams.slices import real
+from pwmap.diagrams.slices import quotient_in
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import Table
 from pwmap.proofs.document import Certificate
@@ -368,10 +368,10 @@ class _DiagramWriter:
         """The first and the last value of the parameter."""
         interval: Any = stretch.exact["interval"]
         if isinstance(interval, sympy.FiniteSet):
-            return real(interval.args[0]), real(interval.args[0])
+            return algebraic(interval.args[0]), algebraic(interval.args[0])
         if interval.start.is_infinite or interval.end.is_infinite:
             _fail(f"the branch {stretch.word} goes on without end")
-        return real(interval.start), real(interval.end)
+        return algebraic(interval.start), algebraic(interval.end)
 
     def _places(self, stretch: Stretch) -> list[int]:
         """Its first and its last place."""
@@ -402,12 +402,9 @@ class _DiagramWriter:
         is_nan = slope is sympy.nan
         return row | {"slope": None if is_nan else self._quotient(slope), "stable": stable}
 
-    def _parts(self, expr: sympy.Expr) -> list[Dense]:
+    def _parts(self, expr: sympy.Expr) -> tuple[Dense, Dense]:
         """Numerator and denominator of a formula in the parameter."""
-        return [
-            trimmed(QQ(int(c.p), int(c.q)) for c in sympy.Poly(part, self._symbol).all_coeffs())
-            for part in sympy.fraction(sympy.together(expr))
-        ]
+        return quotient_in(expr, self._symbol)
 
     def _quotient(self, expr: sympy.Expr) -> list[list[str]]:
         """A formula in the parameter as the checker reads it."""
@@ -426,7 +423,7 @@ class _DiagramWriter:
 
     def _point(self, point: SpecialPoint, read: branches.ClaimedDiagram) -> Iterator[Row]:
         """A special point as the checker reads it, if fixed points end there."""
-        parameter = real(point.exact["parameter"])
+        parameter = algebraic(point.exact["parameter"])
         i = self._index.get(parameter, 0)
         at = self._x(point, parameter) if 0 < i < len(self._edges) - 1 else None
         if at is None:
@@ -461,5 +458,5 @@ class _DiagramWriter:
         if formula is None or x in (sympy.oo, -sympy.oo):
             return None if formula is None else str(x)
         if not isinstance(parameter, RealRoot):
-            return _number(real(x))
+            return _number(algebraic(x))
         return _number(_image(parameter, *self._parts(formula)))

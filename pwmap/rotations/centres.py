@@ -73,8 +73,6 @@ class OrganisingCentre:
 
     Attributes
     ----------
-    across, along
-        The two parameters.
     values
         Their values at the centre.
     x
@@ -178,12 +176,11 @@ def organising_centres(
     symbols = _two_parameters(map_, across, along)
     k = map_.definition.table.layouts[map_.chain[0]].breaks[0]
     equations = [map_.orbits.polynomial(CriticalOrbit(k, (side,), k)) for side in (LEFT, RIGHT)]
-    found = []
-    for place in _places(map_, symbols, equations):
-        constraints = map_.definition.region.constraints
-        if all(c.holds(place.sign(c.polynomial)) for c in constraints):
-            found.append(_centre(pieces, symbols, equations, place))
-    return tuple(found)
+    return tuple(
+        _centre(pieces, symbols, equations, place)
+        for place in _places(map_, symbols, equations)
+        if map_.definition.region.broken(place.sign) is None
+    )
 
 
 def _two_parameters(
@@ -317,10 +314,7 @@ def _univariate(
     of the radical has this shape; an ideal with finitely many zeros is made radical by a polynomial
     without multiple roots in each variable.
 
-    Raises
-    ------
-    ValueError
-        If the common zeros are a curve.
+    ValueError if the common zeros are a curve.
     """
     u, v = (map_.parameters[k] for k in at)
     t = sympy.Dummy("t")
@@ -376,9 +370,13 @@ def _centre(
     table, letters = pieces.map_.definition.table, pieces.map_.letters
     first, second = (pieces.map_.parameters.index(symbol) for symbol in symbols)
     (a, b), (c, d) = ([one.diff(i) for i in (first, second)] for one in equations)
-    sides = [_side(place, table.slopes[i], table.denominator) for i in (LEFT, RIGHT)]
-    kind = _kind(*sides) if place.sign(a * d - b * c) else CentreKind.DEGENERATE
-    slopes = [place.value((table.slopes[i], table.denominator)) for i in (LEFT, RIGHT)]
+    own = [table.slopes[i] for i in (LEFT, RIGHT)]
+    signs = [place.sign(slope) for slope in own]
+    contract = [_contracts(place, slope, table.denominator) for slope in own]
+    kind = _kind(signs) if all(contract) else CentreKind.EXPANDING
+    if not place.sign(a * d - b * c):
+        kind = CentreKind.DEGENERATE
+    slopes = [place.value((slope, table.denominator)) for slope in own]
     return OrganisingCentre(
         across=symbols[0],
         along=symbols[1],
@@ -386,27 +384,18 @@ def _centre(
         x=place.value(pieces.at),
         slopes=(slopes[0], slopes[1]),
         kind=kind,
-        patterns=tuple(_patterns(kind, sides, letters)),
+        patterns=tuple(_patterns(kind, signs, letters)),
     )
 
 
-class _Side(NamedTuple):
-    """The sign of a slope, and whether it lies in (-1, 1)."""
-
-    sign: int
-    contracts: bool
+def _contracts(place: _PlanePlace, slope: Number, denominator: Number) -> bool:
+    """Whether a slope lies in (-1, 1)."""
+    return place.sign(denominator - slope) > 0 and place.sign(denominator + slope) > 0
 
 
-def _side(place: _PlanePlace, slope: Number, denominator: Number) -> _Side:
-    contracts = place.sign(denominator - slope) > 0 and place.sign(denominator + slope) > 0
-    return _Side(place.sign(slope), contracts)
-
-
-def _kind(left: _Side, right: _Side) -> CentreKind:
-    """What follows from the slopes; see the docstring of this file."""
-    if not (left.contracts and right.contracts):
-        return CentreKind.EXPANDING
-    match sorted((left.sign, right.sign)):
+def _kind(signs: list[int]) -> CentreKind:
+    """What follows from the signs of slopes in (-1, 1); see the docstring of this file."""
+    match sorted(signs):
         case [1, 1]:
             return CentreKind.ADDING
         case [0, 1]:
@@ -417,9 +406,9 @@ def _kind(left: _Side, right: _Side) -> CentreKind:
             return CentreKind.ALTERNATING
 
 
-def _patterns(kind: CentreKind, sides: list[_Side], letters: tuple[str, ...]) -> Iterator[str]:
+def _patterns(kind: CentreKind, signs: list[int], letters: tuple[str, ...]) -> Iterator[str]:
     """The words that grow: those in which a letter of positive slope is repeated."""
     if kind in (CentreKind.ADDING, CentreKind.INCREMENTING, CentreKind.SEPARATED):
         for grows, other in ((LEFT, RIGHT), (RIGHT, LEFT)):
-            if sides[grows].sign > 0:
+            if signs[grows] > 0:
                 yield f"{letters[other]} {letters[grows]}^n"

@@ -17,7 +17,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import reduce
 from typing import Any, NamedTuple
 
 import sympy
@@ -27,6 +26,7 @@ from sympy.polys.orderings import lex
 
 from pwmap.algebra.assumptions import UndecidedError
 from pwmap.algebra.exact import (
+    Affine,
     Fraction_,
     Number,
     bits,
@@ -46,7 +46,6 @@ from pwmap.rotations.words import checked_count
 
 LONG = 64  # bits of a number that are as much work as a term
 Element = Any  # of the field of quotients in the parameters, n and the powers
-Affine = tuple[Element, Element]  # slope and intercept
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -103,8 +102,6 @@ class WordFamily:
 
     Attributes
     ----------
-    pattern
-        As it was given.
     n
         The exponent, a positive integer.
     least
@@ -112,8 +109,6 @@ class WordFamily:
     x
         The first point of the cycle, whose word begins as the pattern does. Where the slope of a
         repeated word is 1 for single values of the parameters, x is the limit there.
-    multiplier
-        Of the cycle.
     conditions
         Those that bind: together they say for every n that each point lies in its piece.
 
@@ -307,14 +302,7 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
 class _Powers:
     """The field in which a family is computed: the parameters, n, and a variable for each s^n.
 
-    Parameters
-    ----------
-    map_
-        The map.
-    bases
-        The slopes s of repeated words, without those that are 0 or 1.
-    name
-        Of n.
+    The bases are the slopes s of repeated words, without those that are 0 or 1.
     """
 
     def __init__(self, map_: PiecewiseLinearMap, bases: tuple[Fraction_, ...], name: str) -> None:
@@ -425,10 +413,13 @@ class _Builder:
 
     def family(self, pattern: str) -> WordFamily:
         one = self._powers.field.one
-        slope, intercept = reduce(_then, map(self._whole, self._runs), (one, one - one))
+        whole = Affine(one, one - one)
+        for run in self._runs:
+            whole = self._whole(run).after(whole)
+        slope = whole.slope
         if slope == one:
             raise ValueError(f"the slope of {pattern} is 1 for every n: it has no isolated cycle")
-        x = intercept / (one - slope)
+        x = whole.fixed_point
         shifts = [run.shift for run in self._runs if run.grows]
         least = max(1, 1 - min(shifts))
         return WordFamily(
@@ -448,7 +439,7 @@ class _Builder:
     def _word(self, word: Word) -> Affine:
         orbits = self._map.orbits
         element = self._powers.element
-        return element(orbits.slope(word)), element(orbits.intercept(word))
+        return Affine(element(orbits.slope(word)), element(orbits.intercept(word)))
 
     def _whole(self, run: WordRun) -> Affine:
         return self._repeated(run.word, run) if run.grows else self._word(run.word)
@@ -456,14 +447,14 @@ class _Builder:
     def _repeated(self, word: Word, run: WordRun) -> Affine:
         """A word as often as a run says; it may be the run's word, turned."""
         base = self._slopes[run.word]
-        slope, intercept = self._word(word)
+        slope, intercept = once = self._word(word)
         if not base[0]:
-            return slope, intercept
+            return once
         one = self._powers.field.one
         if base[0] == base[1]:
-            return one, self._powers.count(run) * intercept
+            return Affine(one, self._powers.count(run) * intercept)
         power = self._powers.power(base, run)
-        return power, intercept * (one - power) / (one - slope)
+        return Affine(power, intercept * (one - power) / (one - slope))
 
     # --- Conditions -----------------------------------------------------------------------------
 
@@ -483,7 +474,7 @@ class _Builder:
                     at = quotient_to_sympy(self._break(k))
                     relation = bound.relation(self._powers.to_sympy(point), at)
                     yield FamilyCondition(relation=relation, since=since, _bound=bound)
-            x = _value(self._whole(run), x)
+            x = self._whole(run)(x)
 
     def _break(self, k: int) -> Fraction_:
         return self._map.orbits.preimage(k, ())
@@ -491,16 +482,16 @@ class _Builder:
     def _decisive(self, run: WordRun, x: Element) -> Iterator[tuple[int, int, Element]]:
         """Letters, places and points of a run that may decide; x is its first point."""
         for j, letter in enumerate(run.word):
-            start = _value(self._word(run.word[:j]), x) if j else x
+            start = self._word(run.word[:j])(x) if j else x
             turned = run.word[j:] + run.word[:j]
             for place in self._places(run):
                 if place > 0:
-                    yield letter, place, _value(self._word(turned), start)
+                    yield letter, place, self._word(turned)(start)
                 elif place == 0:
                     yield letter, place, start
                 else:
                     shorter = run._replace(shift=run.shift + place)
-                    yield letter, place, _value(self._repeated(turned, shorter), start)
+                    yield letter, place, self._repeated(turned, shorter)(start)
 
     def _places(self, run: WordRun) -> tuple[int, ...]:
         """Which repetitions decide: counted from 0 on, or from the end with -1 for the last."""
@@ -540,15 +531,6 @@ def _size(number: Number) -> int:
         return 1 + bits(number) // LONG
     parts = number.numer, number.denom
     return sum(1 + len(part) + sum(part.degrees()) for part in parts if part)
-
-
-def _then(first: Affine, second: Affine) -> Affine:
-    """The second affine map after the first."""
-    return second[0] * first[0], second[0] * first[1] + second[1]
-
-
-def _value(affine: Affine, x: Element) -> Element:
-    return affine[0] * x + affine[1]
 
 
 def _needed(place: int) -> int:

@@ -22,7 +22,7 @@ from typing import NamedTuple
 
 from sympy import QQ
 
-from pwmap.algebra.exact import Number, constant
+from pwmap.algebra.exact import Affine, Number, constant
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.rotations.pieces import LEFT, RIGHT, increasing_pieces
 from pwmap.rotations.words import checked_count, rotational_word
@@ -80,29 +80,21 @@ class RotationInterval:
 
 
 class TwoLines(NamedTuple):
-    """Two increasing lines, each a slope and an intercept, and the break between them."""
+    """Two increasing lines, and the break between them."""
 
-    left: tuple[Number, Number]
-    right: tuple[Number, Number]
+    left: Affine
+    right: Affine
     at: Number
-
-    def go_left(self, x: Number) -> Number:
-        """L(x)."""
-        return self.left[0] * x + self.left[1]
-
-    def go_right(self, x: Number) -> Number:
-        """R(x)."""
-        return self.right[0] * x + self.right[1]
 
     @property
     def limits(self) -> tuple[Number, Number]:
         """Both limits at the break, from the left and from the right."""
-        return self.go_left(self.at), self.go_right(self.at)
+        return self.left(self.at), self.right(self.at)
 
     def reflected(self) -> TwoLines:
         """The same map seen from behind, in -x: a rotation number r becomes 1 - r."""
         (s, c), (m, d) = self.left, self.right
-        return TwoLines((m, -d), (s, -c), -self.at)
+        return TwoLines(Affine(m, -d), Affine(s, -c), -self.at)
 
 
 def rotation_number_at(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> RotationNumber:
@@ -199,7 +191,9 @@ def _lines(map_: PiecewiseLinearMap) -> TwoLines:
         names = ", ".join(map(str, map_.parameters))
         raise ValueError(f"every parameter must have a value (.at), the map still has {names}")
     table = map_.definition.table
-    lines = [(constant(table.slopes[i]), constant(table.intercepts[i])) for i in (LEFT, RIGHT)]
+    lines = [
+        Affine(constant(table.slopes[i]), constant(table.intercepts[i])) for i in (LEFT, RIGHT)
+    ]
     top, bottom = map(constant, pieces.at)
     return TwoLines(lines[0], lines[1], top / bottom)
 
@@ -207,20 +201,17 @@ def _lines(map_: PiecewiseLinearMap) -> TwoLines:
 def _fixed(lines: TwoLines) -> Fraction | None:
     """The rotation number 0 or 1 where no orbit comes round; None where the break is crossed.
 
-    Raises
-    ------
-    ValueError
-        If there is no rotation number.
+    ValueError if there is no rotation number.
     """
     top, low = lines.limits
     stays = top <= lines.at, low >= lines.at
     if all(stays):
         raise ValueError("both pieces map into themselves: orbits do not come round")
     if any(stays):
-        slope = lines.left[0] if stays[0] else lines.right[0]
+        slope = (lines.left if stays[0] else lines.right).slope
         if slope < 1 or (slope == 1 and lines.at in (top, low)):
             return Fraction(int(stays[1]))
-    elif lines.go_left(low) >= low and lines.go_right(top) <= top:
+    elif lines.left(low) >= low and lines.right(top) <= top:
         return None
     raise ValueError("no bounded interval around the break is mapped into itself")
 
@@ -228,7 +219,7 @@ def _fixed(lines: TwoLines) -> Fraction | None:
 def _overlap(lines: TwoLines) -> bool:
     """Whether images of the two pieces overlap, so that the map is not invertible."""
     top, low = lines.limits
-    return bool(low < lines.at < top and lines.go_right(top) > lines.go_left(low))
+    return bool(low < lines.at < top and lines.right(top) > lines.left(low))
 
 
 def _greatest(lines: TwoLines, iterates: int) -> RotationNumber:
@@ -239,16 +230,16 @@ def _greatest(lines: TwoLines, iterates: int) -> RotationNumber:
     and k/n; it is (k - 1)/n if the orbit is on the level piece, k/n if it is back at t.
     """
     top, low = lines.limits
-    floor_ = lines.go_right(top)
-    level = max(low, (floor_ - lines.left[1]) / lines.left[0])
+    floor_ = lines.right(top)
+    level = max(low, (floor_ - lines.left.intercept) / lines.left.slope)
     x, turns = top, 0
     lower, upper = Fraction(0), Fraction(1)
     tried = set[Fraction]()
     for n in range(1, iterates + 1):
         if x > lines.at:
-            x, turns = lines.go_right(x), turns + 1
+            x, turns = lines.right(x), turns + 1
         else:
-            x = max(lines.go_left(x), floor_)
+            x = max(lines.left(x), floor_)
         lower = max(lower, Fraction(turns - (x != top), n))
         upper = min(upper, Fraction(turns - (x <= level), n))
         simplest = lower if lower == upper else _simplest(lower, upper)
@@ -261,19 +252,18 @@ def _greatest(lines: TwoLines, iterates: int) -> RotationNumber:
 def _has_cycle(lines: TwoLines, rotation: Fraction, level: Number) -> bool:
     """Whether a cycle of a rotation number exists beyond the level piece, or just touches b."""
     word = rotational_word(rotation)
-    slope, shift = QQ.one, QQ.zero
+    whole = Affine(QQ.one, QQ.zero)
     for letter in word:
-        m, c = lines.left if letter == "L" else lines.right
-        slope, shift = m * slope, m * shift + c
-    if slope == 1:  # then the orbit of t itself comes back, or no cycle is alone
+        whole = (lines.left if letter == "L" else lines.right).after(whole)
+    if whole.slope == 1:  # then the orbit of t itself comes back, or no cycle is alone
         return False
-    x = shift / (1 - slope)  # the leftmost point
-    if x < level or x > lines.go_left(lines.at):  # a fixed point may lie beyond t
+    x = whole.fixed_point  # the leftmost point
+    if x < level or x > lines.left(lines.at):  # a fixed point may lie beyond t
         return False
     for letter in word:
         if (x > lines.at) if letter == "L" else (x < lines.at):
             return False
-        x = lines.go_left(x) if letter == "L" else lines.go_right(x)
+        x = (lines.left if letter == "L" else lines.right)(x)
     return True
 
 

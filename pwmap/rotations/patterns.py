@@ -34,10 +34,7 @@ class WordRun(NamedTuple):
 def read_pattern(text: str, letters: Sequence[str], n: str = "n") -> tuple[WordRun, ...]:
     """The runs of a pattern; letters that are not raised to n are runs of one letter, once.
 
-    Raises
-    ------
-    ValueError
-        One sentence that says what is wrong with the pattern.
+    ValueError: one sentence that says what is wrong with the pattern.
     """
     if not isinstance(text, str):
         raise ValueError(f"a pattern must be text such as 'R L^n', got {shortened(repr(text))}")

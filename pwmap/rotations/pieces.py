@@ -25,8 +25,6 @@ class TwoPieces(NamedTuple):
     def margin(self, word: Word) -> tuple[Fraction_, bool]:
         """By how much a cycle's point lies inside of the first piece of its word.
 
-        Returns
-        -------
         The distance to the break, positive inside, and whether it may be zero.
         """
         (top, bottom), (a, b) = self.map_.orbits.fixed_point(word), self.at
@@ -37,12 +35,8 @@ class TwoPieces(NamedTuple):
 def two_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
     """Check that a map has two pieces and one break.
 
-    Raises
-    ------
-    TypeError
-        If it is no map.
-    ValueError
-        If it has other pieces, is an iterate, or the map of a cell of parameters.
+    TypeError if it is no map; ValueError if it has other pieces, is an iterate, or the map of a
+    cell of parameters.
     """
     layout = checked_map(map_)
     if map_.scope != map_.definition.region:
@@ -59,12 +53,8 @@ def two_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
 def increasing_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
     """Check that a map has two pieces that increase.
 
-    Raises
-    ------
-    TypeError, ValueError
-        As :func:`two_pieces`, and if one of the pieces does not increase.
-    UndecidedError
-        If the assumptions do not say whether they do.
+    TypeError, ValueError as :func:`two_pieces`, and if one of the pieces does not increase;
+    UndecidedError if the assumptions do not say whether they do.
     """
     pieces = two_pieces(map_)
     for letter in (LEFT, RIGHT):
@@ -78,13 +68,7 @@ def increasing_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
 
 
 def checked_map(map_: PiecewiseLinearMap) -> Layout:
-    """How a map cuts the line.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is no map, or an iterate.
-    """
+    """How a map cuts the line; TypeError, ValueError if it is no map, or an iterate."""
     if not isinstance(map_, PiecewiseLinearMap):
         raise TypeError(f"expected a PiecewiseLinearMap, got {type(map_).__name__}")
     if map_.order != 1:

@@ -20,7 +20,7 @@ from functools import cached_property
 
 import sympy
 
-from pwmap.algebra.exact import Fraction_, dense, fraction_to_sympy, quotient_to_sympy
+from pwmap.algebra.exact import Fraction_, Number, dense, fraction_to_sympy, quotient_to_sympy
 from pwmap.algebra.roots import (
     Real,
     gaps_and_roots,
@@ -134,13 +134,11 @@ class Tongue:
         return gaps_and_roots(sorted(roots))
 
     def _holds(self, value: Real) -> bool:
-        admitted = all(
-            constraint.holds(sign_at(dense(constraint.polynomial), value))
-            for constraint in self._map.definition.region.constraints
-        )
-        return admitted and all(
-            sign_at(dense(top), value) * sign_at(dense(bottom), value) > 0
-            or (closed and sign_at(dense(top), value) == 0 != sign_at(dense(bottom), value))
+        def sign(number: Number) -> int:
+            return sign_at(dense(number), value)
+
+        return self._map.definition.region.broken(sign) is None and all(
+            sign(top) * sign(bottom) > 0 or (closed and sign(top) == 0 != sign(bottom))
             for (top, bottom), closed in self._margins
         )
 

@@ -7,12 +7,11 @@ points on the right come round (R).
 
 from __future__ import annotations
 
-import operator
 from fractions import Fraction
 
 import sympy
 
-from pwmap.algebra.terms import shortened
+from pwmap.algebra.terms import positive_integer, shortened
 
 
 def farey(q_max: int) -> tuple[Fraction, ...]:
@@ -133,11 +132,8 @@ def checked_rotation(rotation: object) -> Fraction:
 
 def checked_count(number: object, name: str) -> int:
     """An integer of at least 1; ValueError if it is none."""
-    try:
-        found = operator.index(number)  # type: ignore[arg-type]
-    except TypeError:
-        found = 0
-    if found < 1 or isinstance(number, bool):
+    found = positive_integer(number)
+    if not found:
         raise ValueError(f"{name} must be an integer of at least 1, got {number}")
     return found
 

@@ -16,13 +16,12 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.exact import to_float
-from pwmap.algebra.roots import simplest_between, spread
+from pwmap.algebra.roots import algebraic, simplest_between, spread
 from pwmap.diagrams.data import Branch, BranchKind, FloatArray, PointKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import Diagram
 from pwmap.longrun.crises.diagram import AttractorCell, AttractorDiagram, Crisis
 from pwmap.longrun.crises.meetings import meeting_x
 from pwmap.longrun.dynamics import dynamics
-from pwmap.longrun.numbers import algebraic
 
 PLACES = 7  # in each cell at which bands are computed exactly
 NEAR = QQ(1, 8)  # of the distance between two of them: there a simple rational is taken
@@ -66,7 +65,7 @@ def with_attractors(diagram: Diagram, found: AttractorDiagram) -> Diagram:
     check_parameter(diagram, found)
     points = _Points(diagram, found)
     branches = tuple(
-        piece.branch(f"B{number}", points) for number, piece in enumerate(_pieces(found), start=1)
+        _branch(f"B{number}", rows, points) for number, rows in enumerate(_pieces(found), start=1)
     )
     return replace(diagram, branches=(*diagram.branches, *branches), points=points.all())
 
@@ -91,42 +90,35 @@ class _Row:
     formulas: tuple[sympy.Expr, sympy.Expr] | None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class _BandPiece:
-    """A band from one crisis to the next: it may pass several cells."""
-
-    rows: tuple[_Row, ...]
-
-    def branch(self, name: str, points: _Points) -> Branch:
-        """The same as a branch, with its ends among the points."""
-        first, last = self.rows[0], self.rows[-1]
-        low, high, parameter = (
-            np.concatenate([getattr(row, column) for row in self.rows])
-            for column in ("low", "high", "parameter")
-        )
-        middle = 0.5 * (low + high)
-        starts = np.cumsum([0, *(len(row.parameter) for row in self.rows[:-1])]).tolist()
-        words = tuple(
-            Stretch(start, "", exact=_formulas(row))
-            for start, row in zip(starts, self.rows, strict=True)
-        )
-        return Branch(
-            id=name,
-            kind=BranchKind.BAND,
-            order=first.order,
-            word="",
-            parameter=parameter,
-            x=middle,
-            multiplier=np.full(len(middle), np.nan),
-            ends=(
-                points.at(first.cell.lower, float(middle[0]), name),
-                points.at(last.cell.upper, float(middle[-1]), name),
-            ),
-            exact=words[0].exact,
-            attracts=True,
-            words=words,
-            columns={"low": low, "high": high},
-        )
+def _branch(name: str, rows: Sequence[_Row], points: _Points) -> Branch:
+    """A band from one crisis to the next, through one cell or more, with its ends as points."""
+    first, last = rows[0], rows[-1]
+    low, high, parameter = (
+        np.concatenate([getattr(row, column) for row in rows])
+        for column in ("low", "high", "parameter")
+    )
+    middle = 0.5 * (low + high)
+    starts = np.cumsum([0, *(len(row.parameter) for row in rows[:-1])]).tolist()
+    words = tuple(
+        Stretch(start, "", exact=_formulas(row)) for start, row in zip(starts, rows, strict=True)
+    )
+    return Branch(
+        id=name,
+        kind=BranchKind.BAND,
+        order=first.order,
+        word="",
+        parameter=parameter,
+        x=middle,
+        multiplier=np.full(len(middle), np.nan),
+        ends=(
+            points.at(first.cell.lower, float(middle[0]), name),
+            points.at(last.cell.upper, float(middle[-1]), name),
+        ),
+        exact=words[0].exact,
+        attracts=True,
+        words=words,
+        columns={"low": low, "high": high},
+    )
 
 
 def _formulas(row: _Row) -> dict[str, object]:
@@ -140,17 +132,17 @@ def _formulas(row: _Row) -> dict[str, object]:
     }
 
 
-def _pieces(found: AttractorDiagram) -> Iterator[_BandPiece]:
+def _pieces(found: AttractorDiagram) -> Iterator[tuple[_Row, ...]]:
     """All bands, from left to right and bottom to top, each as far as no crisis ends it."""
     ends = {crisis.parameter for crisis in found.crises}
     run: list[list[_Row]] = []  # the rows of each cell since the last crisis
     for cell in found.cells:
         rows = _rows(found, cell)
         if run and (cell.lower in ends or len(rows) != len(run[-1])):
-            yield from (_BandPiece(each) for each in zip(*run, strict=True))
+            yield from zip(*run, strict=True)
             run = []
         run.append(rows)
-    yield from (_BandPiece(each) for each in zip(*run, strict=True))
+    yield from zip(*run, strict=True)
 
 
 def _rows(found: AttractorDiagram, cell: AttractorCell) -> list[_Row]:

@@ -35,26 +35,14 @@ NEAR = 1e-9  # of the numbers at hand: closer ones are compared exactly
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Onset:
-    """A place at which what attracts changes, or an interval in which it does.
+    """A place at which what attracts changes, or an interval in which it does."""
 
-    Attributes
-    ----------
-    low, high
-        Equal if the place is known.
-    before, after
-        Samples beside it: what attracts there does so up to the place.
-    met
-        Ends of bands, and the cycles that they meet.
-    is_open
-        Whether something is not known in the interval: then there may be several changes.
-    """
-
-    low: Real
+    low: Real  # equal to high if the place is known
     high: Real
-    before: Attracted
+    before: Attracted  # samples beside it: what attracts there does so up to the place
     after: Attracted
-    met: tuple[tuple[BreakImage, Word], ...] = ()
-    is_open: bool = False
+    met: tuple[tuple[BreakImage, Word], ...] = ()  # ends of bands, and the cycles that they meet
+    is_open: bool = False  # something is not known in the interval: there may be several changes
 
     @property
     def is_exact(self) -> bool:
@@ -72,12 +60,7 @@ class Onset:
 class Changes:
     """Finds what happens between samples.
 
-    Parameters
-    ----------
-    samples
-        The map over its parameter.
-    order
-        Up to which cycles are told apart whatever it takes.
+    Cycles up to the order are told apart whatever it takes.
     """
 
     def __init__(self, samples: Samples, order: int) -> None:
@@ -296,7 +279,7 @@ class Changes:
                 yield from ((root, ()) for root in self._crossings(polynomial, low, high))
         lines = [doubles_of(line_at(self.samples.map, place)) for place in (low, high)]
         at = [[to_double(self.samples.value(end, place)) for end in ends] for place in (low, high)]
-        for numbers in self._repelling(sample):
+        for numbers in self._repelling(sample.place):
             word = tuple(self.samples.letters[k] for k in numbers)
             points = [line.cycle(numbers)[0] for line in lines]
             for i in range(len(word)):
@@ -319,12 +302,9 @@ class Changes:
             return ()
         return roots_between(polynomial, low, high)
 
-    def _repelling(self, sample: Attracted) -> list[tuple[int, ...]]:
-        """Words of repelling cycles at a sample, as numbers of pieces."""
-        return self._repelling_at(sample.place)
-
     @cache  # noqa: B019  as long as the changes live
-    def _repelling_at(self, place: Number) -> list[tuple[int, ...]]:
+    def _repelling(self, place: Number) -> list[tuple[int, ...]]:
+        """Words of repelling cycles at the place of a sample, as numbers of pieces."""
         line = self.samples.at(place).line
         found = closed_words(line, max(PERIOD, self.order), self.samples.meter)
         return [word for word, multiplier in found if not -1 <= multiplier <= 1]

@@ -11,9 +11,9 @@ said.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import Any
 
 from pwmap.algebra.exact import Number, dense, to_float
 from pwmap.longrun.line import MapLine, cut_at
@@ -58,34 +58,25 @@ class DoubleMap:
                 yield one, other
 
 
-class DoubleFamily(NamedTuple):
-    """A map over one parameter: coefficients in doubles, from the highest degree on."""
-
-    denominator: Sequence[float]
-    slopes: Sequence[Sequence[float]]
-    intercepts: Sequence[Sequence[float]]
-    breaks: Sequence[Sequence[float]]
-
-    def at(self, place: Any) -> DoubleMap:
-        """The map at a place, or at all places of an array."""
-        bottom = value_at(self.denominator, place)
-        groups = ([value_at(each, place) / bottom for each in group] for group in self[1:])
-        return DoubleMap(*groups)
-
-
-def family_of(table: Table, layout: Layout) -> DoubleFamily:
-    """The same map in doubles."""
+def family_of(table: Table, layout: Layout) -> Callable[[Any], DoubleMap]:
+    """A map in doubles, as a function of its parameter: a place, or all places of an array."""
 
     def doubles(number: Number) -> Sequence[float]:
         return [to_float(c) for c in dense(number)] or [0.0]
 
     letters = layout.slots[::2]
-    return DoubleFamily(
-        doubles(table.denominator),
+    bottom = doubles(table.denominator)
+    groups = [
         [doubles(table.slopes[k]) for k in letters],
         [doubles(table.intercepts[k]) for k in letters],
         [doubles(table.breaks[k]) for k in layout.breaks],
-    )
+    ]
+
+    def at(place: Any) -> DoubleMap:
+        below = value_at(bottom, place)
+        return DoubleMap(*([value_at(each, place) / below for each in group] for group in groups))
+
+    return at
 
 
 def doubles_of(line: MapLine) -> DoubleMap:
@@ -97,14 +88,8 @@ def doubles_of(line: MapLine) -> DoubleMap:
 def is_covered(line: DoubleMap, word: Sequence[int], side: int) -> bool:
     """Whether what grows from one side of a repelling cycle surrounds a point of it.
 
-    Parameters
-    ----------
-    line
-        The map.
-    word
-        The numbers of the pieces of the cycle.
-    side
-        -1 or 1: the side of its first point.
+    The word has the numbers of the pieces of the cycle; the side, -1 or 1, is one of its first
+    point.
     """
     points, slope = line.cycle(word)
     first = _first_part(line, word if slope > 0.0 else (*word, *word), points[0], side)

@@ -27,7 +27,7 @@ from pwmap.longrun.crises.samples import BreakImage, Samples
 from pwmap.longrun.cycles import closed_words
 from pwmap.longrun.line import line_at
 from pwmap.longrun.numbers import Exact, to_double
-from pwmap.maps.words import CriticalOrbit, MultiplierSign, Slope, Word
+from pwmap.maps.words import CriticalOrbit, MultiplierSign, SignOracle, Slope, Word
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -42,12 +42,7 @@ class AxisPart:
 class Cuts:
     """Places at which words up to some order change, or say that what attracts may.
 
-    Parameters
-    ----------
-    samples
-        The map over its parameter.
-    order
-        How long the words of images and cycles are, at most.
+    Words of images and cycles are as long as the order, at most.
     """
 
     def __init__(self, samples: Samples, order: int) -> None:
@@ -92,33 +87,22 @@ class Cuts:
                     cuts |= found
                     self._returns |= found if k == other else set()
         for low, high in pairwise(sorted(cuts)):
-            place = self.axis.between(low, high)
+            oracle = self.axis.oracle(self.axis.between(low, high))
             words = tuple(
-                self._with_letter(k, side, word, place) if len(word) == length else word
+                self._with_letter(k, side, word, oracle) if len(word) == length else word
                 for (k, side), word in zip(self.germs, part.words, strict=True)
             )
             yield AxisPart(low, high, words)
 
-    def _with_letter(self, k: int, side: int, word: Word, place: Real) -> Word:
+    def _with_letter(self, k: int, side: int, word: Word, oracle: SignOracle) -> Word:
         """The word of a germ with the letter of its piece; as it is on a break after a flat one."""
-        side = self._side(side, word, place)
-        slot = 0
-        for other in self.layout.breaks:
-            beyond = self._sign(CriticalOrbit(k, word, other), place)
-            if not beyond and not side:
+        slot = oracle.slot(self.map.chain[0], k, word)
+        if slot % 2:
+            side *= oracle.slope(word)
+            if not side:
                 return word
-            if beyond > 0 or (beyond == 0 and side > 0):
-                slot += 1
-        return (*word, self.letters[slot])
-
-    def _side(self, side: int, word: Word, place: Real) -> int:
-        """On which side of its point a germ is after a word; 0 after a flat piece."""
-        for letter in word:
-            side *= self._sign(Slope(letter), place)
-        return side
-
-    def _sign(self, decision: CriticalOrbit | Slope, place: Real) -> int:
-        return self.axis.sign(self.orbits.polynomial(decision), place)
+            slot += side
+        return (*word, self.layout.slots[slot])
 
     def _by_multipliers(self, part: AxisPart) -> Iterator[AxisPart]:
         """A part cut where the multiplier of a cycle is 1 or -1."""
@@ -158,12 +142,13 @@ class Cuts:
         What meets a cycle does so, too, one letter later: only the first image is looked at.
         """
         place = self.axis.between(part.low, part.high)
+        oracle = self.axis.oracle(place)
         images = dict[
             Dense, tuple[BreakImage, int]
         ]()  # both sides of a continuous break have the same
         for (k, side), word in zip(self.germs, part.words, strict=True):
             for n in range(1, min(len(word), self.order) + 1):
-                here = self._side(side, word[:n], place)
+                here = side * oracle.slope(word[:n])
                 if here:
                     value = dense(self.orbits.value(k, word[:n])[0])
                     images.setdefault((*value, here), (BreakImage(k, word[:n]), here))
@@ -211,4 +196,4 @@ class Cuts:
     @cache  # noqa: B019  as long as the cuts live
     def _doubles(self, place: float) -> DoubleMap:
         """The map at a place, in doubles."""
-        return self._family.at(place)
+        return self._family(place)

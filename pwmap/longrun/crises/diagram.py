@@ -34,8 +34,7 @@ from pwmap.longrun.dynamics import Dynamics
 from pwmap.longrun.line import MapLine, line_at
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
-from pwmap.maps.kinds import check_map
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
 from pwmap.maps.words import first_turn
 from pwmap.parameters.cells import only_axis
 
@@ -50,8 +49,6 @@ class AttractorCell:
     ----------
     lower, upper
         Exact ends; they do not belong to it.
-    sample
-        A rational value inside.
     cycles
         Words of the attracting cycles, as long as they are.
     neutral
@@ -139,10 +136,6 @@ class AttractorDiagram:
 
     Attributes
     ----------
-    map
-        The map.
-    parameter
-        The symbol.
     order
         Up to which images of breaks are compared with breaks and cycles everywhere.
     cells
@@ -150,8 +143,6 @@ class AttractorDiagram:
     crises
         Of chaotic attractors, from left to right. Other bifurcations of attracting cycles separate
         cells, too; they are in :func:`pwmap.bifurcation_diagram`.
-    left_out
-        A sentence on what was not looked at; empty if all was.
     left_out
         A sentence on what was not looked at; empty if all was.
 
@@ -211,12 +202,8 @@ def attractor_diagram(
 
     Parameters
     ----------
-    map_
-        A map whose other parameters have values.
-    parameter
-        Symbol or name.
-    span
-        Two rationals.
+    map_, parameter, span
+        A map whose other parameters have values, the symbol or name of this one, and two rationals.
     order
         Up to which images of breaks are compared with breaks, and with repelling cycles of periods
         up to that, everywhere. All changes by such words are found; of changes by longer ones those
@@ -269,15 +256,7 @@ def attractor_diagram(
 
 
 class _Sweep:
-    """Goes over an interval from left to right, and makes cells and crises of what it finds.
-
-    Parameters
-    ----------
-    samples, cuts, changes
-        The map over its parameter.
-    low, high
-        Where it starts and ends.
-    """
+    """Goes over an interval from left to right, and makes cells and crises of what it finds."""
 
     def __init__(
         self, samples: Samples, cuts: Cuts, changes: Changes, low: Real, high: Real
@@ -393,36 +372,20 @@ class _Sweep:
             low = self._opened
             self.cells.pop()
         sample = self.samples.axis.between(low, high)
-        self.cells.append(
-            AttractorCell(
-                lower=real_to_sympy(low),
-                upper=real_to_sympy(high),
-                sample=QQ.to_sympy(sample),
-                cycles=(),
-                bands=(),
-                line=line_at(self.samples.map, sample),
-                is_open=True,
-            )
-        )
+        line = line_at(self.samples.map, sample)
+        self.cells.append(AttractorCell(*_shown(low, high, sample), (), (), line, is_open=True))
         self._opened, self._low, self._inside = low, high, []
 
     def _known(self, low: Real, high: Real, sample: Attracted) -> AttractorCell:
         value = self.samples.axis.orbits.value
-        return AttractorCell(
-            lower=real_to_sympy(low),
-            upper=real_to_sympy(high),
-            sample=QQ.to_sympy(sample.place),
-            cycles=sample.cycles,
-            bands=tuple(
-                tuple(
-                    (_expression(value(a.k, a.word)), _expression(value(b.k, b.word)))
-                    for a, b in bands
-                )
-                for bands in sample.ends
-            ),
-            line=sample.line,
-            neutral=sample.neutral,
+        bands = tuple(
+            tuple(
+                (_expression(value(a.k, a.word)), _expression(value(b.k, b.word))) for a, b in each
+            )
+            for each in sample.ends
         )
+        ends = _shown(low, high, sample.place)
+        return AttractorCell(*ends, sample.cycles, bands, sample.line, sample.neutral)
 
     def _crisis(self, change: Onset, kind: PointKind) -> Crisis:
         spelled, breaks = self.samples.map.spelled, self.samples.layout.breaks
@@ -437,6 +400,11 @@ class _Sweep:
             ),
             width=0.0 if change.is_exact else width,
         )
+
+
+def _shown(low: Real, high: Real, sample: Number) -> tuple[sympy.Expr, sympy.Expr, sympy.Rational]:
+    """Ends of a cell and its sample as expressions."""
+    return real_to_sympy(low), real_to_sympy(high), QQ.to_sympy(sample)
 
 
 def _expression(fraction: Fraction_) -> sympy.Expr:

@@ -27,14 +27,7 @@ Floats = npt.NDArray[np.float64]
 class Glimpses:
     """Chooses places at which something else may attract.
 
-    Parameters
-    ----------
-    samples
-        The map over its parameter.
-    low, high
-        The interval that is looked at.
-    order
-        Longer cycles are not looked for.
+    Cycles longer than the order are not looked for.
     """
 
     def __init__(self, samples: Samples, low: Number, high: Number, order: int) -> None:
@@ -42,9 +35,10 @@ class Glimpses:
         self._order = order
         self._low, self._step = low, (high - low) / PLACES
         self._places = [low + self._step * (2 * k + 1) / 2 for k in range(PLACES)]
-        samples.meter.spend(len(self._family.breaks) * (SETTLED + SEEN))
+        breaks = len(samples.layout.breaks)
+        samples.meter.spend(breaks * (SETTLED + SEEN))
         places = np.array([to_float(x) for x in self._places])
-        self._kinds = self.kinds(places) if self._family.breaks else [(0,)] * PLACES
+        self._kinds = self.kinds(places) if breaks else [(0,)] * PLACES
 
     def between(self, low: Real, high: Real, place: Number) -> list[Number]:
         """Simple places of an interval where orbits look otherwise than at the place of a sample.
@@ -70,7 +64,7 @@ class Glimpses:
 
         As 1 + the number of points of a cycle, as minus the number of bands, as 0 what is lost.
         """
-        line = self._family.at(places)
+        line = self._family(places)
         slopes, intercepts, breaks = map(np.array, (line.slopes, line.intercepts, line.breaks))
         sides = [(b, k) for b in range(len(breaks)) for k in (b, b + 1)]
         x = np.array([slopes[k] * breaks[b] + intercepts[k] for b, k in sides])

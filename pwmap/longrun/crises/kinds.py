@@ -9,7 +9,7 @@ from pwmap.longrun.crises.changes import Changes, Onset
 from pwmap.longrun.crises.samples import Attracted, Samples
 from pwmap.longrun.line import Interval, joined
 from pwmap.longrun.numbers import to_double
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import MultiplierSign, Word
 from pwmap.parameters.recorded import axis_of
@@ -18,14 +18,14 @@ SAME = 1e-4  # of their length: so little may bands differ that are the same, in
 
 
 def kind_at(
-    map_: PiecewiseLinearMap, name: str, order: int, place: Real, width: Number, *,
-    budget: Budget | Meter = BUDGET,
+    map_: PiecewiseLinearMap, name: str, order: int, place: Real, width: Number,
+    meter: Meter,
 ) -> PointKind | None:  # fmt: skip
     """What happens to bands at a place of a map's only parameter; None if nothing does.
 
     What attracts is asked between a half and one width beside it.
     """
-    samples = Samples(map_, axis_of(map_.definition, name, {}), metered(budget))
+    samples = Samples(map_, axis_of(map_.definition, name, {}), meter)
     low, high = bounds(place)
     left = samples.between(low - width, low - width / 2)
     right = samples.between(high + width / 2, high + width)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import sympy
@@ -96,23 +95,13 @@ def meeting_x(map_: PiecewiseLinearMap, meeting: Meeting) -> sympy.Expr:
 
 
 def numbers_of(map_: PiecewiseLinearMap, word: str) -> Word:
-    """The letters of a word as numbers.
-
-    Raises
-    ------
-    ValueError
-        If it is empty, or has an unknown letter.
-    """
-    return tuple(_numbers(map_, word))
-
-
-def _numbers(map_: PiecewiseLinearMap, word: str) -> Iterator[int]:
+    """The letters of a word as numbers; ValueError if it is empty, or has an unknown letter."""
     if not word:
         raise ValueError("a word must have at least one letter")
     for letter in word:
         if letter not in map_.letters:
             raise ValueError(f"{letter!r} is no piece of this map, it has {map_.letters}")
-        yield map_.letters.index(letter)
+    return tuple(map(map_.letters.index, word))
 
 
 def earliest(image: Word, cycle: Word) -> tuple[Word, Word]:

@@ -37,27 +37,15 @@ Ends = tuple[BreakImage, BreakImage]  # of a band
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Attracted:
-    """What attracts at a place.
-
-    Attributes
-    ----------
-    ends
-        Of the bands of each chaotic attractor, as images of breaks.
-    cycles, neutral
-        Words of attracting cycles and of neutral intervals, each from its first letter in the
-        alphabet on.
-    is_special
-        Whether images of breaks meet there that do not meet beside it: then something else may
-        attract beside it.
-    """
+    """What attracts at a place."""
 
     place: Number
     line: MapLine
     found: Attractors
-    ends: tuple[tuple[Ends, ...], ...]
-    cycles: tuple[str, ...]
-    neutral: tuple[str, ...]
-    is_special: bool
+    ends: tuple[tuple[Ends, ...], ...]  # of the bands of each chaotic attractor
+    cycles: tuple[str, ...]  # words, each from its first letter in the alphabet on
+    neutral: tuple[str, ...]  # likewise of neutral intervals
+    is_special: bool  # images of breaks meet there, not beside it, where something else may attract
 
     @property
     def counts(self) -> tuple[int, ...]:
@@ -77,15 +65,7 @@ class Attracted:
 
 
 class Samples:
-    """What attracts at places of a parameter, each asked once.
-
-    Parameters
-    ----------
-    map_, axis
-        The map, and its only parameter.
-    meter
-        Where the work is noted.
-    """
+    """What attracts at places of a parameter, each asked once."""
 
     def __init__(self, map_: PiecewiseLinearMap, axis: Axis, meter: Meter) -> None:
         self.map, self.axis, self.meter = map_, axis, meter
@@ -106,7 +86,7 @@ class Samples:
         line = line_at(self.map, place)
         left = self.meter.budget.work - self.meter.work
         meter = Meter(Budget(work=max(1, min(WORK, left))))  # what takes more is open
-        found = attractors_of(line, budget=meter)
+        found = attractors_of(line, meter)
         self.meter.spend(meter.work)
         if len(found.orbits) < len(self.germs):
             return Attracted(place, line, found, (), (), (), is_special=False)

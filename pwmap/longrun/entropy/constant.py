@@ -48,7 +48,6 @@ from pwmap.longrun.entropy.entropies import (
 )
 from pwmap.longrun.entropy.itineraries import (
     STEPS,
-    Ending,
     Itinerary,
     drawn_to,
     growth_at,
@@ -56,12 +55,11 @@ from pwmap.longrun.entropy.itineraries import (
 )
 from pwmap.longrun.entropy.kneading import cofactors, growth_by_kneading
 from pwmap.longrun.entropy.matching import family_of, growth_of_pairs, matched
-from pwmap.longrun.fates import AttractingCycle, Fates
+from pwmap.longrun.fates import AttractingCycle, Fate, Fates
 from pwmap.longrun.line import MapLine, line_at
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
-from pwmap.maps.kinds import check_map
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
 from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, OrbitReturn, Slope
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.cells import only_axis
@@ -92,21 +90,11 @@ class _Proved:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Proof:
-    """The growth of laps at a place, and what was decided to know it.
+    """The growth of laps at a place, and what was decided to know it."""
 
-    Attributes
-    ----------
-    growth
-        A number, at least 1.
-    decisions
-        Wherever their polynomials have the signs that they have at the place, it is the same.
-    matches
-        Whether orbits of a break match.
-    """
-
-    growth: Real
-    decisions: tuple[Decision, ...]
-    matches: bool = False
+    growth: Real  # at least 1
+    decisions: tuple[Decision, ...]  # it is the same wherever their polynomials have the same signs
+    matches: bool = False  # whether orbits of a break match
 
 
 def constant_entropy(
@@ -123,18 +111,12 @@ def constant_entropy(
 
     Parameters
     ----------
-    map_
-        A map whose other parameters have values.
-    parameter
-        Symbol or name.
-    span
-        Two rationals.
+    map_, parameter, span
+        A map whose other parameters have values, the symbol or name of this one, and two rationals.
     tolerance
         A rational: narrower gaps are left. By default 1/4096 of the span.
-    samples
-        How many values are tried at most.
-    steps
-        How far orbits of breaks are followed.
+    samples, steps
+        How many values are tried, and how far orbits of breaks are followed, at most.
     budget
         What all of it may take; what is not looked at then is a gap.
 
@@ -185,8 +167,8 @@ class _Study:
 
     def admits(self, place: Real) -> bool:
         """Whether the assumptions hold at a place."""
-        constraints = self.axis.definition.region.constraints
-        return all(c.holds(self.axis.sign(c.polynomial, place)) for c in constraints)
+        region = self.axis.definition.region
+        return region.broken(lambda polynomial: self.axis.sign(polynomial, place)) is None
 
     def line(self, place: Real) -> MapLine:
         """The map at a place."""
@@ -199,7 +181,7 @@ class _Study:
             return Proof(QQ.one, tuple(units))
         itineraries = self.itineraries(line)
         endings = {each.ending for each in itineraries}
-        if Ending.OPEN in endings:
+        if Fate.OPEN in endings:
             expands = all(not -1 <= branch.slope <= 1 for branch in line.branches)
             return GapCause.EXPANDS if expands else GapCause.OPEN
         grown = growth_by_kneading if None in endings else growth_at
@@ -238,7 +220,7 @@ class _Study:
         changing = {
             number // 2
             for number, each in enumerate(itineraries)
-            if each.ending is Ending.OPEN
+            if each.ending is Fate.OPEN
             or not self.lasts(self.decisions(line, number // 2, each), low, high)
         }
         if len(changing) != 1:
@@ -280,11 +262,11 @@ class _Study:
                 yield CriticalOrbit(k, word[:n], other)
         again = word[itinerary.start :]
         match itinerary.ending:
-            case Ending.PERIODIC | Ending.OUTWARD:
+            case Fate.FINITE | Fate.LOST:
                 yield OrbitReturn(k, word, itinerary.start)
-            case Ending.DRAWN if self.slope(line, itinerary) < 0:
+            case Fate.DRAWN if self.slope(line, itinerary) < 0:
                 yield MultiplierSign(tuple(sorted(again)), -1)
-            case Ending.DRAWN:
+            case Fate.DRAWN:
                 yield MultiplierSign(tuple(sorted(again)), 1)
                 for n, piece in enumerate(itinerary.word):
                     turned = again[n:] + again[:n]
@@ -346,14 +328,14 @@ class _Study:
     def cycles(self, sample: Number) -> list[str]:
         """Words of the attracting cycles at a sample, to which orbits of breaks come."""
         line = self.line(sample)
-        fates = Fates(line, self.steps)
+        fates = Fates(line, self.steps, Meter(BUDGET))
         found = list[AttractingCycle | None]()
         for germ in line.germs:
-            itinerary = itinerary_of(line, germ, self.steps)
-            if itinerary.ending is Ending.DRAWN:
+            itinerary = itinerary_of(line, germ, self.steps, Meter(BUDGET))
+            if itinerary.ending is Fate.DRAWN:
                 x = drawn_to(line, itinerary.word)
                 found.append(fates.attracting(x, len(itinerary.word)))
-            elif itinerary.ending is Ending.FLAT:
+            elif itinerary.ending is Fate.FLAT:
                 found.append(fates.orbit(germ).cycle)
                 found += fates.cycles
         known = {cycle.points: cycle.word for cycle in found if cycle is not None}

@@ -21,7 +21,6 @@ from itertools import islice
 
 import networkx as nx
 import numpy as np
-import numpy.typing as npt
 import sympy
 from sympy import QQ, ZZ
 from sympy.polys.matrices import DomainMatrix
@@ -32,7 +31,7 @@ from pwmap.longrun.attractors import Attractors
 from pwmap.longrun.fates import escapes
 from pwmap.longrun.line import Interval, MapLine, cut_at
 from pwmap.longrun.numbers import Element, Exact, log_bounds, work_of
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.budget import Meter
 
 Node = tuple[int, Exact, Exact]  # the number of a piece, and a part of its interval
 LARGEST = 48  # matrix whose characteristic polynomial is factored
@@ -84,48 +83,14 @@ class Entropy:
         return self.value is not None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Laps:
-    """The graph of laps of a map up to some order.
+Ways = tuple[tuple[int, ...], ...]  # from each node to others, by their numbers
 
-    Attributes
-    ----------
-    nodes
-        By order; nodes of the last order may lead to others, which are not here.
-    ways
-        From each node to others, by their numbers.
-    whole
-        The same, with further ones taken for whole pieces.
+
+def laps_of(line: MapLine, found: Attractors, order: int, meter: Meter) -> tuple[Ways, Ways]:
+    """The graph of laps up to an order: ways to nodes that are known, and all.
+
+    Of all, those to further nodes are taken for whole pieces. Both are the same if there are none.
     """
-
-    nodes: tuple[Node, ...]
-    ways: tuple[tuple[int, ...], ...]
-    whole: tuple[tuple[int, ...], ...]
-
-    @property
-    def is_finite(self) -> bool:
-        """Whether no way leads to further nodes."""
-        return self.ways == self.whole
-
-
-def laps_of(line: MapLine, found: Attractors, order: int, budget: Budget | Meter = BUDGET) -> Laps:
-    """The graph of laps up to an order.
-
-    Parameters
-    ----------
-    line, found
-        The map and its attractors.
-    order
-        At least 1.
-    budget
-        What that may take.
-
-    Raises
-    ------
-    BudgetError
-        If it takes more.
-    """
-    meter = metered(budget)
     cut_off = _without_laps(line, found)
     pieces = [(k, *part) for k, branch in enumerate(line.branches)
               for part in _clipped((branch.lower, branch.upper), cut_off)]  # fmt: skip
@@ -149,7 +114,7 @@ def laps_of(line: MapLine, found: Attractors, order: int, budget: Budget | Meter
         )
         for onward in leads
     )
-    return Laps(tuple(number)[:known], ways, whole)
+    return ways, whole
 
 
 def _work(node: Node) -> int:
@@ -192,33 +157,27 @@ def _onward(line: MapLine, node: Node, cut_off: Sequence[Interval]) -> Iterator[
 def entropy_of(
     line: MapLine,
     found: Attractors,
-    orders: Sequence[int] = ORDERS,
-    budget: Budget | Meter = BUDGET,
+    orders: Sequence[int],
+    meter: Meter,
 ) -> Entropy:
     """The topological entropy of a map.
 
-    Parameters
-    ----------
-    line, found
-        The map and its attractors.
-    orders
-        Up to which nodes are found, one after the other, until that is close enough.
-    budget
-        Where it ends bounds are those of the last order that is finished.
+    Nodes are found up to one order after the other, until that is close enough; where the budget
+    ends bounds are those of the last order that is finished.
     """
     most = math.nextafter(math.log(len(line.branches)), math.inf)  # each step has so many laps
-    best, meter = Entropy(low=0.0, high=most, value=None, order=0), metered(budget)
+    best = Entropy(low=0.0, high=most, value=None, order=0)
     with meter.keeping(orders):
         for order in meter.each(orders, "orders"):
-            laps = laps_of(line, found, order, meter)
-            if laps.is_finite:
-                growth = growth_of(laps.ways)
+            ways, whole = laps_of(line, found, order, meter)
+            if ways == whole:
+                growth = growth_of(ways)
                 if growth is not None:
                     return exact_entropy(growth, order)
-            low = max(best.low, _log(spectral_bounds(laps.ways)[0])[0])
-            high = min(best.high, _log(spectral_bounds(laps.whole)[1])[1])
+            low = max(best.low, _log(spectral_bounds(ways)[0])[0])
+            high = min(best.high, _log(spectral_bounds(whole)[1])[1])
             best = Entropy(low=low, high=high, value=None, order=order)
-            if laps.is_finite or high - low <= WIDTH:
+            if ways == whole or high - low <= WIDTH:
                 break
     if meter.stopped:
         best = replace(best, left_out=f"stopped after order {best.order}: {meter.stopped}")
@@ -248,16 +207,6 @@ def _components(ways: Sequence[Sequence[int]]) -> list[list[int]]:
         for each in nx.strongly_connected_components(graph)
         if len(each) > 1 or graph.has_edge(*(2 * tuple(each)))
     ]
-
-
-def _matrix(ways: Sequence[Sequence[int]], nodes: Sequence[int]) -> npt.NDArray[np.int64]:
-    number = {node: k for k, node in enumerate(nodes)}
-    matrix = np.zeros((len(nodes), len(nodes)), dtype=np.int64)
-    for node, k in number.items():
-        for other in ways[node]:
-            if other in number:
-                matrix[k, number[other]] += 1
-    return matrix
 
 
 def spectral_bounds(ways: Sequence[Sequence[int]]) -> tuple[Fraction, Fraction]:
@@ -303,21 +252,20 @@ def growth_of(ways: Sequence[Sequence[int]]) -> Real | None:
     for nodes in _components(ways):
         if len(nodes) > LARGEST:
             return None
-        matrix = _matrix(ways, nodes)
-        rows = [[ZZ(int(x)) for x in row] for row in matrix]
-        polynomial = DomainMatrix(rows, matrix.shape, ZZ).charpoly()
+        rows = [[ZZ(ways[node].count(other)) for other in nodes] for node in nodes]
+        polynomial = DomainMatrix(rows, (len(nodes), len(nodes)), ZZ).charpoly()
         best = max(best, real_roots([QQ(int(c)) for c in polynomial])[-1])
     return best
 
 
-def lap_numbers(line: MapLine, order: int, budget: Budget | Meter = BUDGET) -> list[int]:
+def lap_numbers(line: MapLine, order: int, meter: Meter) -> list[int]:
     """How many intervals iterates up to an order cut the line into, each affine on every one.
 
     Nodes of the graph of laps are counted with how many paths lead there, so that the cost grows
     with the square of the order, not with the number of laps. An interval that is mapped to a
     point remains one.
     """
-    found, meter = list[int](), metered(budget)
+    found = list[int]()
     counted = {(k, branch.lower, branch.upper): 1 for k, branch in enumerate(line.branches)}
     ended = 0
     for _ in range(order):
@@ -421,8 +369,6 @@ class EntropyIntervals:
 
     Attributes
     ----------
-    parameter
-        The symbol.
     intervals
         Apart, or touching with different entropies, from left to right.
     gaps

@@ -11,48 +11,26 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from enum import Enum
 
-from sympy import QQ
-
-from pwmap.algebra.exact import sign
+from pwmap.algebra.exact import Affine, sign
 from pwmap.algebra.roots import Real
 from pwmap.longrun.entropy.entropies import growth_of
-from pwmap.longrun.line import Germ, MapLine
+from pwmap.longrun.fates import Fate
+from pwmap.longrun.line import IDENTITY, Germ, MapLine
 from pwmap.longrun.numbers import Exact, work_of
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.budget import Meter
 
 WORK = 10  # operations of one step for each step before it, which may begin a word that draws in
 STEPS = 64  # of an itinerary until it is known to the end
 
 
-class Ending(Enum):
-    """Why the letters of an orbit are known from some step on; the value says it in words."""
-
-    PERIODIC = "it comes back"
-    DRAWN = "it follows a word that draws it in"
-    OUTWARD = "it moves outward on outer pieces"
-    FLAT = "it comes to a flat piece, where laps end"
-    OPEN = "not known"
-
-
 @dataclass(frozen=True, slots=True)
 class Itinerary:
-    """The pieces that a germ visits.
+    """The pieces that a germ visits."""
 
-    Attributes
-    ----------
-    pieces
-        Their numbers from the left. Those from ``start`` on come again and again.
-    start
-        After so many steps.
-    ending
-        Why; None if it is that of one side of a break up to where it matches the other one.
-    """
-
-    pieces: tuple[int, ...]
+    pieces: tuple[int, ...]  # their numbers; those from start on come again and again
     start: int
-    ending: Ending | None
+    ending: Fate | None  # None for one side of a break up to where it matches the other one
 
     @property
     def word(self) -> tuple[int, ...]:
@@ -64,39 +42,26 @@ class Itinerary:
         return step + 1 if step + 1 < len(self.pieces) else self.start
 
 
-def itinerary_of(
-    line: MapLine, germ: Germ, steps: int, budget: Budget | Meter = BUDGET
-) -> Itinerary:
-    """The itinerary of a germ, up to the first step after which it is known to the end.
-
-    Parameters
-    ----------
-    line, germ
-        A map, and what is followed.
-    steps
-        How far at most.
-    budget
-        What it may take.
-    """
-    meter = metered(budget)
+def itinerary_of(line: MapLine, germ: Germ, steps: int, meter: Meter) -> Itinerary:
+    """The itinerary of a germ, up to the first step after which it is known to the end."""
     seen, pieces, places = dict[Germ, int](), list[int](), list[Exact]()
     for step in range(steps):
         if germ in seen:
-            return Itinerary(tuple(pieces), seen[germ], Ending.PERIODIC)
+            return Itinerary(tuple(pieces), seen[germ], Fate.FINITE)
         meter.spend(WORK * (step + 1) + 3 * work_of(germ.x))
         seen[germ] = step
         pieces.append(line.number(germ))
         places.append(germ.x)
         if not line.branches[pieces[-1]].slope:
-            return Itinerary(tuple(pieces), step, Ending.FLAT)
+            return Itinerary(tuple(pieces), step, Fate.FLAT)
         germ = line.image(germ)
         start = _drawn_from(line, pieces)
         if start is not None:
-            return Itinerary(tuple(pieces), start, Ending.DRAWN)
+            return Itinerary(tuple(pieces), start, Fate.DRAWN)
         start = _outward_from(line, pieces, [*places[-2:], germ.x])
         if start is not None:
-            return Itinerary(tuple(pieces), start, Ending.OUTWARD)
-    return Itinerary(tuple(pieces), 0, Ending.OPEN)
+            return Itinerary(tuple(pieces), start, Fate.LOST)
+    return Itinerary(tuple(pieces), 0, Fate.OPEN)
 
 
 def _drawn_from(line: MapLine, pieces: Sequence[int]) -> int | None:
@@ -108,12 +73,11 @@ def _drawn_from(line: MapLine, pieces: Sequence[int]) -> int | None:
     twice has its first point and that after w on two sides of the fixed point, and what lies
     between them is taken into itself.
     """
-    slope, intercept = QQ.one, QQ.zero
+    whole = IDENTITY
     for start in range(len(pieces) - 1, -1, -1):
-        branch = line.branches[pieces[start]]
-        slope, intercept = branch.slope * slope, slope * branch.intercept + intercept
-        word = pieces[start:]
-        if 0 < slope < 1 and _follows(line, intercept / (1 - slope), word):
+        whole = whole.after(Affine(*line.branches[pieces[start]][:2]))
+        slope, word = whole.slope, pieces[start:]
+        if 0 < slope < 1 and _follows(line, whole.fixed_point, word):
             return start
         before = start - len(word)
         if -1 < slope < 0 and before >= 0 and pieces[before:start] == word:
@@ -123,11 +87,10 @@ def _drawn_from(line: MapLine, pieces: Sequence[int]) -> int | None:
 
 def drawn_to(line: MapLine, word: Sequence[int]) -> Exact:
     """The fixed point of a word that draws in."""
-    slope, intercept = QQ.one, QQ.zero
+    whole = IDENTITY
     for k in word:
-        branch = line.branches[k]
-        slope, intercept = branch.slope * slope, branch.slope * intercept + branch.intercept
-    return intercept / (1 - slope)
+        whole = line.branches[k].after(whole)
+    return whole.fixed_point
 
 
 def _follows(line: MapLine, x: Exact, word: Sequence[int]) -> bool:
@@ -160,17 +123,8 @@ def _outward_from(line: MapLine, pieces: Sequence[int], places: Sequence[Exact])
 def growth_at(line: MapLine, itineraries: Sequence[Itinerary]) -> Real | None:
     """How laps grow: the spectral radius of the graph that itineraries make, at least 1.
 
-    Parameters
-    ----------
-    line
-        The map, of which only the signs of slopes are looked at.
-    itineraries
-        Of all its germs, in its order, and all known to the end.
-
-    Returns
-    -------
-    Real or None
-        None if the graph is too large.
+    Of the map only the signs of slopes are looked at. Itineraries are those of all its germs, in
+    its order, and all known to the end. None if the graph is too large.
     """
     return growth_of(_merged(_ways(line, itineraries)))
 

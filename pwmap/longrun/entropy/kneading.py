@@ -31,18 +31,9 @@ RING, T = ring("t", QQ)
 def growth_by_kneading(line: MapLine, itineraries: Sequence[Itinerary]) -> Real | None:
     """How laps grow: one over the least root of the kneading determinant, at least 1.
 
-    Parameters
-    ----------
-    line
-        The map, of which only the signs of slopes are looked at.
-    itineraries
-        Of all its germs, in its order, each known to the end, or matched with that of the other
-        side.
-
-    Returns
-    -------
-    Real or None
-        None if the determinant is too large.
+    Of the map only the signs of slopes are looked at. Itineraries are those of all its germs, in
+    its order, each known to the end, or matched with that of the other side. None if the
+    determinant is too large.
     """
     rows = _matrix(line, itineraries)
     return growth_from(_determinant(rows)) if rows else QQ.one
@@ -73,12 +64,8 @@ def _determinant(rows: Sequence[Sequence[PolyElement]]) -> PolyElement:
 def cofactors(line: MapLine, itineraries: Sequence[Itinerary], number: int) -> list[PolyElement]:
     """The factors of the pieces in the series of one break, which make the determinant of it.
 
-    Parameters
-    ----------
-    line, itineraries
-        As above; what those of this break are does not matter.
-    number
-        The break. The piece on its left has the factor zero.
+    What the itineraries of this break are does not matter. The piece on its left has the factor
+    zero.
     """
     rows = _matrix(line, itineraries, number)
     units = [[RING(k == j) for k in range(len(rows))] for j in range(len(rows))]

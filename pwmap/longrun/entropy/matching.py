@@ -35,7 +35,7 @@ from pwmap.longrun.entropy.itineraries import Itinerary
 from pwmap.longrun.entropy.kneading import RING, T, growth_from
 from pwmap.longrun.line import Germ, MapLine
 from pwmap.longrun.numbers import work_of
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 STEP = 10  # operations of one step
@@ -50,20 +50,12 @@ Range = tuple[Number, Number]  # of a number: all from one to another
 
 
 def matched(
-    line: MapLine, number: int, steps: int, budget: Budget | Meter = BUDGET
+    line: MapLine, number: int, steps: int, meter: Meter
 ) -> tuple[Itinerary, Itinerary] | None:
     """The itineraries of both sides of a break up to the step at which they match; None if none.
 
-    Parameters
-    ----------
-    line, number
-        A map, and which of its breaks, counted from the left.
-    steps
-        How far they are followed.
-    budget
-        What that may take.
+    Breaks are counted from the left.
     """
-    meter = metered(budget)
     sides = line.germs[2 * number : 2 * number + 2]
     pieces = list[int](), list[int]()
     for _ in range(steps):
@@ -82,20 +74,10 @@ def matched(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapFamily:
-    """A map over an interval of its parameter.
+    """A map over an interval of its parameter."""
 
-    Attributes
-    ----------
-    slopes
-        Of its pieces from left to right, the same everywhere, and none is zero.
-    intercepts
-        Of its pieces, affine in the parameter.
-    breaks
-        Between pieces, affine in the parameter.
-    """
-
-    slopes: tuple[Number, ...]
-    intercepts: tuple[Ends, ...]
+    slopes: tuple[Number, ...]  # of pieces from left to right, the same everywhere, none zero
+    intercepts: tuple[Ends, ...]  # affine in the parameter, as breaks are
     breaks: tuple[Ends, ...]
 
 
@@ -125,19 +107,11 @@ def _along(slope: Number, x: Ends, intercept: Ends) -> Ends:
 
 
 class Pair(NamedTuple):
-    """The orbits of both sides of a break: the left one at x, the right one at ratio x + offset.
+    """The orbits of both sides of a break: the left one at x, the right one at ratio x + offset."""
 
-    Attributes
-    ----------
-    ratio, offset
-        The slope of the right one is so many times that of the left one, too.
-    lag
-        How many steps more the left one has made.
-    """
-
-    ratio: Number
+    ratio: Number  # of the slopes, too
     offset: Ends
-    lag: int
+    lag: int  # how many steps more the left one has made
 
     @property
     def left_is_next(self) -> bool:
@@ -148,14 +122,6 @@ class Pair(NamedTuple):
 TOGETHER = Pair(QQ.one, (QQ.zero, QQ.zero), 0)  # at the break, and where orbits match
 
 
-class Move(NamedTuple):
-    """One step of the left or the right orbit of a pair by a piece, and the pair that it makes."""
-
-    left: bool
-    piece: int
-    onward: Pair
-
-
 class PairStep(NamedTuple):
     """What is left of the determinant at a pair: term + factor times that at another one."""
 
@@ -164,27 +130,24 @@ class PairStep(NamedTuple):
     onward: Pair
 
 
-def _move(family: MapFamily, pair: Pair, left: bool, piece: int) -> Move:
-    slope, intercept = family.slopes[piece], family.intercepts[piece]
-    ratio, offset, lag = pair
-    if left:
-        ratio /= slope
-        return Move(left, piece, Pair(ratio, _along(-ratio, intercept, offset), lag + 1))
-    return Move(left, piece, Pair(ratio * slope, _along(slope, offset, intercept), lag - 1))
-
-
-def _step(family: MapFamily, weights: Sequence[PolyElement], pair: Pair, move: Move) -> PairStep:
-    """What a move says of the series of the right orbit minus that of the left one.
+def _step(
+    family: MapFamily, weights: Sequence[PolyElement], pair: Pair, piece: int, *, left: bool
+) -> PairStep:
+    """What a step of the left or right orbit by a piece says of the right minus the left series.
 
     Both series begin where the orbits are, with the power of t from the earlier time on. The
     difference is counted in signs of the slope of the left orbit.
     """
-    left, right = max(pair.lag, 0), max(-pair.lag, 0)
-    weight = weights[move.piece]
-    if move.left:
-        factor = sign(family.slopes[move.piece]) * T ** min(left + 1, right)
-        return PairStep(-weight * T**left, factor, move.onward)
-    return PairStep(sign(pair.ratio) * weight * T**right, T ** min(left, right + 1), move.onward)
+    slope, intercept = family.slopes[piece], family.intercepts[piece]
+    ratio, offset, lag = pair
+    ahead, behind = max(lag, 0), max(-lag, 0)
+    if left:
+        onward = Pair(ratio / slope, _along(-ratio / slope, intercept, offset), lag + 1)
+        factor = sign(slope) * T ** min(ahead + 1, behind)
+        return PairStep(-weights[piece] * T**ahead, factor, onward)
+    onward = Pair(ratio * slope, _along(slope, offset, intercept), lag - 1)
+    term = sign(ratio) * weights[piece] * T**behind
+    return PairStep(term, T ** min(ahead, behind + 1), onward)
 
 
 class PairRange(NamedTuple):
@@ -219,20 +182,16 @@ def _at_most(one: Ends, other: Ends) -> bool:
 
 
 def _graph(
-    family: MapFamily, number: int, first: Pair, meter: Meter
-) -> Mapping[Pair, Sequence[Move]] | None:
-    """The moves from the pair that follows a break, and from all that follow then.
+    family: MapFamily, weights: Sequence[PolyElement], number: int, first: Pair, meter: Meter
+) -> Mapping[Pair, Sequence[PairStep]] | None:
+    """The steps from the pair that follows a break, and from all that follow then.
 
-    Regions are larger than what orbits do, so that none is missed.
-
-    Returns
-    -------
-    mapping or None
-        None if they are too many, or if both orbits come together after different numbers of steps.
+    Regions are larger than what orbits do, so that none is missed. None if they are too many, or if
+    both orbits come together after different numbers of steps.
     """
     start = family.breaks[number]
     regions = {first: _moved(family, PairRange(start, start), number)}
-    found, changes, waiting = dict[Pair, list[Move]](), Counter[Pair](), deque([first])
+    found, changes, waiting = dict[Pair, list[PairStep]](), Counter[Pair](), deque([first])
     while waiting:
         pair = waiting.popleft()
         found[pair] = []
@@ -240,24 +199,25 @@ def _graph(
             if pair.lag:  # what is left is a series of the place times 1 - t^lag
                 return None
             continue
-        for move, region in _moves(family, pair, regions[pair], meter):
-            found[pair].append(move)
-            known = regions.get(move.onward)
+        for piece, region in _regions(family, pair, regions[pair], meter):
+            step = _step(family, weights, pair, piece, left=pair.left_is_next)
+            found[pair].append(step)
+            known = regions.get(step.onward)
             joined = region if known is None else region.with_(known)
             if joined != known:
-                regions[move.onward] = joined
-                changes[move.onward] += 1
-                if move.onward not in waiting:
-                    waiting.append(move.onward)
+                regions[step.onward] = joined
+                changes[step.onward] += 1
+                if step.onward not in waiting:
+                    waiting.append(step.onward)
         if len(regions) > PAIRS or changes[pair] > CHANGES:
             return None
     return found
 
 
-def _moves(
+def _regions(
     family: MapFamily, pair: Pair, region: PairRange, meter: Meter
-) -> Iterator[tuple[Move, PairRange]]:
-    """The moves from a pair with its left orbit in a region, and where that is afterwards."""
+) -> Iterator[tuple[int, PairRange]]:
+    """The pieces by which a pair with its left orbit in a region moves, and where that is then."""
     ratio, offset, _ = TOGETHER if pair.left_is_next else pair  # where the orbit is that moves
     cuts = [((a - offset[0]) / ratio, (b - offset[1]) / ratio) for a, b in family.breaks]
     for piece in range(len(family.slopes)):
@@ -265,8 +225,7 @@ def _moves(
         sides = cuts[piece - 1] if piece else None, cuts[piece] if piece < len(cuts) else None
         inside = region.between(*(sides if ratio > 0 else sides[::-1]))
         if inside is not None:
-            move = _move(family, pair, pair.left_is_next, piece)
-            yield move, _moved(family, inside, piece) if move.left else inside
+            yield piece, _moved(family, inside, piece) if pair.left_is_next else inside
 
 
 def _moved(family: MapFamily, region: PairRange, piece: int) -> PairRange:
@@ -280,38 +239,18 @@ def growth_of_pairs(
     family: MapFamily,
     number: int,
     weights: Sequence[PolyElement],
-    budget: Budget | Meter = BUDGET,
+    meter: Meter,
 ) -> Real | None:
     """The growth of laps if it is one number over an interval, its ends among it.
 
-    Parameters
-    ----------
-    family, number
-        A map over the interval, and which of its breaks has orbits that need not match.
-    weights
-        Of pieces in the series of an orbit, of which the determinant is a difference.
-    budget
-        What that may take.
-
-    Returns
-    -------
-    Real or None
-        Above 1; None if nothing is proved.
+    Orbits of the break with this number need not match. Weights are those of pieces in the series
+    of an orbit, of which the determinant is a difference. Above 1; None if nothing is proved.
     """
-    meter = metered(budget)
-    left = _move(family, TOGETHER, True, number)
-    right = _move(family, left.onward, False, number + 1)
-    one, other = (
-        _step(family, weights, pair, move)
-        for pair, move in ((TOGETHER, left), (left.onward, right))
-    )
+    one = _step(family, weights, TOGETHER, number, left=True)
+    other = _step(family, weights, one.onward, number + 1, left=False)
     start = PairStep(one.term + one.factor * other.term, one.factor * other.factor, other.onward)
-    graph = _graph(family, number, start.onward, meter)
-    if graph is None:
-        return None
-    steps = {pair: [_step(family, weights, pair, move) for move in moves]
-             for pair, moves in graph.items()}  # fmt: skip
-    return _growth(start, steps, meter)
+    steps = _graph(family, weights, number, start.onward, meter)
+    return None if steps is None else _growth(start, steps, meter)
 
 
 def _growth(start: PairStep, steps: Mapping[Pair, Sequence[PairStep]], meter: Meter) -> Real | None:

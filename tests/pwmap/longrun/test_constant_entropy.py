@@ -16,7 +16,7 @@ from pwmap.algebra.roots import Real, most_roots, real_to_sympy, simplest_betwee
 from pwmap.longrun import ConstantEntropy, EntropyIntervals, GapCause
 from pwmap.longrun.entropy import constant
 from pwmap.longrun.entropy.entropies import lap_numbers
-from pwmap.longrun.entropy.itineraries import Ending, growth_at, itinerary_of
+from pwmap.longrun.entropy.itineraries import growth_at, itinerary_of
 from pwmap.longrun.entropy.kneading import RING, T, growth_by_kneading
 from pwmap.longrun.entropy.matching import (
     TOGETHER,
@@ -26,8 +26,9 @@ from pwmap.longrun.entropy.matching import (
     growth_of_pairs,
     matched,
 )
+from pwmap.longrun.fates import Fate
 from pwmap.longrun.line import MapLine, line_of
-from pwmap.maps.budget import metered
+from pwmap.maps.budget import Meter
 from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, OrbitReturn, Orbits
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
@@ -152,7 +153,7 @@ def never_matching(map_: PiecewiseLinearMap, places: list[sympy.Rational]) -> It
     """The map where both orbits of its break come back, and do not match before."""
     for place in places:
         line = line_of(map_, {"g": place})
-        if matched(line, 0, 400) is None:
+        if matched(line, 0, 400, Meter(Budget())) is None:
             yield line
 
 
@@ -169,7 +170,9 @@ def test_where_orbits_never_match_the_growth_is_the_golden_mean_too() -> None:
     }
     assert len(lines) == 18
     for line in lines:
-        growth = growth_at(line, [itinerary_of(line, germ, 400) for germ in line.germs])
+        growth = growth_at(
+            line, [itinerary_of(line, germ, 400, Meter(Budget())) for germ in line.germs]
+        )
         assert growth is not None
         assert real_to_sympy(growth) == Rational(1, 2) + sqrt(5) / 2
 
@@ -179,10 +182,10 @@ def test_below_the_plateau_the_entropy_is_another_one() -> None:
     assert dynamics(MATCHING, {"g": "4/25"}).entropy.high < 0.48 < float(log(GOLDEN))
     family = family_of(MATCHING, QQ(4, 25), QQ(1, 3))
     assert family is not None
-    assert growth_of_pairs(family, 0, [RING.zero, RING.one]) is None
+    assert growth_of_pairs(family, 0, [RING.zero, RING.one], Meter(Budget())) is None
     family = family_of(MATCHING, QQ(1, 6), QQ(1, 3))
     assert family is not None
-    growth = growth_of_pairs(family, 0, [RING.zero, RING.one])
+    growth = growth_of_pairs(family, 0, [RING.zero, RING.one], Meter(Budget()))
     assert growth is not None
     assert real_to_sympy(growth) == Rational(1, 2) + sqrt(5) / 2
 
@@ -248,7 +251,7 @@ def test_plateaus_of_random_maps() -> None:
         high = low + QQ(rng.randint(1, 20), 100)
         family = family_of(map_, low, high)
         assert family is not None
-        growth = growth_of_pairs(family, 0, [RING.zero, RING.one])
+        growth = growth_of_pairs(family, 0, [RING.zero, RING.one], Meter(Budget()))
         if growth is None:
             continue
         rate = sympy.log(real_to_sympy(growth)).evalf(30)
@@ -270,7 +273,7 @@ def test_growth_of_a_graph_of_pairs_needs_no_root_before() -> None:
 
     def growth(term: PolyElement) -> Real | None:
         steps = {pair: [together, PairStep(term, T, pair)], TOGETHER: []}
-        return _growth(start, steps, metered(Budget()))
+        return _growth(start, steps, Meter(Budget()))
 
     found = growth(-T * p / 2)
     assert found is not None
@@ -288,8 +291,8 @@ def test_kneading_determinants_grow_as_graphs_of_laps() -> None:
                   for k in range(rng.randint(1, 3))]  # fmt: skip
         text = f"Piecewise({', '.join(pieces)}, ({rng.randint(-3, 3)}*x/2 + 1, True))"
         line = line_of(PiecewiseLinearMap.from_sympy(text))
-        found = [itinerary_of(line, germ, 24) for germ in line.germs]
-        if any(each.ending is Ending.OPEN for each in found):
+        found = [itinerary_of(line, germ, 24, Meter(Budget())) for germ in line.germs]
+        if any(each.ending is Fate.OPEN for each in found):
             continue
         one, other = growth_at(line, found), growth_by_kneading(line, found)
         if one is None or other is None:
@@ -408,15 +411,15 @@ def test_a_multiplier_that_is_forgotten_shows(monkeypatch: pytest.MonkeyPatch) -
 def test_itineraries_are_what_orbits_do() -> None:
     """Of random maps, 60 steps on: the letters that were said to come do come, exactly."""
     rng = random.Random(5)
-    looked = dict.fromkeys(Ending, 0)
+    looked = dict.fromkeys(Fate, 0)
     for _ in range(300):
         c, m, n = (Rational(rng.randint(-40, 40), 16) for _ in range(3))
         text = f"Piecewise(({m}*x - 1, x <= 0), ({n}*x + {c}, x <= 1), (({m} - {n})*x - {c}, True))"
         line = line_of(PiecewiseLinearMap.from_sympy(text))
         for germ in line.germs:
-            found = itinerary_of(line, germ, 40)
+            found = itinerary_of(line, germ, 40, Meter(Budget()))
             looked[found.ending] += 1
-            if found.ending in (Ending.OPEN, Ending.FLAT):
+            if found.ending in (Fate.OPEN, Fate.FLAT):
                 continue
             step = 0
             for _ in range(100):
@@ -433,13 +436,13 @@ def test_the_growth_of_itineraries_is_that_of_laps() -> None:
     while looked < 40:
         r, a, b = (Rational(rng.randint(*ends), 16) for ends in ((33, 190), (8, 48), (-40, 40)))
         line = line_of(PAPER, {"r": r, "a": a, "b": b})
-        found = [itinerary_of(line, germ, 60) for germ in line.germs]
-        if any(each.ending is Ending.OPEN for each in found):
+        found = [itinerary_of(line, germ, 60, Meter(Budget())) for germ in line.germs]
+        if any(each.ending is Fate.OPEN for each in found):
             continue
         growth = growth_at(line, found)
         assert growth is not None
         looked += 1
-        laps = lap_numbers(line, 61)
+        laps = lap_numbers(line, 61, Meter(Budget()))
         rate = float(real_to_sympy(growth))
         assert rate**60 <= laps[-1] * (1 + 1e-9) <= 61**3 * rate**60, (r, a, b)
 

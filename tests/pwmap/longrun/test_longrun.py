@@ -16,16 +16,10 @@ from sympy import QQ, Interval, Rational, log, sqrt
 
 from pwmap import Budget, PiecewiseLinearMap, RealRoot, dynamics
 from pwmap.algebra.exact import pair
+from pwmap.algebra.roots import algebraic
 from pwmap.longrun import Attractor, Extremum
 from pwmap.longrun.line import AffinePiece, MapLine, line_of
-from pwmap.longrun.numbers import (
-    Element,
-    Exact,
-    algebraic,
-    exact_to_sympy,
-    in_order,
-    to_double,
-)
+from pwmap.longrun.numbers import Element, Exact, exact_to_sympy, in_order, to_double
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
 SKEW = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")

@@ -11,7 +11,7 @@ import pwmap
 from pwmap import Budget, BudgetError, PiecewiseLinearMap, bifurcation_diagram, parameter_cells
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.tables import LONGEST, short
-from pwmap.maps import Progress
+from pwmap.maps import Meter, Progress
 from pwmap.maps.cylinders import WHOLE_LINE, refined
 
 TENT = "Piecewise((m*x, x <= 1/2), (m - m*x, True))"
@@ -81,10 +81,10 @@ def test_an_iterate_of_too_many_pieces_says_how_many() -> None:
     pieces = WHOLE_LINE
     budget = Budget(pieces=20)
     for _ in range(4):
-        pieces = refined(pieces, 0, map_.oracle, budget)
+        pieces = refined(pieces, 0, map_.oracle, Meter(budget))
     sentence = "words of 5 letters has more than 20 pieces; one letter less makes 16"
     with pytest.raises(BudgetError, match=sentence):
-        refined(pieces, 0, map_.oracle, budget)
+        refined(pieces, 0, map_.oracle, Meter(budget))
 
 
 def interrupting(order: int) -> object:

@@ -36,9 +36,9 @@ from pwmap.diagrams.encoding import to_plain
 from pwmap.diagrams.tables import FILES
 from pwmap.longrun.entropy.entropies import GapCause
 from pwmap.maps import Advance, Meter
-from pwmap.maps.budget import cost
+from pwmap.maps.budget import BUDGET, cost
 from pwmap.parameters.axis import Axis
-from pwmap.parameters.cells import Cell, aside, close, with_cells
+from pwmap.parameters.cells import Cell, aside, close, from_all_orders, with_stages
 from pwmap.plane import plane_raster
 
 SKEW = PiecewiseLinearMap([("a*x + 1", "x <= 0"), ("b*x + 1", "x > 0")])
@@ -370,7 +370,8 @@ def test_copies_of_cells_and_their_axis_record_for_themselves() -> None:
         return before == (axis.given, [cell.study.oracle.signs for cell in cells])
 
     sample = {"a": "1/2", "b": "-3/2", "l": "1/3"}
-    assert with_cells(build, LEVELS, "m", (1, 2), (LOWEST, HIGHEST), sample)
+    whole = from_all_orders(build)
+    assert with_stages(whole, LEVELS, "m", (1, 2), (LOWEST, HIGHEST), sample, meter=Meter(BUDGET))
 
 
 def _upto(last: int) -> str:

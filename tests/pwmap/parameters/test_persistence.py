@@ -10,9 +10,10 @@ from sympy import QQ
 
 from pwmap import PiecewiseLinearMap
 from pwmap.algebra.exact import HIGHEST, LOWEST
+from pwmap.maps.budget import BUDGET, Meter
 from pwmap.maps.words import CriticalOrbit, SignOracle
 from pwmap.parameters.axis import Axis
-from pwmap.parameters.cells import Cell, studied_at, with_cells
+from pwmap.parameters.cells import Cell, from_all_orders, studied_at, with_stages
 from pwmap.parameters.persistence import Answers
 from pwmap.parameters.recorded import axis_of
 
@@ -42,7 +43,9 @@ def test_a_cell_is_what_its_sample_shows_alone(text: str) -> None:
             assert alone.oracle.signs.items() <= cell.study.oracle.signs.items()
         return len(cells)
 
-    assert with_cells(compare, map_, "p", ORDERS, (QQ(-3), QQ(2)), None, with_ends=True) > 5
+    build = from_all_orders(compare)
+    span, meter = (QQ(-3), QQ(2)), Meter(BUDGET)
+    assert with_stages(build, map_, "p", ORDERS, span, None, with_ends=True, meter=meter) > 5
 
 
 def test_an_answer_holds_up_to_the_next_root() -> None:

@@ -159,8 +159,7 @@ def loop() -> Loop:
 def test_a_branch_that_closes_keeps_one_point() -> None:
     closed = loop()
     (curve,), (left,) = connected(closed.segments, closed.junctions, ())
-    assert curve.segments == closed.segments
-    assert curve.turned == (False, True)
+    assert curve == [(closed.segments[0], 0), (closed.segments[1], 1)]  # the second is turned
     assert left.place == 0
     assert len(left.ends) == 2
 
@@ -168,7 +167,7 @@ def test_a_branch_that_closes_keeps_one_point() -> None:
 def test_a_branch_is_not_followed_beyond_a_stop() -> None:
     closed = loop()
     curves, _ = connected(closed.segments, closed.junctions, (0,))
-    assert [curve.turned for curve in curves] == [(False, True)]
+    assert [[entered for _, entered in curve] for curve in curves] == [[0, 1]]
     curves, left = connected(closed.segments, closed.junctions, (0, 1))
-    assert [curve.segments for curve in curves] == [(segment,) for segment in closed.segments]
+    assert curves == [[(segment, 0)] for segment in closed.segments]
     assert [len(junction.ends) for junction in left] == [2, 2]

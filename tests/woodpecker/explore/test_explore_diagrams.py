@@ -66,9 +66,10 @@ def test_names_cover_neither_names_nor_the_frame() -> None:
     points = rng.uniform(0.0, 300.0, (40, 2))
     texts = [f"BC{k}" for k in range(40)]
     found = place(texts, points, (300.0, 300.0), [k < 2 for k in range(40)])
-    assert {0, 1} <= set(found.rows)
-    middles = points[list(found.rows)] + np.column_stack([found.dx, found.dy])
-    half = np.array([[3.5 * len(texts[k]), 6.5] for k in found.rows])
+    rows, dx, dy = map(list, zip(*found, strict=True))
+    assert {0, 1} <= set(rows)
+    middles = points[rows] + np.column_stack([dx, dy])
+    half = np.array([[3.5 * len(texts[k]), 6.5] for k in rows])
     for i in range(len(middles)):
         for j in range(i):
             assert (np.abs(middles[i] - middles[j]) >= half[i] + half[j] - 1e-9).any()
