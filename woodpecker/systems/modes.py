@@ -31,7 +31,7 @@ MOST_MODES = 256  # combinations that are tried on acceleration level
 ROUNDING = 1e-12  # relative size of a force that rounding may have made of zero
 SAME = 1e-9  # relative: accelerations that are closer are one motion
 
-_KNOWN = {GAP: 3, NORMAL: 1, CONE_UP: 1, CONE_DOWN: 1, SLIP: 2}  # derivatives of guards in time
+KNOWN = {GAP: 3, NORMAL: 1, CONE_UP: 1, CONE_DOWN: 1, SLIP: 2}  # derivatives of guards in time
 
 Mode = tuple[int, ...]
 
@@ -41,7 +41,18 @@ def guards_of(eq: Equations, mode: Mode) -> list[int]:
 
     Where a contact sticks its force vanishes only where a cone is reached, too.
     """
-    return list(_guards_of(mode, tuple(eq.rubs.tolist())))
+    return list(_guards_of(mode, eq.friction))
+
+
+@lru_cache(maxsize=1024)
+def _places(n: int, mode: Mode, rubs: tuple[bool, ...]) -> dict[int, int]:
+    """Where the guards of a mode are among its compiled numbers."""
+    m, found = len(mode), dict[int, int]()
+    place = n + 2 * m
+    for guard in _guards_of(mode, rubs):
+        found[guard] = place
+        place += KNOWN[guard // m] + 1
+    return found
 
 
 @lru_cache(maxsize=1024)
@@ -168,14 +179,25 @@ class Local:
         return self.eq.terms(self.z, self.p)
 
     @cached_property
+    def _compiled(self) -> Floats | None:
+        """Accelerations, forces and guards with derivatives, if they are compiled and finite."""
+        if self.eq.jets is None:
+            return None
+        found = self.eq.jets(self.mode)(self.z, self.p)
+        return found if math.isfinite(found.sum()) else None
+
+    @cached_property
     def balance(self) -> Balance:
         """Accelerations and forces."""
-        eq = self.eq
-        if eq.balances is not None:
-            found = eq.balances(self.mode)(self.z, self.p)
-            if math.isfinite(found.sum()):
-                return Balance(found[: eq.n], found[eq.n : -eq.m], found[-eq.m :])
-        return balance(eq, self.mode, self.terms)
+        found, n, m = self._compiled, self.eq.n, self.eq.m
+        if found is None:
+            return balance(self.eq, self.mode, self.terms)
+        return Balance(found[:n], found[n : n + m], found[n + m : n + 2 * m])
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether there are accelerations."""
+        return self._compiled is not None or math.isfinite(self.balance.a.sum())
 
     @cached_property
     def flow(self) -> Floats:
@@ -218,11 +240,14 @@ class Local:
 
         Known are three derivatives of gaps, two of slips, one of forces.
         """
-        most = min(order, _KNOWN[guard // self.eq.m])
+        most = min(order, KNOWN[guard // self.eq.m])
         return [self.derivative(guard, k) for k in range(most + 1)]
 
     def derivative(self, guard: int, order: int) -> float:
         """A guard's derivative in time of an order that is known; its value for 0."""
+        place = _places(self.eq.n, self.mode, self.eq.friction).get(guard)
+        if place is not None and self._compiled is not None:
+            return float(self._compiled[place + order])
         kind, i = divmod(guard, self.eq.m)
         t = self.terms
         if kind in (GAP, SLIP):
@@ -231,7 +256,7 @@ class Local:
                 return float(t.gap_rate[i] if order else t.gap[i])
             if order == 0:
                 return sign * float(t.slip[i])
-            if order == _KNOWN[kind] - 1:
+            if order == KNOWN[kind] - 1:
                 w, bar = (t.w_n, t.bar_n) if kind == GAP else (t.w_t, t.bar_t)
                 return sign * float(w[i] @ self.balance.a + bar[i])
             return sign * float(self._acceleration_change(kind, i)[: self.eq.size] @ self.flow)
@@ -325,11 +350,12 @@ def settle(eq: Equations, z: Floats, p: Floats, touch: Touch) -> tuple[Outcome, 
         kept = [each for each in tried if _admissible(each, touch, slack)]
         if not kept:
             continue
-        first = kept[0]
-        size = (
-            np.abs(first.balance.a).max() + np.abs(np.linalg.solve(terms.mass, terms.force)).max()
-        )
+        first, size = kept[0], 0.0
         for other in kept[1:]:
+            size = size or float(
+                np.abs(first.balance.a).max()
+                + np.abs(np.linalg.solve(terms.mass, terms.force)).max()
+            )
             if np.abs(other.balance.a - first.balance.a).max() > SAME * size:
                 return Outcome.AMBIGUOUS, first.mode
         return Outcome.SOLVED, first.mode
@@ -377,7 +403,7 @@ def _proposed(eq: Equations, terms: Terms, touch: Touch) -> list[Mode]:
 def _admissible(here: Local, touch: Touch, slack: float) -> bool:
     """Whether all guards of the closed contacts are positive right after now."""
     eq, mode = here.eq, here.mode
-    if not math.isfinite(here.balance.a.sum()):
+    if not here.is_finite:
         return False
     for guard in guards_of(eq, mode):
         kind, i = divmod(guard, eq.m)
@@ -394,7 +420,7 @@ def _admissible(here: Local, touch: Touch, slack: float) -> bool:
 
 def _starts_positive(here: Local, guard: int, order: int, rounding: float) -> bool:
     """The sign of a guard right after now; a guard that stays zero counts as positive."""
-    for k in range(order, _KNOWN[guard // here.eq.m] + 1):
+    for k in range(order, KNOWN[guard // here.eq.m] + 1):
         value = here.derivative(guard, k)
         if not abs(value) <= (rounding if k == order else 0.0):
             return value > 0.0
