@@ -22,8 +22,8 @@ from woodpecker.systems.modes import GAP, OPEN, Local, Mode, Touch, settle
 
 IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
 SHORT = 2.0**-17  # of a motion's own time: what follows a gap's cubic is below rounding
-IN_PROPORTION = 2.0**-26  # relative: laps that differ by less are a series, which is that small
 VANISHED = 2.0**-52  # relative: speeds that are smaller are nothing
+PRECISE = VANISHED / SHORT  # of the first short flight, as the motion before is so much larger
 TOGETHER = 2.0**-44  # of a flight: gaps that close within it do so at once
 IMPACTS_MOST = 3000  # a ratio of 0.99 needs so many from short flights to none
 LAP_MOST = 8  # impacts of a lap
@@ -102,7 +102,7 @@ class _Impacts:
         self._first = float(np.abs(self._rate[list(touch.leaving)]).max(initial=0.0))
         self._held = {i: i in impact.held for i in impact.contacts}
         self._marks = [_Mark(impact, math.inf, self._gap, self._rate, z, tangents)]
-        self._span = 0.0
+        self._span = self._flight = 0.0  # since the last mark; how long the first flight is
         self.striking = frozenset[int]()
 
     @property
@@ -154,6 +154,7 @@ class _Impacts:
         twists = jacobian[:, : eq.size] @ bends
         self.z = self.z + t * (here.flow + t * (bends / 2.0 + t * twists / 6.0))
         self._span += t
+        self._flight = self._flight or t
         if not self.tangents.shape[1]:
             return
         turn = self._turn + turn
@@ -235,16 +236,16 @@ class _Impacts:
 
     def _ratio(self, lap: int, group: list[int]) -> float:
         """How much smaller each lap is than the one before; 1 unless the last two agree."""
-        new, old, oldest = (self._marks[-1 - k * lap] for k in range(3))
-        sizes = [float(np.abs(each.rate[group]).max()) for each in (new, old, oldest)]
+        new, old, oldest = (self._marks[-1 - k * lap].rate[group] for k in range(3))
         spans = [sum(each.span for each in self._marks[-lap:])]
         spans.append(sum(each.span for each in self._marks[-2 * lap : -lap]))
-        ratio = sizes[0] / sizes[1]
-        close = [abs(spans[0] - ratio * spans[1]) <= IN_PROPORTION * spans[1]]
-        for late, early, size in ((new, old, sizes[1]), (old, oldest, sizes[2])):
-            away = np.abs(late.rate[group] - ratio * early.rate[group]).max()
-            close.append(bool(away <= IN_PROPORTION * size))
-        return ratio if all(close) else 1.0
+        ratio = float(np.abs(new).max() / np.abs(old).max())
+        if not ratio < 1.0:
+            return 1.0
+        off = max(np.abs(new - ratio * old).max(), np.abs(old - ratio * oldest).max())
+        late = abs(spans[0] - ratio * spans[1])
+        most = PRECISE * (1.0 - ratio)  # the sum has so many times the error
+        return ratio if off <= most * self._first and late <= most * self._flight else 1.0
 
     def _sum(self, lap: int, ratio: float, group: frozenset[int]) -> bool:
         """Add the series of laps; whether no other contact strikes before it ends."""

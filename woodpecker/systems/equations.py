@@ -97,6 +97,9 @@ class Equations:
         Numbers of a state, and of derivatives: those in z, then those in free parameters.
     friction, rubs
         (m,) which contacts have it, as a tuple and as an array.
+    slips
+        (m,) for each contact the first one with the same slip: such contacts stick together, as the
+        feet of a body do, and only the sum of their friction is known.
     expressions, kinematics
         M, h, w_N, w_T, w-bar_N, w-bar_T and mu; gaps, gap rates and slips.
     jets
@@ -119,6 +122,7 @@ class Equations:
         self.p = np.array(list(system.parameters.values()))
         self.friction = tuple(each.rubs for each in system.contacts)
         self.rubs: Bools = np.array(self.friction)
+        self.slips = _equal_slips(system)
         self.symbols = (*system.state, *system.parameters)
         self._along = (*system.state, *(known[name] for name in free))
         self._last: tuple[bytes, bytes, Terms] | None = None
@@ -212,3 +216,16 @@ class Equations:
     def along(self) -> tuple[sympy.Symbol, ...]:
         """The symbols in which derivatives are taken."""
         return self._along
+
+
+def _equal_slips(system: ContactSystem) -> tuple[int, ...]:
+    """For each contact the first one with the same slip."""
+    found = list[int]()
+    for i, each in enumerate(system.contacts):
+        same = (
+            k for k in sorted(set(found))
+            if each.rubs and system.contacts[k].rubs
+            and sympy.simplify(each.slip - system.contacts[k].slip) == 0
+        )  # fmt: skip
+        found.append(next(same, i))
+    return tuple(found)

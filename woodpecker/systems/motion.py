@@ -33,7 +33,9 @@ from woodpecker.systems.modes import (
     Local,
     Mode,
     Touch,
+    resting_mode,
     settle,
+    team_of,
 )
 from woodpecker.systems.sections import Embedding, SectionGuard
 
@@ -255,6 +257,7 @@ class MotionSearch:
             impact = self._strike({*striking, *touch.closed}, touch) if striking else None
             touch = self._touch if striking else touch
             for _ in range(self.events_most):
+                self._check_rest(before, touch)
                 outcome, mode = settle(self.eq, found.z, self.p, touch)
                 if outcome is not Outcome.SOLVED:
                     raise _StoppedError(_OF_OUTCOME[outcome])
@@ -441,11 +444,20 @@ class MotionSearch:
             if letter:
                 self._note(f"{letter}{i + 1}")
 
+    def _check_rest(self, before: Mode, touch: Touch) -> None:
+        """Stop where the system rests for ever, and contacts hold it more than once."""
+        if not self.machine.is_autonomous:
+            return
+        mode = resting_mode(self.eq, self._run.z, self.p, touch)
+        if mode is not None:
+            self._name_transitions(before, mode, touch)
+            raise _StoppedError(MotionStatus.AT_REST)
+
     def _check_forces(self, mode: Mode) -> None:
         """Stop where contacts hold all coordinates."""
         eq, z = self.eq, self._run.z
         held = [i for i, state in enumerate(mode) if state != OPEN]
-        stuck = [i for i in held if mode[i] == STICK]
+        stuck = [i for i in held if mode[i] == STICK and team_of(mode, eq.slips, i)[0] == i]
         count = len(held) + len(stuck)
         if count < eq.n:
             return

@@ -28,6 +28,7 @@ from woodpecker.systems.modes import (
     STICK,
     Mode,
     guards_of,
+    team_of,
 )
 
 TOLERANCE = 2.0**-53  # of the Taylor series: the rounding of doubles
@@ -210,7 +211,7 @@ class _Expressions:
         eq, mode, n = self._eq, self._mode, self._eq.n
         mass, force, w_n, w_t, bar_n, bar_t, mu = self._terms
         closed = [i for i, state in enumerate(mode) if state != OPEN]
-        stuck = [i for i in closed if mode[i] == STICK]
+        stuck = [i for i in closed if mode[i] == STICK and self._team(i)[0] == i]
         zero, size = hy.expression(0.0), n + len(closed) + len(stuck)
         rows = [[zero] * (size + 1) for _ in range(size)]
         for j in range(n):
@@ -236,6 +237,9 @@ class _Expressions:
         for k, i in enumerate(stuck):
             self.l_t[i] = x[n + len(closed) + k]
 
+    def _team(self, i: int) -> tuple[int, ...]:
+        return team_of(self._mode, self._eq.slips, i)
+
     def guards(self, when: sympy.Expr | None) -> tuple[list[Any], list[Any]]:
         """All guards of the mode, and their rates."""
         eq, values, rates = self._eq, list[Any](), list[Any]()
@@ -257,7 +261,8 @@ class _Expressions:
                 cone = -1.0 if kind == CONE_UP else 1.0
                 value = self.l_n[i]
                 if kind != NORMAL:
-                    value = mu[i][0] * value + cone * self.l_t[i]
+                    bound = hy.sum([mu[k][0] * self.l_n[k] for k in self._team(i)])
+                    value = bound + cone * self.l_t[i]
                 values.append(value)
                 rates.append(self.rate(value))
         if when is not None:
