@@ -17,7 +17,7 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats
 from woodpecker.systems.equations import Equations
-from woodpecker.systems.impacts import Impact, Outcome, carry_out, decide
+from woodpecker.systems.impacts import Impact, Outcome, carry_out, decide, total
 from woodpecker.systems.modes import GAP, OPEN, Local, Mode, Touch, settle
 
 IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
@@ -112,7 +112,7 @@ class _Impacts:
 
     def _along(self, kind: int) -> Floats:
         """Derivatives (m, columns) of gaps (0) or gap rates (1) along the tangents."""
-        return _total(self._eq, self._eq.kinematic_changes(self.z, self._p)[kind], self.tangents)
+        return total(self._eq, self._eq.kinematic_changes(self.z, self._p)[kind], self.tangents)
 
     def _rest(self, touch: Touch) -> None:
         """Exact zeros where contacts touch."""
@@ -140,7 +140,7 @@ class _Impacts:
         if not t < math.inf or not self._is_short(here, t, cubics[times.index(t)]):
             return False
         self.striking = frozenset(i for i in free if times[i] <= t * (1.0 + TOGETHER))
-        turn = self._along(1) * t + 0.5 * t * t * _total(eq, changes, self.tangents)
+        turn = self._along(1) * t + 0.5 * t * t * total(eq, changes, self.tangents)
         self._gap = self._gap + t * (self._rate + t * (second / 2.0 + t * third / 6.0))
         self._rate = self._rate + t * (second + t * third / 2.0)
         self._move(here, t, times.index(t), turn)
@@ -159,7 +159,7 @@ class _Impacts:
             return
         turn = self._turn + turn
         delay = -turn[i] / self._rate[i]
-        moved = _total(eq, jacobian, self.tangents)
+        moved = total(eq, jacobian, self.tangents)
         curved = jacobian[:, : eq.size] @ moved
         self.tangents = (
             self.tangents + t * (moved + t * curved / 2.0)
@@ -279,7 +279,7 @@ class _Impacts:
 
     def _rate_change(self, mark: _Mark, i: int) -> Floats:
         changes = self._eq.kinematic_changes(mark.z, self._p)[1]
-        return np.asarray(_total(self._eq, changes[i : i + 1], mark.tangents)[0])
+        return np.asarray(total(self._eq, changes[i : i + 1], mark.tangents)[0])
 
     def close(self, group: frozenset[int]) -> None:
         """Let contacts rest."""
@@ -306,15 +306,6 @@ def _root(gap: float, rate: float, second: float, third: float) -> float:
             return math.inf
         t -= (gap + t * (rate + t * (second / 2.0 + t * third / 6.0))) / slope
     return t if t >= 0.0 else math.inf
-
-
-def _total(eq: Equations, change: Floats, tangents: Floats) -> Floats:
-    """Derivatives along the tangents, of which the last ones move the free parameters."""
-    found = change[:, : eq.size] @ tangents
-    k = len(eq.free)
-    if k and tangents.shape[1]:
-        found[:, tangents.shape[1] - k :] += change[:, eq.size :]
-    return np.asarray(found)
 
 
 # --- What touches after an impact -----------------------------------------------------------------
