@@ -40,7 +40,7 @@ class Tail(NamedTuple):
     touch
         What touches.
     group, struck
-        The contacts that have closed, ascending; those and all that have struck before.
+        The contacts that have closed, ascending; all that have struck.
     is_open
         Whether the contact laws have left impulses open.
     """
@@ -68,9 +68,8 @@ def tail_of(
         closed = tail.vanished() or tail.series()
         if closed:
             tail.close(closed)
-            found = Tail(
-                tail.z, tail.tangents, tail.touch, tuple(sorted(closed)), tail.struck, tail.is_open
-            )
+            group = tuple(sorted(tail.touch.closed - touch.closed))
+            found = Tail(tail.z, tail.tangents, tail.touch, group, tail.struck, tail.is_open)
     return found
 
 

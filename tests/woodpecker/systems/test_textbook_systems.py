@@ -1,4 +1,4 @@
-"""Five machines of textbooks, by the public names only, as somebody brings them in."""
+"""Machines of textbooks, by the public names only, as somebody brings them in."""
 
 from __future__ import annotations
 
@@ -109,3 +109,38 @@ def test_a_capsule_robot_walks() -> None:
     assert cycle.success
     assert cycle.stable
     assert cycle.word == "I1+2 J1 S1 J1 S1"
+
+
+def test_a_ladder_on_a_wall_rests_just_above_its_angle() -> None:
+    """tan(th) = (1 - mu_1 mu_2)/(2 mu_1), by statics; it has three rates, and is held four times."""
+    x, y, th, u, v, w = sympy.symbols("x y th u_x u_y u_th")
+    across, up = sympy.cos(th) / 2, sympy.sin(th) / 2
+    contacts = [
+        Contact(name="ground", gap=y - up, slip=u - up * w, mu=0.3),
+        Contact(name="wall", gap=x - across, slip=v + across * w, mu=0.2),
+    ]
+    inertia = sympy.diag(1, 1, sympy.Rational(1, 12))
+    ladder = ContactSystem([x, y, th], inertia, [0, -G, 0], contacts, {})
+    least = np.arctan((1.0 - 0.3 * 0.2) / (2.0 * 0.3))
+    for away, status in ((1e-5, MotionStatus.AT_REST), (-1e-5, MotionStatus.TIME_REACHED)):
+        angle = least + away
+        start = {"th": angle, "x": np.cos(angle) / 2, "y": np.sin(angle) / 2}
+        motion = simulate(ladder, start, 0.1)
+        assert motion.status is status
+        assert motion.word == ("" if status is MotionStatus.AT_REST else "S1 S2")
+
+
+def test_three_balls_come_to_rest_at_once() -> None:
+    """Impacts of all three accumulate together; whole energy and momentum go at one instant."""
+    a, b, c = sympy.symbols("a b c")
+    gaps = {"ground": a, "lower pair": b - a, "upper pair": c - b}
+    contacts = [Contact(name=name, gap=gap, eps_n=0.6) for name, gap in gaps.items()]
+    balls = ContactSystem([a, b, c], sympy.diag(1, 2, 1), [-10, -20, -10], contacts, {})
+    start = {"a": 1.0, "b": 1.2, "c": 2.0}
+    motions = [simulate(balls, start, 10.0, backend=backend) for backend in ("heyoka", "scipy")]
+    assert motions[0].word == motions[1].word
+    for motion in motions:
+        assert motion.word.endswith("C1+2+3")
+        assert motion.status is MotionStatus.AT_REST
+        assert np.abs(motion.z[:6]).max() < 1e-13
+    assert motions[0].events[-1].time == pytest.approx(motions[1].events[-1].time, abs=1e-12)
