@@ -112,7 +112,7 @@ def test_a_capsule_robot_walks() -> None:
 
 
 def test_a_ladder_on_a_wall_rests_just_above_its_angle() -> None:
-    """tan(th) = (1 - mu_1 mu_2)/(2 mu_1), by statics; it has three rates, and is held four times."""
+    """tan(th) = (1 - mu_1 mu_2)/(2 mu_1), by statics; its three rates are held four times."""
     x, y, th, u, v, w = sympy.symbols("x y th u_x u_y u_th")
     across, up = sympy.cos(th) / 2, sympy.sin(th) / 2
     contacts = [
