@@ -24,7 +24,7 @@ Folders import what stands above them, and scripts beside the folders import any
 ``maps/``
     three maps of the literature
 ``systems/``
-    systems of contacts, against what is known of them in closed form, and random ones
+    systems of contacts, against closed forms and peers, and random ones
 ``exact/``
     what exact maps cost: composition, cycles of high order, crises, entropy, certificates
 ``data/``

@@ -19,6 +19,7 @@ from studies.common.record import ROOT, Results
 from studies.common.tables import fixed, minus, number, pretty, rows, seconds, shortest
 from studies.run_all import RESULTS, STUDIES
 from studies.sensitivities import PAPER_PERIOD
+from studies.systems.peers import machines
 
 PAGES = (RESULTS / "README.md", RESULTS / "diagrams.md", ROOT / "docs" / "comparison.md")
 BLOCK = re.compile(r"(<!-- results: (\w+) -->\n).*?(<!-- end -->)", flags=re.DOTALL)
@@ -576,7 +577,7 @@ def proofs(results: All) -> str:
 BLOCKS: dict[str, Callable[[All], str]] = {
     block.__name__: block
     for block in (
-        main_job, paper, vertices, sensitivities, curves, regions, robustness, precision, siconos, peers, general, orders, failures, reductions, kernel, diagrams, completeness, systems, symbolic,
+        main_job, paper, vertices, sensitivities, curves, regions, robustness, precision, siconos, peers, general, orders, failures, reductions, kernel, diagrams, completeness, systems, machines, symbolic,
         ground, long_run, proofs, machine,
     )
 }  # fmt: skip

@@ -73,6 +73,7 @@ STUDIES = {  # the name of each study and of its results, and its module
     "system_rimless_wheel": "studies.systems.rimless_wheel",
     "system_fold_flip": "studies.systems.fold_flip",
     "system_random": "studies.systems.random_systems",
+    "system_peers": "studies.systems.peers",
 }
 RESULTS = ROOT / "studies" / "results"
 console = Console(stderr=True)

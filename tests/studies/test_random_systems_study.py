@@ -27,7 +27,8 @@ def test_a_contact_at_rest_takes_part_in_impacts_of_another() -> None:
     assert survey([35], 1)["same_words"] == 1
 
 
-def test_where_rounding_orders_impacts_in_turns_both_backends_say_so() -> None:
-    """Bounces below the root of the rounding of a gap: no double knows which contact is next."""
-    found = survey([170], 1)
-    assert found["statuses"] == {MotionStatus.PASSED.name: 1}
+def test_rounding_does_not_order_impacts_in_turns() -> None:
+    """Bounces below the root of the rounding of a gap, of two contacts in turns, some nested."""
+    found = survey([170, 526, 922], 3)
+    assert found["statuses"] == {MotionStatus.TIME_REACHED.name: 3}
+    assert found["same_words"] == 3

@@ -49,13 +49,18 @@ class Function:
         self._symbols, self._flat = symbols, flat
         self._many: Callable[..., Any] | None = None
 
+    @property
+    def flat(self) -> list[sympy.Expr]:
+        """All expressions."""
+        return [sympy.sympify(each) for each in self._flat]
+
     def __call__(self, *numbers: Floats) -> list[Floats]:
         """Arrays at one point, whose coordinates are given in parts."""
         try:
             flat = np.array(self._one(*np.concatenate(numbers).tolist()), dtype=float)
         except (ValueError, ZeroDivisionError, OverflowError, TypeError):  # TypeError: complex
             flat = np.full(len(self._flat), np.nan)
-        return self._split(flat)
+        return self.split(flat)
 
     def batch(self, z: Floats, p: Floats) -> list[Floats]:
         """Arrays at many states (b, N), the batch first."""
@@ -66,9 +71,10 @@ class Function:
         flat = np.empty((len(z), len(values)))
         for k, value in enumerate(values):
             flat[:, k] = value
-        return self._split(flat)
+        return self.split(flat)
 
-    def _split(self, flat: Floats) -> list[Floats]:
+    def split(self, flat: Floats) -> list[Floats]:
+        """The arrays of the values of all expressions."""
         batch = flat.shape[:-1]
         return [flat[..., low:high].reshape(*batch, *shape) for low, high, shape in self._parts]
 
@@ -89,13 +95,18 @@ class Equations:
         How many coordinates and contacts.
     size, columns
         Numbers of a state, and of derivatives: those in z, then those in free parameters.
-    rubs
-        (m,) which contacts have friction.
+    friction, rubs
+        (m,) which contacts have it, as a tuple and as an array.
+    slips
+        (m,) for each contact the first one with the same slip: such contacts stick together, as the
+        feet of a body do, and only the sum of their friction is known.
     expressions, kinematics
         M, h, w_N, w_T, w-bar_N, w-bar_T and mu; gaps, gap rates and slips.
-    balances
+    jets
         Makes of a mode a compiled function of state and parameters, see
-        :func:`woodpecker.systems.taylor.balances`; None without a compiler.
+        :func:`woodpecker.systems.taylor.jets`; None without a compiler.
+    compiled
+        A compiled function of state and parameters for the terms; None without a compiler.
     """
 
     def __init__(self, system: ContactSystem, free: Sequence[str] = ()) -> None:
@@ -109,11 +120,14 @@ class Equations:
         self.places = [list(known).index(name) for name in free]
         self.columns = self.size + len(free)
         self.p = np.array(list(system.parameters.values()))
-        self.rubs: Bools = np.array([each.rubs for each in system.contacts])
+        self.friction = tuple(each.rubs for each in system.contacts)
+        self.rubs: Bools = np.array(self.friction)
+        self.slips = _equal_slips(system)
         self.symbols = (*system.state, *system.parameters)
         self._along = (*system.state, *(known[name] for name in free))
         self._last: tuple[bytes, bytes, Terms] | None = None
-        self.balances: Callable[[tuple[int, ...]], Callable[..., Floats]] | None = None
+        self.compiled: Callable[[Floats, Floats], Floats] | None = None
+        self.jets: Callable[[tuple[int, ...]], Callable[..., Floats]] | None = None
         self._derive()
 
     def _derive(self) -> None:
@@ -162,7 +176,9 @@ class Equations:
             return Terms(*self._terms.batch(z, p))
         key = z.tobytes(), p.tobytes()
         if self._last is None or self._last[:2] != key:
-            self._last = *key, Terms(*self._terms(z, p))
+            compiled = self.compiled
+            whole = self._terms(z, p) if compiled is None else self._terms.split(compiled(z, p))
+            self._last = *key, Terms(*whole)
         return self._last[2]
 
     def motion_changes(
@@ -187,6 +203,11 @@ class Equations:
         """Derivatives of gaps, gap rates and slips, (m, columns) each."""
         return self._kinematics(z, p)
 
+    @property
+    def flat(self) -> list[sympy.Expr]:
+        """All expressions of the terms, in their order."""
+        return self._terms.flat
+
     def function(self, arrays: Sequence[Any], more: Sequence[sympy.Symbol] = ()) -> Function:
         """Expressions of state, parameters and some more, compiled."""
         return Function((*self.symbols, *more), [np.array(each, dtype=object) for each in arrays])
@@ -195,3 +216,16 @@ class Equations:
     def along(self) -> tuple[sympy.Symbol, ...]:
         """The symbols in which derivatives are taken."""
         return self._along
+
+
+def _equal_slips(system: ContactSystem) -> tuple[int, ...]:
+    """For each contact the first one with the same slip."""
+    found = list[int]()
+    for i, each in enumerate(system.contacts):
+        same = (
+            k for k in sorted(set(found))
+            if each.rubs and system.contacts[k].rubs
+            and sympy.simplify(each.slip - system.contacts[k].slip) == 0
+        )  # fmt: skip
+        found.append(next(same, i))
+    return tuple(found)

@@ -9,7 +9,7 @@ derivatives zero is divided by that power of time.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence, Set
 from dataclasses import dataclass, field
 from functools import lru_cache
 
@@ -18,7 +18,9 @@ from numpy.polynomial import chebyshev
 from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Floats
-from woodpecker.systems.flows import Step
+from woodpecker.systems.flows import Flow, Step
+from woodpecker.systems.modes import SECTION, Local, Touch, guard_values, guards_of
+from woodpecker.systems.sections import SectionGuard
 
 NODES = 24  # of an interpolant: a Taylor step of order 20, and guards that are no polynomials
 CHOPPED = 2.0**-52  # relative: coefficients that are smaller are rounding
@@ -234,6 +236,11 @@ def _bernstein(size: int) -> Floats:
 
 
 @lru_cache(maxsize=8)
+def _exponents(size: int) -> Floats:
+    return np.arange(float(size))
+
+
+@lru_cache(maxsize=8)
 def _halving(size: int) -> tuple[Floats, Floats]:
     """The matrices that make of Bernstein coefficients those of either half."""
     left = np.array([[math.comb(j, k) / 2.0**j for j in range(size)] for k in range(size)])
@@ -274,10 +281,12 @@ def _solved(c: list[float], low: float, high: float, x: float, *, falls: bool) -
         else:
             high = x
         new = x - value / slope if slope != 0.0 else low
+        if abs(new - x) <= CLOSE * abs(new):
+            return new  # also where it has just left the bracket
         if not low < new < high:
             new = 0.5 * (low + high)
-        if abs(new - x) <= CLOSE * abs(new):
-            return new
+            if abs(new - x) <= CLOSE * abs(new):
+                return new
         x = new
     return x
 
@@ -347,9 +356,9 @@ class Polynomials:
         The time of the phase at which it begins.
     starts
         How the guards begin where that is zero.
-    above
-        Which of them were above zero where the step before ended: they fire at once where this one
-        begins below.
+    before
+        What :meth:`ends` has said of the step before: a guard that was above zero there fires at
+        once where this step begins below.
 
     Attributes
     ----------
@@ -359,11 +368,11 @@ class Polynomials:
 
     def __init__(
         self, length: float, guards: Floats, begin: float, starts: Sequence[GuardStart],
-        above: Sequence[bool] | None = None,
+        before: Floats | None = None,
     ) -> None:  # fmt: skip
-        self._begin, self._end, self._starts, self._above = begin, begin + length, starts, above
+        self._begin, self._end, self._starts, self._before = begin, begin + length, starts, before
         size = guards.shape[1]
-        scales = length ** np.arange(size)
+        scales = length ** _exponents(size)
         self._c = guards * scales
         for k, start in enumerate(starts):
             if begin == 0.0 and start.order:
@@ -381,11 +390,100 @@ class Polynomials:
     def __getitem__(self, k: int) -> Power:
         start, begins = self._starts[k], self._begin == 0.0
         fires = begins and start.order == 0 and not start.is_section
-        fires = fires or (self._above is not None and self._above[k])
+        fires = fires or (self._before is not None and bool(self._before[k] > 0.0))
         order = start.order if begins else 0
         return Power(self._begin, self._end, self._c[k], order, self._b[k], fires)
 
-    def ends_above(self) -> list[bool]:
-        """Which of them are above zero where the step ends."""
-        found: list[bool] = (self._b[:, -1] > 0.0).tolist()
-        return found
+    def ends(self) -> Floats:
+        """(g,) their values where the step ends, each over what it has been divided by."""
+        return self._b[:, -1]
+
+
+# --- A phase --------------------------------------------------------------------------------------
+
+TIME = -2  # the guard of a phase that lasts to the end of time asked for
+
+
+class Phase:
+    """The guards of a phase, and which fires first.
+
+    Parameters
+    ----------
+    here
+        Its mode and the state in which it begins.
+    flow
+        What integrates it.
+    touch
+        What touches there.
+    section
+        The guard of a section that counts in this mode; None: none does.
+    on_section
+        Whether it begins on the section.
+
+    Attributes
+    ----------
+    watched, starts
+        The guards, and how they begin.
+    width
+        Of the interpolant by which the last root was found; 0 where that is as exact as doubles.
+    """
+
+    def __init__(
+        self, here: Local, flow: Flow, touch: Touch, section: SectionGuard | None, *,
+        on_section: bool,
+    ) -> None:  # fmt: skip
+        eq, mode = here.eq, here.mode
+        self.mode, self.flow, self.width = mode, flow, 0.0
+        self._eq, self._p, self._section = eq, here.p, section
+        self.watched = guards_of(eq, mode)
+        self._guards = list(self.watched)
+        if self.flow.has_guards:
+            self.starts = [GuardStart(touch.order(eq, mode, guard)) for guard in self.watched]
+        else:
+            self.starts = [started(here, touch, guard) for guard in self.watched]
+        if self._section is not None:
+            self.watched.append(SECTION * eq.m)
+            jet = self._section.jet(here) if on_section else ()
+            self.starts.append(GuardStart(int(on_section), jet, True))
+        self._before: Floats | None = None
+
+    def fired(self, step: Step, begin: float, ignored: Set[int]) -> tuple[int, float]:
+        """The guard that fires first in a step that begins at a time, and when; TIME if none."""
+        if self.flow.has_guards:
+            return self._of_polynomials(step, begin, ignored)
+        for window in series(step, begin, self._values, self.starts):
+            best, time, self.width = TIME, math.inf, 0.0
+            for guard, start, each in zip(self.watched, self.starts, window, strict=True):
+                if guard in ignored:
+                    continue
+                early = start.soon(step.length) if begin == 0.0 else math.inf
+                t = early if early < math.inf else each.falls()
+                if t < time:
+                    best, time = guard, t
+                    self.width = 0.0 if early < math.inf else each.high - each.low
+            if best != TIME:
+                return best, time
+        return TIME, math.inf
+
+    def _of_polynomials(self, step: Step, begin: float, ignored: Set[int]) -> tuple[int, float]:
+        best, time = TIME, math.inf
+        found = Polynomials(step.length, step.guards, begin, self.starts, self._before)
+        for k, (guard, low) in enumerate(zip(self.watched, found.lowest, strict=True)):
+            if low <= 0.0 and guard not in ignored:
+                t = found[k].falls()
+                if t < time:
+                    best, time = guard, t
+        self._before = found.ends()
+        return best, time
+
+    def _values(self, states: Floats) -> Floats:
+        values = guard_values(self._eq, self.mode, self._guards, self._eq.terms(states, self._p))
+        if self._section is None:
+            return values
+        return np.vstack([values, self._section.values(states, self._p)])
+
+
+def started(here: Local, touch: Touch, guard: int) -> GuardStart:
+    """How a guard begins, where an event has made some of its derivatives zero."""
+    order = touch.order(here.eq, here.mode, guard)
+    return GuardStart(order, here.jet(guard) if order else ())

@@ -452,7 +452,7 @@ def carry_out(
         terms = eq.terms(z, p)
         eps = terms.eps[list(impact.contacts)]
         d_eps = eq.impact_changes(z, p, z[eq.n : 2 * eq.n], *np.zeros((2, eq.m)))[5]
-        d_floor = eps[:, None] * change[:c] + impulse[:c, None] * _total(
+        d_floor = eps[:, None] * change[:c] + impulse[:c, None] * total(
             eq, d_eps[list(impact.contacts)], tangents
         )
         end = _carry(
@@ -557,7 +557,7 @@ def _partial(
     what Newton's law keeps of the gap rate before, and mu.
     """
     kick, d_rate, d_slip, d_old, d_mu, d_eps = (
-        _total(eq, each, tangents) for each in eq.impact_changes(z, p, *fixed)
+        total(eq, each, tangents) for each in eq.impact_changes(z, p, *fixed)
     )
     terms = eq.terms(z, p)
     d_kept = terms.eps[at][:, None] * d_old[at] + terms.gap_rate[at][:, None] * d_eps[at]
@@ -566,7 +566,7 @@ def _partial(
     return kick, d_rate[at], d_slip[at], d_kept, d_mu[at]
 
 
-def _total(eq: Equations, change: Floats, tangents: Floats) -> Floats:
+def total(eq: Equations, change: Floats, tangents: Floats) -> Floats:
     """Derivatives along the tangents, of which the last ones move the free parameters."""
     found = change[:, : eq.size] @ tangents
     k = len(eq.free)

@@ -13,6 +13,7 @@ from enum import Enum
 from typing import Any
 
 import sympy
+from sympy.core.function import AppliedUndef
 
 from woodpecker.base.checks import number
 from woodpecker.base.shown import shown
@@ -94,7 +95,7 @@ class ContactSystem:
     Parameters
     ----------
     q
-        The n coordinates, symbols or dynamic symbols of sympy.
+        The n coordinates, symbols of sympy; :func:`from_kane` takes dynamic symbols.
     M
         (n, n) mass matrix, symmetric; of coordinates, time and parameters.
     h
@@ -326,7 +327,8 @@ def names(name: str, value: Any) -> tuple[sympy.Symbol, ...]:
     found = tuple(sympy.Symbol(each) if isinstance(each, str) else each for each in value)
     for each in found:
         if not isinstance(each, sympy.Symbol):
-            raise TypeError(f"{name} must be symbols, got {shown(each)}")
+            hint = "; from_kane takes dynamic symbols" if isinstance(each, AppliedUndef) else ""
+            raise TypeError(f"{name} must be symbols, got {shown(each)}{hint}")
     if not found:
         raise ValueError(f"{name} must not be empty")
     return found

@@ -18,6 +18,7 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import linprog
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.mechanics.lcp import solve_contact_lcp
@@ -31,7 +32,7 @@ MOST_MODES = 256  # combinations that are tried on acceleration level
 ROUNDING = 1e-12  # relative size of a force that rounding may have made of zero
 SAME = 1e-9  # relative: accelerations that are closer are one motion
 
-_KNOWN = {GAP: 3, NORMAL: 1, CONE_UP: 1, CONE_DOWN: 1, SLIP: 2}  # derivatives of guards in time
+KNOWN = {GAP: 3, NORMAL: 1, CONE_UP: 1, CONE_DOWN: 1, SLIP: 2}  # derivatives of guards in time
 
 Mode = tuple[int, ...]
 
@@ -39,19 +40,41 @@ Mode = tuple[int, ...]
 def guards_of(eq: Equations, mode: Mode) -> list[int]:
     """All guards of a mode: gaps of open contacts, forces of closed ones, slips of sliding ones.
 
-    Where a contact sticks its force vanishes only where a cone is reached, too.
+    Where a contact sticks its force vanishes only where a cone is reached, too; but not in a team
+    of contacts with the same slip, of which the first has the cone of all.
     """
-    return list(_guards_of(mode, tuple(eq.rubs.tolist())))
+    return list(_guards_of(mode, eq.friction, eq.slips))
 
 
 @lru_cache(maxsize=1024)
-def _guards_of(mode: Mode, rubs: tuple[bool, ...]) -> tuple[int, ...]:
+def team_of(mode: Mode, slips: tuple[int, ...], i: int) -> tuple[int, ...]:
+    """The contacts that stick together with one, itself among them."""
+    return tuple(k for k in range(len(mode)) if mode[k] == STICK and slips[k] == slips[i])
+
+
+@lru_cache(maxsize=1024)
+def _places(n: int, mode: Mode, rubs: tuple[bool, ...], slips: tuple[int, ...]) -> dict[int, int]:
+    """Where the guards of a mode are among its compiled numbers."""
+    m, found = len(mode), dict[int, int]()
+    place = n + 2 * m
+    for guard in _guards_of(mode, rubs, slips):
+        found[guard] = place
+        place += KNOWN[guard // m] + 1
+    return found
+
+
+@lru_cache(maxsize=1024)
+def _guards_of(mode: Mode, rubs: tuple[bool, ...], slips: tuple[int, ...]) -> tuple[int, ...]:
     m, found = len(mode), list[int]()
     for i, state in enumerate(mode):
         if state == OPEN:
             found.append(GAP * m + i)
         elif state == STICK:
-            found += [CONE_UP * m + i, CONE_DOWN * m + i]
+            team = team_of(mode, slips, i)
+            if team[0] == i:
+                found += [CONE_UP * m + i, CONE_DOWN * m + i]
+            if len(team) > 1:
+                found.append(NORMAL * m + i)
         else:
             found.append(NORMAL * m + i)
             if rubs[i]:
@@ -70,7 +93,7 @@ class Balance(NamedTuple):
 def balance(eq: Equations, mode: Mode, terms: Terms) -> Balance:
     """Accelerations and forces in a mode, at one state or a batch; nan where there are none."""
     n, m = eq.n, eq.m
-    closed, stuck, sign = _parts(mode)
+    closed, stuck, sign = _parts(mode, eq.slips)
     batch = terms.force.shape[:-1]
     middle, size = n + len(closed), n + len(closed) + len(stuck)
     right = np.zeros((*batch, size))
@@ -90,7 +113,7 @@ def balance(eq: Equations, mode: Mode, terms: Terms) -> Balance:
 def _matrix(eq: Equations, mode: Mode, terms: Terms) -> Floats:
     """The matrix (..., n + c, n + c) of the linear system that they solve."""
     n = eq.n
-    closed, stuck, sign = _parts(mode)
+    closed, stuck, sign = _parts(mode, eq.slips)
     middle, size = n + len(closed), n + len(closed) + len(stuck)
     k = np.zeros((*terms.force.shape[:-1], size, size))
     k[..., :n, :n] = terms.mass
@@ -104,11 +127,14 @@ def _matrix(eq: Equations, mode: Mode, terms: Terms) -> Floats:
 
 
 @lru_cache(maxsize=1024)
-def _parts(mode: Mode) -> tuple[Ints, Ints, Floats]:
-    """Closed contacts, those that stick, and signs of lambda_T = sign mu lambda_N."""
+def _parts(mode: Mode, slips: tuple[int, ...]) -> tuple[Ints, Ints, Floats]:
+    """Closed contacts, the first of each team that sticks, signs of lambda_T = sign mu lambda_N."""
     states = np.array(mode)
     sign = np.where(states == SLIDE_UP, -1.0, np.where(states == SLIDE_DOWN, 1.0, 0.0))
-    return np.flatnonzero(states != OPEN), np.flatnonzero(states == STICK), sign
+    stuck = [
+        i for i, state in enumerate(mode) if state == STICK and team_of(mode, slips, i)[0] == i
+    ]
+    return np.flatnonzero(states != OPEN), np.array(stuck, dtype=int), sign
 
 
 def _solve(k: Floats, right: Floats) -> Floats:
@@ -143,14 +169,21 @@ def guard_values(eq: Equations, mode: Mode, guards: Sequence[int], terms: Terms)
             rows.append(terms.slip[:, i] if mode[i] == SLIDE_UP else -terms.slip[:, i])
         else:
             assert forces is not None
-            rows.append(_force_guard(kind, terms.mu[:, i], forces.l_n[:, i], forces.l_t[:, i]))
+            bound = _bound(eq, mode, i, terms.mu, forces.l_n)
+            rows.append(_force_guard(kind, forces.l_n[:, i], bound, forces.l_t[:, i]))
     return np.array(rows).reshape(len(guards), len(terms.gap))
 
 
-def _force_guard(kind: int, mu: Floats, l_n: Floats, l_t: Floats) -> Floats:
+def _force_guard(kind: int, l_n: Floats, bound: Floats, l_t: Floats) -> Floats:
     if kind == NORMAL:
         return l_n
-    return mu * l_n - l_t if kind == CONE_UP else mu * l_n + l_t
+    return bound - l_t if kind == CONE_UP else bound + l_t
+
+
+def _bound(eq: Equations, mode: Mode, i: int, mu: Floats, l_n: Floats) -> Floats:
+    """The bound (...) of the friction of all that stick together with a contact."""
+    team = list(team_of(mode, eq.slips, i))
+    return np.asarray((mu[..., team] * l_n[..., team]).sum(axis=-1))
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,14 +201,25 @@ class Local:
         return self.eq.terms(self.z, self.p)
 
     @cached_property
+    def _compiled(self) -> Floats | None:
+        """Accelerations, forces and guards with derivatives, if they are compiled and finite."""
+        if self.eq.jets is None:
+            return None
+        found = self.eq.jets(self.mode)(self.z, self.p)
+        return found if np.isfinite(found).all() else None
+
+    @cached_property
     def balance(self) -> Balance:
         """Accelerations and forces."""
-        eq = self.eq
-        if eq.balances is not None:
-            found = eq.balances(self.mode)(self.z, self.p)
-            if math.isfinite(found.sum()):
-                return Balance(found[: eq.n], found[eq.n : -eq.m], found[-eq.m :])
-        return balance(eq, self.mode, self.terms)
+        found, n, m = self._compiled, self.eq.n, self.eq.m
+        if found is None:
+            return balance(self.eq, self.mode, self.terms)
+        return Balance(found[:n], found[n : n + m], found[n + m : n + 2 * m])
+
+    @property
+    def is_finite(self) -> bool:
+        """Whether there are accelerations."""
+        return self._compiled is not None or math.isfinite(self.balance.a.sum())
 
     @cached_property
     def flow(self) -> Floats:
@@ -188,7 +232,7 @@ class Local:
         """Derivatives (.., columns) of accelerations and forces, in z and free parameters."""
         eq, t, n = self.eq, self.terms, self.eq.n
         l_n, k = self.balance.l_n, _matrix(eq, self.mode, self.terms)
-        closed, stuck, sign = _parts(self.mode)
+        closed, stuck, sign = _parts(self.mode, eq.slips)
         motion, d_n, d_t, d_mu = self._partial
         load = (sign * l_n)[:, None] * d_mu
         right = -np.vstack([motion - t.w_t.T @ load, d_n[closed], d_t[stuck]])
@@ -218,11 +262,14 @@ class Local:
 
         Known are three derivatives of gaps, two of slips, one of forces.
         """
-        most = min(order, _KNOWN[guard // self.eq.m])
+        most = min(order, KNOWN[guard // self.eq.m])
         return [self.derivative(guard, k) for k in range(most + 1)]
 
     def derivative(self, guard: int, order: int) -> float:
         """A guard's derivative in time of an order that is known; its value for 0."""
+        place = _places(self.eq.n, self.mode, self.eq.friction, self.eq.slips).get(guard)
+        if place is not None and self._compiled is not None:
+            return float(self._compiled[place + order])
         kind, i = divmod(guard, self.eq.m)
         t = self.terms
         if kind in (GAP, SLIP):
@@ -231,12 +278,14 @@ class Local:
                 return float(t.gap_rate[i] if order else t.gap[i])
             if order == 0:
                 return sign * float(t.slip[i])
-            if order == _KNOWN[kind] - 1:
+            if order == KNOWN[kind] - 1:
                 w, bar = (t.w_n, t.bar_n) if kind == GAP else (t.w_t, t.bar_t)
                 return sign * float(w[i] @ self.balance.a + bar[i])
             return sign * float(self._acceleration_change(kind, i)[: self.eq.size] @ self.flow)
         if order == 0:
-            return float(_force_guard(kind, t.mu[i], self.balance.l_n[i], self.balance.l_t[i]))
+            l_n, l_t = self.balance.l_n, self.balance.l_t
+            bound = _bound(self.eq, self.mode, i, t.mu, l_n)
+            return float(_force_guard(kind, l_n[i], bound, l_t[i]))
         return float(self.gradient(guard)[: self.eq.size] @ self.flow)
 
     def _acceleration_change(self, kind: int, i: int) -> Floats:
@@ -263,7 +312,9 @@ class Local:
         _, change_n, change_t = self.changes
         if kind == NORMAL:
             return np.asarray(change_n[i])
-        cone = self.terms.mu[i] * change_n[i] + self.balance.l_n[i] * self._partial[3][i]
+        team = list(team_of(self.mode, self.eq.slips, i))
+        cone = self.terms.mu[team] @ change_n[team]
+        cone += self.balance.l_n[team] @ self._partial[3][team]
         return np.asarray(cone - change_t[i] if kind == CONE_UP else cone + change_t[i])
 
 
@@ -306,7 +357,8 @@ class Touch:
             if i not in self.held:
                 return 0
             edge = CONE_UP if mode[i] == SLIDE_DOWN else CONE_DOWN
-            return 2 if self.fired == edge * eq.m + i else 1
+            what, by = divmod(self.fired, eq.m)
+            return 2 if what == edge and eq.slips[by] == eq.slips[i] else 1
         return 1 if guard == self.fired else 0
 
 
@@ -325,15 +377,49 @@ def settle(eq: Equations, z: Floats, p: Floats, touch: Touch) -> tuple[Outcome, 
         kept = [each for each in tried if _admissible(each, touch, slack)]
         if not kept:
             continue
-        first = kept[0]
-        size = (
-            np.abs(first.balance.a).max() + np.abs(np.linalg.solve(terms.mass, terms.force)).max()
-        )
+        first, size = kept[0], 0.0
         for other in kept[1:]:
+            size = size or float(
+                np.abs(first.balance.a).max()
+                + np.abs(np.linalg.solve(terms.mass, terms.force)).max()
+            )
             if np.abs(other.balance.a - first.balance.a).max() > SAME * size:
                 return Outcome.AMBIGUOUS, first.mode
         return Outcome.SOLVED, first.mode
     return Outcome.NO_SOLUTION, (OPEN,) * eq.m
+
+
+def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | None:
+    """The mode of a system at rest that more contacts hold than there are coordinates, or None.
+
+    Its forces are open, so that no mode can be tried: it is at rest if there are any within all
+    cones that balance the others.
+    """
+    closed, held = sorted(touch.closed), sorted(i for i in touch.held if eq.rubs[i])
+    slides = any(eq.rubs[i] and i not in touch.held for i in closed)
+    if slides or touch.leaving or len(closed) + len(held) <= eq.n:
+        return None
+    still = z.copy()
+    still[eq.n : 2 * eq.n] = 0.0
+    terms = eq.terms(still, p)
+    rows = np.vstack([terms.w_n[closed], terms.w_t[held]])
+    moved = terms.gap_rate[closed].any() or terms.slip[held].any()  # by a belt, a support
+    if moved or int(np.linalg.matrix_rank(rows)) < eq.n:
+        return None
+    cones = np.zeros((2 * len(held), len(rows)))
+    for k, i in enumerate(held):
+        cones[2 * k : 2 * k + 2, closed.index(i)] = -terms.mu[i]
+        cones[2 * k : 2 * k + 2, len(closed) + k] = 1.0, -1.0
+    size = max(1.0, float(np.abs(terms.force).max()))
+    found = linprog(
+        np.zeros(len(rows)), cones, np.zeros(len(cones)), rows.T, -terms.force / size,
+        [(0.0, None)] * len(closed) + [(None, None)] * len(held),
+    )  # fmt: skip
+    if not found.success:
+        return None
+    return tuple(
+        OPEN if i not in touch.closed else STICK if i in held else SLIDE_UP for i in range(eq.m)
+    )
 
 
 def _modes(eq: Equations, terms: Terms, touch: Touch) -> Iterator[Mode]:
@@ -350,7 +436,18 @@ def _modes(eq: Equations, terms: Terms, touch: Touch) -> Iterator[Mode]:
                 states = (SLIDE_UP if terms.slip[i] > 0.0 else SLIDE_DOWN, OPEN)
         choices.append(states)
         count *= len(states)
-    return iter(product(*choices) if count <= MOST_MODES else _proposed(eq, terms, touch))
+    if count > MOST_MODES:
+        return iter(_proposed(eq, terms, touch))
+    return (mode for mode in product(*choices) if _is_together(eq, mode))
+
+
+def _is_together(eq: Equations, mode: Mode) -> bool:
+    """Whether closed contacts with the same slip do the same."""
+    first = dict[int, int]()
+    return all(
+        state == OPEN or not eq.rubs[i] or first.setdefault(eq.slips[i], state) == state
+        for i, state in enumerate(mode)
+    )
 
 
 def _proposed(eq: Equations, terms: Terms, touch: Touch) -> list[Mode]:
@@ -377,7 +474,7 @@ def _proposed(eq: Equations, terms: Terms, touch: Touch) -> list[Mode]:
 def _admissible(here: Local, touch: Touch, slack: float) -> bool:
     """Whether all guards of the closed contacts are positive right after now."""
     eq, mode = here.eq, here.mode
-    if not math.isfinite(here.balance.a.sum()):
+    if not here.is_finite:
         return False
     for guard in guards_of(eq, mode):
         kind, i = divmod(guard, eq.m)
@@ -394,7 +491,7 @@ def _admissible(here: Local, touch: Touch, slack: float) -> bool:
 
 def _starts_positive(here: Local, guard: int, order: int, rounding: float) -> bool:
     """The sign of a guard right after now; a guard that stays zero counts as positive."""
-    for k in range(order, _KNOWN[guard // here.eq.m] + 1):
+    for k in range(order, KNOWN[guard // here.eq.m] + 1):
         value = here.derivative(guard, k)
         if not abs(value) <= (rounding if k == order else 0.0):
             return value > 0.0

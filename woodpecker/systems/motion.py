@@ -16,8 +16,10 @@ from importlib.util import find_spec
 import numpy as np
 
 from woodpecker.base.arrays import Floats
-from woodpecker.systems.equations import Equations, Terms
+from woodpecker.systems.accumulation import Tail, after, implied, tail_of
+from woodpecker.systems.equations import Equations
 from woodpecker.systems.flows import Flow, LostError, RungeFlow, Step
+from woodpecker.systems.guards import TIME, Phase
 from woodpecker.systems.impacts import Impact, Outcome, decide
 from woodpecker.systems.model import ContactSystem
 from woodpecker.systems.modes import (
@@ -31,16 +33,16 @@ from woodpecker.systems.modes import (
     Local,
     Mode,
     Touch,
+    resting_mode,
     settle,
+    team_of,
 )
-from woodpecker.systems.phases import TIME, Phase, short_flight
 from woodpecker.systems.sections import Embedding, SectionGuard
 
 EVENTS_MOST = 2000  # of one return, unless a caller says otherwise
 STEPS_MOST = 20_000  # of one phase of one return
 PENETRATED = 1e-7  # relative: far more than rounding leaves of a gap
-IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
-COLLAPSED = 2.0**-50  # of time: impacts of several contacts in turns within it have come to an end
+BRIEF = 2.0**-10  # of the longest phase: before flights are as short as this none need be looked at
 TOGETHER = 2.0**-44  # of a phase: gaps that close within it do so at once
 POLISHED = 1e-6  # of a window: Newton's step from a root of the series is shorter, or not taken
 NO_FORCE = 1e-9  # relative: a normal force that vanishes where a cone is reached
@@ -93,8 +95,9 @@ class Leg:
     ----------
     impact
         The impact that it begins with, if any.
-    closes
-        The contact at which bounces have accumulated then; -1: none.
+    closes, lap
+        The contacts at which impacts have accumulated then; how many of the phases before are
+        repeated until they do.
     touch
         What touches where it begins.
     mode, guard
@@ -102,7 +105,8 @@ class Leg:
     """
 
     impact: Impact | None
-    closes: int
+    closes: tuple[int, ...]
+    lap: int
     touch: Touch
     mode: Mode
     guard: int
@@ -159,7 +163,9 @@ class Machine:
         self.is_autonomous = not any(part.has(time) for part in parts)
 
         if self.backend is Backend.TAYLOR:
-            self.eq.balances = self._balances
+            from woodpecker.systems.taylor import terms_function
+
+            self.eq.jets, self.eq.compiled = self._jets, terms_function(self.eq)
 
     def flow(
         self, mode: Mode, *, varies: bool = False, section: SectionGuard | None = None
@@ -176,12 +182,12 @@ class Machine:
                 self._flows[key] = RungeFlow(self.eq, mode, varies=varies)
         return self._flows[key]
 
-    def _balances(self, mode: Mode) -> Callable[[Floats, Floats], Floats]:
-        """Accelerations and forces of a mode, compiled."""
+    def _jets(self, mode: Mode) -> Callable[[Floats, Floats], Floats]:
+        """Accelerations, forces and guards of a mode, compiled."""
         if mode not in self._made:
-            from woodpecker.systems.taylor import balances
+            from woodpecker.systems.taylor import jets
 
-            self._made[mode] = balances(self.eq, mode)
+            self._made[mode] = jets(self.eq, mode)
         return self._made[mode]
 
 
@@ -242,7 +248,7 @@ class MotionSearch:
     def run(self, z: Floats, touch: Touch, striking: Sequence[int] = ()) -> Run:
         """The loop of Figure 1 [Leine2001]."""
         found = self._run = Run(z)
-        self._bounce: tuple[Impact, int, Floats] | None = None
+        self._begins = [0]  # how many symbols there were where each leg begins
         self._open = False  # whether impulses of an impact were
         if self.embedding is not None:
             self.t_end = float(z[-1]) + self.embedding.section.horizon
@@ -250,16 +256,19 @@ class MotionSearch:
         try:
             impact = self._strike({*striking, *touch.closed}, touch) if striking else None
             touch = self._touch if striking else touch
-            while len(found.legs) < self.events_most:
+            for _ in range(self.events_most):
+                self._check_rest(before, touch)
                 outcome, mode = settle(self.eq, found.z, self.p, touch)
                 if outcome is not Outcome.SOLVED:
                     raise _StoppedError(_OF_OUTCOME[outcome])
                 self._name_transitions(before, mode, touch)
                 self._check_forces(mode)
                 guard = self._flow(mode, touch)  # integrate until an event
-                found.legs.append(Leg(impact, self._closes, touch, mode, guard))
-                before, (impact, touch) = mode, self._event(mode, guard)
-                if self._closes >= 0 or impact is not None:
+                found.legs.append(Leg(impact, self._closes, self._lap, touch, mode, guard))
+                before = mode
+                self._begins.append(len(found.symbols))
+                impact, touch = self._event(mode, guard)
+                if impact is not None:
                     before = _after_impact(self.eq, before, touch)
         except _StoppedError as stop:
             found.status = stop.status
@@ -270,7 +279,8 @@ class MotionSearch:
         return found
 
     _touch: Touch
-    _closes = -1
+    _closes: tuple[int, ...] = ()
+    _lap = 0
 
     # --- Phases -----------------------------------------------------------------------------------
 
@@ -285,7 +295,7 @@ class MotionSearch:
         found.z = z
         self._check_gaps(mode)
         if guard == TIME:
-            found.legs.append(Leg(None, -1, touch, mode, TIME))
+            found.legs.append(Leg(None, (), 0, touch, mode, TIME))
             done = MotionStatus.TIME_REACHED if self.embedding is None else MotionStatus.HORIZON
             raise _StoppedError(done)
         return guard
@@ -302,7 +312,7 @@ class MotionSearch:
 
     def first_event(
         self, mode: Mode, z: Floats, touch: Touch, most: float, *, on_section: bool = False,
-        ignored: int = -1, keeps: bool = True,
+        ignored: frozenset[int] = frozenset(), keeps: bool = True,
     ) -> tuple[int, float, Floats]:  # fmt: skip
         """The guard that fires first in a phase, when, and the state there."""
         if most <= 0.0:
@@ -357,7 +367,7 @@ class MotionSearch:
     def _event(self, mode: Mode, guard: int) -> tuple[Impact | None, Touch]:
         """What a guard brings about: the end, an impact, or only new index sets."""
         found, m = self._run, self.eq.m
-        self._closes = -1
+        self._closes, self._lap = (), 0
         if guard == SECTION * m:
             raise _StoppedError(MotionStatus.RETURNED)
         kind, i = divmod(guard, m)
@@ -378,12 +388,13 @@ class MotionSearch:
             if self.embedding is not None and self.embedding.contact in ({i} | more):
                 found.last = impact
                 raise _StoppedError(MotionStatus.RETURNED)
-            return impact, self._accumulated(impact, i) or self._touch
-        self._bounce = None
+            ended = self._accumulated(impact)
+            return (impact if ended is None else self._striking), ended or self._touch
         held = frozenset(k for k in closed if mode[k] == STICK or (kind == SLIP and k == i))
         if kind >= CONE_UP and kind != SLIP and _without_force(self.eq, mode, found.z, self.p, i):
             guard = m + i  # where the cone shrinks to nothing the contact opens
-        return None, Touch(closed, held, frozenset(), guard)
+        touch = Touch(closed, held, frozenset(), guard)
+        return None, implied(self.eq, found.z, self.p, touch, frozenset())
 
     def _strike(self, contacts: Set[int], touch: Touch) -> Impact:
         """The contact problems of compression and expansion, with what has touched before."""
@@ -399,28 +410,8 @@ class MotionSearch:
         found.z = found.z.copy()
         found.z[n : 2 * n] = u
         self._note(impact.symbol, before, impulses)
-        self._touch = self._collapsed(impact)
+        self._touch = implied(self.eq, found.z, self.p, after(impact), impact.held)
         return impact
-
-    def _collapsed(self, impact: Impact) -> Touch:
-        """What touches after an impact; also contacts that come back within the rounding of time.
-
-        Impacts of several contacts accumulate in turns: there is no series to sum, because their
-        order need not repeat, but what remains of them soon falls below rounding.
-        """
-        z, eq = self._run.z, self.eq
-        terms = eq.terms(z, self.p)
-        touch = implied(terms, after(impact), impact.held)
-        if not touch.leaving:
-            return touch
-        free = np.abs(np.linalg.solve(terms.mass, terms.force))
-        pull = np.abs(terms.w_n) @ free + np.abs(terms.bar_n)
-        instant = COLLAPSED * max(abs(z[-1]), *self._run.durations[-1:], 0.0)
-        back = {i for i in touch.leaving if 2.0 * terms.gap_rate[i] <= instant * pull[i]}
-        if not back:
-            return touch
-        held = touch.held | (frozenset(back) & impact.held)
-        return Touch(touch.closed | back, held, touch.leaving - back)
 
     def _note(
         self, symbol: str, before: Floats | None = None, impulses: Floats | None = None
@@ -451,14 +442,22 @@ class MotionSearch:
             elif touch.fired >= SLIP * m and new != old:
                 letter = "R"
             if letter:
-                self._bounce = None if letter != "D" or i not in touch.leaving else self._bounce
                 self._note(f"{letter}{i + 1}")
+
+    def _check_rest(self, before: Mode, touch: Touch) -> None:
+        """Stop where the system rests for ever, and contacts hold it more than once."""
+        if not self.machine.is_autonomous:
+            return
+        mode = resting_mode(self.eq, self._run.z, self.p, touch)
+        if mode is not None:
+            self._name_transitions(before, mode, touch)
+            raise _StoppedError(MotionStatus.AT_REST)
 
     def _check_forces(self, mode: Mode) -> None:
         """Stop where contacts hold all coordinates."""
         eq, z = self.eq, self._run.z
         held = [i for i, state in enumerate(mode) if state != OPEN]
-        stuck = [i for i in held if mode[i] == STICK]
+        stuck = [i for i in held if mode[i] == STICK and team_of(mode, eq.slips, i)[0] == i]
         count = len(held) + len(stuck)
         if count < eq.n:
             return
@@ -474,83 +473,73 @@ class MotionSearch:
 
     # --- Accumulation -----------------------------------------------------------------------------
 
-    def _accumulated(self, impact: Impact, i: int) -> Touch | None:
-        """Sum the bounces at a contact if they are so small that the rest is a geometric series."""
-        found, eq = self._run, self.eq
-        last, self._bounce = self._bounce, None
-        if i not in self._touch.leaving:
+    def _accumulated(self, impact: Impact) -> Touch | None:
+        """Where impacts end that accumulate in flights which are short already."""
+        found, eq, touch = self._run, self.eq, self._touch
+        is_brief = found.durations[-1] <= BRIEF * max(found.durations)
+        if not (touch.leaving and is_brief and found.legs[-1].impact is not None):
             return None
-        speed = float(eq.terms(found.z, self.p).gap_rate[i])
-        self._bounce = impact, len(found.legs), found.z
-        if last is None or last[0] != impact or last[1] != len(found.legs) - 1:
+        none = np.zeros((eq.size, 0))
+        section = -1 if self.embedding is None else self.embedding.contact
+        tail = tail_of(eq, found.z, self.p, none, impact, touch, section)
+        if tail is None or tail.z[-1] > self.t_end or self._is_disturbed(tail):
             return None
-        mark = last[2]
-        fast = float(eq.terms(mark, self.p).gap_rate[i])
-        ratio = speed / fast if fast > 0.0 else 1.0
-        if not (0.0 <= ratio < 1.0 and self._is_series(i, speed, ratio, mark)):
-            return None
-        rest = ratio / (1.0 - ratio)
-        found.z = found.z + (found.z - mark) * rest
-        while found.symbols and found.symbols[-1] == impact.symbol:
-            found.symbols.pop()
-        self._closes, self._bounce = i, None
-        self._note(f"C{i + 1}")
-        return closing(impact, i)
+        found.z = tail.z
+        self._open |= tail.is_open
+        self._closes = tail.group
+        self._fold(impact)
+        self._note("C" + "+".join(str(i + 1) for i in tail.group))
+        return tail.touch
 
-    def _is_series(self, i: int, speed: float, ratio: float, mark: Floats) -> bool:
-        """Whether acceleration hardly changes in a bounce, and nothing else happens soon."""
+    def _is_disturbed(self, tail: Tail) -> bool:
+        """Whether something else happens as soon."""
         found = self._run
-        mode = tuple(OPEN if k not in self._touch.closed else SLIDE_UP for k in range(self.eq.m))
         outcome, mode = settle(self.eq, found.z, self.p, self._touch)
         if outcome is not Outcome.SOLVED:
-            return False
-        here = Local(self.eq, mode, found.z, self.p)
-        flight = short_flight(here, i, speed)
-        if not flight < math.inf:
-            return False
-        lap = float(found.z[-1] - mark[-1])
-        tail = lap * ratio / (1.0 - ratio)
-        if found.z[-1] + tail > self.t_end:
-            return False
+            return True
+        ignored = frozenset(GAP * self.eq.m + i for i in tail.struck)
+        soon = 2.0 * float(tail.z[-1] - found.z[-1])
         guard, _, _ = self.first_event(
-            mode, found.z, self._touch, 2.0 * tail, ignored=GAP * self.eq.m + i, keeps=False
+            mode, found.z, self._touch, soon, ignored=ignored, keeps=False
         )
-        return guard == TIME
+        return guard != TIME
+
+    def _fold(self, impact: Impact) -> None:
+        """Of laps of impacts that repeat, the last beginning with one, keep the first only."""
+        found = self._run
+        first, self._lap = laps(found.legs, impact)
+        self._striking = found.legs[first].impact if self._lap else impact
+        if self._lap:
+            begin, end = self._begins[first], self._begins[first + self._lap]
+            cut = begin
+            symbols, long = found.symbols, end - begin
+            while long and cut > 0 and symbols[cut - 1] == symbols[cut - 1 + long]:
+                cut -= 1
+            del found.symbols[cut:]
+            for each in (found.legs, found.durations):
+                del each[first + self._lap :]
+            kept = self._begins[: first + self._lap + 1]
+            self._begins = [min(each, cut) for each in kept]
 
 
-def implied(terms: Terms, touch: Touch, stopped: frozenset[int]) -> Touch:
-    """The same with contacts that cannot but rest or stick, because others do.
+def laps(legs: Sequence[Leg], impact: Impact) -> tuple[int, int]:
+    """Where legs begin to repeat up to an impact, one that begins so; how many a lap has; none: 0.
 
-    Stopped are those whose slip an impact has made zero, also where they leave.
+    The shortest that has been repeated once; else the shortest that begins with this impact.
     """
-    closed, held = set(touch.closed), set(touch.held)
-    if len(closed | touch.leaving) < 2:
-        return touch
-    rows = np.vstack([terms.w_n[sorted(closed)], terms.w_t[sorted(held | stopped)]])
-    fixed = np.linalg.pinv(rows) @ rows  # projects on the velocities that are zero
-    for i in touch.leaving:
-        if _within(terms.w_n[i], fixed) and abs(terms.gap_rate[i]) <= IMPLIED:
-            closed.add(i)
-    for i in closed - held:
-        if _within(terms.w_t[i], fixed) and abs(terms.slip[i]) <= IMPLIED:
-            held.add(i)
-    return Touch(frozenset(closed), frozenset(held), touch.leaving - closed, touch.fired)
-
-
-def _within(row: Floats, fixed: Floats) -> bool:
-    return bool(np.abs(row - row @ fixed).max() <= IMPLIED * np.abs(row).max())
-
-
-def after(impact: Impact) -> Touch:
-    """What touches after an impact."""
-    resting = impact.resting
-    return Touch(resting, impact.held & resting, frozenset(impact.contacts) - resting)
-
-
-def closing(impact: Impact, i: int) -> Touch:
-    """What touches where the bounces at a contact have accumulated."""
-    closed = impact.resting | {i}
-    return Touch(closed, impact.held & closed, frozenset(impact.contacts) - closed)
+    whole = len(legs)
+    starts = [k for k in range(1, whole + 1) if legs[-k].impact == impact]
+    for k in starts:
+        if 2 * k <= whole and legs[-k:] == legs[-2 * k : -k]:
+            break
+    else:
+        k = starts[0] if starts else 0
+    first = whole - k
+    while k and first > 0 and legs[first - 1] == legs[first - 1 + k]:
+        first -= 1
+    while k and legs[first].impact is None:
+        first += 1
+    return first, k
 
 
 class _StoppedError(Exception):

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
+from woodpecker.systems.accumulation import after, implied, tail_of
 from woodpecker.systems.causes import (
     BOUNCES,
     DIP,
@@ -29,7 +30,15 @@ from woodpecker.systems.causes import (
     START,
 )
 from woodpecker.systems.flows import LostError, Step
-from woodpecker.systems.guards import GuardStart, Least, Polynomials, Power, Series, series
+from woodpecker.systems.guards import (
+    GuardStart,
+    Least,
+    Polynomials,
+    Power,
+    Series,
+    series,
+    started,
+)
 from woodpecker.systems.impacts import (
     ALONG,
     Impact,
@@ -45,7 +54,6 @@ from woodpecker.systems.modes import (
     guards_of,
 )
 from woodpecker.systems.motion import Leg, Machine, Run
-from woodpecker.systems.phases import short_flight, started
 from woodpecker.systems.sections import Embedding
 
 NEWTON_MOST = 12  # iterations of an event time; more say that there is no root nearby
@@ -67,7 +75,7 @@ class MotionPath:
     Attributes
     ----------
     legs
-        The phases, with the events that begin them. Of bounces that accumulate one is left.
+        The phases, with the events that begin them. Of impacts that accumulate one lap is left.
     last
         The impact that it ends with, on a section of impacts.
     turns
@@ -83,16 +91,11 @@ class MotionPath:
 
 
 def path_of(run: Run, turns: int) -> tuple[MotionPath, Floats]:
-    """The path of a motion, and the durations of its phases; equal bounces are one."""
-    legs, times = list[Leg](), list[float]()
-    for leg, t in zip(run.legs, run.durations, strict=True):
-        if leg.closes >= 0:
-            while len(legs) > 1 and legs[-1] == legs[-2]:
-                legs.pop()
-                times.pop()
-        legs.append(leg)
-        times.append(t)
-    return MotionPath(tuple(legs), run.last, turns, " ".join(run.symbols)), np.array(times)
+    """The path of a motion, and the durations of its phases."""
+    return (
+        MotionPath(tuple(run.legs), run.last, turns, " ".join(run.symbols)),
+        np.array(run.durations),
+    )
 
 
 class FollowedPath(NamedTuple):
@@ -138,24 +141,25 @@ class Following:
         """The return; NoRootError or LostError if the path does not reach so far."""
         z, tangents = self.embedding.state(x, self.p)
         self._z, self._tangents, found = z, tangents, times.copy()
-        self._mark = z, tangents
+        self._marks = list[tuple[Floats, Floats]]()  # where phases begin
         self._fired, self._flight, self._slow = 0, None, None
         k = repeated = 0
+        struck = False
         while k < len(self.path.legs):
             leg = self.path.legs[k]
-            self._begin(leg, k)
+            if not struck and not self._begin(leg, k):
+                k, struck, repeated = k - leg.lap, True, repeated + 1
+                self._marks.append((self._z, self._tangents))
+                continue
+            struck = False
             here = Local(self.eq, leg.mode, self._z, self.p)
             self._start_margins(here, leg, k)
-            again = self._repeats(k) and self._is_long(here, leg)
+            if repeated > BOUNCES_MOST:
+                raise NoRootError
             t = self._phase(here, leg, k, None if repeated else float(times[k]))
             if not repeated:
                 found[k] = t
-            if not again:
-                k, repeated = k + 1, 0
-            else:
-                repeated += 1
-            if repeated > BOUNCES_MOST:
-                raise NoRootError
+            k += 1
         if self.path.last is not None:
             self._impact(self.path.last, k)
         return self._result(found)
@@ -199,16 +203,14 @@ class Following:
 
     # --- Events -----------------------------------------------------------------------------------
 
-    def _begin(self, leg: Leg, k: int) -> None:
-        """Carry out what begins a phase."""
-        if leg.impact is None:
-            return
-        before = self._mark
-        self._impact(leg.impact, k)
-        if leg.closes >= 0:
-            self._sum(leg.closes, k, *before)
-        else:
-            self._mark = self._z, self._tangents
+    def _begin(self, leg: Leg, k: int) -> bool:
+        """Carry out what begins a phase; False where laps of impacts are to be repeated first."""
+        if leg.impact is not None:
+            self._impact(leg.impact, k)
+            if leg.closes and not self._tail(leg, k, leg.impact):
+                return False
+        self._marks.append((self._z, self._tangents))
+        return True
 
     def _impact(self, impact: Impact, k: int) -> None:
         struck = carry_out(self.eq, impact, self._z, self.p, self._tangents)
@@ -225,35 +227,27 @@ class Following:
             self._note(k, SLACK, item, quotient, gradient)
         self._z, self._tangents = struck.z, struck.tangents
 
-    def _sum(self, i: int, k: int, mark: Floats, memory: Floats) -> None:
-        """The state in which bounces at a contact end, which shrink by a ratio."""
-        speed, turn = self._gap_rate(i, self._z, self._tangents)
-        fast, fast_turn = self._gap_rate(i, mark, memory)
-        if fast == 0.0 or speed == fast:
-            raise NoRootError
-        ratio = speed / fast
-        change = (turn - ratio * fast_turn) / fast
-        self._note(k, BOUNCES, i, 1.0 - ratio, -change)
-        rest, away = ratio / (1.0 - ratio), self._z - mark
-        self._tangents = (
-            self._tangents + (self._tangents - memory) * rest
-            + np.outer(away, change / (1.0 - ratio) ** 2)
-        )  # fmt: skip
-        self._z = self._z + away * rest
+    def _tail(self, leg: Leg, k: int, impact: Impact) -> bool:
+        """The state in which impacts end that accumulate; whether flights are short enough."""
+        touch = implied(self.eq, self._z, self.p, after(impact), impact.held)
+        tail = tail_of(self.eq, self._z, self.p, self._tangents, impact, touch)
+        if tail is None or tail.group != leg.closes:
+            if not leg.lap:
+                raise NoRootError
+            return False
+        if leg.lap:
+            i = self._fired
+            speed, turn = self._gap_rate(i, self._z, self._tangents)
+            fast, fast_turn = self._gap_rate(i, *self._marks[-leg.lap])
+            if fast == 0.0:
+                raise NoRootError
+            self._note(k, BOUNCES, i, 1.0 - speed / fast, -(turn - speed / fast * fast_turn) / fast)
+        self._z, self._tangents = tail.z, tail.tangents
+        return True
 
     def _gap_rate(self, i: int, z: Floats, tangents: Floats) -> tuple[float, Floats]:
         gradient = self.eq.kinematic_changes(z, self.p)[1][i]
         return float(self.eq.terms(z, self.p).gap_rate[i]), self._total(gradient, tangents)
-
-    def _repeats(self, k: int) -> bool:
-        """Whether a phase is a bounce that repeats until the next one closes its contact."""
-        legs = self.path.legs
-        return k + 1 < len(legs) and legs[k + 1].closes >= 0
-
-    def _is_long(self, here: Local, leg: Leg) -> bool:
-        """Whether the bounce that begins is too long for the rest to be summed after it."""
-        i = leg.guard % self.eq.m
-        return not short_flight(here, i, float(here.terms.gap_rate[i])) < math.inf
 
     # --- Phases -----------------------------------------------------------------------------------
 
@@ -358,13 +352,13 @@ class Following:
             return found if section is None else np.vstack([found, section.values(states, self.p)])
 
         made = flow.steps(*steps.start) if flow.has_guards else steps.all()
-        above = None
+        before = None
         for step in made:
             if begin >= until:
                 return
             if flow.has_guards:
-                found = Polynomials(step.length, step.guards, begin, every, above)
-                above = found.ends_above()
+                found = Polynomials(step.length, step.guards, begin, every, before)
+                before = found.ends()
                 yield found
             else:
                 for window in series(step, begin, values, every):

@@ -20,6 +20,7 @@ from woodpecker.systems.flows import STEPS_MOST, LostError, Step
 from woodpecker.systems.modes import (
     CONE_UP,
     GAP,
+    KNOWN,
     NORMAL,
     OPEN,
     SLIDE_UP,
@@ -27,9 +28,11 @@ from woodpecker.systems.modes import (
     STICK,
     Mode,
     guards_of,
+    team_of,
 )
 
 TOLERANCE = 2.0**-53  # of the Taylor series: the rounding of doubles
+FEW = 24  # polynomials that Python evaluates sooner than numpy does
 SMALL = 400  # numbers of a state from which on compiling in compact mode pays
 
 
@@ -126,26 +129,64 @@ class TaylorStep:
 
     def exact(self, t: float) -> tuple[Floats, Floats]:
         """The state and its derivatives."""
+        if len(self._coefficients) <= FEW:
+            values = []
+            for row in self._coefficients[:, ::-1].tolist():
+                value = 0.0
+                for each in row:
+                    value = value * t + each
+                values.append(value)
+            y = np.array(values)
+            return y[: self._size], y[self._size :].reshape(self._size, -1)
         y = self._coefficients[:, -1].copy()
         for column in self._coefficients.T[-2::-1]:  # small terms first, as Horner's rule has it
             y = y * t + column
         return y[: self._size], y[self._size :].reshape(self._size, -1)
 
 
-def balances(eq: Equations, mode: Mode) -> Callable[[Floats, Floats], Floats]:
+def jets(eq: Equations, mode: Mode) -> Callable[[Floats, Floats], Floats]:
     """A compiled function of state and parameters.
 
-    It gives accelerations (n,), and forces lambda_N and lambda_T (m,).
+    It gives accelerations (n,), and forces lambda_N and lambda_T (m,); then for each guard of the
+    mode its value and its derivatives in time, as many as :data:`woodpecker.systems.modes.KNOWN`.
     """
     terms = _Expressions(eq, mode)
-    function = hy.cfunc([*terms.a, *terms.l_n, *terms.l_t], vars=terms.state)
+    found = [*terms.a, *terms.l_n, *terms.l_t]
+    for guard, value, rate in zip(guards_of(eq, mode), *terms.guards(None), strict=True):
+        jet = [value, rate]
+        while len(jet) <= KNOWN[guard // eq.m]:
+            jet.append(terms.rate(jet[-1]))
+        found += jet
+    function = hy.cfunc(found, vars=terms.state)
     needs = function.nparams
 
-    def found(z: Floats, p: Floats) -> Floats:
+    def numbers(z: Floats, p: Floats) -> Floats:
         values: Floats = function(z, pars=p[:needs])
         return values
 
-    return found
+    return numbers
+
+
+def terms_function(eq: Equations) -> Callable[[Floats, Floats], Floats] | None:
+    """A compiled function of state and parameters: all numbers of the terms, in their order.
+
+    None if heyoka does not know one of them, such as Max in a restitution, which no flow needs.
+    """
+    state = [hy.expression(f"z{k}") for k in range(eq.size)]
+    values = [*state, *(hy.par[k] for k in range(len(eq.p)))]
+    names = dict(zip(eq.symbols, values, strict=True))
+    try:
+        converted = [_converted(each, names) for each in eq.flat]
+    except ValueError:
+        return None
+    function = hy.cfunc(converted, vars=state)
+    needs = function.nparams
+
+    def numbers(z: Floats, p: Floats) -> Floats:
+        found: Floats = function(z, pars=p[:needs])
+        return found
+
+    return numbers
 
 
 class _Expressions:
@@ -177,7 +218,7 @@ class _Expressions:
         eq, mode, n = self._eq, self._mode, self._eq.n
         mass, force, w_n, w_t, bar_n, bar_t, mu = self._terms
         closed = [i for i, state in enumerate(mode) if state != OPEN]
-        stuck = [i for i in closed if mode[i] == STICK]
+        stuck = [i for i in closed if mode[i] == STICK and self._team(i)[0] == i]
         zero, size = hy.expression(0.0), n + len(closed) + len(stuck)
         rows = [[zero] * (size + 1) for _ in range(size)]
         for j in range(n):
@@ -203,6 +244,9 @@ class _Expressions:
         for k, i in enumerate(stuck):
             self.l_t[i] = x[n + len(closed) + k]
 
+    def _team(self, i: int) -> tuple[int, ...]:
+        return team_of(self._mode, self._eq.slips, i)
+
     def guards(self, when: sympy.Expr | None) -> tuple[list[Any], list[Any]]:
         """All guards of the mode, and their rates."""
         eq, values, rates = self._eq, list[Any](), list[Any]()
@@ -224,15 +268,16 @@ class _Expressions:
                 cone = -1.0 if kind == CONE_UP else 1.0
                 value = self.l_n[i]
                 if kind != NORMAL:
-                    value = mu[i][0] * value + cone * self.l_t[i]
+                    bound = hy.sum([mu[k][0] * self.l_n[k] for k in self._team(i)])
+                    value = bound + cone * self.l_t[i]
                 values.append(value)
-                rates.append(self._rate(value))
+                rates.append(self.rate(value))
         if when is not None:
             values.append(-_converted(when, self._names))
-            rates.append(self._rate(values[-1]))
+            rates.append(self.rate(values[-1]))
         return values, rates
 
-    def _rate(self, value: Any) -> Any:
+    def rate(self, value: Any) -> Any:
         """The derivative of an expression in time."""
         slopes = hy.diff_tensors([value], diff_args=self.state).gradient
         return hy.sum([d * v for d, v in zip(slopes, self.rates, strict=True) if not _is_zero(d)])

@@ -82,6 +82,7 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: system(q="x y"), "q must be a list of symbols"),
     (lambda: system(q=[]), "q must not be empty"),
     (lambda: system(q=[x, 1]), "q must be symbols, got 1"),
+    (lambda: system(q=[x, dynamicsymbols("z")]), "q must be symbols, got .*from_kane"),
     (lambda: system(q=[x, x]), "x is used twice"),
     (lambda: system(u=[v]), "u must have 2 velocities"),
     (lambda: system(u=[v, x]), "x is used twice"),

@@ -56,3 +56,14 @@ def test_a_motion_that_is_lost_at_once_says_so(backend: str) -> None:
     assert not motion.status.success
     assert not motion.events
     assert motion.q[0].tolist() == [0.0, 1.0]
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_restitution_that_heyoka_cannot_differentiate(backend: str) -> None:
+    """No flow needs it: it falls for 1 s, and is at rest after 1/(1 - eps) - 1 times 2 s more."""
+    eps = sympy.Symbol("eps")
+    floor = Contact(name="floor", gap=X, eps_n=sympy.Max(eps, sympy.Rational(1, 4)))
+    ball = ContactSystem([X], [[1]], [-10], [floor], {eps: 0.5})
+    motion = simulate(ball, {"x": 5.0}, 4.0, backend=backend)
+    assert motion.word == "C1"
+    assert motion.events[-1].time == pytest.approx(3.0, abs=1e-13)

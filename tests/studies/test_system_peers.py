@@ -1,0 +1,41 @@
+"""Three ways to follow a machine with impacts: what each of them converges to."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from needs import NEEDS_HEYOKA
+from short_runs import is_picture, short_run
+
+from studies.systems.peers import Moreau, block, by_hand, impact_oscillator, machines
+
+pytestmark = [NEEDS_HEYOKA, pytest.mark.slow]
+
+
+def test_peers_on_systems(tmp_path: Path) -> None:
+    found = short_run("system_peers", tmp_path)
+    for name in ("oscillator", "block"):
+        ways = found[name]
+        assert ways["systems"]["error"][0] < 1e-13  # rounding of two flights
+        assert max(ways["dop853"]["error"]) < 1e-3
+        assert ways["dop853"]["error"][-1] < 1e-10
+        assert ways["moreau"]["error"][-1] < 1e-2
+    assert found["toy"]["systems"]["error"][0] < 1e-13
+    assert is_picture(tmp_path / "system_peers.png")
+    assert "closed-form kernel" in machines({"system_peers": found})
+
+
+@pytest.mark.parametrize("problem", [impact_oscillator(), block()])
+def test_moreau_is_of_order_one(problem) -> None:  # type: ignore[no-untyped-def]
+    """The root mean square over neighbouring steps; where impacts fall within them is luck."""
+    scheme, n, sizes = Moreau(problem.system), problem.system.n, []
+    for step in (8e-3, 2e-3):
+        ends = [
+            scheme.follow(problem.start, problem.t_end, step * factor)[[0, n]]
+            for factor in np.linspace(0.8, 1.2, 9)
+        ]
+        sizes.append(np.sqrt(np.mean(np.square(np.array(ends) - problem.exact))))
+    assert np.log(sizes[0] / sizes[1]) / np.log(4.0) == pytest.approx(1.0, abs=0.35)
+    assert np.abs(by_hand(problem, 1e-10) - problem.exact).max() < 1e-8

@@ -1,0 +1,72 @@
+"""A body on two feet: they have one slip, stick and slide together, and it may tip."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy
+from needs import NEEDS_HEYOKA
+
+from woodpecker.systems import Contact, ContactSystem, MotionStatus, Section, SystemMap, simulate
+
+BACKENDS = [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"]
+X, Y, TURN, V, W_TURN, T = sympy.symbols("x y turn u_x u_turn t")
+G = 9.81
+Values = Mapping[sympy.Symbol, float]
+NONE: Values = {}
+
+
+def body(force: sympy.Expr, height: float, mu: Any, values: Values = NONE) -> ContactSystem:
+    """One of mass 1 and inertia 0.3 on feet 1 to both sides, its centre at a height above them."""
+    feet = [
+        Contact(name=name, gap=Y + side * TURN, slip=V + height * W_TURN, mu=mu)
+        for name, side in (("rear foot", -1), ("front foot", 1))
+    ]
+    return ContactSystem([X, Y, TURN], sympy.diag(1, 1, 0.3), [force, -G, 0], feet, values)
+
+
+def block(force: sympy.Expr, mu: Any, values: Values = NONE) -> ContactSystem:
+    """The same without rotation, on the ground."""
+    ground = Contact(name="ground", gap=Y, slip=V, mu=mu)
+    return ContactSystem([X, Y], sympy.eye(2), [force, -G], [ground], values)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_feet_slide_as_one_contact(backend: str) -> None:
+    """They slip where the push is mu g, the friction of both, and move as a block does."""
+    push = 5 * sympy.sin(3 * T)
+    motion = simulate(body(push, 0.5, 0.3), {}, 6.0, backend=backend)
+    other = simulate(block(push, 0.3), {}, 6.0, backend=backend)
+    assert motion.status is MotionStatus.TIME_REACHED
+    assert motion.word.replace(" ", "") == "".join(
+        each + each.replace("1", "2") for each in other.word.split()
+    )
+    slips = [event.time for event in motion.events if event.symbol == "S1"]
+    assert slips[0] == pytest.approx(math.asin(0.3 * G / 5) / 3, abs=1e-14)
+    assert motion.z[[0, 3]] == pytest.approx(other.z[[0, 2]], abs=1e-12)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_high_body_tips_while_its_feet_stick(backend: str) -> None:
+    """A push R t at a height of 2 lifts the rear foot where its moment is that of the weight."""
+    rate = 4.0
+    motion = simulate(body(rate * T, 2.0, 0.6), {}, 1.5, backend=backend)
+    assert motion.word.split()[0] == "D1"
+    assert motion.events[0].time == pytest.approx(G / (2.0 * rate), abs=1e-14)
+
+
+@pytest.mark.slow
+def test_feet_have_derivatives() -> None:
+    """The return of the body is that of the block, with its first variations."""
+    force, mu = sympy.symbols("force mu")
+    images, push, values = [], force * sympy.sin(3 * T), {force: 5.0, mu: 0.3}
+    for system in (body(push, 0.5, mu, values), block(push, mu, values)):
+        section = Section(when=sympy.sin(3 * T), free=[V], at={T: 0})
+        map_ = SystemMap(system, section, ["force", "mu"])
+        images.append(map_.at(np.array([0.4]), map_.p))
+    assert images[0].value == pytest.approx(images[1].value, abs=1e-12)
+    assert images[0].jacobian == pytest.approx(images[1].jacobian, abs=1e-10)

@@ -1,0 +1,138 @@
+"""Impacts that accumulate at two contacts in turns: where and when they end, what they leave."""
+
+from __future__ import annotations
+
+import mpmath
+import numpy as np
+import pytest
+import sympy
+from needs import NEEDS_HEYOKA
+from scipy.optimize import fsolve
+
+from woodpecker.base.arrays import Floats
+from woodpecker.engine.maps import Image
+from woodpecker.systems import Contact, ContactSystem, MotionStatus, Section, SystemMap, simulate
+
+BACKENDS = [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"]
+EPS, INERTIA, DRIFT = 0.2, 0.2, 2.0
+
+
+def differences(image: Image, x: Floats, p: Floats, h: float) -> Floats:
+    """(d, d + k) by central differences of order four along the piece of an image."""
+    found, at = [], np.concatenate([x, p])
+    for step in h * np.eye(len(at)):
+        values = [image.piece.at(*np.split(at + k * step, [len(x)])).value for k in (-2, -1, 1, 2)]
+        found.append((values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * h))
+    return np.array(found).T
+
+
+def beam() -> ContactSystem:
+    """A beam of mass 1 and half length 1 that falls on both of its ends, and drifts along x."""
+    x, y, phi, g, eps = sympy.symbols("x y phi g eps")
+    ends = [Contact(name=name, gap=y + side * phi, eps_n=eps) for name, side in ENDS]
+    mass = sympy.diag(1, 1, INERTIA)
+    return ContactSystem([x, y, phi], mass, [0, -g, 0], ends, {g: 1.0, eps: EPS})
+
+
+ENDS = ("the left end", -1), ("the right end", 1)
+
+
+def in_proportion() -> tuple[Floats, Floats]:
+    """A state after an impact of the left end, from which the next impact leaves its mirror image.
+
+    It is smaller by a ratio r. After the impact the gaps are 0 and h, their rates 1 and b; at the
+    next one, after t, the right end is thrown back by EPS and the left one pushed by kappa of it.
+
+    Returns
+    -------
+    tuple
+        (b, h), and (t, r).
+    """
+    kappa = (1.0 - 1.0 / INERTIA) / (1.0 + 1.0 / INERTIA)  # of W M^-1 W^T
+
+    def away(unknown: Floats) -> list[float]:
+        b, h, t, r = unknown
+        hits = t - b
+        return [
+            h + b * t - 0.5 * t * t,
+            r - EPS * hits,
+            b * r - (1.0 - t + kappa * (1.0 + EPS) * hits),
+            h * r * r - (t - 0.5 * t * t),
+        ]
+
+    b, h, t, r = fsolve(away, [-2.6, 0.6, 0.2, 0.6], xtol=1e-13)
+    assert np.abs(away(np.array([b, h, t, r]))).max() < 1e-14
+    assert h > 0.0
+    assert 0.0 < r < 1.0
+    return np.array([b, h]), np.array([t, r])
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_beam_comes_to_rest_on_its_ends(backend: str) -> None:
+    """Times of impacts are a geometric series: all of them take t / (1 - r)."""
+    (b, h), (t, r) = in_proportion()
+    start = {
+        "u_x": DRIFT, "y": 0.5 * h, "phi": 0.5 * h, "u_y": 0.5 * (1.0 + b), "u_phi": 0.5 * (b - 1.0)
+    }  # fmt: skip
+    motion = simulate(beam(), start, 10.0, backend=backend)
+    assert motion.word == "C1+2"
+    assert motion.status is MotionStatus.TIME_REACHED  # it drifts
+    # rounding at the start, and in each of a dozen impacts until the rest is summed
+    assert motion.events[-1].time == pytest.approx(t / (1.0 - r), abs=1e-13)
+    assert motion.z == pytest.approx([10 * DRIFT, 0, 0, DRIFT, 0, 0, 10.0], abs=1e-12)
+
+
+def wedge() -> ContactSystem:
+    """A mass between two faces at a sharp angle, along whose edge nothing holds it; no forces."""
+    x, y, s, eps = sympy.symbols("x y s eps")
+    faces = [Contact(name=f"face {k}", gap=y + (-1) ** k * 3 * x, eps_n=eps) for k in (1, 2)]
+    return ContactSystem([x, y, s], sympy.diag(1, 1, 1), [0, 0, 0], faces, {eps: 0.05})
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+def test_a_mass_is_caught_in_a_wedge(backend: str) -> None:
+    """Speeds shrink by another ratio than times; what is left is what no face can take."""
+    start = {"x": 0.1, "y": 0.5, "u_x": 0.4, "u_y": -1.0, "u_s": DRIFT}
+    motion = simulate(wedge(), start, 3.0, backend=backend)
+    assert motion.word == "C1+2"
+    assert motion.z == pytest.approx([0, 0, 3 * DRIFT, 0, 0, DRIFT, 3.0], abs=1e-13)
+    assert motion.events[-1].time == pytest.approx(caught(), abs=1e-14)
+
+
+def caught() -> float:
+    """When it is: straight flights and reflections, in numbers of 60 digits."""
+    with mpmath.workdps(60):
+        x, y, u, v = (mpmath.mpf(each) for each in (0.1, 0.5, 0.4, -1.0))
+        total, last = mpmath.mpf(0), 0
+        while v * v + u * u > mpmath.mpf(10) ** -40:
+            times = {k: -(y + k * x) / (v + k * u) for k in (-3, 3) if k != last and v + k * u < 0}
+            last, t = min(times.items(), key=lambda each: each[1])
+            total, x, y = total + t, x + t * u, y + t * v
+            push = -(1 + mpmath.mpf(0.05)) * (v + last * u) / 10
+            u, v = u + last * push, v + push
+        return float(total)
+
+
+def sliding_beam() -> SystemMap:
+    """The beam with friction at its left end, which a spring and a force move along x."""
+    x, y, phi, v, w, t = sympy.symbols("x y phi u_x u_phi t")
+    eps, mu, a = sympy.symbols("eps mu a")
+    left, right = (Contact(name=name, gap=y + side * phi, eps_n=eps) for name, side in ENDS)
+    ends = [Contact(name=left.name, gap=left.gap, slip=v, mu=mu, eps_n=eps), right]
+    force = [a * sympy.cos(t) - x - v / 5, -20, -w / 3]
+    values = {eps: EPS, mu: 0.1, a: 3.0}
+    system = ContactSystem([x, y, phi], sympy.diag(1, 1, INERTIA), force, ends, values)
+    section = Section(when=sympy.sin(t), free=[x, v, y, phi], at={t: 0})
+    return SystemMap(system, section, ["eps", "mu", "a"])
+
+
+@pytest.mark.slow
+def test_what_accumulates_in_turns_has_derivatives() -> None:
+    """Against central differences of order four, along the path with its laps."""
+    map_ = sliding_beam()
+    x, p = np.array([0.5, 0.8, 1.41, 0.18]), map_.p
+    image = map_.at(x, p)
+    assert "C1+2" in image.piece.word
+    exact = differences(image, x, p, 1e-4)
+    assert image.jacobian == pytest.approx(exact, abs=1e-8)  # values are known to some 1e-13
+    assert np.abs(image.jacobian[:2]).min() > 1e-6  # all of them matter

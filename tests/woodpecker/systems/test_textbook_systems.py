@@ -1,0 +1,146 @@
+"""Machines of textbooks, by the public names only, as somebody brings them in."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import sympy
+from needs import NEEDS_HEYOKA
+from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols
+
+from woodpecker.systems import (
+    Contact,
+    ContactSystem,
+    MotionStatus,
+    Section,
+    SystemMap,
+    from_kane,
+    shoot,
+    simulate,
+)
+
+pytestmark = [NEEDS_HEYOKA, pytest.mark.slow]
+G = 9.81
+T = sympy.Symbol("t")
+
+
+def test_a_double_pendulum_on_a_wall_keeps_its_energy() -> None:
+    """By Lagrange's method; an elastic wall without friction."""
+    a, b = dynamicsymbols("a b")
+    t = dynamicsymbols._t
+    x, y = sympy.sin(a), -sympy.cos(a)
+    end = x + sympy.sin(b), y - sympy.cos(b)
+    speeds = [each.diff(t) for each in (x, y, *end)]
+    kinetic, potential = sum(v**2 for v in speeds) / 2, G * (y + end[1])
+    method = LagrangesMethod(sympy.simplify(kinetic - potential), [a, b])
+    method.form_lagranges_equations()
+    wall = Contact(name="wall", gap=sympy.Rational(1, 2) - end[0], eps_n=1)
+    system = from_kane(method, [wall], {})
+    motion = simulate(system, {"a": -0.8, "b": -0.5}, 6.0)
+    other = simulate(system, {"a": -0.8, "b": -0.5}, 6.0, backend="scipy")
+    assert motion.word == other.word
+    assert motion.word.split()[:3] == ["I1", "I1", "I1"]
+    assert motion.z == pytest.approx(other.z, abs=1e-9)
+    (p, q), (u, v) = motion.z[:2], motion.z[2:4]
+    energy = u * u + 0.5 * v * v + u * v * np.cos(p - q) - G * (2.0 * np.cos(p) + np.cos(q))
+    assert energy == pytest.approx(-G * (2.0 * np.cos(0.8) + np.cos(0.5)), abs=1e-11)
+
+
+@pytest.mark.parametrize(("mu", "solved"), [(1.33, True), (1.35, False)])
+def test_painleves_rod(mu: float, solved: bool) -> None:
+    """It slides as long as mu < (1 + 3 s^2)/(3 s c), at 0.5 rad 1.3386; beyond, no force does."""
+    x, y, th, u, w = sympy.symbols("x y th u_x u_th")
+    tip = Contact(name="tip", gap=y - sympy.cos(th), slip=u - sympy.cos(th) * w, mu=mu)
+    rod = ContactSystem([x, y, th], sympy.diag(1, 1, sympy.Rational(1, 3)), [0, -G, 0], [tip], {})
+    motion = simulate(rod, {"th": 0.5, "y": np.cos(0.5), "u_x": -3.0}, 1e-3)
+    assert motion.status is (MotionStatus.TIME_REACHED if solved else MotionStatus.NO_SOLUTION)
+
+
+def test_a_dropped_rod_comes_to_rest() -> None:
+    """On both ends: more contacts hold it than it has coordinates."""
+    x, y, th, u, w = sympy.symbols("x y th u_x u_th")
+    ends = [
+        Contact(
+            name=name, gap=y + side * sympy.sin(th) / 2, slip=u - side * sympy.sin(th) * w / 2,
+            mu=0.2, eps_n=0.5,
+        )
+        for name, side in (("left end", -1), ("right end", 1))
+    ]  # fmt: skip
+    inertia = sympy.diag(1, 1, sympy.Rational(1, 12))
+    rod = ContactSystem([x, y, th], inertia, [0, -G, 0], ends, {})
+    start = {"y": 1.0, "th": 0.3, "u_x": 0.5}
+    motions = [simulate(rod, start, 6.0, backend=backend) for backend in ("heyoka", "scipy")]
+    assert motions[0].word == motions[1].word
+    for motion in motions:
+        assert motion.status is MotionStatus.AT_REST
+        assert motion.word.endswith("C1 J1 C2 J2")
+        assert np.abs(motion.z[1:6]).max() < 1e-14  # what rounding leaves of a speed of 1
+    assert motions[0].z == pytest.approx(motions[1].z, abs=1e-12)
+
+
+def test_rattling_gears() -> None:
+    """Backlash is a gap with two sides; nothing holds the shafts, so one multiplier is 1."""
+    a, b, u, v, torque = sympy.symbols("a b u_a u_b torque")
+    sides = [
+        Contact(name=name, gap=sympy.Rational(1, 100) - sign * (a - b), eps_n=0.7)
+        for name, sign in (("drive side", 1), ("coast side", -1))
+    ]
+    push = torque * sympy.cos(5 * T) - u / 10
+    gears = ContactSystem([a, b], sympy.diag(1, 2), [push, -v / 10], sides, {torque: 2.0})
+    map_ = SystemMap(gears, Section(when=sympy.sin(5 * T), free=[a, b, u, v], at={T: 0}))
+    cycle = shoot(map_, [0.0, 0.0, 0.1, 0.0])
+    assert cycle.success
+    assert {"I1", "I2"} == set(cycle.word.split())
+    assert np.abs(cycle.multipliers - 1.0).min() < 1e-9
+
+
+def test_a_capsule_robot_walks() -> None:
+    """A mass inside strikes a stop, and friction holds the capsule in between."""
+    x, y, z, v, w, force = sympy.symbols("x y z u_x u_z force")
+    contacts = [
+        Contact(name="floor", gap=y, slip=v, mu=0.3),
+        Contact(name="stop", gap=sympy.Rational(1, 10) - z, eps_n=0.4),
+    ]
+    mass = sympy.Matrix([[1.5, 0, 0.5], [0, 1.5, 0], [0.5, 0, 0.5]])
+    inside = force * sympy.cos(6 * T) - 10 * z - w / 5
+    capsule = ContactSystem([x, y, z], mass, [0, -1.5 * G, inside], contacts, {force: 6.0})
+    map_ = SystemMap(capsule, Section(when=sympy.sin(6 * T), free=[v, z, w], at={T: 0}), ["force"])
+    cycle = shoot(map_, [0.0, 0.05, 0.0])
+    assert cycle.success
+    assert cycle.stable
+    assert cycle.word == "I1+2 J1 S1 J1 S1"
+
+
+def test_a_ladder_on_a_wall_rests_just_above_its_angle() -> None:
+    """tan(th) = (1 - mu_1 mu_2)/(2 mu_1), by statics; its three rates are held four times."""
+    x, y, th, u, v, w = sympy.symbols("x y th u_x u_y u_th")
+    across, up = sympy.cos(th) / 2, sympy.sin(th) / 2
+    contacts = [
+        Contact(name="ground", gap=y - up, slip=u - up * w, mu=0.3),
+        Contact(name="wall", gap=x - across, slip=v + across * w, mu=0.2),
+    ]
+    inertia = sympy.diag(1, 1, sympy.Rational(1, 12))
+    ladder = ContactSystem([x, y, th], inertia, [0, -G, 0], contacts, {})
+    least = np.arctan((1.0 - 0.3 * 0.2) / (2.0 * 0.3))
+    for away, status in ((1e-5, MotionStatus.AT_REST), (-1e-5, MotionStatus.TIME_REACHED)):
+        angle = least + away
+        start = {"th": angle, "x": np.cos(angle) / 2, "y": np.sin(angle) / 2}
+        motion = simulate(ladder, start, 0.1)
+        assert motion.status is status
+        assert motion.word == ("" if status is MotionStatus.AT_REST else "S1 S2")
+
+
+def test_three_balls_come_to_rest_at_once() -> None:
+    """Impacts of all three accumulate together; whole energy and momentum go at one instant."""
+    a, b, c = sympy.symbols("a b c")
+    gaps = {"ground": a, "lower pair": b - a, "upper pair": c - b}
+    contacts = [Contact(name=name, gap=gap, eps_n=0.6) for name, gap in gaps.items()]
+    balls = ContactSystem([a, b, c], sympy.diag(1, 2, 1), [-10, -20, -10], contacts, {})
+    start = {"a": 1.0, "b": 1.2, "c": 2.0}
+    motions = [simulate(balls, start, 10.0, backend=backend) for backend in ("heyoka", "scipy")]
+    assert motions[0].word == motions[1].word
+    for motion in motions:
+        assert motion.word.endswith("C1+2+3")
+        assert motion.status is MotionStatus.AT_REST
+        assert np.abs(motion.z[:6]).max() < 1e-13
+    assert motions[0].events[-1].time == pytest.approx(motions[1].events[-1].time, abs=1e-12)

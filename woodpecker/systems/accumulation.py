@@ -1,0 +1,340 @@
+"""Impacts that accumulate: where they end, once flights are short.
+
+In a short flight gaps are cubics of time. They and their rates are followed from impact to impact
+as small numbers of their own, so that the rounding of coordinates does not order the impacts of
+several contacts. Where laps of impacts shrink in proportion the rest is a geometric series; one
+contact that bounces is a lap of one impact.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import NamedTuple
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats
+from woodpecker.systems.equations import Equations
+from woodpecker.systems.impacts import Impact, Outcome, carry_out, decide, total
+from woodpecker.systems.modes import GAP, OPEN, Local, Mode, Touch, settle
+
+IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
+SHORT = 2.0**-17  # of a motion's own time: what follows a gap's cubic is below rounding
+VANISHED = 2.0**-52  # relative: speeds that are smaller are nothing
+PRECISE = VANISHED / SHORT  # of the first short flight, as the motion before is so much larger
+TOGETHER = 2.0**-44  # of a flight: gaps that close within it do so at once
+IMPACTS_MOST = 3000  # a ratio of 0.99 needs so many from short flights to none
+LAP_MOST = 8  # impacts of a lap
+SOLVED = 4  # iterations of Newton's method for a cubic, from the root of its quadratic part
+
+
+class Tail(NamedTuple):
+    """Where impacts end that accumulate.
+
+    Attributes
+    ----------
+    z, tangents
+        The state (N,) and its derivatives (N, columns).
+    touch
+        What touches.
+    group, struck
+        The contacts that have closed, ascending; all that have struck.
+    is_open
+        Whether the contact laws have left impulses open.
+    """
+
+    z: Floats
+    tangents: Floats
+    touch: Touch
+    group: tuple[int, ...]
+    struck: frozenset[int]
+    is_open: bool
+
+
+def tail_of(
+    eq: Equations, z: Floats, p: Floats, tangents: Floats, impact: Impact, touch: Touch,
+    section: int = -1,
+) -> Tail | None:  # fmt: skip
+    """What becomes of a state after an impact if short flights and impacts close contacts.
+
+    None if flights are not short, or lead away, or to the contact of a section of impacts.
+    """
+    tail, found = _Impacts(eq, z, p, tangents, impact, touch), None
+    for _ in range(IMPACTS_MOST):
+        if not tail.flies() or section in tail.striking or not tail.strikes():
+            break
+        closed = tail.vanished() or tail.series()
+        if closed:
+            tail.close(closed)
+            group = tuple(sorted(tail.touch.closed - touch.closed))
+            found = Tail(tail.z, tail.tangents, tail.touch, group, tail.struck, tail.is_open)
+    return found
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Mark:
+    """What an impact, or the end of some that accumulate, leaves."""
+
+    what: Hashable
+    span: float  # the time since the mark before
+    gap: Floats
+    rate: Floats
+    z: Floats
+    tangents: Floats
+
+
+class _Impacts:
+    """Short flights and impacts in turns."""
+
+    def __init__(
+        self, eq: Equations, z: Floats, p: Floats, tangents: Floats, impact: Impact, touch: Touch
+    ) -> None:
+        self._eq, self._p = eq, p
+        self.z, self.tangents, self.touch, self.is_open = z, tangents, touch, False
+        terms = eq.terms(z, p)
+        self._gap, self._rate = terms.gap.copy(), terms.gap_rate.copy()
+        self._turn = self._along(0)
+        self._rest(touch)
+        self._fastest: dict[Mode, float] = {}
+        self._first = float(np.abs(self._rate[list(touch.leaving)]).max(initial=0.0))
+        self._held = {i: i in impact.held for i in impact.contacts}
+        self._marks = [_Mark(impact, math.inf, self._gap, self._rate, z, tangents)]
+        self._span = self._flight = 0.0  # since the last mark; how long the first flight is
+        self.striking = frozenset[int]()
+
+    @property
+    def struck(self) -> frozenset[int]:
+        """Contacts that took part in an impact."""
+        return frozenset(self._held)
+
+    def _along(self, kind: int) -> Floats:
+        """Derivatives (m, columns) of gaps (0) or gap rates (1) along the tangents."""
+        return total(self._eq, self._eq.kinematic_changes(self.z, self._p)[kind], self.tangents)
+
+    def _rest(self, touch: Touch) -> None:
+        """Exact zeros where contacts touch."""
+        touching = sorted(touch.closed | touch.leaving)
+        self._gap[touching], self._turn[touching] = 0.0, 0.0
+        self._rate[sorted(touch.closed)] = 0.0
+
+    # --- Flights ----------------------------------------------------------------------------------
+
+    def flies(self) -> bool:
+        """Go on to the next impact; whether there is one soon."""
+        eq, size = self._eq, self._eq.size
+        outcome, mode = settle(eq, self.z, self._p, self.touch)
+        if outcome is not Outcome.SOLVED:
+            return False
+        here, free = Local(eq, mode, self.z, self._p), [i for i in range(eq.m) if mode[i] == OPEN]
+        flow, second = here.flow, here.terms.w_n @ here.balance.a + here.terms.bar_n
+        changes, third = np.zeros((eq.m, eq.columns)), np.zeros(eq.m)
+        for i in free:
+            changes[i] = here.gradient(GAP * eq.m + i, 2)
+            third[i] = changes[i, :size] @ flow
+        cubics = np.stack([self._gap, self._rate, second, third], axis=1)
+        times = [_root(*cubics[i].tolist()) if i in free else math.inf for i in range(eq.m)]
+        t = min(times)
+        if not t < math.inf or not self._is_short(here, t, cubics[times.index(t)]):
+            return False
+        self.striking = frozenset(i for i in free if times[i] <= t * (1.0 + TOGETHER))
+        turn = self._along(1) * t + 0.5 * t * t * total(eq, changes, self.tangents)
+        self._gap = self._gap + t * (self._rate + t * (second / 2.0 + t * third / 6.0))
+        self._rate = self._rate + t * (second + t * third / 2.0)
+        self._move(here, t, times.index(t), turn)
+        self._gap[sorted(self.striking)] = 0.0
+        return True
+
+    def _move(self, here: Local, t: float, i: int, turn: Floats) -> None:
+        """The state at the end of a flight, and its derivatives; contact i ends it."""
+        eq, jacobian = self._eq, here.jacobian
+        bends = jacobian[:, : eq.size] @ here.flow
+        twists = jacobian[:, : eq.size] @ bends
+        self.z = self.z + t * (here.flow + t * (bends / 2.0 + t * twists / 6.0))
+        self._span += t
+        self._flight = self._flight or t
+        if not self.tangents.shape[1]:
+            return
+        turn = self._turn + turn
+        delay = -turn[i] / self._rate[i]
+        moved = total(eq, jacobian, self.tangents)
+        curved = jacobian[:, : eq.size] @ moved
+        self.tangents = (
+            self.tangents + t * (moved + t * curved / 2.0)
+            + np.outer(here.flow + t * (bends + t * twists / 2.0), delay)
+        )  # fmt: skip
+        self._turn = turn + np.outer(self._rate, delay)
+
+    def _is_short(self, here: Local, t: float, cubic: Floats) -> bool:
+        if here.mode not in self._fastest:
+            whole = here.jacobian[:, : self._eq.size]
+            self._fastest[here.mode] = float(np.abs(np.linalg.eigvals(whole)).max())
+        _, rate, second, third = np.abs(cubic).tolist()
+        steady = third * t * t <= SHORT * (2.0 * rate + second * t)
+        return steady and t * self._fastest[here.mode] <= SHORT
+
+    # --- Impacts ----------------------------------------------------------------------------------
+
+    def strikes(self) -> bool:
+        """Carry out the impact at the end of a flight; whether the contact laws give one."""
+        eq, n, z = self._eq, self._eq.n, self.z
+        terms = eq.terms(z, self._p)._replace(gap_rate=self._rate)
+        contacts = tuple(sorted(self.striking | self.touch.closed))
+        outcome, impact, u, impulses = decide(
+            eq, terms, contacts, z[n : 2 * n], self.touch.closed, self.touch.held
+        )
+        if impact is None:
+            return False
+        self.is_open |= outcome is Outcome.INDETERMINATE
+        if self.tangents.shape[1]:
+            self.tangents = carry_out(eq, impact, z, self._p, self.tangents).tangents
+        self.z = z.copy()
+        self.z[n : 2 * n] = u
+        given = impulses.sum(axis=0)
+        kick = np.linalg.solve(terms.mass, given[0] @ terms.w_n + given[1] @ terms.w_t)
+        self._rate = self._rate + terms.w_n @ kick
+        self._held.update({i: i in impact.held for i in contacts})
+        self.touch = implied(eq, self.z, self._p, after(impact), impact.held)
+        self._rest(self.touch)
+        self._mark(impact)
+        return True
+
+    def _mark(self, what: Hashable) -> None:
+        self._marks.append(_Mark(what, self._span, self._gap, self._rate, self.z, self.tangents))
+        self._span = 0.0
+
+    # --- The end ----------------------------------------------------------------------------------
+
+    def vanished(self) -> frozenset[int]:
+        """Contacts that have struck and hardly move any more, if no other has struck."""
+        moving = frozenset(self._held) - self.touch.closed
+        if np.abs(self._rate[sorted(moving)]).max(initial=0.0) > VANISHED * self._first:
+            return frozenset()
+        return moving
+
+    def series(self) -> frozenset[int]:
+        """Contacts whose laps of impacts shrink in proportion, at the sum of what is left."""
+        for lap in range(1, LAP_MOST + 1):
+            if len(self._marks) < 2 * lap + 1:
+                break
+            last = self._marks[-1 - 2 * lap :]
+            if any(last[k].what != last[k + lap].what for k in range(lap + 1)):
+                continue
+            group = frozenset[int]().union(*(self._left(each.what) for each in last))
+            ratio = self._ratio(lap, sorted(group))
+            if 0.0 <= ratio < 1.0 and self._sum(lap, ratio, group):
+                return group
+        return frozenset()
+
+    def _left(self, what: Hashable) -> frozenset[int]:
+        if isinstance(what, Impact):
+            return frozenset(what.contacts) - what.resting
+        assert isinstance(what, frozenset)
+        return what
+
+    def _ratio(self, lap: int, group: list[int]) -> float:
+        """How much smaller each lap is than the one before; 1 unless the last two agree."""
+        new, old, oldest = (self._marks[-1 - k * lap].rate[group] for k in range(3))
+        spans = [sum(each.span for each in self._marks[-lap:])]
+        spans.append(sum(each.span for each in self._marks[-2 * lap : -lap]))
+        ratio = float(np.abs(new).max() / np.abs(old).max())
+        if not ratio < 1.0:
+            return 1.0
+        off = max(np.abs(new - ratio * old).max(), np.abs(old - ratio * oldest).max())
+        late = abs(spans[0] - ratio * spans[1])
+        most = PRECISE * (1.0 - ratio)  # the sum has so many times the error
+        return ratio if off <= most * self._first and late <= most * self._flight else 1.0
+
+    def _sum(self, lap: int, ratio: float, group: frozenset[int]) -> bool:
+        """Add the series of laps; whether no other contact strikes before it ends."""
+        new, old, n = self._marks[-1], self._marks[-1 - lap], self._eq.n
+        rest, span = ratio / (1.0 - ratio), sum(each.span for each in self._marks[-lap:])
+
+        def moved(late: Floats, early: Floats, rate: Floats) -> Floats:
+            """With a rate at the end and what goes like the square of the laps."""
+            bent = late - early - rate * span
+            return late + rate * span * rest + bent * ratio**2 / (1.0 - ratio**2)
+
+        rate = new.rate + (new.rate - old.rate) * rest
+        gap = moved(new.gap, old.gap, rate)
+        others = sorted(set(range(self._eq.m)) - group - self.touch.closed)
+        if (gap[others] <= 0.0).any():
+            return False
+        away = new.z - old.z
+        if self.tangents.shape[1]:
+            k = max(group, key=lambda i: abs(float(new.rate[i])))
+            turned = self._along(1)[k] - ratio * self._rate_change(old, k)
+            change = turned / float(old.rate[k]) / (1.0 - ratio) ** 2
+            self.tangents = (
+                new.tangents + (new.tangents - old.tangents) * rest + np.outer(away, change)
+            )
+        self.z = new.z + away * rest
+        self.z[:n] = moved(new.z[:n], old.z[:n], self.z[n : 2 * n])
+        self._gap, self._rate, self._span = gap, rate, span * rest
+        while len(self._marks) > lap and self._marks[-1].what == self._marks[-1 - lap].what:
+            self._span += self._marks.pop().span
+        return True
+
+    def _rate_change(self, mark: _Mark, i: int) -> Floats:
+        changes = self._eq.kinematic_changes(mark.z, self._p)[1]
+        return np.asarray(total(self._eq, changes[i : i + 1], mark.tangents)[0])
+
+    def close(self, group: frozenset[int]) -> None:
+        """Let contacts rest."""
+        touch, held = self.touch, {i for i in group if self._held[i]}
+        touch = Touch(touch.closed | group, touch.held | held, touch.leaving - group)
+        self.touch = implied(self._eq, self.z, self._p, touch, frozenset(held))
+        self._turn = self._along(0)
+        self._rest(self.touch)
+        self._mark(group)
+
+
+def _root(gap: float, rate: float, second: float, third: float) -> float:
+    """The first positive root of a cubic near the one of its quadratic part; infinite if none."""
+    within = rate * rate - 2.0 * second * gap
+    if within < 0.0 or (rate >= 0.0 and second >= 0.0):
+        return math.inf
+    if rate < 0.0:
+        t = 2.0 * gap / (math.sqrt(within) - rate)
+    else:
+        t = (math.sqrt(within) + rate) / -second
+    for _ in range(SOLVED):
+        slope = rate + t * (second + t * third / 2.0)
+        if not slope < 0.0:
+            return math.inf
+        t -= (gap + t * (rate + t * (second / 2.0 + t * third / 6.0))) / slope
+    return t if t >= 0.0 else math.inf
+
+
+# --- What touches after an impact -----------------------------------------------------------------
+
+
+def after(impact: Impact) -> Touch:
+    """What touches after an impact."""
+    resting = impact.resting
+    return Touch(resting, impact.held & resting, frozenset(impact.contacts) - resting)
+
+
+def implied(eq: Equations, z: Floats, p: Floats, touch: Touch, stopped: frozenset[int]) -> Touch:
+    """The same with contacts that cannot but rest or stick, because others do.
+
+    Stopped are those whose slip an impact has made zero, also where they leave.
+    """
+    closed, held = set(touch.closed), set(touch.held)
+    if len(closed | touch.leaving) < 2:
+        return touch
+    terms = eq.terms(z, p)
+    rows = np.vstack([terms.w_n[sorted(closed)], terms.w_t[sorted(held | stopped)]])
+    fixed = np.linalg.pinv(rows) @ rows  # projects on the velocities that are zero
+    for i in touch.leaving:
+        if _within(terms.w_n[i], fixed) and abs(terms.gap_rate[i]) <= IMPLIED:
+            closed.add(i)
+    for i in closed - held:
+        if _within(terms.w_t[i], fixed) and abs(terms.slip[i]) <= IMPLIED:
+            held.add(i)
+    return Touch(frozenset(closed), frozenset(held), touch.leaving - closed, touch.fired)
+
+
+def _within(row: Floats, fixed: Floats) -> bool:
+    return bool(np.abs(row - row @ fixed).max() <= IMPLIED * np.abs(row).max())
