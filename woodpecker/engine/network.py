@@ -47,6 +47,10 @@ class Connected:
     diagram: Diagram
     orbits: Mapping[str, Orbit]
 
+    def __repr__(self) -> str:
+        """The diagram."""
+        return f"Connected({self.diagram!r})"
+
 
 def connected(
     map_: PiecewiseMap, x: object, p: object, settings: CurveSettings, *,

@@ -315,7 +315,7 @@ class Network:
         middle = 0.5 * (_place(curve, k - 1) + _place(curve, k)) / units
         run = np.diff(samples, axis=0)
         length = np.linalg.norm(run, axis=1)
-        part = np.einsum("ij,ij->i", middle - samples[:-1], run) / np.maximum(length, TINY) ** 2
+        part = np.einsum("ij,ij->i", middle - samples[:-1], run) / np.maximum(length**2, TINY)
         foot = samples[:-1] + np.clip(part, 0.0, 1.0)[:, None] * run
         off = np.linalg.norm(middle - foot, axis=1)
         own = float(np.linalg.norm((_place(curve, k) - _place(curve, k - 1)) / units))

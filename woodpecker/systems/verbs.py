@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
+from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, number, positive, real_array, whole
 from woodpecker.base.shown import shown
@@ -63,7 +64,14 @@ class Motion:
     events: tuple[MotionEvent, ...]
     word: str
     status: MotionStatus
-    z: Floats = field(repr=False)
+    z: Floats
+
+    def __repr__(self) -> str:
+        """How long, with which events, and why it ended."""
+        return (
+            f"Motion(t={self.t[0]:.6g} to {self.t[-1]:.6g}, {counted(len(self.t), 'sample')}, "
+            f"{counted(len(self.events), 'event')} {brief(self.word)!r}, {self.status.value!r})"
+        )
 
 
 def simulate(
