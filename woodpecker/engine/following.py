@@ -125,11 +125,11 @@ def follow(
     settings, samples, grows, bent = curve.settings, [start], True, 0.0
     step = min(first, settings.step)
     given_up, halt = Stop.SHORT, halt or Halt()
-    leaves = _leaves(curve, start)
-    if leaves is None and halt.asked is not None and halt.asked(start):
-        leaves = Stop.ASKED
-    if leaves is not None:
-        return Arc((start,), leaves, curve)
+    at_once = leaves(curve, start)
+    if at_once is None and halt.asked is not None and halt.asked(start):
+        at_once = Stop.ASKED
+    if at_once is not None:
+        return Arc((start,), at_once, curve)
     while len(samples) < settings.max_samples:
         if halt.spent():
             return Arc(tuple(samples), Stop.SPENT, curve)
@@ -182,7 +182,7 @@ def follow(
     return Arc(tuple(samples), Stop.MANY, curve)
 
 
-def _leaves(curve: SolutionCurve, start: Sample) -> Stop | None:
+def leaves(curve: SolutionCurve, start: Sample) -> Stop | None:
     """Whether a sample lies at an end of span or window, or beyond, and the curve leaves."""
     orbit = start.orbit
     columns, low, high, stops = curve.bounds(orbit)

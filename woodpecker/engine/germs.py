@@ -96,22 +96,25 @@ class GermPath:
         return self.images[-1].value
 
 
-def paths(map_: PiecewiseMap, x: Floats, p: Floats, order: int, problem: Problem) -> list[GermPath]:
+def paths(
+    map_: PiecewiseMap, x: Floats, p: Floats, order: int, problem: Problem,
+    points: Floats | None = None,
+) -> list[GermPath]:  # fmt: skip
     """All paths of P_order from a point; none if there are more than ``PATHS``.
 
-    Those that lead to where the map has no image are left out. One that comes back to the point is
-    just there again: steep maps would carry the rounding of it off its border. The problem says
-    which lengths count as 1.
+    Those that lead to where the map has no image are left out. One that comes to the point, or to
+    others (m, d) that are known, is just there: steep maps would carry the rounding of it off its
+    border. The problem says which lengths count as 1.
     """
-    found = [GermPath(np.empty((0, len(x))), ())]
+    found, known = [GermPath(np.empty((0, len(x))), ())], x[None] if points is None else points
     for _ in range(order):
         longer = []
         for path in found:
-            returns = not path.images or problem.same(path.end, x, TIE)
-            at = x if returns else path.end
-            points = np.vstack([path.x, at])
+            to = path.end if path.images else x
+            at = next((each for each in known if problem.same(to, each, TIE)), to)
+            so_far = np.vstack([path.x, at])
             longer += [
-                GermPath(points, (*path.images, image))
+                GermPath(so_far, (*path.images, image))
                 for image in sides(map_, at, p, problem.lengths)
             ]
         if len(longer) > PATHS:
@@ -230,7 +233,7 @@ def beginnings(
     seen = set[Hashable]()
     for order in orders:
         for x in points:
-            all_ = paths(base.map, x, p, order, base.problem)
+            all_ = paths(base.map, x, p, order, base.problem, points)
             for begin in (*_cycles(base, all_, points, x, p), *_crossings(base, all_, x, p)):
                 if begin.key not in seen:
                     seen.add(begin.key)

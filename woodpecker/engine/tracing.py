@@ -24,7 +24,7 @@ from woodpecker.engine.arrivals import (
     round_corner,
 )
 from woodpecker.engine.curves import Sample, SolutionCurve, Stop
-from woodpecker.engine.following import Arc, Halt, agrees, follow
+from woodpecker.engine.following import Arc, Halt, agrees, follow, leaves
 from woodpecker.engine.germs import (
     SAME,
     SLOW,
@@ -39,7 +39,7 @@ from woodpecker.engine.germs import (
 )
 from woodpecker.engine.maps import ACCUMULATE, Image, limit, links
 from woodpecker.engine.needles import rounded
-from woodpecker.engine.newton import BLUR, STEEP, solve, uncertainty
+from woodpecker.engine.newton import BLUR, STEEP, newton_step, solve, uncertainty
 from woodpecker.engine.orbits import Multiplier, OnBorder, Orbit, placed
 
 DOUBLED = 1e-7  # scaled: points that merge at a flip are known to the root of their rounding
@@ -135,7 +135,8 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
             if at.before is not None:  # it starts with a root
                 samples.append(at.sample)
                 arc = follow(at.curve, at.sample, step, halt)
-        if arc.stop in (Stop.SPAN, Stop.WINDOW) and len(arc.samples) == 1 and not changes:
+        is_out = arc.stop in (Stop.SPAN, Stop.WINDOW) and len(arc.samples) == 1 and not changes
+        if is_out and (begin.before is None or leaves(begin.curve, begin.before) is not None):
             samples = [begin.sample]  # none of it is inside
         is_bend = arc.stop is Stop.SHORT and _at_flip(at, arc) is None
         bend = rounded(arc) if is_bend else None
@@ -241,7 +242,8 @@ def _settled(arc: Arc) -> tuple[Arc, Image | None]:
         outer = replace(outer, reason=outer.reason or ACCUMULATE)
     arc = _sharpened(arc, i, gradient)
     if not outer.reason and _is_steep(arc.samples[-1].orbit.images[i], outer):
-        return _moved_to(arc, i, outer)
+        moved, there = _moved_to(arc, i, outer)
+        return (_at_limit(arc, i, code), outer) if moved is arc else (moved, there)
     return arc, outer
 
 
@@ -415,6 +417,30 @@ def _moved_to(arc: Arc, i: int, outer: Image) -> tuple[Arc, Image]:
     images = (*found.orbit.images[:i], inner, *found.orbit.images[i + 1 :])
     last = Sample(replace(found.orbit, images=images), end.tangent)
     return replace(arc, samples=(*arc.samples[:-1], last)), outer
+
+
+def _at_limit(arc: Arc, i: int, code: int) -> Arc:
+    """An arc that ends at a root and a jump, with its end where the limit of the root closes.
+
+    There the value is a + b sqrt(h) of a margin h that is all rounding, and so is b sqrt(h): twice
+    the slope times the distance, by which a Newton step is corrected.
+    """
+    end, problem = arc.samples[-1], arc.curve.problem.with_(OnBorder(i, code))
+    orbit, image = end.orbit, end.orbit.images[i]
+    k = image.place(code)
+    inward = image.gradients[k] / float(image.gradients[k] @ image.gradients[k])
+    value = image.value - 2.0 * image.jacobian @ (float(image.margins[k]) * inward)
+    if not np.isfinite(value).all() or not arc.curve.problem.same(value, image.value, ASIDE):
+        return arc
+    images = (*orbit.images[:i], replace(image, value=value), *orbit.images[i + 1 :])
+    step = newton_step(problem, replace(orbit, images=images))
+    there = problem.moved(orbit, step)
+    if not np.isfinite(step).all() or np.abs(step).max() > ASIDE:
+        return arc
+    closed = replace(image, value=there.x[(i + 1) % len(there.x)])
+    images = (*there.images[:i], closed, *there.images[i + 1 :])
+    last = Sample(replace(there, images=images), end.tangent)
+    return replace(arc, samples=(*arc.samples[:-1], last))
 
 
 def _hugs(end: Orbit, there: Orbit, i: int) -> bool:
