@@ -53,9 +53,11 @@ def flipping() -> Expr:
     )
 
 
-def test_what_lies_between_a_flip_and_the_end_of_the_span_is_drawn() -> None:
+@pytest.mark.parametrize("at", [-0.9, 0.0, 0.1])
+def test_what_lies_between_a_flip_and_the_end_of_the_span_is_drawn(at: float) -> None:
+    """A step to the end of the span passes over the flip, or not."""
     map_ = from_sympy(flipping(), x, p)
-    start = shoot(map_, -0.19, p=0.0)
+    start = shoot(map_, -0.19, p=at)
     diagram = continuation(map_, start, "p", SPAN, settings=Settings(window=WINDOW))
     ends = sorted(float(q.parameter) for q in diagram.points if q.kind.value == "EP")
     assert ends == [-1.0, 1.0]
