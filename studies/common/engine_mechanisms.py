@@ -56,8 +56,11 @@ MECHANISMS: Final = (
     Mechanism("engine.newton", "branch_point", gives(None), "locate a branch point"),
     # --- From arc to arc
     Mechanism("engine.tracing", "_at_nearest", argument(0), "end at a border within rounding"),
-    Mechanism("engine.tracing", "_sharpened", argument(0), "derivatives right inside a border"),
-    Mechanism("engine.tracing", "_moved_to", argument(0), "locate a root by the piece beyond"),
+    Mechanism("engine.rooted", "_sharpened", argument(0), "derivatives right inside a border"),
+    Mechanism("engine.rooted", "_moved_to", argument(0), "locate a root by the piece beyond"),
+    Mechanism("engine.rooted", "_at_limit", argument(0), "locate a root at a jump by its limit"),
+    Mechanism("engine.rooted", "_hugs", gives(False), "see a border that was hugged all along"),
+    Mechanism("engine.arrivals", "_has_ended", gives(False), "see that a crossing has ended"),
     Mechanism("engine.tracing", "_changes_stability", gives(False), "see a kink that destabilises"),
     Mechanism("engine.tracing", "_straight_on", gives(None), "cross continuous borders at once"),
     Mechanism("engine.tracing", "_hugging", gives(None), "start beside a root by its margin"),

@@ -15,13 +15,12 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Sample, SolutionCurve
-from woodpecker.engine.following import Arc, agrees
+from woodpecker.engine.following import ASIDE, Arc, agrees
 from woodpecker.engine.germs import Beginning, crossings_at, is_inside, lost_beyond
 from woodpecker.engine.maps import ACCUMULATE, Image, PiecewiseMap
 from woodpecker.engine.newton import Problem, solve
 from woodpecker.engine.orbits import Chained, Closed, Held, Orbit
 
-ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
 BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a start is looked for
 PASSED = tuple(10.0**-n for n in range(11, 1, -1))  # scaled: how far places are passed over
 CORNER = tuple(10.0**-n for n in range(8, 1, -1))  # scaled: how far from a corner a jump is sought

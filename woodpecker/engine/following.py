@@ -20,6 +20,7 @@ from woodpecker.engine.maps import Image, taken
 from woodpecker.engine.newton import BLUR, STEEP, solve, uncertainty
 from woodpecker.engine.orbits import Condition, Held, Orbit, held_at
 
+ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
 STRAIGHT = 1e-4  # angle between a chord and its tangents that any smooth curve may have [rad]
 KEPT_TURN = 0.7  # of the largest turn: what the next step is to have, so that few are refused
 SAME_VALUE = 1e-9  # scaled, times slopes: values of a piece that are farther apart are of two

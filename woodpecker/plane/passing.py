@@ -17,7 +17,7 @@ from woodpecker.engine.germs import SAME, is_inside
 from woodpecker.engine.maps import ACCUMULATE, Image
 from woodpecker.engine.newton import Problem, across, solve
 from woodpecker.engine.orbits import Held, Multiplier, OnBorder, Orbit
-from woodpecker.engine.tracing import ROOTED
+from woodpecker.engine.rooted import ROOTED
 from woodpecker.plane.maps import Plane, over_first
 from woodpecker.plane.nodes import PARALLEL, border_in, curve_of, is_steep, units
 from woodpecker.slices.borders import Border, BorderKind

@@ -9,7 +9,7 @@ from enum import Enum
 from pwmap.diagrams.shown import brief
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
-from woodpecker.engine.tracing import ROOTED
+from woodpecker.engine.rooted import ROOTED
 from woodpecker.maps.pieces import Image, PiecewiseMap
 from woodpecker.slices.margins import depth, nearest_code
 

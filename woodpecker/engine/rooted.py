@@ -1,0 +1,146 @@
+"""Where cycles that come to a border end exactly, and what the map takes beyond it.
+
+Where an event time goes like a root, derivatives at the border are made of rounding, and its place
+is known to the root of rounding: the piece from inside, the piece beyond, or the limit of the root
+say more.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats
+from woodpecker.engine.curves import Sample, SolutionCurve, Stop
+from woodpecker.engine.following import ASIDE, Arc
+from woodpecker.engine.maps import ACCUMULATE, Image, limit
+from woodpecker.engine.newton import BLUR, STEEP, newton_step, solve
+from woodpecker.engine.orbits import OnBorder, Orbit
+
+ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
+HUGGED = 2.0**-10  # scaled: how far a branch hugs a border at most before it meets it
+NEAR_INSIDE = 2.0**-22  # scaled: how far inside a piece is looked at that ends at a border
+
+
+def settled(arc: Arc) -> tuple[Arc, Image | None]:
+    """An arc with its end as both sides of the border say, and what lies beyond it.
+
+    There is something beyond just where cycles meet a border.
+    """
+    if arc.stop is not Stop.BORDER or arc.samples[-1].orbit.outer is not None:
+        return arc, None
+    assert arc.border is not None
+    i, code = arc.border
+    orbit = arc.samples[-1].orbit
+    image = orbit.images[i]
+    gradient = image.gradients[image.place(code)]
+    outer = arc.curve.map.beside(orbit.x[i], orbit.p, -gradient)
+    is_reached = image.tied(orbit.x[i], orbit.p)[image.place(code)]
+    if outer.piece.key == image.piece.key and not is_reached:  # there its own piece is all there is
+        outer = replace(outer, reason=outer.reason or ACCUMULATE)
+    arc = _sharpened(arc, i, gradient)
+    if not outer.reason and _is_steep(arc.samples[-1].orbit.images[i], outer):
+        moved, there = _moved_to(arc, i, outer)
+        return (_at_limit(arc, i, code), outer) if moved is arc else (moved, there)
+    return arc, outer
+
+
+def _sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
+    """An arc of cycles that ends at a border, with the derivatives right inside it at its end.
+
+    Where a time goes like a root of the distance those at the border are made of rounding.
+    """
+    if len(arc.samples) < 2:
+        return arc
+    (before, end), orbit = arc.samples[-2:], arc.samples[-1].orbit
+    steady = end.tangent @ before.tangent > math.cos(arc.curve.settings.max_turn)
+    slopes = [float(np.abs(each.orbit.images[i].jacobian).max()) for each in (before, end)]
+    if steady and not slopes[0] < STEEP < slopes[1]:
+        return arc
+    own = _from_inside(arc.curve, orbit, i, inward) if inward.any() else orbit.images[i]
+    if own.reason:
+        return arc
+    if steady and _is_steep(own, before.orbit.images[i]):
+        return arc  # a root that comes to its end
+    images = (*orbit.images[:i], own, *orbit.images[i + 1 :])
+    last = arc.curve.start(replace(orbit, images=images), before.tangent)
+    return replace(arc, samples=(*arc.samples[:-1], last))
+
+
+def _from_inside(curve: SolutionCurve, orbit: Orbit, i: int, inward: Floats) -> Image:
+    """An image of a point at a border as the limit of its own piece from inside."""
+    x, d = orbit.x[i], orbit.x.shape[1]
+    unit = inward / np.abs(inward / curve.problem.lengths).max()
+    away = NEAR_INSIDE * unit
+    near = orbit.images[i].piece.at(x + away[:d], orbit.p + away[d:])
+    return near if near.reason else limit(near, x, orbit.p, unit)
+
+
+def _is_steep(inner: Image, outer: Image) -> bool:
+    """Whether a piece has the slopes of a root's end, and another image has not."""
+    d = len(inner.value)
+    one, other = (float(np.abs(each.jacobian[:, :d]).max()) for each in (inner, outer))
+    return one > ROOTED * max(1.0, other)
+
+
+def _moved_to(arc: Arc, i: int, outer: Image) -> tuple[Arc, Image]:
+    """An arc that ends at a root, with its end as the piece beyond locates it, and that one.
+
+    It is not as steep. The map is continuous there: it is not rounding of the root that decides.
+    """
+    end, problem = arc.samples[-1], arc.curve.problem
+    orbit = end.orbit
+    codes = outer.codes[outer.tied(orbit.x[i], orbit.p)].tolist()
+    if not codes:
+        return arc, outer
+    beyond = replace(orbit, images=(*orbit.images[:i], outer, *orbit.images[i + 1 :]))
+    found = solve(problem.with_(OnBorder(i, codes[0])), beyond)
+    away = np.abs(problem.step_between(orbit, found.orbit)).max()
+    is_there = away <= ASIDE or (away <= HUGGED and _hugs(orbit, found.orbit, i))
+    if not (found.converged and is_there):
+        return arc, outer
+    value = found.orbit.images[i].value
+    inner, outer = replace(orbit.images[i], value=value), replace(outer, value=value)
+    images = (*found.orbit.images[:i], inner, *found.orbit.images[i + 1 :])
+    last = Sample(replace(found.orbit, images=images), end.tangent)
+    return replace(arc, samples=(*arc.samples[:-1], last)), outer
+
+
+def _at_limit(arc: Arc, i: int, code: int) -> Arc:
+    """An arc that ends at a root and a jump, with its end where the limit of the root closes.
+
+    There the value is a + b sqrt(h) of a margin h that is all rounding, and so is b sqrt(h): twice
+    the slope times the distance, by which a Newton step is corrected.
+    """
+    end, problem = arc.samples[-1], arc.curve.problem.with_(OnBorder(i, code))
+    orbit, image = end.orbit, end.orbit.images[i]
+    k = image.place(code)
+    inward = image.gradients[k] / float(image.gradients[k] @ image.gradients[k])
+    value = image.value - 2.0 * image.jacobian @ (float(image.margins[k]) * inward)
+    if not np.isfinite(value).all() or not arc.curve.problem.same(value, image.value, ASIDE):
+        return arc
+    images = (*orbit.images[:i], replace(image, value=value), *orbit.images[i + 1 :])
+    step = newton_step(problem, replace(orbit, images=images))
+    there = problem.moved(orbit, step)
+    if not np.isfinite(step).all() or np.abs(step).max() > ASIDE:
+        return arc
+    closed = replace(image, value=there.x[(i + 1) % len(there.x)])
+    images = (*there.images[:i], closed, *there.images[i + 1 :])
+    last = Sample(replace(there, images=images), end.tangent)
+    return replace(arc, samples=(*arc.samples[:-1], last))
+
+
+def _hugs(end: Orbit, there: Orbit, i: int) -> bool:
+    """Whether a root is all rounding from one point on its border to another, and between them.
+
+    A branch that hugs a border comes closer to it than doubles tell, long before it meets it.
+    """
+    x, p = 0.5 * (end.x[i] + there.x[i]), 0.5 * (end.p + there.p)
+    between = end.images[i].piece.at(x, p)
+    if between.reason:  # rounding puts it beyond
+        return bool((between.tied(x, p) | (between.margins > 0.0)).all())
+    steep = float(np.abs(end.images[i].jacobian[:, : len(x)]).max())
+    off = np.abs(between.value - 0.5 * (end.images[i].value + there.images[i].value)).max()
+    return bool(off <= BLUR * steep * max(1.0, float(np.abs(x).max())))
