@@ -123,9 +123,9 @@ def _at_limit(arc: Arc, i: int, code: int) -> Arc:
         return arc
     images = (*orbit.images[:i], replace(image, value=value), *orbit.images[i + 1 :])
     step = newton_step(problem, replace(orbit, images=images))
-    there = problem.moved(orbit, step)
-    if not np.isfinite(step).all() or np.abs(step).max() > ASIDE:
+    if not np.abs(step).max() <= ASIDE:
         return arc
+    there = problem.moved(orbit, step)
     closed = replace(image, value=there.x[(i + 1) % len(there.x)])
     images = (*there.images[:i], closed, *there.images[i + 1 :])
     last = Sample(replace(there, images=images), end.tangent)
