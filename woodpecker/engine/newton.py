@@ -81,10 +81,8 @@ class Problem:
         columns = self.columns(orbit)
         rows = blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
         found: Floats = rows[:, columns] * self.scale(orbit)[columns]
-        for condition in self.conditions:
-            if isinstance(condition, OnBorder) and not condition.value:
-                self._along_borders(found, [len(block) for block in blocks])
-                break
+        if any(_stays_on(each) for each in self.conditions):
+            self._along_borders(found, [len(block) for block in blocks])
         return found
 
     def _along_borders(self, rows: Floats, counts: list[int]) -> None:
@@ -96,7 +94,7 @@ class Problem:
             return
         first = 0
         for condition, count in zip(self.conditions, counts, strict=True):
-            if isinstance(condition, OnBorder) and not condition.value:
+            if _stays_on(condition):
                 normal = rows[first] / np.linalg.norm(rows[first])
                 along = rows @ normal
                 along[first] = 0.0
@@ -132,6 +130,11 @@ class Problem:
     def apart(self, one: Floats, other: Floats) -> float:
         """How far points (..., d) are apart, in scaled units."""
         return float((np.abs(one - other) / self.x_scale).max())
+
+
+def _stays_on(condition: Condition) -> bool:
+    """Whether orbits are to stay on a border: right beside it slopes are those of their pieces."""
+    return isinstance(condition, OnBorder) and not condition.value
 
 
 @lru_cache

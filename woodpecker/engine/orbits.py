@@ -408,9 +408,7 @@ def placed(orbit: Orbit, unknowns: Floats) -> Orbit:
     x, p, share = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k], float(unknowns[-1])
     images = [image.piece.at(point, p) for image, point in zip(orbit.images, x, strict=True)]
     if orbit.outer is None:
-        there = Orbit(x, p, share, tuple(images))
-        vars(there)["unknowns"] = unknowns
-        return there
+        return Orbit(x, p, share, tuple(images))
     images[-1] = _inside(orbit.images[-1], images[-1], orbit, x[-1], p)
     outer = _inside(orbit.outer, orbit.outer.piece.at(x[-1], p), orbit, x[-1], p)
     if d == 1:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import sympy
+from differences import differences
 from needs import NEEDS_HEYOKA
 
 from studies.systems.oscillator import impacts, strobed
@@ -16,15 +17,6 @@ from woodpecker.systems import Contact, ContactSystem, Section, SystemMap
 
 CLOSE = 1e-9
 BACKENDS = [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"]
-
-
-def differences(image: Image, x: Floats, p: Floats, h: float) -> Floats:
-    """(d, d + k) by central differences of order four along the piece of an image."""
-    found, at = [], np.concatenate([x, p])
-    for step in h * np.eye(len(at)):
-        values = [image.piece.at(*np.split(at + k * step, [len(x)])).value for k in (-2, -1, 1, 2)]
-        found.append((values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * h))
-    return np.array(found).T
 
 
 def margins_by_differences(image: Image, x: Floats, p: Floats, h: float) -> Floats:

@@ -6,24 +6,15 @@ import mpmath
 import numpy as np
 import pytest
 import sympy
+from differences import differences
 from needs import NEEDS_HEYOKA
 from scipy.optimize import fsolve
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.maps import Image
 from woodpecker.systems import Contact, ContactSystem, MotionStatus, Section, SystemMap, simulate
 
 BACKENDS = [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"]
 EPS, INERTIA, DRIFT = 0.2, 0.2, 2.0
-
-
-def differences(image: Image, x: Floats, p: Floats, h: float) -> Floats:
-    """(d, d + k) by central differences of order four along the piece of an image."""
-    found, at = [], np.concatenate([x, p])
-    for step in h * np.eye(len(at)):
-        values = [image.piece.at(*np.split(at + k * step, [len(x)])).value for k in (-2, -1, 1, 2)]
-        found.append((values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * h))
-    return np.array(found).T
 
 
 def beam() -> ContactSystem:
