@@ -244,7 +244,7 @@ class _Walk:
             if found is None:
                 found, code = self._beyond(at) if after else (self.map.at(at, self.p), -1)
             if not self._holds(found):
-                return self._passed(_Gap(at, high, side))
+                return self._passed(_Gap(at, high, NOWHERE if found.reason else side))
             way, ahead = self._onward(found, at, high)
             self.cylinders.append(PieceExtent(way.x, way.images, (code, way.code)))
             if way.end >= high:
@@ -341,7 +341,8 @@ class _Walk:
                 if last or middle - back.end >= LONG * step:
                     return self._around(gap, back)
             elif last:
-                return [gap._replace(high=middle), _Gap(middle, gap.high, gap.side)]
+                side = NOWHERE if found.reason else gap.side
+                return [gap._replace(high=middle), _Gap(middle, gap.high, side)]
             step *= 2.0
 
     def _halved(self, gap: _Gap) -> list[_Gap]:
