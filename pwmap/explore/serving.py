@@ -18,8 +18,11 @@ from typing import Any
 from bokeh.application import Application
 from bokeh.application.handlers import FunctionHandler
 from bokeh.document import Document
-from bokeh.server.server import Server
+from bokeh.server.server import BaseServer
+from bokeh.server.tornado import BokehTornado
+from tornado.httpserver import HTTPServer
 from tornado.ioloop import IOLoop, PeriodicCallback
+from tornado.iostream import IOStream
 from tornado.web import HTTPError, RequestHandler
 
 from pwmap.explore.jobs import Failure, Job, JobFinished
@@ -60,14 +63,14 @@ def serve(
     last page was closed; ``ready`` is called with the address when pages can be loaded. OSError if
     the port is taken.
     """
-    server = _started(site, port)
+    server, found = _started(site, port)
     loop: IOLoop = server.io_loop
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: loop.add_callback_from_signal(loop.stop))
     watch = PeriodicCallback(_ending(server, loop), 500.0)
     if not stay:
         watch.start()
-    loop.add_callback(ready, f"http://{ADDRESS}:{server.port}/")
+    loop.add_callback(ready, f"http://{ADDRESS}:{found}/")
     try:
         loop.start()
     finally:
@@ -77,26 +80,52 @@ def serve(
             signal.signal(number, signal.SIG_IGN)
 
 
-def _started(site: Site, port: int | None) -> Any:
+class _PromptStream(IOStream):  # type: ignore[misc]
+    """Sends each part of a letter at once.
+
+    A letter is several short messages. By default the next one waits until the receipt of the last
+    has come (Nagle's algorithm), which a browser holds back for some 40 ms; so do connections that
+    the server has answered once.
+    """
+
+    def set_nodelay(self, value: bool) -> None:
+        """Never wait, whatever is asked for."""
+        super().set_nodelay(True)
+
+
+class _PromptServer(HTTPServer):  # type: ignore[misc]
+    """Sends everything at once."""
+
+    def handle_stream(self, stream: IOStream, address: Any) -> None:
+        """Take a connection."""
+        sizes = {"max_buffer_size": self.max_buffer_size, "read_chunk_size": self.read_chunk_size}
+        prompt = _PromptStream(stream.socket, **sizes)
+        prompt.set_nodelay(True)
+        super().handle_stream(prompt, address)
+
+
+def _started(site: Site, port: int | None) -> tuple[BaseServer, int]:
+    """A server, and the port that it listens at."""
     ports = [port] if port is not None else [PORT + k for k in range(PORTS)]
     for each in ports:
+        pages = BokehTornado(
+            {"/": Application(FunctionHandler(site.page))},
+            extra_websocket_origins=[f"{name}:{each}" for name in NAMES],
+            extra_patterns=_patterns(site),
+            unused_session_lifetime_milliseconds=UNUSED,
+            check_unused_sessions_milliseconds=UNUSED // 2,
+            keep_alive_milliseconds=5000,
+        )
+        http = _PromptServer(pages)
         try:
-            server = Server(
-                {"/": Application(FunctionHandler(site.page))},
-                address=ADDRESS,
-                port=each,
-                allow_websocket_origin=[f"{name}:{each}" for name in NAMES],
-                extra_patterns=_patterns(site),
-                unused_session_lifetime_milliseconds=UNUSED,
-                check_unused_sessions_milliseconds=UNUSED // 2,
-                keep_alive_milliseconds=5000,
-            )
+            http.listen(each, ADDRESS)
         except OSError:
             if each == ports[-1]:
                 raise
             continue
+        server = BaseServer(IOLoop.current(), pages, http)
         server.start()
-        return server
+        return server, each
     raise AssertionError
 
 
