@@ -11,7 +11,7 @@ import threading
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol
 
 import numpy as np
 
@@ -195,6 +195,7 @@ class ToyPieces:
 
     toy: Toy
     parameter: str = "eps_n1"
+    margins_decide: ClassVar[bool] = True
     _held: Held = field(default=NOTHING_HELD, init=False, repr=False)
     _cache: _PerThread = field(default_factory=_PerThread, init=False, repr=False, compare=False)
 

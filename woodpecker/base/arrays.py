@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import numpy.typing as npt
 
@@ -10,3 +12,8 @@ Complexes = npt.NDArray[np.complex128]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 Codes = npt.NDArray[np.int16]  # event codes
+
+
+def norm(vector: Floats) -> float:
+    """The length of a vector (n,), for vectors so short that a call of numpy is most of the work."""
+    return math.sqrt(float(vector @ vector))

@@ -146,20 +146,24 @@ class Settings:
         """The unit of the parameter."""
         return _unit(*self.span)
 
-    def of_branch(self, order: int) -> int:
+    def of_branch(self, order: int, *, one_of_many: bool = False) -> int:
         """How many evaluations a branch may take, from one special point to the next.
 
         Parameters
         ----------
         order
             Of the iterate to which it belongs.
+        one_of_many
+            Whether all branches of a window are looked for: one that does not end is not to take
+            what the others need.
 
         Returns
         -------
         int
             A part of ``max_evaluations``.
         """
-        return order**2 * self.max_evaluations * 3 // 5
+        allowed = order**2 * self.max_evaluations
+        return allowed // 10 if one_of_many else allowed * 3 // 5
 
     def of_slice(self, orders: Sequence[int]) -> int:
         """How many evaluations a slice may take.

@@ -14,7 +14,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.arrays import Floats, Ints, norm
 from woodpecker.engine.maps import PiecewiseMap, length_of
 from woodpecker.engine.newton import Problem, across, solve, tangent
 from woodpecker.engine.orbits import (
@@ -212,7 +212,7 @@ class SolutionCurve:
         if orbit is None or not orbit.is_defined:
             return None
         aside = self.problem.step_between(last.orbit, orbit) - distance * last.tangent
-        if float(np.linalg.norm(aside)) > distance:
+        if norm(aside) > distance:
             return None
         sample = self.start(orbit, last.tangent)
         return sample if np.isfinite(sample.tangent).all() else None
@@ -235,7 +235,7 @@ class SolutionCurve:
     def _bend(self, a: Sample, b: Sample, distance: float) -> Floats:
         """What the cubic through two samples adds to the tangent at a distance from the second."""
         chord = self.problem.step_between(a.orbit, b.orbit)
-        length = float(np.linalg.norm(chord))
+        length = norm(chord)
         if length == 0.0:
             return np.zeros(len(chord))
         mean, part = chord / length, distance / length

@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
+from woodpecker.base.arrays import norm
 from woodpecker.base.cubics import zero_of_cubic
 from woodpecker.engine.curves import Sample, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.newton import BLUR, branch_point, solve
@@ -161,7 +162,7 @@ def _crossed(curve: SolutionCurve, a: Sample, b: Sample, step: float, test: Test
         raise UnclearError
     away = curve.problem.step_between(a.orbit, orbit)
     distance = float(away @ a.tangent)
-    aside = float(np.linalg.norm(away - distance * a.tangent))
+    aside = norm(away - distance * a.tangent)
     if not 0.0 <= distance <= step or aside > curve.settings.max_turn * step:
         raise UnclearError
     return ArcEnd(distance, test, Sample(orbit, a.tangent))
@@ -346,7 +347,7 @@ def _solved(
     sample = curve.start(orbit, a.tangent)
     away = curve.problem.step_between(a.orbit, found.orbit)
     distance = float(away @ a.tangent)
-    aside = float(np.linalg.norm(away - distance * a.tangent))
+    aside = norm(away - distance * a.tangent)
     is_there = aside <= curve.settings.max_turn * step and 0.0 <= distance <= step
     if not (is_there and np.isfinite(sample.tangent).all()):
         if step > COARSE * curve.settings.min_step:
@@ -368,7 +369,7 @@ def _guess(curve: SolutionCurve, a: Sample, b: Sample, test: TestFunction) -> Or
         back = min(max(after / rate, 0.0), 1.0) if rate != 0.0 else 0.0
         return curve.problem.moved(b.orbit, -back * b.tangent)
     chord = curve.problem.step_between(a.orbit, b.orbit)
-    length = float(np.linalg.norm(chord))
+    length = norm(chord)
     part = zero_of_cubic(before, after, length * test.rate(a), length * test.rate(b))
     first, last = length * a.tangent, length * b.tangent
     cubic, square = first + last - 2.0 * chord, 3.0 * chord - 2.0 * first - last

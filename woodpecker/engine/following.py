@@ -13,10 +13,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from woodpecker.base.arrays import Floats
+from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.curves import MULTIPLIERS, Sample, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.ends import ROUNDED_OFF, ArcEnd, UnclearError, asked_before, ends_between
-from woodpecker.engine.maps import Image, taken
+from woodpecker.engine.maps import Image, Piece, margins_decide, taken
 from woodpecker.engine.newton import BLUR, STEEP, solve, uncertainty
 from woodpecker.engine.orbits import Condition, Held, Orbit, held_at
 
@@ -103,9 +103,7 @@ class Arc:
         orbit, problem = self.samples[-1].orbit, self.curve.problem
         image = orbit.taken[self.border[0]]
         k, d = image.place(self.border[1]), orbit.x.shape[1]
-        away = abs(float(image.margins[k])) / max(
-            float(np.linalg.norm(image.gradients[k])), SHORTEST_ROW
-        )
+        away = abs(float(image.margins[k])) / max(norm(image.gradients[k]), SHORTEST_ROW)
         steep = float(np.abs(image.jacobian[:, :d]).max())
         if steep < STEEP or not math.isfinite(steep):
             return 0.0
@@ -225,10 +223,10 @@ def _strays(curve: SolutionCurve, a: Sample, b: Sample, bent: float) -> bool:
     if a.orbit.outer is None and _comes_together(curve, a.orbit.x, b.orbit.x):
         return True
     chord = curve.problem.step_between(a.orbit, b.orbit)
-    length, mean = float(np.linalg.norm(chord)), a.tangent + b.tangent
+    length, mean = norm(chord), a.tangent + b.tangent
     if length == 0.0:
         return True  # rounding lets it come no farther
-    off = float(np.linalg.norm(chord / length - mean / np.linalg.norm(mean)))
+    off = norm(chord / length - mean / norm(mean))
     return off > 0.5 * max(_angle(a, b), bent) + STRAIGHT + ROUNDED_OFF / length
 
 
@@ -264,13 +262,27 @@ def _differs_between(curve: SolutionCurve, a: Sample, b: Sample) -> bool:
     return any(
         i not in at_border
         and float(np.abs(image.jacobian).max()) < STEEP
-        and taken(curve.map, point, p)[0] != image.piece.key
+        and not _takes(curve, point, p, image.piece)
         for i, (point, image) in enumerate(zip(x, a.orbit.images, strict=True))
     )
 
 
+def _takes(curve: SolutionCurve, x: Floats, p: Floats, piece: Piece) -> bool:
+    """Whether the map takes a piece at a point."""
+    if margins_decide(curve.map):
+        return _is_taken(curve, x, p, piece.at(x, p))
+    return taken(curve.map, x, p)[0] == piece.key
+
+
 def _is_taken(curve: SolutionCurve, x: Floats, p: Floats, image: Image) -> bool:
-    """Whether the map takes the piece of an image, and the same of its solutions."""
+    """Whether the map takes the piece of an image, and the same of its solutions.
+
+    Where no margin vanishes, not even by rounding, they may tell by their signs.
+    """
+    if image.reason:
+        return False
+    if margins_decide(curve.map) and not image.tied(x, p).any():
+        return bool((image.margins > 0.0).all())
     key, value = taken(curve.map, x, p)
     slack = SAME_VALUE * max(1.0, float(np.abs(image.jacobian).max()))
     return key == image.piece.key and curve.problem.same(value, image.value, slack)
@@ -280,7 +292,7 @@ def _closes(curve: SolutionCurve, start: Sample, a: Sample, b: Sample, step: flo
     """Whether the curve passes its own start between two samples."""
     away = curve.problem.step_between(a.orbit, start.orbit)
     along = float(away @ a.tangent)
-    aside = float(np.linalg.norm(away - along * a.tangent))
+    aside = norm(away - along * a.tangent)
     return (
         0.0 < along <= step
         and aside <= step * curve.settings.max_turn

@@ -121,6 +121,11 @@ class LineMap(NamedTuple):
         """The image of a point under the piece that the map takes there."""
         return image_of(self.own.at(float(x[0]), float(p[0])))
 
+    @property
+    def margins_decide(self) -> bool:
+        """Whether those of its pieces say where it takes them."""
+        return getattr(self.own, "margins_decide", False)
+
     def taken(self, x: Floats, p: Floats) -> tuple[Hashable, Floats]:
         """The key of the piece at a point, and the value (1,) there; nan if there is none."""
         taken, at = getattr(self.own, "taken", None), (float(x[0]), float(p[0]))

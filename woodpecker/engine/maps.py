@@ -129,6 +129,15 @@ def taken(map_: PiecewiseMap, x: Floats, p: Floats) -> tuple[Hashable, Floats]:
     return found
 
 
+def margins_decide(map_: PiecewiseMap) -> bool:
+    """Whether a map takes a piece just where all of its margins are positive.
+
+    That is what margins are for; but a user's may be too few, or only some of a piece's. A map that
+    is sure of its own says so by an attribute of this name.
+    """
+    return getattr(map_, "margins_decide", False)
+
+
 def limit(near: Image, x: Floats, p: Floats, unit: Floats) -> Image:
     """The one-sided limit at (x, p) of the piece of an image that lies a little away.
 

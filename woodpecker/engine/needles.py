@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 from scipy.optimize import brentq
 
-from woodpecker.base.arrays import Floats
+from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.curves import Sample, SolutionCurve, Stop
 from woodpecker.engine.following import Arc, agrees
 from woodpecker.engine.newton import STEEP, across, solve
@@ -113,7 +113,7 @@ def _across(samples: Sequence[Sample], least: float) -> Floats | None:
         return None
     one, other = samples[-2].tangent, samples[-1].tangent
     way: Floats = float(one @ other) * other - one
-    length = float(np.linalg.norm(way))
+    length = norm(way)
     return way / length if length > least else None
 
 

@@ -18,7 +18,7 @@ from pwmap.diagrams.diagram import (
     SpecialPoint,
     Stretch,
 )
-from woodpecker.base.arrays import Floats
+from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.arrivals import Arrival
 from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve, Stop
 from woodpecker.engine.germs import Beginning, beginnings, judged
@@ -406,4 +406,4 @@ def _is_back(begin: Beginning, last: Sample) -> bool:
     if begin.before is None or begin.sample.orbit.x.shape != last.orbit.x.shape:
         return False
     away = begin.curve.problem.step_between(begin.before.orbit, begin.sample.orbit)
-    return float(away @ last.tangent) < -ALONG * float(np.linalg.norm(away))
+    return float(away @ last.tangent) < -ALONG * norm(away)

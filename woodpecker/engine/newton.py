@@ -11,7 +11,7 @@ import numpy as np
 from scipy.linalg.lapack import dgesv, dgetrs
 from scipy.optimize import root
 
-from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.arrays import Floats, Ints, norm
 from woodpecker.engine.orbits import STEP, Closed, Condition, OnBorder, Orbit, placed
 
 MERGED = 1e-9  # scaled: points of a cycle that are closer are one
@@ -95,7 +95,7 @@ class Problem:
         first = 0
         for condition, count in zip(self.conditions, counts, strict=True):
             if _stays_on(condition):
-                normal = rows[first] / np.linalg.norm(rows[first])
+                normal = rows[first] / norm(rows[first])
                 along = rows @ normal
                 along[first] = 0.0
                 steep = np.abs(along) > STEEP
@@ -283,8 +283,8 @@ def _towards(problem: Problem, orbit: Orbit, step: Floats) -> tuple[Orbit, bool]
 def _linear(matrix: Floats, right: Floats) -> tuple[Floats, float]:
     """The solution of linear equations, and the determinant of their matrix; nan if one is."""
     factors, swaps, found, _ = dgesv(matrix, right)
-    determinant = float(factors.diagonal().prod())
-    swapped = int((swaps != np.arange(len(swaps))).sum())
+    determinant = math.prod(factors.diagonal().tolist())
+    swapped = sum(i != other for i, other in enumerate(swaps.tolist()))
     return found, -determinant if swapped % 2 else determinant
 
 
@@ -310,8 +310,8 @@ def tangent(problem: Problem, orbit: Orbit, along: Floats | None = None) -> tupl
     way = np.linalg.svd(matrix)[2][-1] if along is None else along
     to = np.zeros(len(way))
     to[-1] = 1.0
-    found, determinant = _linear(np.vstack((matrix, way)), to)
-    length = math.sqrt(float(found @ found))
+    found, determinant = _linear(np.concatenate((matrix, way[None])), to)
+    length = norm(found)
     if determinant == 0.0 or not math.isfinite(length):
         return np.full(len(way), np.nan), np.nan
     sign = -1.0 if along is None and determinant < 0.0 else 1.0
@@ -337,7 +337,7 @@ def directions(problem: Problem, orbit: Orbit) -> tuple[Floats, ...]:
         return ()
     root = -(b + math.copysign(math.sqrt(square), b))
     found = [np.array(pair) @ plane for pair in ((root, a), (c, root))]
-    return tuple(each / np.linalg.norm(each) for each in found)
+    return tuple(each / norm(each) for each in found)
 
 
 def other_direction(problem: Problem, orbit: Orbit, along: Floats) -> Floats | None:
@@ -350,7 +350,7 @@ def other_direction(problem: Problem, orbit: Orbit, along: Floats) -> Floats | N
     along
         The tangent of the first.
     """
-    along = along / np.linalg.norm(along)
+    along = along / norm(along)
     return min(directions(problem, orbit), key=lambda way: abs(float(way @ along)), default=None)
 
 

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pwmap.diagrams.diagram import PointKind
-from woodpecker.base.arrays import Floats
+from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.arrivals import (
     BESIDE,
     Arrival,
@@ -164,7 +164,7 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
 def _length(arc: Arc) -> float:
     """How far apart its ends are, scaled."""
     one, other = arc.samples[0].orbit, arc.samples[-1].orbit
-    return float(np.linalg.norm(arc.curve.problem.step_between(one, other)))
+    return norm(arc.curve.problem.step_between(one, other))
 
 
 def _met(

@@ -290,7 +290,7 @@ def whole_diagram(
     instance("settings", settings, Settings)
     wanted = iterates(orders)
     finite_window(settings)
-    with scheduler(Worker(map_, settings), workers, executor, map_) as tasks:
+    with scheduler(Worker(map_, settings, whole=True), workers, executor, map_) as tasks:
         explorer = Explorer(map_, tasks, settings, wanted, progress or _nothing, record)
         past = restored(explorer, record, map_)
         seen = complete(explorer, settings, search or Search(), past)

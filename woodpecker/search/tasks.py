@@ -40,11 +40,20 @@ from woodpecker.slices.slices import Slice, slices_at
 
 @dataclass(frozen=True, slots=True)
 class Worker:
-    """Carries out the tasks of a search. It remembers nothing, and pickles if its map does."""
+    """Carries out the tasks of a search. It remembers nothing, and pickles if its map does.
+
+    Attributes
+    ----------
+    map, settings, stop
+        What is followed, how, and where else branches end.
+    whole
+        Whether all branches of a window are looked for, and not what is connected with one.
+    """
 
     map: PiecewiseMap
     settings: Settings
     stop: StopRule | None = None
+    whole: bool = False
 
     def __post_init__(self) -> None:
         if self.stop is not None and not callable(self.stop):
@@ -54,7 +63,7 @@ class Worker:
         """Carry out a task, a method of :class:`Tasks`."""
         map_ = as_counting(self.map)
         before = map_.evaluations
-        value = task(Tasks(map_, self.settings, self.stop), *arguments)
+        value = task(Tasks(map_, self.settings, self.stop, whole=self.whole), *arguments)
         return Done(value, map_.evaluations - before)
 
 
@@ -62,9 +71,11 @@ class Tasks:
     """The tasks."""
 
     def __init__(
-        self, map_: PiecewiseMap, settings: Settings, stop: StopRule | None = None
-    ) -> None:
+        self, map_: PiecewiseMap, settings: Settings, stop: StopRule | None = None, *,
+        whole: bool = False,
+    ) -> None:  # fmt: skip
         self.map, self.settings, self.stop = as_counting(map_), settings, stop
+        self.whole = whole
         self.base = base_of(self.map, settings)
 
     def cycle(self, orbit: Orbit) -> Followed:
@@ -133,7 +144,7 @@ class Tasks:
         return Followed(curve, self._onward((ahead, end), (behind, first)))
 
     def _trace(self, begin: Beginning) -> Trace:
-        allowed = Allowance(self.map, self.settings.of_branch(begin.order))
+        allowed = Allowance(self.map, self.settings.of_branch(begin.order, one_of_many=self.whole))
         orders = range(1, begin.order + 1)  # a crossing may come round any cycle that is no longer
         return trace(begin, orders, Halt(lambda: allowed.spent, self._asked(begin)))
 
