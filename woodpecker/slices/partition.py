@@ -210,7 +210,9 @@ class _Gap(NamedTuple):
         return self.above is not None and self.above != self.side
 
 
-NOWHERE = 2  # the side where the map has no value
+# The side where the map has no value. Such a stretch is looked at as coarsely as where all pieces lead
+# elsewhere; its ends are closed in on.
+NOWHERE = 2
 
 
 class _Walk:

@@ -133,6 +133,26 @@ def test_a_slice_is_bounded_where_the_map_has_no_value() -> None:
     assert map_.evaluations < 2_000  # one start counts for some forty, and a gap takes some ten
 
 
+def test_a_window_may_hold_more_than_the_map() -> None:
+    """Above phi_S = -0.2391 the toy slides down for ever, and above 0.116 the beak is in the pole.
+
+    What the rest shows is all the same shown, of P_2 too, and takes not many more evaluations.
+    """
+    map_ = as_counting(ToyPieces(Toy()))
+    inside, wide = (
+        slices_at(map_, 0.9, (1, 2), Settings(span=(0.012, 1.0), window=(-1.05, high)))
+        for high in (-0.24, 0.18)
+    )
+    spent = map_.evaluations
+    for one, other in zip(inside, wide, strict=True):
+        seen = [orbit.x for orbit in other.cycles if orbit.x.max() < -0.24]
+        assert len(seen) == len(one.cycles)
+        for x, orbit in zip(seen, one.cycles, strict=True):
+            np.testing.assert_allclose(x, orbit.x, rtol=0.0, atol=1e-12)
+        assert len(other.jumps) == len(one.jumps)
+    assert spent < 20_000  # 2138 and 9652; 125 000 were allowed, and not enough
+
+
 def test_the_largest_gaps_are_crossed_first() -> None:
     """A window is looked at everywhere, also if its left half takes all that is allowed."""
     formula = Piecewise((cos(1 / (X + 1e-9)) / 2, X < 0.1), (P + X / 2, X < 0.9), (X / 4, True))
@@ -168,6 +188,21 @@ def test_a_branch_ends_after_as_many_evaluations_as_allowed() -> None:
     assert notes == {(Stop.SPENT.value, PointStatus.OPEN)}
     assert len(cut.parameter) < len(whole.parameter)
     assert set(cut.parameter.tolist()[1:-1]) <= set(whole.parameter.tolist())
+
+
+def test_a_branch_of_a_search_leaves_evaluations_for_others() -> None:
+    """Alone it goes to the end of the span; among others it may take a tenth of all evaluations."""
+    map_, start = shifted(0, 0), (-1.0, -0.5)
+    settings = Settings(
+        span=(-1.0, 2.0), window=(-3.0, 3.0), max_step=3e-4, step=3e-4, max_evaluations=20_000
+    )
+    alone = continued(map_, *start, settings)
+    assert all(point.status is PointStatus.LOCATED for point in alone.points)
+    found = everything(map_, settings, search=Search(slices=1))
+    assert {p.note for p in found.diagram.points if p.status is PointStatus.OPEN} == {
+        Stop.SPENT.value
+    }
+    assert not found.left
 
 
 def test_a_search_says_what_it_left() -> None:
