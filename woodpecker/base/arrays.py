@@ -15,5 +15,5 @@ Codes = npt.NDArray[np.int16]  # event codes
 
 
 def norm(vector: Floats) -> float:
-    """The length of a vector (n,), for vectors so short that a call of numpy is most of the work."""
+    """The length of a vector (n,) that is so short that a call of numpy is most of the work."""
     return math.sqrt(float(vector @ vector))

@@ -210,8 +210,8 @@ class _Gap(NamedTuple):
         return self.above is not None and self.above != self.side
 
 
-# The side where the map has no value. Such a stretch is looked at as coarsely as where all pieces lead
-# elsewhere; its ends are closed in on.
+# The side where the map has no value. Such a stretch is looked at as coarsely as where all pieces
+# lead elsewhere; its ends are closed in on.
 NOWHERE = 2
 
 
