@@ -65,6 +65,7 @@ class Stage(NamedTuple):
 
 
 Progress = Callable[[Stage], None]
+ON_EDGE = 2.0**-44  # scaled: a point is that close to an end of the window by rounding
 LEFT = "left"  # what a diagram says it was too costly for, by this name
 
 
@@ -474,10 +475,14 @@ class Explorer:
         return Tasks.starts if isinstance(met, Collision) else Tasks.switches, met, self.orders
 
     def _inside(self, starts: Iterable[BranchStart]) -> Iterator[_Candidate]:
-        """Where branches start, as far as that lies in the span."""
-        low, high = self.network.settings.span
+        """Where branches start, as far as that lies in the span, and no point out of the window."""
+        settings = self.network.settings
+        (low, high), (bottom, top) = settings.span, settings.window
+        slack = ON_EDGE * settings.x_scale
         for start in starts:
-            if low <= start.begin.sample.orbit.p[0] <= high:
+            orbit = start.begin.sample.orbit
+            is_seen = bottom - slack <= orbit.x.min() and orbit.x.max() <= top + slack
+            if is_seen and low <= orbit.p[0] <= high:
                 if id(start) not in self._candidates:
                     self._candidates[id(start)] = _Candidate(_of_start(start))
                 yield self._candidates[id(start)]

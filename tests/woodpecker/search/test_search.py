@@ -15,7 +15,7 @@ from maps import continued, everything, skew_tent, two_lines
 
 from pwmap import BranchKind, Diagram, PiecewiseLinearMap, PointKind, bifurcation_diagram
 from woodpecker.base.settings import Settings
-from woodpecker.maps.symbolic import from_pwmap
+from woodpecker.maps.symbolic import from_pwmap, from_sympy
 from woodpecker.search.search import Search, _Plan, first_places
 
 R = sympy.Symbol("r")
@@ -108,6 +108,28 @@ def test_a_cycle_ends_where_its_points_meet_in_a_corner() -> None:
 
 
 # --- Slices ---------------------------------------------------------------------------------------
+
+
+@pytest.mark.slow
+def test_a_crossing_that_comes_in_from_outside_of_the_window_is_drawn_once() -> None:
+    """It starts at x = -5.07 and goes on to p = -1, x = -2; a slice shows it inside of x > -3."""
+    x, p = sympy.symbols("x p", real=True)
+    formula = sympy.Piecewise(
+        ((7 * x + 19 * p + 7) / 16, x < (5 * p - 21) / 16),
+        (27 * x * (1 - x) * (p / 4 + 1) / 16 - sympy.Rational(3, 8), x < -1),
+        (13 * p / 8 - x**2 / 32 + 5 * x / 8, x < sympy.Rational(9, 8)),
+        (
+            19 * p / 32 - 3 * sympy.sqrt(x - sympy.Rational(9, 8)) / 16 + sympy.Rational(119, 256),
+            True,
+        ),
+    )
+    settings = Settings(span=(-1.0, 1.0), window=(-3.0, 3.0))
+    found = everything(
+        from_sympy(formula, x, p), settings, (1, 2), search=Search(slices=15)
+    ).diagram
+    jumps = [hit.x for hit in found.at(-0.688481) if hit.branch.kind is BranchKind.JUMP]
+    # the first piece leads to its border x = (5 p - 21)/16 from x = -4 - 2 p
+    assert [x for x in jumps if x < -2.5] == pytest.approx([-4.0 + 2.0 * 0.688481], abs=1e-12)
 
 
 @pytest.mark.parametrize("slices", [1, 7, 63])
