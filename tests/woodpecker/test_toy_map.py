@@ -86,6 +86,18 @@ def test_where_there_is_no_image_the_reason_is_in_words() -> None:
     assert far.gradients.shape == (0, 2)
 
 
+@pytest.mark.parametrize("held", [{"mu_2": 0.31}, {"eps_n2": 0.1}, {"pole": 0.01}])
+def test_maps_that_share_tables_keep_their_own_values(held: dict[str, float]) -> None:
+    whole = ToyPieces(Toy())
+    before = whole.at(-0.53, 0.5)
+    there = whole.holding(**held).at(-0.53, 0.5)
+    alone = ToyPieces(Toy(**held)).at(-0.53, 0.5)
+    again = whole.at(-0.53, 0.5)
+    assert np.array_equal([there.value, there.slope], [alone.value, alone.slope], equal_nan=True)
+    assert there.reason == alone.reason
+    assert (again.value, again.slope) == (before.value, before.slope)
+
+
 def test_pieces_pickle_and_threads_share_them() -> None:
     whole = pickle.loads(pickle.dumps(ToyPieces(Toy(), "mu_2")))
     image = whole.at(-0.6, 0.3)
