@@ -353,7 +353,7 @@ class ToyPiece(NamedTuple):
 
     def cause(self, code: int) -> str:
         """A sentence on what happens where a margin vanishes."""
-        return cause_of(self.path, code).sentence
+        return cause_of(self.path, code)
 
 
 def _numbers(x: float, p: float) -> tuple[float, float]:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
@@ -41,75 +39,48 @@ class Path(NamedTuple):
     times: Floats
 
 
-class Watch(Enum):
-    """What a margin watches; see :mod:`woodpecker.simulation.margins`."""
+def cause_of(path: Path, code: int) -> str:
+    """Why a path ends where a margin vanishes, as a sentence."""
+    phase, rest = divmod(code, 1000)
+    kind, item = divmod(rest, 100)
+    fired = int(path.steps[phase, GUARD])
+    if kind == margins.SPEED and item >= margins.SLOWEST:  # it says how the next phase begins
+        phase, kind = phase + 1, margins.START
+        leaves = path.steps[phase, MODE] == path.steps[phase - 1, MODE]
+        item = fired if leaves else NORMAL + fired
+    match kind:
+        case margins.MEETING:
+            return _at_once(item, fired)
+        case margins.DIP:
+            return f"{_grazes(item)} in phase {phase + 1}"
+        case margins.EARLY:
+            return f"{NAMES[item % 3]} {_does(item)} before phase {phase + 1}"
+        case margins.SPEED:
+            return f"{_grazes(item)} at the end of phase {phase + 1}"
+        case margins.START:
+            return f"{NAMES[item % 3]} only just {_stays(item)}"
+        case margins.COMPRESSION:
+            return f"{_only_just(item)} the compression"
+        case margins.EXPANDING:
+            return f"{_only_just(item)} the expansion"
+        case margins.SWING:
+            return "the sleeve jams exactly where the woodpecker turns round"
+        case margins.LENGTH:
+            return f"the toy only just reaches the end of the pole in phase {phase + 1}"
+        case _:
+            return f"the bounces of {NAMES[item]} only just come to an end"
 
-    COMPRESSION = margins.COMPRESSION
-    EXPANSION = margins.EXPANDING
-    BOUNCES = margins.BOUNCES
-    START = margins.START
-    EARLY = margins.EARLY
-    SPEED = margins.SPEED
-    MEETING = margins.MEETING
-    DIP = margins.DIP
-    SWING = margins.SWING
-    LENGTH = margins.LENGTH
 
-
-@dataclass(frozen=True, slots=True)
-class Cause:
-    """Why a path ends where a margin vanishes.
-
-    Attributes
-    ----------
-    watch
-        What the margin watches.
-    phase
-        Which phase of the return, from 0.
-    item
-        The guard, or 4 * contact + inequality of an impact.
-    fired
-        The guard that ends the phase.
-    """
-
-    watch: Watch
-    phase: int
-    item: int
-    fired: int
-
-    @property
-    def sentence(self) -> str:
-        """The cause for a person, such as "the beak and the upper sleeve strike at once"."""
-        match self.watch:
-            case Watch.MEETING:
-                return _at_once(self.item, self.fired)
-            case Watch.DIP:
-                return f"{_grazes(self.item)} in phase {self.phase + 1}"
-            case Watch.EARLY:
-                return f"{NAMES[self.item % 3]} {_does(self.item)} before phase {self.phase + 1}"
-            case Watch.SPEED:
-                return f"{_grazes(self.item)} at the end of phase {self.phase + 1}"
-            case Watch.START:
-                return f"{NAMES[self.item % 3]} only just {_stays(self.item)}"
-            case Watch.COMPRESSION | Watch.EXPANSION:
-                return self._of_impact()
-            case Watch.SWING:
-                return "the sleeve jams exactly where the woodpecker turns round"
-            case Watch.LENGTH:
-                return f"the toy only just reaches the end of the pole in phase {self.phase + 1}"
-            case Watch.BOUNCES:
-                return f"the bounces of {NAMES[self.item]} only just come to an end"
-
-    def _of_impact(self) -> str:
-        contact, inequality = divmod(self.item % margins.OTHER_END, 4)
-        phase = "compression" if self.watch is Watch.COMPRESSION else "expansion"
-        what = {
-            margins.NORMAL_SIDE: "only just takes part in",
-            margins.ALONG: "stops sliding exactly at the end of",
-            margins.CONE_PLUS: "only just sticks in",
-            margins.CONE_MINUS: "only just sticks in",
-        }[inequality]
-        return f"{NAMES[contact]} {what} the {phase}"
+def _only_just(item: int) -> str:
+    """What happens in one phase of an impact, by 4 * contact + inequality."""
+    contact, inequality = divmod(item % margins.OTHER_END, 4)
+    what = {
+        margins.NORMAL_SIDE: "only just takes part in",
+        margins.ALONG: "stops sliding exactly at the end of",
+        margins.CONE_PLUS: "only just sticks in",
+        margins.CONE_MINUS: "only just sticks in",
+    }[inequality]
+    return f"{NAMES[contact]} {what}"
 
 
 def _at_once(first: int, second: int) -> str:
@@ -267,15 +238,3 @@ def _shortened(path: Path) -> Path:
                 kept[k] = False
                 k -= 1
     return Path(path.word, steps[kept], path.times[kept]) if not kept.all() else path
-
-
-def cause_of(path: Path, code: int) -> Cause:
-    """What a margin of a path watches."""
-    phase, rest = divmod(code, 1000)
-    kind, item = divmod(rest, 100)
-    fired = int(path.steps[phase, GUARD])
-    if kind == margins.SPEED and item >= margins.SLOWEST:  # it says how the next phase begins
-        phase, kind = phase + 1, margins.START
-        leaves = path.steps[phase, MODE] == path.steps[phase - 1, MODE]
-        item = fired if leaves else NORMAL + fired
-    return Cause(Watch(kind), phase, item, fired)
