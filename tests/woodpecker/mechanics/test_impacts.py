@@ -24,6 +24,7 @@ from impacts import (
     scenes,
     strike,
 )
+from lcp_oracles import contact_residual, enumerate_contacts
 from scipy.optimize import linprog
 from thoroughness import thorough
 
@@ -41,13 +42,7 @@ from woodpecker.mechanics.contact_problems import (
     rest_is_possible,
     two_contacts,
 )
-from woodpecker.mechanics.lcp import (
-    ContactLcp,
-    LcpStatus,
-    contact_residual,
-    enumerate_contacts,
-    solve_contact_lcp,
-)
+from woodpecker.mechanics.lcp import ContactLcp, LcpStatus, solve_contact_lcp
 from woodpecker.mechanics.modes import model
 
 # thousands of calls from here:
@@ -115,7 +110,7 @@ def solve(problem: Problem) -> Answer:
 
 
 def residual(problem: Problem, impulse: FloatArray) -> float:
-    """Violation of the contact laws, read as projections by :mod:`woodpecker.mechanics.lcp`."""
+    """Violation of the contact laws, read as projections by :mod:`lcp_oracles`."""
     order, n = ORDER[len(problem.free)], len(problem.mu)
     gamma = (problem.delassus @ impulse + problem.free)[order]
     solution = ContactLcp(

@@ -11,21 +11,13 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from hypothesis import given
+from lcp_oracles import contact_residual, enumerate_contacts, enumerate_lcp
 from thoroughness import thorough
 
 from woodpecker import Toy
 from woodpecker.mechanics import equations as mechanics
 from woodpecker.mechanics import lcp
-from woodpecker.mechanics.lcp import (
-    ContactLcp,
-    LcpStatus,
-    contact_lcp,
-    contact_residual,
-    enumerate_contacts,
-    enumerate_lcp,
-    lemke,
-    solve_contact_lcp,
-)
+from woodpecker.mechanics.lcp import ContactLcp, LcpStatus, contact_lcp, lemke, solve_contact_lcp
 
 FloatArray = npt.NDArray[np.float64]
 
