@@ -149,39 +149,19 @@ class GuardValue:
 
 def combined(f: Sequence[Any], s: Sequence[Any], t: Any, kappa: I, order: int) -> F | I:
     """A derivative of f0 + f1 t + f2 s_2 + f3 s_3."""
-    terms: list[tuple[Any, Any]]
+    found: F | I
     match order:
         case 0:
-            terms = [(f[0], None), (f[1], t), (f[2], s[2]), (f[3], s[3])]
+            found = f[0] + f[1] * t + f[2] * s[2] + f[3] * s[3]
         case 1:
-            terms = [(f[1], None), (f[2], s[1]), (f[3], s[2])]
+            found = f[1] + f[2] * s[1] + f[3] * s[2]
         case 2:
-            terms = [(f[2], s[0]), (f[3], s[1])]
+            found = f[2] * s[0] + f[3] * s[1]
         case 3:
-            terms = [(f[3], s[0]), (f[2], s[1] * kappa)]
+            found = f[3] * s[0] + f[2] * (s[1] * kappa)
         case _:
-            terms = [(f[2], s[0] * kappa), (f[3], s[1] * kappa)]
-    found: Any = None
-    for x, y in terms:
-        term = x if y is None else times(x, y)
-        found = term if found is None else plus(found, term)
-    return found  # type: ignore[no-any-return]
-
-
-def times(x: Any, y: Any) -> Any:
-    """A product of forms or numbers."""
-    if isinstance(x, I) and isinstance(y, F):
-        return y * x
-    return x * y
-
-
-def plus(x: Any, y: Any) -> Any:
-    """A sum of forms or numbers."""
-    if isinstance(x, F) and isinstance(y, I):
-        return x.plus(y)
-    if isinstance(x, I) and isinstance(y, F):
-        return y.plus(x)
-    return x + y
+            found = f[2] * (s[0] * kappa) + f[3] * (s[1] * kappa)
+    return found
 
 
 def height(f: Sequence[Any], kappa: I, t: Any, order: int) -> F | I:
@@ -196,15 +176,16 @@ def height(f: Sequence[Any], kappa: I, t: Any, order: int) -> F | I:
 
     second, third = less(3, 2), less(4, 3)
     if order == 0:
-        return plus(times(f[2], c[2]), times(f[3], c[3] * t))  # type: ignore[no-any-return]
-    if order == 1:
+        a, b = c[2], c[3] * t
+    elif order == 1:
         a, b = second * t * kappa, third * x + c[3]
     else:
         bend_2 = third - less(5, 4) * I.of(2)
         bend_3 = less(5, 4) - less(6, 5) * I.of(3)
         a = (bend_2 * x + second) * kappa
         b = (bend_3 * x + third * I.of(3)) * t * kappa
-    return plus(times(f[2], a), times(f[3], b))  # type: ignore[no-any-return]
+    found: F | I = f[2] * a + f[3] * b
+    return found
 
 
 def root(at: Callable[..., Any], range_: Callable[..., I], bracket: I, box: Box) -> F:
