@@ -33,26 +33,14 @@ WHOLE = (0.0, 1.0)  # the span over which a toy is followed, unless another one 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Subject:
-    """What is followed over one parameter, and how.
-
-    Attributes
-    ----------
-    source, map_
-        The toy or map as it was given, and as a map of pieces.
-    parameter, x_name
-        What the diagram calls the parameter and the coordinate.
-    wanted
-        The span that was asked for.
-    settings
-        With the window, and the part of the span that the parameter can have.
-    """
+    """What is followed over one parameter, and how."""
 
     source: Toy | PiecewiseMap | PiecewiseLinearMap
-    map_: PiecewiseMap
-    parameter: str
-    x_name: str
-    wanted: tuple[float, float]
-    settings: Settings
+    map_: PiecewiseMap  # the same as a map of pieces
+    parameter: str  # what the diagram calls the parameter
+    x_name: str  # and the coordinate
+    wanted: tuple[float, float]  # the span that was asked for
+    settings: Settings  # with the window, and the part of the span that the parameter can have
 
     @property
     def about(self) -> Entry:

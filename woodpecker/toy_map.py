@@ -320,18 +320,11 @@ def _same(toy: Toy, parameter: str, held: Values) -> ToyPieces:
 
 
 class ToyPiece(NamedTuple):
-    """Returns along one path.
+    """Returns along one path."""
 
-    Attributes
-    ----------
-    whole
-        The map that the piece belongs to.
-    path
-        What happens; of no phases where the toy does not return, with the reason as its word. The
-        durations are those where the piece was met last.
-    """
-
-    whole: ToyMap
+    whole: ToyMap  # the map that the piece belongs to
+    # what happens; of no phases where the toy does not return, with the reason as its word.
+    # The durations are those where the piece was met last
     path: Path
 
     @property

@@ -36,24 +36,13 @@ def begin(command: str, asked: Mapping[str, object]) -> None:
 
 @dataclass
 class Results:
-    """What a command has written so far.
+    """What a command has written so far."""
 
-    Attributes
-    ----------
-    folder
-        Where its files are.
-    names
-        Those that are there, whole.
-    stopped
-        Why there will be no more, as a sentence; empty if nothing has ended the command.
-    status
-        The exit status then.
-    """
-
-    folder: Path
-    names: list[str] = field(default_factory=list)
+    folder: Path  # where its files are
+    names: list[str] = field(default_factory=list)  # those that are there, whole
+    # why there will be no more, as a sentence; empty if nothing has ended the command
     stopped: str = ""
-    status: int = INTERRUPTED
+    status: int = INTERRUPTED  # the exit status then
 
     @contextmanager
     def tables(self, *names: str) -> Iterator[Path]:

@@ -24,19 +24,11 @@ Numbers = Sequence[Any]
 
 
 class BallPhase(NamedTuple):
-    """What compression or expansion does.
+    """What compression or expansion does."""
 
-    Attributes
-    ----------
-    cases
-        The index combination of each contact.
-    impulses, velocities
-        (N, T) of each contact in turn; velocities that a combination makes zero are exactly so.
-    """
-
-    cases: tuple[int, ...]
-    impulses: Numbers
-    velocities: Numbers
+    cases: tuple[int, ...]  # the index combination of each contact
+    impulses: Numbers  # (N, T) of each contact in turn
+    velocities: Numbers  # likewise; those that a combination makes zero are exactly so
 
 
 def impulses_of(

@@ -48,35 +48,21 @@ def data(toy: Toy) -> dict[str, Fraction]:
 
 
 class Mode(NamedTuple):
-    """Motion with given contact states: qdd = a + b d, ddd = alpha + kappa d.
-
-    Attributes
-    ----------
-    forces
-        By closed contact p_N, r_N, p_T, r_T: lambda = p + r d.
-    """
+    """Motion with given contact states: qdd = a + b d, ddd = alpha + kappa d."""
 
     a: Numbers
     b: Numbers
     alpha: Any
     kappa: Any
-    forces: Mapping[int, Numbers]
+    forces: Mapping[int, Numbers]  # by closed contact p_N, r_N, p_T, r_T: lambda = p + r d
 
 
 @dataclass(frozen=True)
 class BallToy:
-    """The toy at an exact value of a parameter, or over an interval of it.
+    """The toy at an exact value of a parameter, or over an interval of it."""
 
-    Attributes
-    ----------
-    values
-        The parameters by name, rationals of flint but a restitution that moves, which is a form.
-    summed
-        Whether the sum of normal impulses bounds friction in the expansion of a double impact.
-    """
-
-    values: dict[str, Any]
-    summed: bool
+    values: dict[str, Any]  # by name rationals of flint, but for a form where one moves
+    summed: bool  # whether friction in expansions is bounded by the sum of normal impulses
 
     @classmethod
     def of(

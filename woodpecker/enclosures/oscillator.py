@@ -52,28 +52,14 @@ def shapes(x: Any, last: int) -> list[Any]:
 
 @dataclass(frozen=True, slots=True)
 class Guard:
-    """A guard of a phase: positive in it, zero where it fires.
+    """A guard of a phase: positive in it, zero where it fires."""
 
-    Attributes
-    ----------
-    code
-        As in :mod:`woodpecker.mechanics.modes`.
-    jet
-        Its value and three derivatives where the phase begins; exact zeros are exact.
-    order
-        How many of these are exactly zero.
-    kappa
-        Of the phase.
-    assumed
-        Whether the first one that is not exactly zero is known to be at least zero, though its
-        range does not say so.
-    """
-
-    code: int
+    code: int  # as in :mod:`woodpecker.mechanics.modes`
+    # its value and three derivatives where the phase begins; exact zeros are exact
     jet: tuple[Any, Any, Any, Any]
-    order: int
-    kappa: Any
-    assumed: bool = False
+    order: int  # how many of these are exactly zero
+    kappa: Any  # of the phase
+    assumed: bool = False  # the first that is not exactly zero is at least zero, as is known
 
     def at(self, t: Any, derivative: int = 0) -> Any:
         """The guard, or a derivative of it, at a time; forms where anything is one."""
@@ -159,26 +145,13 @@ class ZeroCrossing(NamedTuple):
     In the bracket the guard crosses zero once from every start of the box, and its derivative has
     one sign. At a plateau the phase is taken to end in its middle; the contact strikes after that
     (1) or before (-1), and has come to stay within the bracket.
-
-    Attributes
-    ----------
-    guard
-        Its code.
-    duration
-        As a form.
-    bracket
-        A ball of times.
-    plateau
-        0 if it is none.
-    lands
-        Whether it is the end of a flight that began at rest.
     """
 
-    guard: int
+    guard: int  # its code
     duration: Form
-    bracket: Any
-    plateau: int = 0
-    lands: bool = False
+    bracket: Any  # a ball of times
+    plateau: int = 0  # 0 if it is none
+    lands: bool = False  # whether it is the end of a flight that began at rest
 
     @property
     def name(self) -> str:

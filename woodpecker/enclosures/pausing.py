@@ -35,44 +35,21 @@ FREE: State = (OPEN, OPEN, OPEN)
 
 
 class _Pause(NamedTuple):
-    """A gap that falls to a plateau.
+    """A gap that falls to a plateau."""
 
-    Attributes
-    ----------
-    contact
-        Whose gap.
-    middle
-        Time from the start of the phase to the middle of the plateau.
-    fall
-        Third derivative of the gap there, negative.
-    level
-        Its value there.
-    eta
-        The level over the fall's size, positive for a late landing.
-    """
-
-    contact: int
-    middle: Any
-    fall: Form
-    level: Form
-    eta: Form
+    contact: int  # whose gap
+    middle: Any  # time from the start of the phase to the middle of the plateau
+    fall: Form  # third derivative of the gap there, negative
+    level: Form  # its value there
+    eta: Form  # the level over the fall's size, positive for a late landing
 
 
 class _Slide(NamedTuple):
-    """Sliding after the landing.
+    """Sliding after the landing."""
 
-    Attributes
-    ----------
-    states
-        Of the contacts.
-    direction
-        Of slip, 1 or -1.
-    response
-        Of the velocities to an impulse that changes the speed of the gap by one.
-    """
-
-    states: State
-    direction: int
+    states: State  # of the contacts
+    direction: int  # of slip, 1 or -1
+    # of the velocities to an impulse that changes the speed of the gap by one
     response: Sequence[Any]
 
 

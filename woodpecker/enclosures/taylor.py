@@ -19,22 +19,12 @@ from woodpecker.enclosures.balls import ZERO
 
 @dataclass(frozen=True)
 class Frame:
-    """A box of starts and parameters.
+    """A box of starts and parameters."""
 
-    Attributes
-    ----------
-    s, p
-        Balls about zero: how far the start is from a curve, and the parameter from its centre.
-    terms
-        Coefficients of polynomials in p, at least one.
-    depth
-        Of the derivatives that forms carry: 2 (the value and f_s), 3 (f_p too) or 6 (second ones).
-    """
-
-    s: Any
-    p: Any
-    terms: int = 1
-    depth: int = 2
+    s: Any  # ball about zero: how far the start is from a curve
+    p: Any  # ball about zero: how far the parameter is from its centre
+    terms: int = 1  # coefficients of polynomials in p, at least one
+    depth: int = 2  # what forms carry: 2 (the value and f_s), 3 (f_p too) or 6 (second derivatives)
 
     @cached_property
     def power(self) -> Any:

@@ -65,24 +65,12 @@ MARGIN = 2  # how much wider than what was found in it a tube is made, if it was
 
 @dataclass(frozen=True)
 class ProvedBranch:
-    """A branch over an interval of the parameter.
+    """A branch over an interval of the parameter."""
 
-    Attributes
-    ----------
-    toy
-        Its own value of the parameter does not matter.
-    parameter
-        Name.
-    pieces
-        In ascending order of the parameter; each begins where the one before ends, or after a gap.
-    gaps
-        Intervals between pieces in which nothing is proved.
-    """
-
-    toy: Toy
+    toy: Toy  # its own value of the parameter does not matter
     parameter: str
-    pieces: tuple[Tubes, ...]
-    gaps: tuple[Fractions, ...]
+    pieces: tuple[Tubes, ...]  # each begins where the one before ends, or after a gap
+    gaps: tuple[Fractions, ...]  # intervals between pieces in which nothing is proved
 
     @property
     def flips(self) -> tuple[int, ...]:
@@ -121,21 +109,11 @@ def marched(
 
 
 class Planned(NamedTuple):
-    """A line that is to become a piece.
+    """A line that is to become a piece."""
 
-    Attributes
-    ----------
-    line
-        How the parameter runs.
-    flips
-        Whether the multiplier passes -1 on it.
-    plateaus
-        Whether landings near a plateau may be taken together.
-    """
-
-    line: Route
-    flips: bool = False
-    plateaus: bool = False
+    line: Route  # how the parameter runs
+    flips: bool = False  # whether the multiplier passes -1 on it
+    plateaus: bool = False  # whether landings near a plateau may be taken together
 
 
 class _Pieces:
@@ -386,21 +364,12 @@ class _Pieces:
 
 
 class PieceEnd(NamedTuple):
-    """Where a piece ends, in numbers that travel between processes.
+    """Where a piece ends, in numbers that travel between processes."""
 
-    Attributes
-    ----------
-    p
-        The parameter.
-    tubes
-        For each point of the cycle the starts among which it is the only one [rad].
-    found
-        For each point where it is [rad].
-    """
-
-    p: Fraction
+    p: Fraction  # the parameter
+    # for each point of the cycle the starts among which it is the only one [rad]
     tubes: tuple[Fractions, ...]
-    found: tuple[Fractions, ...]
+    found: tuple[Fractions, ...]  # for each point where it is [rad]
 
 
 def end_of(piece: Tubes, side: int) -> PieceEnd:

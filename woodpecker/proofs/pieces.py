@@ -32,18 +32,10 @@ CLOSE = 1e-15  # rad: a step that changes nothing
 
 
 class Tube(NamedTuple):
-    """Starts near a curve.
+    """Starts near a curve."""
 
-    Attributes
-    ----------
-    curve
-        Coefficients of powers of tau, see :class:`Route`.
-    radius
-        How far from the curve [rad].
-    """
-
-    curve: tuple[Fraction, ...]
-    radius: Fraction
+    curve: tuple[Fraction, ...]  # coefficients of powers of tau, see :class:`Route`
+    radius: Fraction  # how far from the curve [rad]
 
 
 class Fractions(NamedTuple):
@@ -63,17 +55,10 @@ class Route(NamedTuple):
 
     Most often tau is the distance from a centre. Where a branch bends sharply over the parameter it
     is the duration of a phase, over which everything is smooth.
-
-    Attributes
-    ----------
-    poly
-        Coefficients; it grows with tau.
-    half
-        Half the length.
     """
 
-    poly: tuple[Fraction, ...]
-    half: Fraction
+    poly: tuple[Fraction, ...]  # coefficients; it grows with tau
+    half: Fraction  # half the length
 
     @classmethod
     def over(cls, p: Fractions) -> Route:
@@ -100,30 +85,14 @@ def value_of(poly: Sequence[Fraction], x: Fraction) -> Fraction:
 
 @dataclass(frozen=True)
 class Tubes:
-    """Tubes in which there is exactly one cycle for every parameter in an interval: proved.
+    """Tubes in which there is exactly one cycle for every parameter in an interval: proved."""
 
-    Attributes
-    ----------
-    line
-        How the parameter runs over the interval.
-    tubes
-        One for each point of the cycle.
-    ways
-        Of the return from each tube: one, or two where a word changes.
-    off
-        Balls: how far the points are from their curves.
-    slopes
-        Ranges of the derivative of each return in its tube.
-    turn
-        Range of the derivative of the multiplier in tau along the cycle; None if not asked for.
-    """
-
-    line: Route
-    tubes: tuple[Tube, ...]
-    ways: tuple[tuple[Way, ...], ...]
-    off: tuple[Any, ...]
-    slopes: tuple[Any, ...]
-    turn: Any = None
+    line: Route  # how the parameter runs over the interval
+    tubes: tuple[Tube, ...]  # one for each point of the cycle
+    ways: tuple[tuple[Way, ...], ...]  # from each tube: one, or two where a word changes
+    off: tuple[Any, ...]  # balls: how far the points are from their curves
+    slopes: tuple[Any, ...]  # ranges of the derivative of each return in its tube
+    turn: Any = None  # range of the multiplier's derivative in tau; None if not asked for
 
     @property
     def multiplier(self) -> Any:

@@ -35,42 +35,23 @@ DECIMALS = 40
 
 @dataclass(frozen=True)
 class ProvedPoint:
-    """A border collision of fixed points at a jump.
-
-    Attributes
-    ----------
-    x, p, radius
-        The centre of a box and its half width in both directions: it holds the only point at which
-        the fixed point of one way lies on the border.
-    ways
-        The way where the comparator is positive, and the other one.
-    own
-        Index of the way whose fixed point it is.
-    found_x, found_p
-        Balls that hold the point.
-    limit
-        Range of the other way's image: the limit from the other side.
-    slopes
-        Ranges of the slopes of both ways.
-    side
-        1 if its own way is taken for larger x, -1 if for smaller ones.
-    code, note
-        ``"FF"`` or ``"BC"``, ``"fold"`` or ``"persistence"``.
-    """
+    """A border collision of fixed points at a jump."""
 
     toy: Toy
     parameter: str
+    # the centre of a box and its half width in both directions: it holds the only point at
+    # which the fixed point of one way lies on the border
     x: Fraction
     p: Fraction
     radius: Fraction
-    ways: tuple[Way, Way]
-    own: int
-    found_x: Any
+    ways: tuple[Way, Way]  # the way where the comparator is positive, and the other one
+    own: int  # index of the way whose fixed point it is
+    found_x: Any  # balls that hold the point
     found_p: Any
-    limit: Any
-    slopes: tuple[Any, Any]
-    side: int
-    code: str
+    limit: Any  # range of the other way's image: the limit from the other side
+    slopes: tuple[Any, Any]  # ranges of the slopes of both ways
+    side: int  # 1 if its own way is taken for larger x, -1 if for smaller ones
+    code: str  # ``"FF"`` or ``"BC"``, ``"fold"`` or ``"persistence"``
     note: str
 
 

@@ -21,22 +21,13 @@ NAMES = ("the beak", "the lower sleeve", "the upper sleeve")  # contacts 1, 2, 3
 
 
 class Path(NamedTuple):
-    """What happens on one return to the section.
+    """What happens on one return to the section."""
 
-    Attributes
-    ----------
-    word
-        Its sequence of events.
-    steps
-        (n, 8), what begins and ends each phase; see :data:`woodpecker.motion.codes.NO_PATH`.
-        Of equal bounces that accumulate it has the first only.
-    times
-        (n,) durations of the phases [s] where it was found.
-    """
-
-    word: str
+    word: str  # its sequence of events
+    # (n, 8), what begins and ends each phase, see codes.STEP_COLUMNS; of equal bounces that
+    # accumulate the first only
     steps: Ints
-    times: Floats
+    times: Floats  # (n,) durations of the phases [s] where it was found
 
 
 def cause_of(path: Path, code: int) -> str:
@@ -117,33 +108,17 @@ def _stays(guard: int) -> str:
 
 
 class Along(NamedTuple):
-    """A return along a path.
+    """A return along a path."""
 
-    Attributes
-    ----------
-    phi_s, period, drop
-        Image [rad], time [s] and distance fallen [m].
-    slope, d_parameter
-        Derivatives of the image in the start and along the direction of the table.
-    margins
-        (m,) numbers that are positive where the toy does follow the path.
-    gradients
-        (m, 2), their derivatives in the start and along the direction of the table.
-    causes
-        (m,) ascending codes of what they watch; see :func:`cause_of`.
-    times
-        Durations of the phases [s].
-    """
-
-    phi_s: float
-    period: float
-    drop: float
-    slope: float
-    d_parameter: float
-    margins: Floats
-    gradients: Floats
-    causes: Ints
-    times: Floats
+    phi_s: float  # image [rad]
+    period: float  # [s]
+    drop: float  # distance fallen [m]
+    slope: float  # derivative of the image in the start
+    d_parameter: float  # and along the direction of the table
+    margins: Floats  # (m,) numbers that are positive where the toy does follow the path
+    gradients: Floats  # (m, 2), their derivatives in both
+    causes: Ints  # (m,) ascending codes of what they watch; see :func:`cause_of`
+    times: Floats  # durations of the phases [s]
 
 
 class Follower:
