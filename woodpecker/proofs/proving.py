@@ -12,6 +12,7 @@ from pwmap.checking import check_certificate as pwmap_check
 from pwmap.diagrams.diagram import Branch, SpecialPoint
 from woodpecker.enclosures.not_proved import NotProved as NotProved  # what ``prove`` raises
 from woodpecker.mechanics.toy import Toy
+from woodpecker.runs import nothing
 from woodpecker.shooting import PeriodicOrbit
 
 if TYPE_CHECKING:
@@ -22,17 +23,13 @@ MAPS = "certificate of a piecewise-linear map"
 MISSING = "prove needs ball arithmetic: pip install woodpecker-toy[proof]"
 
 
-def _nothing(done: float) -> None:
-    """No progress is shown."""
-
-
 def prove(
     what: PeriodicOrbit | Branch | SpecialPoint,
     span: tuple[float, float] | None = None,
     *,
     toy: Toy = PAPER,
     parameter: str = "eps_n1",
-    progress: Callable[[float], object] = _nothing,
+    progress: Callable[[float], object] = nothing,
     workers: int = 1,
 ) -> Certificate:
     """Prove what a computation has found, in ball arithmetic.
