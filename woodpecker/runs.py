@@ -66,12 +66,8 @@ def subject(
 ) -> Subject:  # fmt: skip
     """What is followed; span and window are those of the settings, if none are given.
 
-    Raises
-    ------
-    ValueError
-        If the span holds no value that the parameter can have.
-    TypeError
-        If it is neither a toy nor a map, the parameter is unknown, or the settings are none.
+    ValueError if the span holds no value that the parameter can have; TypeError if it is neither a
+    toy nor a map, the parameter is unknown, or the settings are none.
     """
     map_, name, x_name = named(source, parameter)
     of_toy = isinstance(source, Toy)
@@ -88,13 +84,7 @@ def subject(
 
 
 def settings_for(settings: Settings | None, default: Settings, **taken: Any) -> Settings:
-    """Settings, or the default, with the intervals of a call.
-
-    Raises
-    ------
-    TypeError
-        If they are none.
-    """
+    """Settings, or the default, with the intervals of a call; TypeError if they are none."""
     if not isinstance(settings, Settings | None):
         raise TypeError(
             f"settings must be woodpecker.Settings, got {type(settings).__module__}."
@@ -104,13 +94,7 @@ def settings_for(settings: Settings | None, default: Settings, **taken: Any) -> 
 
 
 def possible(toy: Toy, parameter: str, span: tuple[float, float]) -> tuple[float, float]:
-    """The part of a span that a parameter of the toy can have.
-
-    Raises
-    ------
-    ValueError
-        If there is none.
-    """
+    """The part of a span that a parameter of the toy can have; ValueError if there is none."""
     low, high = limits(toy, parameter)
     if not max(span[0], low) < min(span[1], high):
         raise ValueError(f"span must hold values of {parameter} in ({low}, {high}), got {span}")

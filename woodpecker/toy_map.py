@@ -62,12 +62,8 @@ NO_VALUES: Values = ()
 class _ThreadRoom:
     """The kernel's numbers for some toys and their derivatives, and a follower: for one thread.
 
-    Parameters
-    ----------
-    toy
-        From which these toys differ in some parameters.
-    rates
-        By how much parameters change in the direction of the derivatives.
+    The toys differ in some parameters; ``rates`` say by how much these change in the direction of
+    the derivatives.
     """
 
     def __init__(self, toy: Toy, rates: Mapping[str, float]) -> None:
@@ -394,12 +390,8 @@ class Named(NamedTuple):
 def named(source: Toy | PiecewiseMap | PiecewiseLinearMap, parameter: str | None = None) -> Named:
     """The map of a toy over a parameter, by default eps_n1; a map of pwmap as one of pieces.
 
-    Raises
-    ------
-    TypeError
-        If it is neither a toy nor a map, or the parameter is none of the toy, or no text.
-    ValueError
-        If an exact map has other parameters than one.
+    TypeError if it is neither a toy nor a map, or the parameter is none of the toy, or no text;
+    ValueError if an exact map has other parameters than one.
     """
     if isinstance(source, Toy):
         name = "eps_n1" if parameter is None else parameter

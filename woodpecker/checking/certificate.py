@@ -44,24 +44,10 @@ NOT_MADE_SO = (
 
 
 def check_certificate(path: str | os.PathLike[str]) -> str:
-    """Verify a certificate of the toy, and say what is proved.
+    """Verify a certificate of the toy, as :meth:`pwmap.proofs.Certificate.save` writes it.
 
-    Parameters
-    ----------
-    path
-        A file as :meth:`pwmap.proofs.Certificate.save` writes it.
-
-    Returns
-    -------
-    str
-        The statement, composed from what was verified.
-
-    Raises
-    ------
-    Rejected
-        If the certificate does not hold, or is none.
-    OSError
-        If the file cannot be read.
+    Returns the statement, composed from what was verified. Rejected if the certificate does not
+    hold, or is none; OSError if the file cannot be read.
     """
     raw = Path(path).read_bytes()
     if len(raw) > LONGEST:

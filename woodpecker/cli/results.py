@@ -68,16 +68,9 @@ class Results:
 def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Results]:
     """The folder for the results, made before anything long is computed.
 
-    Where a command ends before it has written anything, what was made of the folder is gone again.
-
-    Parameters
-    ----------
-    out
-        The folder.
-    *files
-        Files that the command writes in any case, besides those its record names.
-    kept
-        Files of an earlier run that the command goes on with.
+    The command writes ``files`` in any case, besides those its record names, and goes on with those
+    ``kept`` of an earlier run. Where it ends before it has written anything, what was made of the
+    folder is gone again.
     """
     missing = [each for each in (out, *out.parents) if not each.exists()]
     out.mkdir(parents=True, exist_ok=True)

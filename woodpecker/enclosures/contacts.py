@@ -36,17 +36,9 @@ def impulses_of(
 ) -> BallPhase:
     """The compression (no floors) or the expansion of an impact.
 
-    Parameters
-    ----------
-    contacts
-        One contact, or the beak and one of the sleeve.
-    free
-        Velocities (N, T) of each contact without impulses.
-    floors
-        Least normal impulses of the expansion.
-    approaches
-        Whether the first normal velocity is known to be negative or zero, though its range does not
-        say so; for one contact only.
+    It is at one contact, or at the beak and one of the sleeve; ``free`` are (N, T) of each without
+    impulses. For one contact the first normal velocity may be known to be negative or zero
+    (``approaches``), though its range does not say so.
 
     Raises
     ------

@@ -69,18 +69,10 @@ MOST_PARTS = 2**16  # of a phase in which the bird is shown not to turn: some te
 
 
 def follow(model: BallToy, frame: Frame, curve: Sequence[Any], plateaus: bool = False) -> list[Way]:
-    """The ways of a return from phi_S on a curve over p, plus s, on the section.
+    """The ways of a return over a box, from the section at phi_S on a curve over p, plus s.
 
-    Parameters
-    ----------
-    model
-        Of the toy, with its parameter in the same frame.
-    frame
-        The box.
-    curve
-        Coefficients of powers of p.
-    plateaus
-        Whether landings near a plateau are taken together, once differentiable only.
+    ``curve`` has coefficients of powers of p, the model is of the same frame. With ``plateaus``
+    landings near a plateau are taken together, once differentiable only.
 
     Raises
     ------

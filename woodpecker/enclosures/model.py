@@ -186,8 +186,6 @@ class BallToy:
     def case(self, sleeve: int, first: int, second: int, expands: bool) -> list[Numbers] | None:
         """Impulses of an index combination of the beak and a contact of the sleeve.
 
-        Returns
-        -------
         (4, 6) coefficients of the velocities without impulses and of the floors; None where the
         combination is rank-deficient, which is seen exactly: both at rest and sticking.
         """

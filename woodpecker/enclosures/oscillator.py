@@ -169,31 +169,17 @@ def name_of(guard: int) -> str:
 
 
 def crossing(guard: Guard, guess: float, falls: int = -1) -> ZeroCrossing:
-    """When a guard crosses zero near a guess, with a derivative of the sign ``falls``.
-
-    Raises
-    ------
-    NotProved
-        If this could not be shown.
-    """
+    """When a guard crosses zero near a guess, with a slope of the sign ``falls``; or NotProved."""
     return ZeroCrossing(guard.code, *zero(guard.near, guard.over, guess, falls))
 
 
 def zero(
     at: Callable[[Any], Derivatives], over: Callable[..., Any], guess: float, falls: int
 ) -> tuple[Form, Any]:
-    """The zero of a function of time over a box, as a form, and a bracket.
+    """The zero of a function of time over a box, near a guess, as a form, and a bracket.
 
-    Parameters
-    ----------
-    at
-        The derivatives of the function at a time, which may be a form.
-    over
-        Their ranges over a ball of times and the whole box.
-    guess
-        Where it is at the centre of the box, about.
-    falls
-        The sign that its derivative must have.
+    ``at`` gives its derivatives at a time, which may be a form, ``over`` their ranges over a ball
+    of times and the whole box; the first one must have the sign ``falls``.
     """
     near = _approximate(at, guess)
     there = at(near)

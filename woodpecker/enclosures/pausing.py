@@ -57,23 +57,10 @@ def paused(
     model: BallToy, motion: BallState, first: Guard, others: Sequence[Guard], guess: float,
     survives: Callable[[Guard, Any], bool],
 ) -> list[BallState]:  # fmt: skip
-    """The motions after a landing near a plateau, both where the box allows them.
+    """The motions after a landing near a plateau, both where the box allows them; or none.
 
-    Parameters
-    ----------
-    first
-        The gap, with f' = f'' = 0 exactly where the phase began.
-    others
-        The guards that must not fire before.
-    guess
-        About when it closes.
-    survives
-        Whether a guard does not fire until some time.
-
-    Returns
-    -------
-    list
-        None of them where the landing is not near a plateau.
+    ``first`` is the gap, with f' = f'' = 0 exactly where the phase began, and closes at about
+    ``guess``; no other guard may fire before.
     """
     i = first.code
     pause = _pause(first, guess)

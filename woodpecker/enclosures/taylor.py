@@ -103,14 +103,9 @@ def constant(frame: Frame, value: Any) -> Taylor:
 def composed(f: Taylor, thin: Sequence[Any], slope: Any, last: Any) -> Taylor:
     """g(f) for a function g.
 
-    Parameters
-    ----------
-    thin
-        Taylor coefficients of g at the constant term of f's polynomial, as many as it has terms.
-    slope
-        Range of g' over the range of f.
-    last
-        Range of the next Taylor coefficient, g^(n) / n!, over the range of f's polynomial.
+    ``thin`` are Taylor coefficients of g at the constant term of f's polynomial, as many as it has
+    terms; ``slope`` is the range of g' over the range of f, ``last`` that of the next Taylor
+    coefficient, g^(n) / n!, over the range of f's polynomial.
     """
     frame = f.frame
     n = frame.terms

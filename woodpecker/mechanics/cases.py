@@ -33,20 +33,11 @@ SINGULAR = 1e-11  # pivot over row norm below which a combination is rank-defici
 
 
 def case_table(delassus: Floats, friction: Floats) -> Floats:
-    """Impulses of all index combinations of two contacts.
+    """Impulses of all index combinations of two contacts, (36, 24).
 
-    Parameters
-    ----------
-    delassus
-        (4, 4), (N, T) of each contact in turn.
-    friction
-        (2, 2), the matrix F.
-
-    Returns
-    -------
-    array
-        (36, 24): row c_1 + 6 c_2 holds the (4, 6) coefficients of the combination c of each
-        contact, row after row; nan if the combination is rank-deficient.
+    Row c_1 + 6 c_2 holds the (4, 6) coefficients of the combination c of each contact, row after
+    row; nan if it is rank-deficient. ``delassus`` (4, 4) has (N, T) of each contact in turn,
+    ``friction`` (2, 2) is the matrix F.
     """
     table = np.empty((36, 24))
     fill_cases(delassus, friction, table, np.empty((4, 10)))

@@ -79,22 +79,11 @@ def halts(mark: int) -> bool:
 
 @part
 def decide(model: Floats, contacts: Ints, z: Floats, choice: Ints, marks: Ints, pair: Pair) -> int:
-    """Find the index combinations of an impact.
+    """Find the index combinations of an impact at one or two contacts (0-based, ascending).
 
-    Parameters
-    ----------
-    contacts
-        (n,) the one or two contacts (0-based) with zero gap, ascending.
-    z
-        State (7,) before the impact.
-    choice
-        Output (3,): combinations c_1 + 6 c_2 of the compression, twice (if it is indeterminate both
-        ends of its segment), and of the expansion, or UNSOLVED if there is none.
-    marks
-        Output: a mark (2,) for each contact: between equal marks the impact depends smoothly on the
-        state.
-    pair
-        Room for an impact at two contacts.
+    Output: ``choice`` (3,), combinations c_1 + 6 c_2 of the compression, twice (both ends of its
+    segment if it is indeterminate), and of the expansion, or UNSOLVED if there is none; ``marks``
+    (2,), one for each contact: between equal marks the impact depends smoothly on the state.
     """
     if len(contacts) == 1:
         return _decide_single(model, contacts[0], z, choice, marks)
@@ -105,18 +94,10 @@ def decide(model: Floats, contacts: Ints, z: Floats, choice: Ints, marks: Ints, 
 def carry_out(
     model: Floats, contacts: Ints, choice: Ints, z: Floats, case: Ints, impulses: Floats, pair: Pair
 ) -> None:
-    """Change the velocities as given index combinations say: a smooth map of the state.
+    """Change the velocities of z (7,) as given index combinations say: a smooth map of the state.
 
-    Parameters
-    ----------
-    contacts, choice
-        As :func:`decide` takes and gives them.
-    z
-        State (7,); its velocities are updated in place.
-    case, impulses
-        Output: the last index combination of each contact (2,), impulses (2, 4) of both phases.
-    pair
-        Room for an impact at two contacts, as :func:`prepare` or :func:`decide` leaves it.
+    Output: ``case`` (2,), the last index combination of each contact; ``impulses`` (2, 4) of both
+    phases. For two contacts ``pair`` is what :func:`prepare` or :func:`decide` leaves.
     """
     _find_impulses(model, contacts, choice, z, case, impulses, pair)
     _kick_off(model, contacts, case, z, impulses, pair)
@@ -127,20 +108,12 @@ def carry_out_along(
     model: Floats, change: Floats, contacts: Ints, choice: Ints, z: Floats, tangents: Floats,
     seed: Floats, case: Ints, impulses: Floats, pair: Pair,
 ) -> None:  # fmt: skip
-    """The same with derivatives.
+    """The same with derivatives: ``tangents`` (m, 7) of the state, with ``seed`` (m, 3) of eps_N.
 
-    They need no other table: where g = G Lambda + free, and Lambda_T = -+F Lambda_N at contacts
-    that slide, the derivative of Lambda solves the same equations as Lambda with
+    ``change`` is the derivative of the model along the last tangent, or of length 0. Derivatives
+    need no other table: where g = G Lambda + free, and Lambda_T = -+F Lambda_N at contacts that
+    slide, the derivative of Lambda solves the same equations as Lambda with
     d(free) + dG Lambda + G_T tau for free and tau = -+dF Lambda_N added to its tangential part.
-
-    Parameters
-    ----------
-    change
-        Derivative of the model along the last tangent, or of length 0 if it stays.
-    tangents
-        Derivatives of states (m, 7); their velocities are updated in place.
-    seed
-        (m, 3) derivative of eps_N along each tangent.
     """
     _find_impulses(model, contacts, choice, z, case, impulses, pair)
     for m in range(len(tangents)):

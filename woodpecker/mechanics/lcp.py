@@ -63,30 +63,18 @@ def lemke(
     large z. The path starts at x = 0 with the smallest such z and exchanges complementary
     variables until z leaves the basis. The leaving row is the lexicographic minimum of
     B^-1 [b, I] over the entering column, so that no basis recurs however many ratios tie.
-    Rows and columns are scaled by powers of two first: units do not matter.
+    Rows and columns are scaled by powers of two first: units do not matter. A ray proves that
+    there is no solution if A is positive semidefinite, not in general.
 
     Parameters
     ----------
-    a
-        Matrix A, shape (n, n).
-    b
-        Vector b, shape (n,).
+    a, b
+        Matrix A (n, n) and vector b (n,); ValueError for other shapes and what is not finite.
     cover
-        Covering vector d >= 0 in units of b, shape (n,), positive wherever b is negative;
-        ones in the scaled problem unless given.
+        Covering vector d >= 0 in units of b, positive wherever b is negative; by default ones in
+        the scaled problem.
     max_pivots
         Pivots after which to give up; the longest paths grow like 2^n.
-
-    Returns
-    -------
-    LcpResult
-        A solution, or the status that says why there is none. A ray proves that there is no
-        solution if A is positive semidefinite, not in general.
-
-    Raises
-    ------
-    ValueError
-        If the shapes do not match, an entry is not finite or ``cover`` does not cover b.
     """
     problem = _equilibrate(*_checked(a, b))
     n = problem.b.size
@@ -162,6 +150,11 @@ def solve_contact_lcp(
     Velocities are small or large compared with the largest of free and floor only; for a body
     at rest pass exact zeros, not their roundings.
 
+    If no sliding direction is given and ``free`` comes from a motion (free = W^T u), there is at
+    least one solution, whatever F, and the path leads to one of them. There may be several, also
+    with different velocities, where friction couples the normal and the tangential directions
+    strongly. With given directions there may be none (Painleve), and a ray does not prove it.
+
     Parameters
     ----------
     delassus
@@ -169,21 +162,11 @@ def solve_contact_lcp(
     free
         Relative velocities [m/s] (or accelerations [m/s^2]) at Lambda = 0, shape (2n,).
     mu
-        Friction coefficients [-] >= 0: the matrix F, shape (n, n); or a scalar or shape (n,),
-        its diagonal.
+        Friction coefficients [-] >= 0: F (n, n); or its diagonal, (n,) or a scalar.
     floor
-        Smallest normal impulses [N s] >= 0, scalar or shape (n,).
+        Smallest normal impulses [N s] >= 0, scalar or (n,).
     sliding
-        Sliding direction s, scalar or shape (n,): +1, -1, or 0 where the law decides.
-
-    Returns
-    -------
-    ContactLcp
-        One solution. If no sliding direction is given and ``free`` comes from a motion
-        (free = W^T u), there is at least one, whatever F, and the path leads to one of them.
-        There may be several, also with different velocities, where friction couples the normal
-        and the tangential directions strongly. With
-        given directions there may be none (Painleve), and a ray does not prove it.
+        Sliding direction s, scalar or (n,): +1, -1, or 0 where the law decides.
 
     Raises
     ------

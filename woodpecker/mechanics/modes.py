@@ -191,19 +191,12 @@ def parameters_of(toy: Toy, parameter: str = "") -> Complexes:
 
 
 def fill(parameters: Complexes | list[complex], numbers: Floats, rates: Floats) -> None:
-    """Write the table of the modes and all else that depends on the parameters, and derivatives.
+    """Write the table (SHAPE) of the modes and all else that depends on the parameters, and rates.
 
+    ``parameters`` (16,) are in the order of :class:`Numbers`, with imaginary parts STEP times their
+    rates; ``rates`` (CHANGE) are derivatives along these. Index combinations of pairs become due.
     A mode in which something slides may be singular (the paradox of Painleve): then its row is nan,
     and the toy never takes it. If anything else is, or overflows, the table is not SOUND.
-
-    Parameters
-    ----------
-    parameters
-        (16,) in the order of :class:`Numbers`; the one that moves has the imaginary part STEP.
-    numbers
-        SHAPE, output. The index combinations of pairs become due, see :func:`fill_pair`.
-    rates
-        CHANGE, output: derivatives along the parameter that moves.
     """
     p = parameters
     toy = Numbers(

@@ -28,24 +28,15 @@ def settle(
     model: Floats, z: Floats, gaps: Floats, closed: Ints, slips: Ints, fired: int, states: Ints,
     trial: Ints,
 ) -> int:  # fmt: skip
-    """Contact problem on acceleration level: the mode that starts now.
+    """Contact problem on acceleration level: the mode that starts now, into ``states`` (3,).
 
     Every combination of states of the touching contacts is tried. One is admissible if each guard
     of the touching contacts is positive right after now, judged by its first non-zero derivative;
     derivatives that the event itself made zero are taken as zero.
 
-    Parameters
-    ----------
-    closed
-        (3,) nonzero for contacts with zero gap and zero gap rate.
-    slips
-        (3,) sign of the tangential velocity of those contacts, 0 if it is exactly zero.
-    fired
-        The guard that brought us here (-1: none that leaves a zero on acceleration level).
-    states
-        Output: (3,) contact states of the new mode.
-    trial
-        (3,) room for the states that are tried.
+    ``closed`` (3,) is nonzero for contacts with zero gap and zero gap rate, ``slips`` (3,) has the
+    signs of their tangential velocities, 0 where exactly zero; ``fired`` is the guard that brought
+    us here (-1: none that leaves a zero on acceleration level).
     """
     sleeve = 1 if closed[1] else (2 if closed[2] else -1)
     states[0] = states[1] = states[2] = OPEN

@@ -89,20 +89,10 @@ def refined(
     cost: int = 1,
     detail: Detail | None = None,
 ) -> Iterator[MapSamples]:
-    """Refine samples (x, y) of a map, x ascending; each curve is better than the one before.
+    """Refine samples (n,) of a map, x ascending; each curve is better than the one before.
 
-    Parameters
-    ----------
-    image
-        The map.
-    x, y
-        First samples, shape (n,).
-    bottom
-        Lower end of the picture.
-    cost
-        What one value costs of the budget: the order of an iterate.
-    detail
-        How closely to look.
+    ``bottom`` is the lower end of the picture, ``cost`` what one value takes of the budget: the
+    order of an iterate.
     """
     search = _Refinement(image, x, y, bottom, cost, detail if detail is not None else Detail())
     yield search.curve()

@@ -150,15 +150,10 @@ def draw_toy(
         Properties of matplotlib by ``"pole"``, ``"sleeve"``, ``"spring"``, ``"bird"`` and
         ``"closed contacts"``.
 
-    Returns
-    -------
-    Drawn
-        The axes, and the artists by these names.
-
     Raises
     ------
     ValueError
-        If there is no such contact, or no part of the name of a style.
+        If there is no such contact.
 
     Examples
     --------
@@ -292,15 +287,10 @@ def draw_frames(
     styles
         Properties of matplotlib by the names of parts in :func:`draw_toy`.
 
-    Returns
-    -------
-    Drawn
-        The axes of the frames, and the artists of all of them by these names.
-
     Raises
     ------
     ValueError
-        If there is not one label for each time, none at all, or no part of the name of a style.
+        If there is not one label for each time, or none at all.
 
     Examples
     --------

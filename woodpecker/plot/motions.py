@@ -86,16 +86,6 @@ def plot_time_history(
     styles
         Properties of matplotlib by ``"motion"``, ``"stops"`` and the names in the legend.
 
-    Returns
-    -------
-    Drawn
-        The axes, and the artists by these names.
-
-    Raises
-    ------
-    ValueError
-        If there is no part of the name of a style.
-
     Examples
     --------
     >>> from woodpecker import Toy, simulate
@@ -175,15 +165,10 @@ def plot_phase_portrait(
     styles
         Properties of matplotlib by ``"motion"`` and the names in the legend.
 
-    Returns
-    -------
-    Drawn
-        The axes, and the artists by these names.
-
     Raises
     ------
     ValueError
-        If there is no such quantity, or no part of the name of a style.
+        If there is no such quantity.
 
     Examples
     --------
@@ -280,16 +265,6 @@ def plot_phase_portraits(
         Three axes; a new figure by default.
     legend
         Whether to explain lines and marks, below all three.
-
-    Returns
-    -------
-    Drawn
-        The axes, and the artists of all three by the names in the legend.
-
-    Raises
-    ------
-    ValueError
-        If there is no part of the name of a style.
 
     Examples
     --------

@@ -61,17 +61,12 @@ def plot_system_motion(
     styles
         Properties of matplotlib by ``"motion"`` and the names in the legend.
 
-    Returns
-    -------
-    Drawn
-        The axes, and the artists by these names.
-
     Raises
     ------
     TypeError
         If it is no system or no motion.
     ValueError
-        If a name is no symbol of the state, or that of no part of the picture.
+        If a name is no symbol of the state.
 
     Examples
     --------
@@ -127,17 +122,12 @@ def plot_system_portrait(
     legend
         Whether to explain the marks.
 
-    Returns
-    -------
-    Drawn
-        The axes, and the artists by the names in the legend.
-
     Raises
     ------
     TypeError
         If it is no system or no motion.
     ValueError
-        If a name is no symbol of the state, or that of no part of the picture.
+        If a name is no symbol of the state.
 
     Examples
     --------
@@ -199,11 +189,6 @@ def plot_system_map(
         (k,) values of the free parameters; by default those of the system.
     legend, styles
         As for :func:`woodpecker.plot.figures.plot_curve`.
-
-    Returns
-    -------
-    Drawn
-        The axes, and the artists by the names in the legend.
 
     Raises
     ------
@@ -269,11 +254,6 @@ def plot_basins(
         As for :func:`woodpecker.systems.basins`.
     legend, styles
         Whether to explain the colours; properties of matplotlib by the words of the cycles.
-
-    Returns
-    -------
-    Drawn
-        The axes, and the artists by the names in the legend.
 
     Raises
     ------

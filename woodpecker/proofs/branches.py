@@ -87,19 +87,10 @@ def marched(
     toy: Toy, parameter: str, span: Fractions, points: Sequence[float],
     progress: Progress,
 ) -> ProvedBranch:  # fmt: skip
-    """Prove the branch through a cycle over an interval.
+    """Prove the branch over an interval, from a cycle at its low end as near as doubles are.
 
-    Parameters
-    ----------
-    points
-        The cycle at the low end of the span, as near as doubles are.
-    progress
-        Called with the part that is done.
-
-    Raises
-    ------
-    NotProved
-        Where it could not be followed; the sentence says at which value, and why.
+    ``progress`` is called with the part that is done. NotProved says at which value the branch
+    could not be followed, and why.
     """
     walk = _Pieces(toy, parameter, span, [arb(x) for x in points])
     while walk.at < span.high:  # a part is proved or halved, or a gap grows until it is too long

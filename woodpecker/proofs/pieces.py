@@ -133,21 +133,10 @@ def proved(
     toy: Toy, parameter: str, line: Route, tubes: Sequence[Tube], terms: int = 1,
     turns: bool = False, plateaus: bool = False,
 ) -> Tubes:  # fmt: skip
-    """Prove that there is exactly one cycle in tubes, for every parameter in an interval.
+    """Prove that there is exactly one cycle in tubes, for every parameter on a line; or NotProved.
 
-    Parameters
-    ----------
-    terms
-        Coefficients of the Taylor models along the curves.
-    turns
-        Whether the derivative of the multiplier is wanted.
-    plateaus
-        Whether landings near a plateau are taken together.
-
-    Raises
-    ------
-    NotProved
-        If that could not be shown.
+    ``terms`` are coefficients of the Taylor models along the curves. With ``turns`` the derivative
+    of the multiplier is found, too; with ``plateaus`` landings near a plateau are taken together.
     """
     ball, poly = arb(0, number(line.half).upper()), [number(c) for c in line.poly]
     if len(poly) > 1 and not arb_poly(poly).derivative()(ball) > 0:
@@ -254,13 +243,8 @@ def curves_near(
 ) -> list[tuple[Fraction, ...]]:  # fmt: skip
     """Taylor polynomials of a cycle about the middle of a line: no proof.
 
-    Newton's method on polynomials, each step doubles the number of coefficients that are right;
-    until a step changes nothing in the interval.
-
-    Parameters
-    ----------
-    guesses
-        For each point coefficients of a polynomial nearby, at least one.
+    Newton's method on polynomials, from guesses nearby: each step doubles the number of
+    coefficients that are right, until a step changes nothing in the interval.
     """
     frame, half = Frame(ZERO, ZERO, terms), number(line.half)
     model = BallToy.of(toy, parameter, frame, [number(c) for c in line.poly])

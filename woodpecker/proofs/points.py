@@ -37,10 +37,7 @@ DECIMALS = 40
 def proved_point(toy: Toy, parameter: str, p: float, x: float, digits: int) -> Certificate:
     """Prove a border collision near a place.
 
-    Raises
-    ------
-    NotProved
-        If it is none at a jump where two gaps close at once, or something could not be shown.
+    NotProved if it is none at a jump where two gaps close at once, or something is open.
     """
     at_p, at_x, radius = Fraction(p), Fraction(x), FIRST
     while True:  # the box shrinks to the last one in a few steps

@@ -20,20 +20,8 @@ from woodpecker.toy_map import PerThread, ToyMap, ToyPiece, Values
 class ToyLine(ToyMap):
     """P_1 of the toys on a line, as a piecewise-smooth map of (phi_S, distance along the line).
 
-    Parameters
-    ----------
-    toy
-        The toy at distance 0.
-    rates
-        By how much parameters change per unit of distance; none of the others changes. The length
-        of the pole is none of them.
-
-    Raises
-    ------
-    TypeError
-        If a parameter is unknown.
-    ValueError
-        If the length of the pole is among them.
+    At distance 0 is the toy; ``rates`` say by how much parameters change per unit of distance, and
+    none of the others does. TypeError if one is unknown, ValueError for the length of the pole.
     """
 
     toy: Toy

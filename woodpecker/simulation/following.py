@@ -76,7 +76,7 @@ def follow_path(
     model: Floats, change: Floats, path: Ints, times: Floats, phi_s: float, notes: Floats,
     route: Route,
 ) -> int:  # fmt: skip
-    """Follow the toy from the section at phi_S along a path until it returns.
+    """Follow the toy from the section at phi_S along a path until it returns; or NO_ROOT.
 
     Parameters
     ----------
@@ -90,14 +90,10 @@ def follow_path(
         (n,) durations of the phases: the neighbour's, and then those found here.
     notes
         (NOTES, room) output: margins, their derivatives in phi_S and along the parameter, and their
-        causes in ascending order; room for MOST of each phase. Of length 0 in room if not wanted.
+        causes in ascending order; room for MOST of each phase, or of length 0.
     route
-        ``seeds`` tell how restitution changes along the parameter; output: state
-        ``z`` on the section and its derivatives ``tangents``, and the number of margins.
-
-    Returns
-    -------
-    RETURNED, or NO_ROOT.
+        ``seeds`` tell how restitution changes along the parameter; output: ``z`` on the section,
+        its derivatives ``tangents``, and the number of margins.
     """
     z, states, watched = route.z, route.states, notes.shape[1] > 0
     _depart(model, change, phi_s, route)
