@@ -19,8 +19,6 @@ mu = 0.3, above some 0.92 for mu up to 0.6. A body close to jamming can gain und
 
 from __future__ import annotations
 
-import math
-
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import part
 from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST, impulse_of
@@ -100,44 +98,7 @@ def carry_out(
     phases. For two contacts ``pair`` is what :func:`prepare` or :func:`decide` leaves.
     """
     _find_impulses(model, contacts, choice, z, case, impulses, pair)
-    _kick_off(model, contacts, case, z, impulses, pair)
-
-
-@part
-def carry_out_along(
-    model: Floats, change: Floats, contacts: Ints, choice: Ints, z: Floats, tangents: Floats,
-    seed: Floats, case: Ints, impulses: Floats, pair: Pair,
-) -> None:  # fmt: skip
-    """The same with derivatives: ``tangents`` (m, 7) of the state, with ``seed`` (m, 3) of eps_N.
-
-    ``change`` is the derivative of the model along the last tangent, or of length 0. Derivatives
-    need no other table: where g = G Lambda + free, and Lambda_T = -+F Lambda_N at contacts that
-    slide, the derivative of Lambda solves the same equations as Lambda with
-    d(free) + dG Lambda + G_T tau for free and tau = -+dF Lambda_N added to its tangential part.
-    """
-    _find_impulses(model, contacts, choice, z, case, impulses, pair)
-    for m in range(len(tangents)):
-        along = m if len(change) > 0 and m == len(tangents) - 1 else UNSOLVED
-        if len(contacts) == 1:
-            _single_tangent(
-                model, change, along, contacts[0], choice, z, tangents[m], seed[m], impulses
-            )
-        else:
-            _pair_tangent(
-                model, change, along, contacts, choice, z, tangents[m], seed[m], impulses, pair
-            )
-    _kick_off(model, contacts, case, z, impulses, pair)
-    for m in range(len(tangents)):
-        bounce = 0.0
-        for k in range(len(contacts)):
-            i = contacts[k]
-            if seed[m, i] != 0.0 and model[CONTACT + i, EPS] == 0.0:
-                bounce = tangents[m, 3 + ANGLE[i]] if len(contacts) == 1 else math.nan
-        _clear(model, contacts, case, tangents[m])
-        if len(change) > 0 and m == len(tangents) - 1:
-            _clear_change(change, contacts, case, z, tangents[m])
-        if bounce != 0.0:  # a larger eps_N makes this contact bounce
-            tangents[m, 3 + ANGLE[contacts[0]]] = bounce
+    kick_off(model, contacts, case, z, impulses, pair)
 
 
 @part
@@ -156,7 +117,7 @@ def _find_impulses(
 
 
 @part
-def _kick_off(
+def kick_off(
     model: Floats, contacts: Ints, case: Ints, z: Floats, impulses: Floats, pair: Pair
 ) -> None:
     """Change the velocities by the impulses; those that are zero become exactly so.
@@ -167,11 +128,11 @@ def _kick_off(
     for k in range(len(contacts)):
         p_n = impulses[0, 2 * k] + impulses[1, 2 * k]
         p_t = impulses[0, 2 * k + 1] + impulses[1, 2 * k + 1]
-        _kick(model, contacts[k], p_n, p_t, z)
+        kick(model, contacts[k], p_n, p_t, z)
     for k in range(len(contacts)):
         i = contacts[k]
         z[3 + ANGLE[i]] = SIGN[i] * pair.after[2 * k] / model[FORCE, LEVER + i]
-    _clear(model, contacts, case, z)
+    clear(model, contacts, case, z)
 
 
 @part
@@ -185,7 +146,7 @@ def rates(model: Floats, i: int, z: Floats) -> tuple[float, float]:
 
 
 @part
-def _kick(model: Floats, i: int, p_n: float, p_t: float, z: Floats) -> None:
+def kick(model: Floats, i: int, p_n: float, p_t: float, z: Floats) -> None:
     """Change the velocities by the impulses (p_n, p_t) at contact i."""
     row = CONTACT + i
     for j in range(3):
@@ -230,29 +191,6 @@ def _find_single_impulses(
         e_n, e_t = one_contact_case(choice[2], g_nn, g_nt, g_tt, v_n, v_t, mu, floor)
     impulses[0, 0], impulses[0, 1], impulses[1, 0], impulses[1, 1] = c_n, c_t, e_n, e_t
     pair.after[0] = v_n + g_nn * e_n + g_nt * e_t
-
-
-@part
-def _single_tangent(
-    model: Floats, change: Floats, along: int, i: int, choice: Ints, z: Floats, tangent: Floats,
-    seed: Floats, impulses: Floats,
-) -> None:  # fmt: skip
-    """Change the velocities of a tangent by what an impact at one contact does to them."""
-    c_n, c_t, e_n, e_t = impulses[0, 0], impulses[0, 1], impulses[1, 0], impulses[1, 1]
-    first, expands = choice[0], choice[2] != UNSOLVED
-    dv_n, dv_t = rates(model, i, tangent)
-    if along >= 0:
-        more_n, more_t = rates(change, i, z)
-        dv_n, dv_t = dv_n + more_n, dv_t + more_t
-    dc_n, dc_t, dv_n, dv_t = one_change(model, change, along, i, first, c_n, c_t, dv_n, dv_t, 0.0)
-    dfloor = model[CONTACT + i, EPS] * dc_n + seed[i] * c_n
-    de_n = de_t = 0.0
-    if expands or dfloor != 0.0:
-        case = choice[2] if expands else 3 * FREE + first % 3
-        de_n, de_t, _, _ = one_change(model, change, along, i, case, e_n, e_t, dv_n, dv_t, dfloor)
-    if along >= 0:
-        _kick(change, i, c_n + e_n, c_t + e_t, tangent)
-    _kick(model, i, dc_n + de_n, dc_t + de_t, tangent)
 
 
 @part
@@ -359,55 +297,6 @@ def _find_pair_impulses(
 
 
 @part
-def _pair_tangent(
-    model: Floats, change: Floats, along: int, contacts: Ints, choice: Ints, z: Floats,
-    tangent: Floats, seed: Floats, impulses: Floats, pair: Pair,
-) -> None:  # fmt: skip
-    """Change the velocities of a tangent by what an impact at two contacts does to them.
-
-    An indeterminate compression takes the mean of both ends of its segment.
-    """
-    free, floor, middle, impulse = pair.free, pair.floor, pair.middle, pair.end
-    total, more = pair.total, pair.more
-    table = PAIR + 36 * (contacts[1] - 1)
-    for k in range(4):
-        total[k] = 0.0
-    for side in range(1, -1, -1):  # the first end comes last: its velocities go on
-        floor[0] = floor[1] = 0.0
-        if along >= 0:
-            for k in range(2):
-                free[2 * k], free[2 * k + 1] = rates(model, contacts[k], z)
-            impulse_of(model, table + choice[side], free, floor, impulse)
-        for k in range(2):
-            free[2 * k], free[2 * k + 1] = rates(model, contacts[k], tangent)
-            if along >= 0:
-                more_n, more_t = rates(change, contacts[k], z)
-                free[2 * k], free[2 * k + 1] = free[2 * k] + more_n, free[2 * k + 1] + more_t
-        pair_change(model, change, along, contacts, table, choice[side], 0.0, impulse, pair)
-        for k in range(4):
-            total[k] += 0.5 * more[k]
-    if choice[2] != UNSOLVED:
-        for k in range(2):
-            dfloor = seed[contacts[k]] * impulses[0, 2 * k]
-            floor[k] = pair.eps[k] * total[2 * k] + dfloor
-            free[2 * k], free[2 * k + 1] = middle[2 * k], middle[2 * k + 1]
-        for k in range(4):
-            impulse[k] = impulses[1, k]
-        pair_change(
-            model, change, along, contacts, table + EXPANSION, choice[2], model[FORCE, SUMMED],
-            impulse, pair,
-        )  # fmt: skip
-        for k in range(4):
-            total[k] += more[k]
-    for k in range(2):
-        if along >= 0:
-            p_n = impulses[0, 2 * k] + impulses[1, 2 * k]
-            p_t = impulses[0, 2 * k + 1] + impulses[1, 2 * k + 1]
-            _kick(change, contacts[k], p_n, p_t, tangent)
-        _kick(model, contacts[k], total[2 * k], total[2 * k + 1], tangent)
-
-
-@part
 def pair_change(
     model: Floats, change: Floats, along: int, contacts: Ints, table: int, index: int,
     coupling: float, impulse: Floats, pair: Pair,
@@ -441,7 +330,7 @@ def pair_change(
 
 
 @part
-def _clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
+def clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
     """Velocities that an index combination makes zero become exactly zero."""
     for k in range(len(contacts)):
         if case[k] // 3 == REST:
@@ -452,7 +341,7 @@ def _clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
 
 
 @part
-def _clear_change(change: Floats, contacts: Ints, case: Ints, z: Floats, tangent: Floats) -> None:
+def clear_change(change: Floats, contacts: Ints, case: Ints, z: Floats, tangent: Floats) -> None:
     """What a moving direction of sticking adds to the velocity of the sleeve that keeps it.
 
     Of two contacts that stick the last one has set that velocity.

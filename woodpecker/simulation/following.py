@@ -15,7 +15,7 @@ from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import part
 from woodpecker.mechanics.cases import REST
 from woodpecker.mechanics.contact_problems import UNSOLVED
-from woodpecker.mechanics.impacts import carry_out_along, hold, prepare, rates
+from woodpecker.mechanics.impacts import hold, rates
 from woodpecker.mechanics.modes import (
     ALPHA,
     ANGLE,
@@ -51,7 +51,6 @@ from woodpecker.motion.codes import (
 from woodpecker.motion.events import time_to_minimum
 from woodpecker.motion.flow import copy, displace, measure, put_on_section, shut, spring, touch
 from woodpecker.motion.guards import TWO_PI, first_root, stumpff_rates
-from woodpecker.simulation.impact_margins import impact_margins
 from woodpecker.simulation.margins import (
     BOUNCES,
     LENGTH,
@@ -66,6 +65,7 @@ from woodpecker.simulation.margins import (
     start_margins,
 )
 from woodpecker.simulation.roots import Ratios, deflated, ratios, root_at_inflection, root_near
+from woodpecker.simulation.striking import strike
 
 NO_ROOT = -1  # a guard of the path has no root here
 BOUNCES_MOST = 1000  # of bounces that accumulate; a ratio of 0.97 needs so many
@@ -315,7 +315,13 @@ def _event(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, rou
             if states[i] == STICK or route.fired[0] == SLIP + i:
                 hold(model, i, route.z)
         return
-    _strike(model, change, step, struck, k, notes, route)
+    n, choice = 0, route.choice
+    for i in range(3):
+        if struck >> i & 1:
+            route.touching[n] = i
+            n += 1
+    choice[0], choice[1], choice[2] = step[FIRST], step[OTHER], step[SECOND]
+    strike(model, change, n, k, notes, route)
     route.fired[0] = typed(-1)
     if step[CLOSED] == 0:
         for c in range(7):
@@ -324,30 +330,6 @@ def _event(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, rou
                 route.memory[m, c] = route.tangents[m, c]
     else:
         _close(model, change, step, k, notes, route)
-
-
-@part
-def _strike(
-    model: Floats, change: Floats, step: Ints, struck: int, k: int, notes: Floats, route: Route
-) -> None:
-    """The impact of the contacts of a mask."""
-    n, choice, pair = 0, route.choice, route.pair
-    for i in range(3):
-        if struck >> i & 1:
-            route.touching[n] = i
-            n += 1
-    contacts = route.touching[:n]
-    choice[0], choice[1], choice[2] = step[FIRST], step[OTHER], step[SECOND]
-    if n == 2:
-        prepare(model, contacts, route.z, pair)
-    if notes.shape[1] > 0:
-        impact_margins(model, change, n, k, notes, route)
-        if n == 2:
-            prepare(model, contacts, route.z, pair)
-    carry_out_along(
-        model, change, contacts, choice, route.z, route.tangents, route.seeds, route.case,
-        route.impulses, pair,
-    )  # fmt: skip
 
 
 @part

@@ -98,7 +98,8 @@ ROUTE = np.dtype(
             ("touching", "i8", (2,)),  # contacts of an impact
             ("choice", "i8", (3,)),  # its index combinations
             ("case", "i8", (2,)),
-            ("impulses", "f8", (2, 4)),
+            ("impulses", "f8", (2, 4)),  # of both phases,
+            ("d_impulses", "f8", (2, 4)),  # and of both together along the tangents
             ("approach", "f8", (3,)),  # speed at which its gap closes, and its derivatives
             ("free", "f8", (4,)),  # velocities before one phase of an impact,
             ("floor", "f8", (2,)),
