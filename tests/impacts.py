@@ -10,6 +10,7 @@ import pytest
 
 from woodpecker.base.compiled import jit
 from woodpecker.mechanics import equations as mechanics
+from woodpecker.mechanics.cases import fill_cases
 from woodpecker.mechanics.contact_problems import INDETERMINATE, PAIR_ROOM, SOLVED, Pair
 from woodpecker.mechanics.impacts import decide
 from woodpecker.mechanics.modes import ANGLE, FIXED, SIGN, model
@@ -24,7 +25,15 @@ IntArray = npt.NDArray[np.int64]
 LAWS = list(ExpansionFriction)
 laws = pytest.mark.parametrize("law", LAWS)
 
-decide, along = jit(decide), jit(striking.strike)  # thousands of calls from here
+# thousands of calls from here:
+decide, along, fill_cases = jit(decide), jit(striking.strike), jit(fill_cases)
+
+
+def case_table(delassus: FloatArray, friction: FloatArray) -> FloatArray:
+    """Impulses of all index combinations of two contacts, (36, 24)."""
+    table = np.empty((36, 24))
+    fill_cases(delassus, friction, table, np.empty((4, 10)))
+    return table
 
 
 def make_pair() -> Pair:

@@ -14,7 +14,16 @@ import numpy as np
 import numpy.typing as npt
 
 from woodpecker.base.arrays import Codes, Floats, Ints
-from woodpecker.mechanics.modes import model
+from woodpecker.mechanics.modes import (
+    CHANGE,
+    CONTACT,
+    EPS,
+    EPSILONS,
+    SHAPE,
+    fill,
+    model,
+    parameters_of,
+)
 from woodpecker.mechanics.toy import Toy
 from woodpecker.motion.codes import EVENT_COLUMNS, NO_PATH, PHASE_COLUMNS
 from woodpecker.simulation import calls
@@ -82,3 +91,13 @@ def run(
         phases=phases[: counts[1]],
         events=events[: counts[2]],
     )
+
+
+def change(toy: Toy, parameter: str) -> Floats:
+    """Derivative of the numbers of :func:`model` in a parameter of the toy, shape CHANGE."""
+    numbers, rates = np.full(SHAPE, np.nan), np.zeros(CHANGE)
+    with np.errstate(all="ignore"):
+        fill(parameters_of(toy, parameter).tolist(), numbers, rates)
+    if parameter in EPSILONS:
+        rates[CONTACT + EPSILONS.index(parameter), EPS] = 1.0
+    return rates

@@ -19,8 +19,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from woodpecker.base.arrays import Floats
 from woodpecker.base.compiled import part
 
@@ -32,23 +30,14 @@ SINGULAR = 1e-11  # pivot over row norm below which a combination is rank-defici
 # is near 1e-15, and the only rank-deficient combinations are exactly so (four directions in R^3)
 
 
-def case_table(delassus: Floats, friction: Floats) -> Floats:
-    """Impulses of all index combinations of two contacts, (36, 24).
+@part
+def fill_cases(delassus: Floats, friction: Floats, table: Floats, system: Floats) -> None:
+    """Write impulses of all index combinations of two contacts into 24 columns of a table.
 
     Row c_1 + 6 c_2 holds the (4, 6) coefficients of the combination c of each contact, row after
     row; nan if it is rank-deficient. ``delassus`` (4, 4) has (N, T) of each contact in turn,
-    ``friction`` (2, 2) is the matrix F.
-    """
-    table = np.empty((36, 24))
-    fill_cases(delassus, friction, table, np.empty((4, 10)))
-    return table
-
-
-@part
-def fill_cases(delassus: Floats, friction: Floats, table: Floats, system: Floats) -> None:
-    """Write the coefficients of :func:`case_table` into the first 24 columns of a table.
-
-    ``system`` is room (4, 10) for the equations: Lambda on one side, (free, floor) on the other.
+    ``friction`` (2, 2) is the matrix F, and ``system`` (4, 10) room for the equations: Lambda on
+    one side, (free, floor) on the other.
     """
     for index in range(36):
         system[:, :] = 0.0

@@ -142,20 +142,6 @@ def table(toy: Toy) -> Floats:
     return _bouncing(toy).copy()
 
 
-def change(toy: Toy, parameter: str) -> Floats:
-    """Derivative of the numbers of :func:`model` in a parameter of the toy, shape CHANGE.
-
-    Index combinations of pairs are left out: they follow from the rest
-    (:mod:`woodpecker.mechanics.impacts`).
-    """
-    numbers, rates = np.full(SHAPE, np.nan), np.zeros(CHANGE)
-    with np.errstate(all="ignore"):
-        fill(parameters_of(toy, parameter).tolist(), numbers, rates)
-    if parameter in EPSILONS:
-        rates[CONTACT + EPSILONS.index(parameter), EPS] = 1.0
-    return rates
-
-
 @lru_cache(maxsize=64)
 def _bouncing(toy: Toy) -> Floats:
     numbers = _plastic(toy.replace(eps_n1=0.0, eps_n2=0.0, eps_n3=0.0)).copy()

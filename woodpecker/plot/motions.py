@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
@@ -120,13 +120,13 @@ def plot_time_history(
     axes[-1].set_xlim(0.0, trajectory.t_end)
     styled(shown, styles, KNOWN)
     if legend:
-        _impact_legend(axes[0], shown)
+        legend_above(axes[0], shown, [name for name, _ in STRUCK.values()])
     return Drawn(tuple(axes), shown)
 
 
-def _impact_legend(ax: Axes, shown: Artists) -> None:
-    """What struck, in the order of the contacts, above the axes."""
-    entries = {name: shown[name][0] for name, _ in STRUCK.values() if name in shown}
+def legend_above(ax: Axes, shown: Artists, names: Iterable[str]) -> None:
+    """What marks mean, in the order of their names, above the axes."""
+    entries = {name: shown[name][0] for name in names if name in shown}
     if entries:
         ax.legend(
             entries.values(), entries.keys(), fontsize=7, frameon=False, ncols=len(entries),
@@ -183,9 +183,7 @@ def plot_phase_portrait(
             raise ValueError(f"unknown quantity {name!r}, expected one of {', '.join(QUANTITIES)}")
     ax = ax if ax is not None else new_axes(4.6, 3.6)
     across, up = (QUANTITIES[name].of(trajectory.q, trajectory.u) for name in (x, y))
-    jumps = np.flatnonzero(np.diff(trajectory.t) == 0.0)
-    way = np.insert(across, jumps + 1, np.nan), np.insert(up, jumps + 1, np.nan)
-    shown: Artists = {MOTION: [*ax.plot(*way, **LINE)]}
+    shown: Artists = {MOTION: [*ax.plot(*way_of(trajectory.t, across, up), **LINE)]}
     shown[START] = [*ax.plot(across[0], up[0], ".", color="black", markersize=5, zorder=4)]
     add(shown, _impact_strokes(ax, trajectory, across, up))
     shown[DIRECTION] = _arrows(ax, trajectory.t, across, up)
@@ -286,6 +284,12 @@ def plot_phase_portraits(
         axes[0].figure.legend(entries.values(), entries.keys(), fontsize=7.5, frameon=False,
                               ncols=len(entries), loc="outside lower center")  # fmt: skip
     return Drawn(tuple(axes), shown)
+
+
+def way_of(t: Floats, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """A motion as a line with gaps where it jumps: such times come twice."""
+    jumps = np.flatnonzero(np.diff(t) == 0.0) + 1
+    return np.insert(x, jumps, np.nan), np.insert(y, jumps, np.nan)
 
 
 def strokes(x: Floats, y: Floats) -> tuple[Floats, Floats]:

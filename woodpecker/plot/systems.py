@@ -18,7 +18,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, whole
 from woodpecker.plot.curve import Detail, refined
 from woodpecker.plot.figures import plot_curve
-from woodpecker.plot.motions import LINE, strokes
+from woodpecker.plot.motions import LINE, legend_above, strokes, way_of
 from woodpecker.simulation.words import EventKind
 from woodpecker.systems.diagrams import basins
 from woodpecker.systems.model import ContactSystem
@@ -101,7 +101,8 @@ def plot_system_motion(
         ax.grid(alpha=0.25, linewidth=0.5)
     axes[-1].set_xlabel("$t$")
     styled(shown, styles, (MOTION, *EVENTS))
-    _events_legend(axes[0], shown, legend=legend)
+    if legend:
+        legend_above(axes[0], shown, EVENTS)
     return Drawn(tuple(axes), shown)
 
 
@@ -143,9 +144,7 @@ def plot_system_portrait(
     """
     across, up = _values(system, motion, x), _values(system, motion, y)
     ax = ax if ax is not None else new_axes(5.4, 4.4)
-    jumps = np.flatnonzero(np.diff(motion.t) == 0.0)
-    way = np.insert(across, jumps + 1, np.nan), np.insert(up, jumps + 1, np.nan)
-    shown: Artists = {MOTION: [*ax.plot(*way, **LINE)]}
+    shown: Artists = {MOTION: [*ax.plot(*way_of(motion.t, across, up), **LINE)]}
     shown[START] = [*ax.plot(across[0], up[0], ".", color="black", markersize=6, zorder=4)]
     for kind, times in _times(motion).items():
         after = np.searchsorted(motion.t, times, side="right") - 1
@@ -336,13 +335,3 @@ def _label(name: Any) -> str:
 
     symbol = name if isinstance(name, sympy.Symbol) else sympy.Symbol(str(name))
     return f"${sympy.latex(symbol)}$"
-
-
-def _events_legend(ax: Axes, shown: Artists, *, legend: bool) -> None:
-    """What the marks mean, above the axes."""
-    entries = {name: shown[name][0] for name in EVENTS if name in shown}
-    if legend and entries:
-        ax.legend(
-            entries.values(), entries.keys(), fontsize=7, frameon=False, ncols=len(entries),
-            loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, handletextpad=0.2,
-        )  # fmt: skip

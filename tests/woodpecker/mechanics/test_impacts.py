@@ -14,6 +14,7 @@ from impacts import (
     SCENES,
     UNITS,
     approach,
+    case_table,
     coupling_of,
     directions,
     frictions,
@@ -31,7 +32,7 @@ from thoroughness import thorough
 from woodpecker import ExpansionFriction, Toy
 from woodpecker.base.compiled import COMPILED, jit
 from woodpecker.mechanics import equations as mechanics
-from woodpecker.mechanics.cases import BACKWARD, FORWARD, FREE, HOLD, REST, case_table, impulse_of
+from woodpecker.mechanics.cases import BACKWARD, FORWARD, FREE, HOLD, REST, impulse_of
 from woodpecker.mechanics.contact_problems import (
     AMBIGUOUS,
     INDETERMINATE,
@@ -46,7 +47,7 @@ from woodpecker.mechanics.lcp import ContactLcp, LcpStatus, solve_contact_lcp
 from woodpecker.mechanics.modes import model
 
 # thousands of calls from here:
-one_contact, two_contacts, case_table = jit(one_contact), jit(two_contacts), jit(case_table)
+one_contact, two_contacts = jit(one_contact), jit(two_contacts)
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]

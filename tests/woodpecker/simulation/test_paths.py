@@ -7,9 +7,10 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from scenes import change
 
 from woodpecker import ExpansionFriction, Toy, first_return
-from woodpecker.mechanics.modes import EPSILONS, FIXED, change, model
+from woodpecker.mechanics.modes import EPSILONS, FIXED, model
 from woodpecker.simulation.paths import Along, Follower, Path, cause_of
 
 LAWS = tuple(ExpansionFriction)
