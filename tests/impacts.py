@@ -71,7 +71,7 @@ def strike(
     rows, seeds = (np.reshape(np.array(each, dtype=float), (-1, 3)) for each in (tangents, seed))
     marks, choice = np.zeros(2, dtype=np.int64), np.zeros(3, dtype=np.int64)
     numbers, room = model(toy), make_work()["route"][0]
-    room["z"], outcome = z, decide(numbers, hit, z, choice, marks, room["pair"])
+    room["z"], outcome = z, decide(numbers, hit, z, choice, marks, room["impulses"], room["pair"])
     after = [np.zeros((0, 3))]
     if outcome in (SOLVED, INDETERMINATE):
         for k in range(0, max(1, len(rows)), 2):  # a route has room for two tangents

@@ -110,8 +110,7 @@ PAIR_ROOM = np.dtype(
             ("first", "i8", (2, 2)),  # combinations of the compression
             ("second", "i8", (2, 2)),  # and of the expansion
             ("end", "f8", (4,)),  # impulses at one end of an indeterminate compression
-            ("total", "f8", (4,)),  # impulses along a tangent
-            ("more", "f8", (4,)),  # and those of one phase
+            ("more", "f8", (4,)),  # impulses of a phase along a tangent
             ("found", "i8", (36,)),  # combinations that hold
             ("violations", "f8", (36,)),
             ("impulses", "f8", (36, 4)),

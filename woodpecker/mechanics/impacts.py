@@ -76,55 +76,36 @@ def halts(mark: int) -> bool:
 
 
 @part
-def decide(model: Floats, contacts: Ints, z: Floats, choice: Ints, marks: Ints, pair: Pair) -> int:
+def decide(
+    model: Floats, contacts: Ints, z: Floats, choice: Ints, marks: Ints, impulses: Floats,
+    pair: Pair,
+) -> int:  # fmt: skip
     """Find the index combinations of an impact at one or two contacts (0-based, ascending).
 
     Output: ``choice`` (3,), combinations c_1 + 6 c_2 of the compression, twice (both ends of its
     segment if it is indeterminate), and of the expansion, or UNSOLVED if there is none; ``marks``
-    (2,), one for each contact: between equal marks the impact depends smoothly on the state.
+    (2,), one for each contact: between equal marks the impact depends smoothly on the state;
+    ``impulses`` (2, 4) of both phases, and the gap rates that they leave, in ``pair.after``.
     """
+    for k in range(4):
+        impulses[0, k] = impulses[1, k] = 0.0
     if len(contacts) == 1:
-        return _decide_single(model, contacts[0], z, choice, marks)
-    return _decide_double(model, contacts, z, choice, marks, pair)
+        return _decide_single(model, contacts[0], z, choice, marks, impulses, pair)
+    return _decide_double(model, contacts, z, choice, marks, impulses, pair)
 
 
 @part
 def carry_out(
     model: Floats, contacts: Ints, choice: Ints, z: Floats, case: Ints, impulses: Floats, pair: Pair
 ) -> None:
-    """Change the velocities of z (7,) as given index combinations say: a smooth map of the state.
+    """Change the velocities of z (7,) by impulses; those that are zero become exactly so.
 
-    Output: ``case`` (2,), the last index combination of each contact; ``impulses`` (2, 4) of both
-    phases. For two contacts ``pair`` is what :func:`prepare` or :func:`decide` leaves.
+    ``case`` (2,) becomes the last index combination of each contact. Gap rates, in ``pair.after``,
+    are set without the rounding of the kicks: a bounce can be slower than the rounding of the
+    velocity that it reverses.
     """
-    _find_impulses(model, contacts, choice, z, case, impulses, pair)
-    kick_off(model, contacts, case, z, impulses, pair)
-
-
-@part
-def _find_impulses(
-    model: Floats, contacts: Ints, choice: Ints, z: Floats, case: Ints, impulses: Floats, pair: Pair
-) -> None:
-    """Impulses of both phases, and the gap rates that they leave in ``pair.after``."""
-    for k in range(4):
-        impulses[0, k] = impulses[1, k] = 0.0
     last = choice[2] if choice[2] != UNSOLVED else choice[0]
     case[0], case[1] = last % 6, last // 6
-    if len(contacts) == 1:
-        _find_single_impulses(model, contacts[0], choice, z, impulses, pair)
-    else:
-        _find_pair_impulses(model, contacts, choice, case, impulses, pair)
-
-
-@part
-def kick_off(
-    model: Floats, contacts: Ints, case: Ints, z: Floats, impulses: Floats, pair: Pair
-) -> None:
-    """Change the velocities by the impulses; those that are zero become exactly so.
-
-    Gap rates are set without the rounding of the kicks: a bounce can be slower than the rounding of
-    the velocity that it reverses.
-    """
     for k in range(len(contacts)):
         p_n = impulses[0, 2 * k] + impulses[1, 2 * k]
         p_t = impulses[0, 2 * k + 1] + impulses[1, 2 * k + 1]
@@ -154,7 +135,9 @@ def kick(model: Floats, i: int, p_n: float, p_t: float, z: Floats) -> None:
 
 
 @part
-def _decide_single(model: Floats, i: int, z: Floats, choice: Ints, marks: Ints) -> int:
+def _decide_single(
+    model: Floats, i: int, z: Floats, choice: Ints, marks: Ints, impulses: Floats, pair: Pair
+) -> int:
     n, t = DELASSUS + 2 * i, 2 * i
     g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
     mu, eps = model[CONTACT + i, MU], model[CONTACT + i, EPS]
@@ -163,34 +146,18 @@ def _decide_single(model: Floats, i: int, z: Floats, choice: Ints, marks: Ints) 
     choice[0], choice[1], choice[2] = first, first, UNSOLVED
     if status != SOLVED:
         return status
-    floor, second = eps * c_n, first
+    floor, second, e_n, e_t = eps * c_n, first, 0.0, 0.0
+    v_n = 0.0 if first // 3 == REST else free_n
     if floor > 0.0:  # otherwise the compression was all
-        v_n = 0.0 if first // 3 == REST else free_n
         v_t = 0.0 if first % 3 == HOLD else free_t + g_nt * c_n + g_tt * c_t
-        status, second, _, _ = one_contact(g_nn, g_nt, g_tt, v_n, v_t, mu, floor)
+        status, second, e_n, e_t = one_contact(g_nn, g_nt, g_tt, v_n, v_t, mu, floor)
         choice[2] = second
         if status != SOLVED:
             return status
     marks[0] = mark(first, second, floor > 0.0, floor)
-    return SOLVED
-
-
-@part
-def _find_single_impulses(
-    model: Floats, i: int, choice: Ints, z: Floats, impulses: Floats, pair: Pair
-) -> None:
-    n, t = DELASSUS + 2 * i, 2 * i
-    g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
-    mu, first, e_n, e_t = model[CONTACT + i, MU], choice[0], 0.0, 0.0
-    free_n, free_t = rates(model, i, z)
-    c_n, c_t = one_contact_case(first, g_nn, g_nt, g_tt, free_n, free_t, mu, 0.0)
-    v_n = 0.0 if first // 3 == REST else free_n
-    if choice[2] != UNSOLVED:
-        v_t = 0.0 if first % 3 == HOLD else free_t + g_nt * c_n + g_tt * c_t
-        floor = model[CONTACT + i, EPS] * c_n
-        e_n, e_t = one_contact_case(choice[2], g_nn, g_nt, g_tt, v_n, v_t, mu, floor)
     impulses[0, 0], impulses[0, 1], impulses[1, 0], impulses[1, 1] = c_n, c_t, e_n, e_t
     pair.after[0] = v_n + g_nn * e_n + g_nt * e_t
+    return SOLVED
 
 
 @part
@@ -233,8 +200,9 @@ def prepare(model: Floats, contacts: Ints, z: Floats, pair: Pair) -> None:
 
 @part
 def _decide_double(
-    model: Floats, contacts: Ints, z: Floats, choice: Ints, marks: Ints, pair: Pair
-) -> int:
+    model: Floats, contacts: Ints, z: Floats, choice: Ints, marks: Ints, impulses: Floats,
+    pair: Pair,
+) -> int:  # fmt: skip
     prepare(model, contacts, z, pair)
     delassus, mu, eps, floor = pair.delassus, pair.mu, pair.eps, pair.floor
     feeds, middle, impulse = pair.feeds, pair.middle, pair.end
@@ -250,6 +218,8 @@ def _decide_double(
     choice[0], choice[1] = first[0, 0] + 6 * first[0, 1], first[1, 0] + 6 * first[1, 1]
     choice[2] = UNSOLVED
     velocity_of(choice[0], delassus, pair.free, impulse, middle)
+    for k in range(4):
+        impulses[0, k] = impulse[k]
     expands = False
     for k in range(2):
         floor[k] = eps[k] * impulse[2 * k]
@@ -264,36 +234,15 @@ def _decide_double(
         if status != SOLVED:
             return status
         choice[2] = second[0, 0] + 6 * second[0, 1]
+        for k in range(4):
+            impulses[1, k] = impulse[k]
+    last = second[0, 0] + 6 * second[0, 1]
+    velocity_of(last, delassus, middle, impulses[1], pair.after)
     for k in range(2):
         marks[k] = mark(first[0, k], second[0, k], expands, floor[k])
         if outcome == INDETERMINATE:  # tells the two ends of the segment apart
             marks[k] = first[k, 0] % 3 + 3 * (first[k, 1] % 3)
     return outcome
-
-
-@part
-def _find_pair_impulses(
-    model: Floats, contacts: Ints, choice: Ints, case: Ints, impulses: Floats, pair: Pair
-) -> None:
-    free, floor, middle, impulse = pair.free, pair.floor, pair.middle, pair.end
-    floor[0] = floor[1] = 0.0
-    table = PAIR + 36 * (contacts[1] - 1)
-    for side in range(2):
-        impulse_of(model, table + choice[side], free, floor, impulse)
-        for k in range(4):
-            impulses[0, k] += 0.5 * impulse[k]
-    for k in range(4):
-        impulse[k] = impulses[0, k]
-    velocity_of(choice[0], pair.delassus, free, impulse, middle)
-    for k in range(2):
-        floor[k] = pair.eps[k] * impulse[2 * k]
-    for k in range(4):
-        impulse[k] = 0.0
-    if choice[2] != UNSOLVED:
-        impulse_of(model, table + EXPANSION + choice[2], middle, floor, impulse)
-        for k in range(4):
-            impulses[1, k] = impulse[k]
-    velocity_of(case[0] + 6 * case[1], pair.delassus, middle, impulse, pair.after)
 
 
 @part

@@ -9,10 +9,10 @@ from woodpecker.base.compiled import part
 from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST, impulse_of
 from woodpecker.mechanics.contact_problems import UNSOLVED, one_contact_case, velocity_of
 from woodpecker.mechanics.impacts import (
+    carry_out,
     clear,
     clear_change,
     kick,
-    kick_off,
     one_change,
     pair_change,
     prepare,
@@ -91,7 +91,7 @@ def strike(model: Floats, change: Floats, n: int, k: int, notes: Floats, route: 
         _keep(1, n, route)
     else:
         _leave_out_expansion(model, change, n, code, notes, route)
-    _kick_off(model, change, contacts, choice[2] if expands else choice[0], route)
+    _carry_out(model, change, contacts, route)
 
 
 @part
@@ -132,10 +132,9 @@ def _leave_out_expansion(
 
 
 @part
-def _kick_off(model: Floats, change: Floats, contacts: Ints, last: int, route: Route) -> None:
+def _carry_out(model: Floats, change: Floats, contacts: Ints, route: Route) -> None:
     """Change the velocities by the impulses of both phases, and the tangents likewise."""
     case, tangents, impulses = route.case, route.tangents, route.impulses
-    case[0], case[1] = last % 6, last // 6
     for j in range(len(contacts)):
         i, a = contacts[j], 2 * j
         if len(change) > 0:
@@ -144,7 +143,7 @@ def _kick_off(model: Floats, change: Floats, contacts: Ints, last: int, route: R
         for m in range(2):
             kick(model, i, route.d_impulses[m, a], route.d_impulses[m, a + 1], tangents[m])
         route.pair.after[a] = route.v[a]
-    kick_off(model, contacts, case, route.z, impulses, route.pair)
+    carry_out(model, contacts, route.choice, route.z, case, impulses, route.pair)
     for m in range(2):
         bounce = 0.0
         for i in contacts:
