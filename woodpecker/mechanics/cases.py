@@ -18,6 +18,7 @@ F = mu (1, 1), the sum of both normal impulses
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from woodpecker.base.arrays import Floats
 from woodpecker.base.compiled import part
@@ -40,30 +41,36 @@ def fill_cases(delassus: Floats, friction: Floats, table: Floats, system: Floats
     one side, (free, floor) on the other.
     """
     for index in range(36):
-        system[:, :] = 0.0
-        for k in range(2):
-            case = index // 6 if k else index % 6
-            row_n, row_t = 2 * k, 2 * k + 1
-            if case // 3 == REST:
-                for j in range(4):
-                    system[row_n, j] = delassus[row_n, j]
-                system[row_n, 4 + row_n] = -1.0
-            else:
-                system[row_n, row_n] = 1.0
-                system[row_n, 8 + k] = 1.0
-            if case % 3 == HOLD:
-                for j in range(4):
-                    system[row_t, j] = delassus[row_t, j]
-                system[row_t, 4 + row_t] = -1.0
-            else:
-                system[row_t, row_t] = 1.0
-                for j in range(2):
-                    bound = friction[k, j]
-                    system[row_t, 2 * j] = bound if case % 3 == FORWARD else -bound
+        write_case(index, delassus, friction, system)
         regular = _eliminate(system)
         for i in range(4):
             for j in range(6):
                 table[index, 6 * i + j] = system[i, 4 + j] if regular else math.nan
+
+
+@part
+def write_case(index: int, delassus: Any, friction: Any, system: Any) -> None:
+    """Write the equations of one index combination, in floats or in exact numbers."""
+    system[:, :] = 0
+    for k in range(2):
+        case = index // 6 if k else index % 6
+        row_n, row_t = 2 * k, 2 * k + 1
+        if case // 3 == REST:
+            for j in range(4):
+                system[row_n, j] = delassus[row_n, j]
+            system[row_n, 4 + row_n] = -1
+        else:
+            system[row_n, row_n] = 1
+            system[row_n, 8 + k] = 1
+        if case % 3 == HOLD:
+            for j in range(4):
+                system[row_t, j] = delassus[row_t, j]
+            system[row_t, 4 + row_t] = -1
+        else:
+            system[row_t, row_t] = 1
+            for j in range(2):
+                bound = friction[k, j]
+                system[row_t, 2 * j] = bound if case % 3 == FORWARD else -bound
 
 
 @part

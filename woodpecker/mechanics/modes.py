@@ -292,24 +292,7 @@ def _mode(
     row[:] = 0.0
     if n == 7 and beak == STICK:
         return 1.0  # at rest for good; the forces are not unique, see contact.rest_is_possible
-    system[:, :] = 0.0
-    for i in range(3):
-        for j in range(3):
-            system[i, j] = mass[i][j]
-        system[i, n], system[i, n + 1] = constant[i], elastic[i]
-    at = 3
-    for i in range(3):
-        if state[i] == OPEN:
-            continue
-        for j in range(3):
-            system[j, at], system[j, at + 1] = -normal[i][j], -tangent[i][j]
-            system[at, j] = normal[i][j]
-            if state[i] == STICK:
-                system[at + 1, j] = tangent[i][j]
-        if state[i] != STICK:
-            system[at + 1, at + 1] = 1.0
-            system[at + 1, at] = mu[i] if state[i] == SLIP_POSITIVE else -mu[i]
-        at += 2
+    write_mode(n, state, mass, constant, elastic, normal, tangent, mu, system)
     least = _solve(system, n, 2, scale)
     if least == 0.0:
         return 0.0
@@ -341,6 +324,32 @@ def _mode(
                 row[LAMBDA + 4 * i + 2 + k] = system[at + 1, n + k]
             at += 2
     return least
+
+
+@part
+def write_mode(
+    n: int, state: tuple[int, int, int], mass: Any, constant: Any, elastic: Any, normal: Any,
+    tangent: Any, mu: Any, system: Any,
+) -> None:  # fmt: skip
+    """Write the n equations of a mode with two right-hand sides, in floats or in exact numbers."""
+    system[:, :] = 0
+    for i in range(3):
+        for j in range(3):
+            system[i, j] = mass[i][j]
+        system[i, n], system[i, n + 1] = constant[i], elastic[i]
+    at = 3
+    for i in range(3):
+        if state[i] == OPEN:
+            continue
+        for j in range(3):
+            system[j, at], system[j, at + 1] = -normal[i][j], -tangent[i][j]
+            system[at, j] = normal[i][j]
+            if state[i] == STICK:
+                system[at + 1, j] = tangent[i][j]
+        if state[i] != STICK:
+            system[at + 1, at + 1] = 1
+            system[at + 1, at] = mu[i] if state[i] == SLIP_POSITIVE else -mu[i]
+        at += 2
 
 
 @part
