@@ -19,7 +19,6 @@ from woodpecker.checking.pieces import (
     Interval,
     Rejected,
     ToyData,
-    Verified,
     VerifiedPiece,
     VerifiedReturn,
     check_both,
@@ -216,7 +215,7 @@ def _hangs_together(gaps: Sequence[Interval]) -> str:
     )
 
 
-def _joined(before: Verified, piece: Verified, order: int) -> None:
+def _joined(before: VerifiedPiece, piece: VerifiedPiece, order: int) -> None:
     """The cycle of one piece lies in the tubes of the other where they meet."""
     for outer, a, inner, b in ((before, 1, piece, -1), (piece, -1, before, 1)):
         places = [(outer.place(a, k)[0], inner.place(b, k)[1]) for k in range(order)]

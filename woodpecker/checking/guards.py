@@ -7,7 +7,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from woodpecker.checking.forms import Box, F, constant, shapes, waves
+from woodpecker.checking.forms import Box, F, constant, halves, shapes, waves
 from woodpecker.checking.intervals import I, NotSeparated, T, inverse
 
 Guard = tuple[str, int]
@@ -50,29 +50,23 @@ class GuardValue:
     def lasts(self, end: I, falling: I | None) -> bool:
         """Whether the guard does not fire in (0, end], or until it falls on an interval."""
         if self.guard[0] == "section":
-            return end.sign() != 1 or self.turns_not(end)
+            return end.sign() != 1 or everywhere(I.of(0), end, self.turns_not)
         if end.sign() != 1:
             return falling is not None and self.over(I.of(0).hull(falling), 1).sign() == -1
         first = self.begin(end)
-        if first is None:
-            return False
-        todo, parts = [(first, end, 0)], 0
-        while todo:
-            a, b, depth = todo.pop()
-            parts += 1
-            if not a.less(b):
-                continue
-            t = a.hull(b)
-            if self.over(t).sign() == 1:
-                continue
-            slope = self.over(t, 1).sign()
-            if slope and self.value(a if slope == 1 else b).sign() == 1:
-                continue
-            middle = t.mid
-            if depth == HALVINGS or parts == PARTS or self.value(middle).sign() == -1:
-                return False
-            todo += [(middle, b, depth + 1), (a, middle, depth + 1)]
-        return True
+        return first is not None and everywhere(first, end, self._is_positive)
+
+    def _is_positive(self, a: I, b: I) -> bool | None:
+        """Whether it is positive on [a, b], by its range or by its end where it is monotone."""
+        if not a.less(b):
+            return True
+        t = a.hull(b)
+        if self.over(t).sign() == 1:
+            return True
+        slope = self.over(t, 1).sign()
+        if slope and self.value(a if slope == 1 else b).sign() == 1:
+            return True
+        return False if self.value(t.mid).sign() == -1 else None
 
     def begin(self, end: I) -> I | None:
         """A time until which the guard grows from its zero."""
@@ -90,24 +84,14 @@ class GuardValue:
                 return t.low
         return None
 
-    def turns_not(self, end: I) -> bool:
-        """Whether the bird's velocity does not rise through zero in (0, end]."""
-        todo, parts = [(I.of(0), end, 0)], 0
-        while todo:
-            a, b, depth = todo.pop()
-            parts += 1
-            t = a.hull(b)
-            slope = self.over(t, 1).sign()
-            if self.over(t).sign() or slope == -1:
-                continue
-            starts = a.sign() == 0 and self.zeros == 1
-            if slope == 1 and (starts or self.value(b).sign() == -1):
-                continue
-            if depth == HALVINGS or parts == PARTS:
-                return False
-            middle = t.mid
-            todo += [(a, middle, depth + 1), (middle, b, depth + 1)]
-        return True
+    def turns_not(self, a: I, b: I) -> bool | None:
+        """Whether the bird's velocity does not rise through zero in (a, b]."""
+        t = a.hull(b)
+        slope = self.over(t, 1).sign()
+        if self.over(t).sign() or slope == -1:
+            return True
+        starts = a.sign() == 0 and self.zeros == 1
+        return True if slope == 1 and (starts or self.value(b).sign() == -1) else None
 
     def crossing(self, bracket: I, direction: int) -> F:
         """When the guard crosses zero: once, inside the bracket."""
@@ -145,6 +129,23 @@ class GuardValue:
             return root(at, over_, bracket, self.box)
         except NotSeparated:
             return None
+
+
+def everywhere(low: I, high: I, told: Callable[[I, I], bool | None]) -> bool:
+    """Whether something holds in an interval: that is told of all of it, or of all its parts."""
+    todo, parts = [(low, high, 0)], 0
+    while todo:
+        a, b, depth = todo.pop()
+        parts += 1
+        holds = told(a, b)
+        if holds is None:
+            if depth == HALVINGS or parts == PARTS:
+                return False
+            middle = a.hull(b).mid
+            todo += [(middle, b, depth + 1), (a, middle, depth + 1)]
+        elif not holds:
+            return False
+    return True
 
 
 def combined(f: Sequence[Any], s: Sequence[Any], t: Any, kappa: I, order: int) -> F | I:
@@ -218,7 +219,7 @@ def root(at: Callable[..., Any], range_: Callable[..., I], bracket: I, box: Box)
     for n in range(1, box.depth):
         part = value.parts[n]
         if n > 2:
-            i, j = {3: (1, 1), 4: (1, 2), 5: (2, 2)}[n]
+            i, j = halves(n)
             bend = at(fixed, 2).all[0]
             part = part + speed.parts[i] * found[j] + speed.parts[j] * found[i]
             part = part + bend * found[i] * found[j]
