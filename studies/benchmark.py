@@ -39,8 +39,7 @@ from woodpecker import Toy, continuation, first_return, return_map, shoot
 from woodpecker.base.arrays import Floats
 from woodpecker.base.compiled import COMPILED
 from woodpecker.mechanics.modes import FIXED, model
-from woodpecker.simulation.calls import sweep
-from woodpecker.simulation.returns import EVENT_LIMIT
+from woodpecker.simulation.calls import EVENT_LIMIT, sweep
 
 RTOL = 1e-10  # of the peer, whose error then is of the same size
 

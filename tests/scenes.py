@@ -18,13 +18,12 @@ from woodpecker.mechanics.modes import (
     CHANGE,
     CONTACT,
     EPS,
-    EPSILONS,
     SHAPE,
     fill,
     model,
     parameters_of,
 )
-from woodpecker.mechanics.toy import Toy
+from woodpecker.mechanics.toy import RESTITUTIONS, Toy
 from woodpecker.motion.codes import EVENT_COLUMNS, NO_PATH, PHASE_COLUMNS
 from woodpecker.simulation import calls
 from woodpecker.simulation.words import word
@@ -98,6 +97,6 @@ def change(toy: Toy, parameter: str) -> Floats:
     numbers, rates = np.full(SHAPE, np.nan), np.zeros(CHANGE)
     with np.errstate(all="ignore"):
         fill(parameters_of(toy, parameter).tolist(), numbers, rates)
-    if parameter in EPSILONS:
-        rates[CONTACT + EPSILONS.index(parameter), EPS] = 1.0
+    if parameter in RESTITUTIONS:
+        rates[CONTACT + RESTITUTIONS.index(parameter), EPS] = 1.0
     return rates

@@ -162,19 +162,15 @@ def _toy_of(run_of: Entry, parameter: str) -> Toy:
 def finished(found: Diagram, toy: Toy, wanted: tuple[float, float], settings: Settings) -> Diagram:
     """A diagram of the toy: ends of the parameter's own domain say so, and what was given."""
     parameter = found.parameter_name
-    made = {"program": PROGRAM, **made_from(toy, parameter, settings, wanted)}
+    made: Entry = plain({
+        "program": PROGRAM, SPAN: wanted, TOY: about(toy, parameter, settings, wanted)[TOY],
+        "settings": differing(settings, DEFAULT),  # what is not as usual
+    })  # fmt: skip
     reasons = dict(_domain_ends(toy, parameter, wanted))
     points = tuple(_of_domain(point, reasons, settings) for point in found.points)
     if LEFT in found.about:
         made[LEFT] = found.about[LEFT]
     return replace(found, points=points, given=given(toy, parameter), about=made)
-
-
-def made_from(toy: Toy, parameter: str, settings: Settings, wanted: tuple[float, float]) -> Entry:
-    """What a diagram says of how it was made: of the settings those that are not the default."""
-    fixed = about(toy, parameter, settings, wanted)["toy"]
-    found: Entry = plain({SPAN: wanted, "toy": fixed, "settings": differing(settings, DEFAULT)})
-    return found
 
 
 def _domain_ends(

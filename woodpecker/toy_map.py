@@ -26,7 +26,6 @@ from woodpecker.mechanics.modes import (
     CHANGE,
     CONTACT,
     EPS,
-    EPSILONS,
     FIXED,
     FORCE,
     LIMIT,
@@ -38,10 +37,10 @@ from woodpecker.mechanics.modes import (
     refill,
     table,
 )
-from woodpecker.mechanics.toy import Toy, known_parameter, limits
+from woodpecker.mechanics.toy import RESTITUTIONS, Toy, known_parameter, limits
 from woodpecker.motion.codes import NO_PATH, RETURNED
-from woodpecker.simulation.calls import compute, sweep
-from woodpecker.simulation.paths import EVENT_LIMIT, Follower, Path, cause_of
+from woodpecker.simulation.calls import EVENT_LIMIT, compute, sweep
+from woodpecker.simulation.paths import Follower, Path, cause_of
 from woodpecker.simulation.returns import RELATIVE_STEP
 
 if TYPE_CHECKING:
@@ -73,7 +72,7 @@ class _ThreadRoom:
         self._numbers: Floats = table(toy)
         self._rates: Floats = np.zeros(CHANGE)
         self._change = self._rates if steps.any() else FIXED
-        self._seed: Floats = np.array([[rates.get(name, 0.0) for name in EPSILONS]])
+        self._seed: Floats = np.array([[rates.get(name, 0.0) for name in RESTITUTIONS]])
         self.follower = Follower(self._numbers, self._change, self._seed)
 
     def _take(self, values: Values) -> None:
@@ -101,8 +100,8 @@ class _ThreadRoom:
         if name in Numbers._fields:
             self._complex.real[Numbers._fields.index(name)] = value
             return True
-        if name in EPSILONS:
-            self._numbers[CONTACT + EPSILONS.index(name), EPS] = value
+        if name in RESTITUTIONS:
+            self._numbers[CONTACT + RESTITUTIONS.index(name), EPS] = value
         else:
             self._numbers[FORCE, POLE] = value
         return False

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from woodpecker import Toy, first_return
-from woodpecker.mechanics.modes import EPSILONS
+from woodpecker.mechanics.toy import RESTITUTIONS
 from woodpecker.toy_map import TOO_FAR, ToyPieces
 
 
@@ -47,7 +47,7 @@ def test_a_piece_is_never_fooled(parameter: str) -> None:
     """
     toy, rng = Toy(), np.random.default_rng(6)
     value = float(getattr(toy, parameter))
-    low, high = (0.02, 0.95) if parameter in EPSILONS else (0.9 * value, 1.1 * value)
+    low, high = (0.02, 0.95) if parameter in RESTITUTIONS else (0.9 * value, 1.1 * value)
     whole = ToyPieces(toy, parameter)
     inside = outside = 0
     for _ in range(400):

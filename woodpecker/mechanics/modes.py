@@ -52,7 +52,6 @@ class ContactState(IntEnum):
 OPEN, STICK, SLIP_POSITIVE, SLIP_NEGATIVE = range(4)  # the same for compiled code
 JAMMED = 1  # row of the mode in which the sleeve sticks at its lower edge alone
 
-EPSILONS = ("eps_n1", "eps_n2", "eps_n3")
 STEP = 1e-150  # imaginary part of the parameter that moves
 LARGEST = 1e100  # number of a table or a state: products of three of them do not overflow
 

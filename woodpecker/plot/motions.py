@@ -15,7 +15,7 @@ from pwmap.plot import JUMP, STABLE, UNSTABLE
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, new_axes, styled
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.simulation.trajectory import Trajectory
-from woodpecker.simulation.words import EventKind
+from woodpecker.simulation.words import IMPACTS
 
 LINE: dict[str, Any] = {"color": STABLE, "linewidth": 1.1}
 BOUND: dict[str, Any] = {"color": "#969696", "linewidth": 0.8, "linestyle": (0, (5, 3))}
@@ -43,7 +43,6 @@ QUANTITIES = {
     "dphi_m": Quantity(r"$\dot\varphi_M$ [rad/s]", True, 1),
     "dphi_s": Quantity(r"$\dot\varphi_S$ [rad/s]", True, 2),
 }
-IMPACTS = (EventKind.IMPACT, EventKind.INDETERMINATE_IMPACT)
 STRUCK: dict[tuple[int, ...], tuple[str, dict[str, Any]]] = {
     (1,): ("impact of the beak", {"color": UNSTABLE, "linestyle": (0, (1, 1.2)), "marker": "o"}),
     (2,): ("impact of the lower edge", {"color": JUMP, "linestyle": (0, (4, 1.5)), "marker": "v"}),

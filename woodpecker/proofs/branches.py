@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from decimal import Context, Decimal
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -417,15 +418,10 @@ def _begun(low: Fraction, rates: Sequence[Fraction], half: Fraction) -> Route:
 
 
 def _short(x: Any, digits: int) -> Fraction:
-    """A decimal near a number, to so many digits of it."""
+    """The decimal of so many digits that is nearest to a number."""
     exact = fraction(x.mid())
-    if not exact:
-        return exact
-    places = digits - len(str(int(abs(exact)))) if abs(exact) >= 1 else digits
-    while abs(exact) * 10**places < 10 ** (digits - 1):  # the exact number is not zero
-        places += 1
-    unit = Fraction(10) ** places
-    return round(exact * unit) / unit
+    short = Context(prec=digits).divide(Decimal(exact.numerator), Decimal(exact.denominator))
+    return Fraction(short)
 
 
 def _trimmed(curve: Sequence[Fraction], half: Fraction) -> tuple[Fraction, ...]:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from pwmap.checking import check_certificate as pwmap_check
 from pwmap.diagrams.diagram import Branch, SpecialPoint
 from woodpecker.enclosures.not_proved import NotProved as NotProved  # what ``prove`` raises
-from woodpecker.mechanics.toy import Toy
+from woodpecker.mechanics.toy import RESTITUTIONS, Toy
 from woodpecker.runs import nothing
 from woodpecker.shooting import PeriodicOrbit
 
@@ -82,10 +82,8 @@ def prove(
         raise ImportError(MISSING) from error
     if isinstance(what, PeriodicOrbit):
         return statements.prove_orbit(what)
-    if parameter not in statements.RESTITUTIONS:
-        raise ValueError(
-            f"proofs move one of {', '.join(statements.RESTITUTIONS)}, got {parameter!r}"
-        )
+    if parameter not in RESTITUTIONS:
+        raise ValueError(f"proofs move one of {', '.join(RESTITUTIONS)}, got {parameter!r}")
     if isinstance(what, Branch):
         return statements.prove_branch(what, span, toy, parameter, progress, workers)
     if isinstance(what, SpecialPoint):

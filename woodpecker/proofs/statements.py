@@ -30,7 +30,6 @@ from woodpecker.proofs.points import proved_point
 from woodpecker.runs import nothing
 from woodpecker.shooting import PeriodicOrbit, shoot
 
-RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 BITS = {"orbit": 140, "branch": 128, "point": 160}  # of ball arithmetic
 DIGITS = {"orbit": 40, "branch": 35, "point": 48}  # of the checker's
 INNER = Fraction(1, 10**22)  # rad: the box in which an orbit is found

@@ -28,6 +28,7 @@ from woodpecker.simulation.following import follow_path
 from woodpecker.simulation.margins import NOTES, ROUTE
 
 SEARCH, FOLLOW, SWEEP = range(3)  # tasks
+EVENT_LIMIT = 1000  # of one return; the longest seen on the paper's data has some 20
 SEPARATOR = 0  # between the returns of a word
 START, OUT, STATUS, LENGTH = 0, 1, 6, 7  # columns of the starts of a sweep
 START_COLUMNS = 8

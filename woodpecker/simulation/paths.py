@@ -12,10 +12,10 @@ from woodpecker.base.compiled import announce
 from woodpecker.mechanics.modes import CONTACT, FIXED, LIMIT, NORMAL, SECTION, SLIP
 from woodpecker.motion.codes import CLOSED, GUARD, MODE, PHASE_COLUMNS, RETURNED, STEP_COLUMNS
 from woodpecker.simulation import calls, following, margins
+from woodpecker.simulation.calls import EVENT_LIMIT
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import word
 
-EVENT_LIMIT = 1000  # phases of one return; the longest seen on the paper's data has some 20
 PHASES = 12  # of one return that count as an evaluation: one of twice as many counts as two
 NAMES = ("the beak", "the lower sleeve", "the upper sleeve")  # contacts 1, 2, 3
 

@@ -20,16 +20,14 @@ from woodpecker.base.shown import shown
 from woodpecker.mechanics.modes import FIXED, model
 from woodpecker.mechanics.toy import Toy
 from woodpecker.motion.codes import FREE_FALL, POLE_END, RETURNED, RETURNED_NO_SLOPE
-from woodpecker.simulation.calls import compute, sweep
+from woodpecker.simulation.calls import EVENT_LIMIT, compute, sweep
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import EventKind, word
 
-EVENT_LIMIT = 1000  # events of one return; the longest seen on the paper's data has 20
 RELATIVE_STEP = 1e-6  # of one-sided differences at zero restitution, where contacts that rest begin
 # to bounce: the cube root of the kernel's rounding
 ORDER_MOST = 100_000  # returns of one call; each has room for a word of EVENT_LIMIT symbols
 CHUNK = 256  # starts handed to one worker at a time, of a low order
-RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -30,7 +30,7 @@ from woodpecker.motion.codes import EVENT_COLUMNS, NO_PATH, PHASE_COLUMNS
 from woodpecker.motion.flow import flow, sample
 from woodpecker.simulation.calls import compute, run
 from woodpecker.simulation.status import Status, status
-from woodpecker.simulation.words import EventKind, decode, symbol, word
+from woodpecker.simulation.words import IMPACTS, EventKind, decode, symbol, word
 
 MAX_EVENTS = 20_000  # events of one simulation unless the caller says otherwise
 SAMPLES = 1001  # evenly spaced samples of a trajectory unless the caller says otherwise
@@ -483,7 +483,7 @@ def _sample_times(
 def _event(row: Floats) -> Event:
     kind, contacts = decode(int(row[1]))
     impulses: tuple[Impulse, ...] = ()
-    if kind in (EventKind.IMPACT, EventKind.INDETERMINATE_IMPACT):
+    if kind in IMPACTS:
         impulses = tuple(
             Impulse(
                 contact=contact,

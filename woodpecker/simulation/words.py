@@ -45,6 +45,7 @@ class EventKind(Enum):
     INDETERMINATE_IMPACT = "I~"
 
 
+IMPACTS = (EventKind.IMPACT, EventKind.INDETERMINATE_IMPACT)
 _KINDS = tuple(EventKind)  # in the order of the kinds in :mod:`woodpecker.motion.codes`
 _COMPRESSION = ("", "s", "f")
 _EXPANSION = ("", "-s", "-r", "-rs")

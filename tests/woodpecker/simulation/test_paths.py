@@ -10,7 +10,8 @@ import pytest
 from scenes import change
 
 from woodpecker import ExpansionFriction, Toy, first_return
-from woodpecker.mechanics.modes import EPSILONS, FIXED, model
+from woodpecker.mechanics.modes import FIXED, model
+from woodpecker.mechanics.toy import RESTITUTIONS
 from woodpecker.simulation.paths import Along, Follower, Path, cause_of
 
 LAWS = tuple(ExpansionFriction)
@@ -153,8 +154,8 @@ PARAMETERS = ("eps_n1", "eps_n2", "mu_2", "m_s", "l_s")
 
 def following(toy: Toy, parameter: str) -> Follower:
     seed = np.zeros((1, 3))
-    if parameter in EPSILONS:
-        seed[0, EPSILONS.index(parameter)] = 1.0
+    if parameter in RESTITUTIONS:
+        seed[0, RESTITUTIONS.index(parameter)] = 1.0
         return Follower(model(toy), FIXED, seed)
     return Follower(model(toy), change(toy, parameter), seed)
 
@@ -253,7 +254,7 @@ def test_margins_are_positive_where_the_kernel_takes_the_path() -> None:
     """In random toys, with all restitutions and frictions; no border is met to 1e-9 by chance."""
     rng = np.random.default_rng(3)
     for _ in range(30):
-        eps = {name: float(rng.uniform(0.0, 0.9)) for name in EPSILONS}
+        eps = {name: float(rng.uniform(0.0, 0.9)) for name in RESTITUTIONS}
         mu = {"mu_1": rng.uniform(0.05, 0.6), "mu_2": rng.uniform(0.3, 0.6), "mu_3": 0.3}
         toy = Toy(**eps, **mu, expansion_friction=LAWS[int(rng.integers(2))])
         many = Follower(model(toy))
