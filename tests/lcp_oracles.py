@@ -17,12 +17,12 @@ from woodpecker.mechanics.lcp import (
     FloatArray,
     LcpStatus,
     _checked,
-    _contact_matrices,
     _contacts,
     _equilibrate,
     _Equilibrated,
     _natural,
     _read,
+    contact_lcp,
 )
 
 BoolArray = npt.NDArray[np.bool_]
@@ -31,6 +31,17 @@ _RANK = 1e-11  # singular values of a complementary basis below this are rounded
 _FEASIBLE = 1e-9  # relative violation allowed to an enumerated solution: _ZERO and a margin
 _SAME = 1e-7  # enumerated solutions closer than this are one: _FEASIBLE over condition 1e2
 _MAX_ENUMERATED = 12  # unknowns, hence 4096 bases
+
+
+def matrices(
+    delassus: npt.ArrayLike,
+    free: npt.ArrayLike,
+    mu: npt.ArrayLike,
+    floor: npt.ArrayLike = 0.0,
+    sliding: npt.ArrayLike = 0,
+) -> tuple[FloatArray, FloatArray]:
+    """A and b of a contact problem in its own units."""
+    return contact_lcp(_contacts(delassus, free, mu, floor, sliding))
 
 
 def enumerate_lcp(a: npt.ArrayLike, b: npt.ArrayLike) -> list[FloatArray]:
@@ -79,7 +90,7 @@ def enumerate_contacts(
     with the same impulses count once.
     """
     problem = _natural(_contacts(delassus, free, mu, floor, sliding))
-    a, b = _contact_matrices(problem)
+    a, b = contact_lcp(problem)
     found: list[ContactLcp] = []
     seen: list[FloatArray] = []
     for x in enumerate_lcp(a, b):

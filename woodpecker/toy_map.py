@@ -17,7 +17,6 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, number, real_array
-from woodpecker.base.compiled import announce
 from woodpecker.base.shown import shown
 from woodpecker.maps.pieces import Image, PiecewiseMap
 from woodpecker.maps.sweeps import Sweep
@@ -39,7 +38,7 @@ from woodpecker.mechanics.modes import (
 )
 from woodpecker.mechanics.toy import RESTITUTIONS, Toy, known_parameter, limits
 from woodpecker.motion.codes import NO_PATH, RETURNED
-from woodpecker.simulation.calls import EVENT_LIMIT, compute, sweep
+from woodpecker.simulation.calls import sweep
 from woodpecker.simulation.paths import Follower, Path, cause_of
 from woodpecker.simulation.returns import RELATIVE_STEP
 
@@ -119,10 +118,7 @@ class _ThreadRoom:
     def sweep(self, x: Floats, values: Values) -> Sweep:
         """Images and slopes at points (n,), nan where there is none; ValueError if no toy is."""
         self._take(values)
-        out, words = np.empty((len(x), 5)), np.empty((len(x), EVENT_LIMIT), dtype=np.int16)
-        codes, lengths = np.empty((2, len(x)), dtype=np.int64)
-        announce(compute)
-        sweep(self._numbers, self._change, x, 1, self._seed, out, codes, lengths, words)
+        out, codes, _, _ = sweep(self._numbers, self._change, x, 1, self._seed)
         out[codes > RETURNED] = math.nan
         return Sweep(out[:, 0], out[:, 3])
 

@@ -57,12 +57,6 @@ class Taylor:
         self.head = poly(frame.p) if frame.terms > 1 else poly[0]
         self.box = self.head + rest
 
-    def plus(self, ball: Any) -> Taylor:
-        """The function plus a ball; thin ones go to the polynomial."""
-        if ball.rad() > self.frame.p.rad():
-            return Taylor(self.frame, self.poly, self.rest + ball)
-        return Taylor(self.frame, self.poly + ball, self.rest)
-
     def widened(self, ball: Any) -> Taylor:
         """The function plus something in a ball."""
         return Taylor(self.frame, self.poly, self.rest + ball)

@@ -174,45 +174,8 @@ def solve_contact_lcp(
         If shapes do not match or a value is out of range.
     """
     problem = _natural(_contacts(delassus, free, mu, floor, sliding))
-    result = lemke(*_contact_matrices(problem), cover=_contact_cover(problem))
+    result = lemke(*contact_lcp(problem), cover=_contact_cover(problem))
     return _read(problem, result.x, result.y, result.status)
-
-
-def contact_lcp(
-    delassus: npt.ArrayLike,
-    free: npt.ArrayLike,
-    mu: npt.ArrayLike,
-    floor: npt.ArrayLike = 0.0,
-    sliding: npt.ArrayLike = 0,
-) -> tuple[FloatArray, FloatArray]:
-    """Matrix A and vector b of the contact problem as an LCP [Leine2001, Eqs. 4-5].
-
-    Arguments as in :func:`solve_contact_lcp`. Size 3 per contact that does not slide and 1 per
-    sliding contact; E selects the former (columns of I), F >= 0 is the friction matrix, S =
-    diag(s) with s = 1 where no direction is given. The derivation, after [Pfeiffer1996, chs. 6-8],
-    who have F = diag(mu):
-
-    Normal: P = Lambda_N - floor >= 0 is complementary to gamma_N >= 0.
-
-    Tangential: the law is a step from +F Lambda_N to -F Lambda_N, row by row. It splits into two
-    unilateral laws: the friction reserves and the two halves of the velocity,
-
-        Lambda_TR = E^T (F Lambda_N + Lambda_T) >= 0   perp   gamma_T^+ >= 0,
-        Lambda_TL = E^T (F Lambda_N - Lambda_T) >= 0   perp   gamma_T^- >= 0,
-        E^T gamma_T = gamma_T^+ - gamma_T^-.
-
-    Elimination: Lambda_T = E Lambda_TR - S F Lambda_N holds for both kinds of contact, so
-
-        Lambda = N (P + floor) + T Lambda_TR,   N = [I; -S F],   T = [0; E],
-
-    and Lambda_TL = 2 E^T F (P + floor) - Lambda_TR. With G_N, G_T the upper and lower n rows of
-    G, inserting Lambda in gamma = G Lambda + free leaves y = A x + b for
-
-        [gamma_N  ]   [G_N N      G_N T      0] [P        ]   [G_N N floor + free_N        ]
-        [gamma_T^+] = [E^T G_T N  E^T G_T T  I] [Lambda_TR] + [E^T (G_T N floor + free_T)  ]
-        [Lambda_TL]   [2 E^T F    -I         0] [gamma_T^-]   [2 E^T F floor               ].
-    """
-    return _contact_matrices(_contacts(delassus, free, mu, floor, sliding))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -374,8 +337,33 @@ def _natural(problem: _Contacts) -> _Contacts:
     )
 
 
-def _contact_matrices(problem: _Contacts) -> tuple[FloatArray, FloatArray]:
-    """Return A and b of :func:`contact_lcp`."""
+def contact_lcp(problem: _Contacts) -> tuple[FloatArray, FloatArray]:
+    """Matrix A and vector b of the contact problem as an LCP [Leine2001, Eqs. 4-5].
+
+    Size 3 per contact that does not slide and 1 per sliding contact; E selects the former (columns
+    of I), F >= 0 is the friction matrix, S = diag(s) with s = 1 where no direction is given. The
+    derivation, after [Pfeiffer1996, chs. 6-8], who have F = diag(mu):
+
+    Normal: P = Lambda_N - floor >= 0 is complementary to gamma_N >= 0.
+
+    Tangential: the law is a step from +F Lambda_N to -F Lambda_N, row by row. It splits into two
+    unilateral laws: the friction reserves and the two halves of the velocity,
+
+        Lambda_TR = E^T (F Lambda_N + Lambda_T) >= 0   perp   gamma_T^+ >= 0,
+        Lambda_TL = E^T (F Lambda_N - Lambda_T) >= 0   perp   gamma_T^- >= 0,
+        E^T gamma_T = gamma_T^+ - gamma_T^-.
+
+    Elimination: Lambda_T = E Lambda_TR - S F Lambda_N holds for both kinds of contact, so
+
+        Lambda = N (P + floor) + T Lambda_TR,   N = [I; -S F],   T = [0; E],
+
+    and Lambda_TL = 2 E^T F (P + floor) - Lambda_TR. With G_N, G_T the upper and lower n rows of
+    G, inserting Lambda in gamma = G Lambda + free leaves y = A x + b for
+
+        [gamma_N  ]   [G_N N      G_N T      0] [P        ]   [G_N N floor + free_N        ]
+        [gamma_T^+] = [E^T G_T N  E^T G_T T  I] [Lambda_TR] + [E^T (G_T N floor + free_T)  ]
+        [Lambda_TL]   [2 E^T F    -I         0] [gamma_T^-]   [2 E^T F floor               ].
+    """
     g, friction, n = problem.delassus, problem.friction, problem.floor.size
     undecided = np.flatnonzero(problem.sliding == 0)
     k = undecided.size

@@ -110,15 +110,6 @@ class Tubes:
         return sum((_hull([way.drop.box for way in ways]) for ways in self.ways), ZERO)
 
     @property
-    def words(self) -> tuple[str, ...]:
-        """Words of the cycle: one, or on both sides of a change."""
-        if all(len(ways) == 1 for ways in self.ways):
-            return (" | ".join(ways[0].word for ways in self.ways),)
-        return tuple(
-            " | ".join(ways[min(k, len(ways) - 1)].word for ways in self.ways) for k in (0, 1)
-        )
-
-    @property
     def p(self) -> Fractions:
         """The interval of the parameter."""
         return self.line.interval

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from woodpecker.base.arrays import Codes, Floats, Ints
-from woodpecker.base.compiled import jit, part
+from woodpecker.base.compiled import announce, jit, part
 from woodpecker.mechanics.modes import CONTACT, FIXED, LIMIT, OPEN, STICK
 from woodpecker.motion.codes import (
     EVENT_COLUMNS,
@@ -164,22 +164,25 @@ def follow(
 
 
 def sweep(
-    model: Floats, change: Floats, starts: Floats, order: int, seed: Floats, out: Floats,
-    status: Ints, lengths: Ints, words: Codes,
-) -> None:  # fmt: skip
+    model: Floats, change: Floats, starts: Floats, order: int, seed: Floats
+) -> tuple[Floats, Ints, Ints, Codes]:
     """P_order at many starts (n,) on the section: searched, and followed for its derivatives.
 
     ``model`` and ``change`` are those of :func:`woodpecker.simulation.following.follow_path`,
-    ``seed`` (1, 3) the direction in (eps_N1, eps_N2, eps_N3) to differentiate along. Output:
-    ``out`` (n, 5), phi_S, period, drop, d phi_S / d start and d phi_S along the parameter, the
-    latter nan where the toy does not return; ``status`` and ``lengths`` of words (n,); ``words``
-    (n, event limit).
+    ``seed`` (1, 3) the direction in (eps_N1, eps_N2, eps_N3) to differentiate along.
+
+    Columns (n, 5), phi_S, period, drop, d phi_S / d start and d phi_S along the parameter, the
+    latter nan where the toy does not return; why each run stopped (n,); lengths of the words (n,);
+    the words (n, EVENT_LIMIT order) in event codes.
     """
-    rows, limit, work = np.empty((len(starts), START_COLUMNS)), words.shape[1] + 1, make_work()
+    limit, work = EVENT_LIMIT * order, make_work()
+    rows, words = np.empty((len(starts), START_COLUMNS)), np.empty((len(starts), limit), np.int16)
     rows[:, START], work["route"]["seeds"][0, 1] = starts, seed[0]
+    announce(compute)
     compute(
-        SWEEP, model, change, True, float(order), rows, words, np.empty((limit, PHASE_COLUMNS)),
-        np.empty((limit, STEP_COLUMNS), dtype=np.int64), np.empty(limit), NO_EVENTS, NO_NOTES, work,
+        SWEEP, model, change, True, float(order), rows, words, np.empty((limit + 1, PHASE_COLUMNS)),
+        np.empty((limit + 1, STEP_COLUMNS), dtype=np.int64), np.empty(limit + 1), NO_EVENTS,
+        NO_NOTES, work,
     )  # fmt: skip
-    out[:] = rows[:, OUT:STATUS]
-    status[:], lengths[:] = rows[:, STATUS], rows[:, LENGTH]
+    codes, lengths = rows[:, STATUS:].astype(np.int64).T
+    return rows[:, OUT:STATUS].copy(), codes.copy(), lengths, words
