@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from flint import arb, ctx
 
 from woodpecker.enclosures.balls import ZERO
-from woodpecker.enclosures.forms import ALONG, VALUE, Form, box, chained, sign
+from woodpecker.enclosures.forms import HALVES, VALUE, Form, S, box, chained, sign
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.stumpff import shape_models, stumpff_balls, stumpff_models
 from woodpecker.enclosures.taylor import Taylor, constant, inverse, thin
@@ -244,11 +244,11 @@ def _form(
     on_curve = near.parts[VALUE].widened(residual.parts[VALUE].box / -slope)
     found = [on_curve]
     bend: Taylor | None = None
-    for along in ALONG[1 : frame.depth]:
-        part = value.parts[ALONG.index(along)]
-        if len(along) == 2:
+    for n in range(S, frame.depth):
+        part = value.parts[n]
+        if n in HALVES:
             bend = at_fixed(2).near[VALUE] if bend is None else bend
-            i, j = along[0] + 1, along[1] + 1
+            i, j = HALVES[n]
             part = part + speed.parts[i] * found[j] + speed.parts[j] * found[i]
             part = part + bend * found[i] * found[j]
         found.append(-part * over)

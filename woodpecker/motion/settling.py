@@ -6,9 +6,6 @@ from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import part
 from woodpecker.mechanics.contact_problems import AMBIGUOUS, NO_SOLUTION, SOLVED, rest_is_possible
 from woodpecker.mechanics.modes import (
-    CONE_NEGATIVE,
-    CONE_POSITIVE,
-    GAP,
     LAMBDA,
     NORMAL,
     OPEN,
@@ -20,7 +17,7 @@ from woodpecker.mechanics.modes import (
     B,
 )
 from woodpecker.motion.codes import typed
-from woodpecker.motion.events import mode_of, starting_jet
+from woodpecker.motion.events import guards_at_rest, mode_of, starting_jet
 
 
 @part
@@ -96,13 +93,7 @@ def _admissible(
     for i in range(3):
         if not closed[i]:
             continue
-        if trial[i] == OPEN:
-            watched, other = GAP + i, -1
-        elif trial[i] == STICK:
-            watched, other = CONE_POSITIVE + i, CONE_NEGATIVE + i
-        else:
-            watched, other = NORMAL + i, (SLIP + i if slips[i] == 0 else -1)
-        for guard in (watched, other):
+        for guard in guards_at_rest(i, trial[i], slips[i] == 0):
             if guard >= 0:
                 f0, f1, f2, f3 = starting_jet(model, mode, guard, z, gaps, trial, fired)
                 if guard >= SLIP:

@@ -32,19 +32,17 @@ from woodpecker.mechanics.modes import (
     MU,
     NORMAL,
     OMEGA,
-    OPEN,
     SECTION,
     SIGN,
     SLIP,
     SLIP_NEGATIVE,
     SLIP_POSITIVE,
-    STICK,
     TANGENT,
     A,
     B,
 )
 from woodpecker.motion.codes import HELD, STRUCK, typed
-from woodpecker.motion.events import force_guard, jet, time_to_minimum
+from woodpecker.motion.events import force_guard, guards_at_rest, jet, time_to_minimum
 from woodpecker.motion.flow import spring
 from woodpecker.motion.guards import TWO_PI, time_of_lowest
 from woodpecker.simulation.roots import (
@@ -326,15 +324,9 @@ def start_margins(
     for i in range(3):
         if route.orders[i] < 2:
             continue  # it is open, or its impact has thrown it off
-        if states[i] == OPEN:
-            first, second = GAP + i, typed(-1)
-        elif states[i] == STICK:
-            first, second = CONE_POSITIVE + i, CONE_NEGATIVE + i
-        else:
-            first, second = NORMAL + i, (SLIP + i if step[HELD] >> i & 1 else -1)
-        _start(model, change, step, k, mode, first, notes, route)
-        if second >= 0:
-            _start(model, change, step, k, mode, second, notes, route)
+        for guard in guards_at_rest(i, states[i], step[HELD] >> i & 1 == 1):
+            if guard >= 0:
+                _start(model, change, step, k, mode, guard, notes, route)
 
 
 @part
