@@ -106,12 +106,7 @@ def plot_time_history(
         add(shown, {STOPS: [ax.axhline(limit, **BOUND) for limit in limits]})
         for row, (contacts, times) in enumerate(_strikes(trajectory).items()):
             label, style = STRUCK[contacts]
-            low = np.full(len(times), LOWEST + ROW * row)
-            marks = ax.plot(
-                times, low, style["marker"], color=style["color"], markersize=3.8, mec="white",
-                mew=0.4, transform=ax.get_xaxis_transform(), zorder=5,
-            )  # fmt: skip
-            add(shown, {label: marks})
+            add(shown, {label: mark_times(ax, row, times, style)})
         ax.margins(y=0.2)
         ax.set_ylabel(drawn.label)
         ax.grid(alpha=0.25, linewidth=0.5)
@@ -121,6 +116,15 @@ def plot_time_history(
     if legend:
         legend_above(axes[0], shown, [name for name, _ in STRUCK.values()])
     return Drawn(tuple(axes), shown)
+
+
+def mark_times(ax: Axes, row: int, times: Sequence[float], style: dict[str, Any]) -> list[Artist]:
+    """Marks of events above the lower end of axes, each kind in a row of its own."""
+    low = np.full(len(times), LOWEST + ROW * row)
+    return [*ax.plot(
+        times, low, style["marker"], color=style["color"], markersize=3.8, mec="white", mew=0.4,
+        transform=ax.get_xaxis_transform(), zorder=5,
+    )]  # fmt: skip
 
 
 def legend_above(ax: Axes, shown: Artists, names: Iterable[str]) -> None:

@@ -18,7 +18,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, whole
 from woodpecker.plot.curve import Detail, refined
 from woodpecker.plot.figures import plot_curve
-from woodpecker.plot.motions import LINE, legend_above, strokes, way_of
+from woodpecker.plot.motions import LINE, legend_above, mark_times, strokes, way_of
 from woodpecker.simulation.words import EventKind
 from woodpecker.systems.diagrams import basins
 from woodpecker.systems.model import ContactSystem
@@ -35,7 +35,6 @@ EVENTS: dict[str, tuple[tuple[EventKind, ...], dict[str, Any]]] = {
     "slips": ((EventKind.SLIP, EventKind.REVERSAL), {"color": "#6a51a3", "marker": "^"}),
     "detaches": ((EventKind.DETACH,), {"color": "#969696", "marker": "v"}),
 }
-LOWEST, ROW = 0.03, 0.05  # of the height of axes: the first row of marks, and the next
 DETAIL = Detail(budget=300)  # returns at some ten milliseconds each
 BASINS = ("#9ecae1", "#fdae6b", "#a1d99b", "#bcbddc", "#fc9272", "#d9d9d9")
 
@@ -90,12 +89,7 @@ def plot_system_motion(
     for ax, name, each in zip(axes, wanted, values, strict=True):
         add(shown, {MOTION: ax.plot(motion.t, each, **LINE)})
         for row, (kind, times) in enumerate(_times(motion).items()):
-            marks = ax.plot(
-                times, np.full(len(times), LOWEST + ROW * row), linestyle="none", markersize=4.0,
-                mec="white", mew=0.4, transform=ax.get_xaxis_transform(), zorder=5,
-                **EVENTS[kind][1],
-            )  # fmt: skip
-            add(shown, {kind: marks})
+            add(shown, {kind: mark_times(ax, row, times, EVENTS[kind][1])})
         ax.margins(x=0.0, y=0.2)
         ax.set_ylabel(_label(name))
         ax.grid(alpha=0.25, linewidth=0.5)
