@@ -65,23 +65,22 @@ def strike(model: Floats, change: Floats, n: int, k: int, notes: Floats, route: 
         prepare(model, contacts, route.z, route.pair)
     _begin(model, change, n, route)
     code = 1000 * k + 100 * COMPRESSION
-    if choice[0] != choice[1]:  # it ends on a segment: its other end first, all velocities zero
+    indeterminate = choice[0] != choice[1]  # it ends on a segment, where all velocities are zero
+    if indeterminate:
         _phase(model, change, n, choice[1], False, route)
         _slacks(n, choice[1], code + OTHER_END, notes, route)
         for a in range(4):
             route.end[a] = route.p[a]
             for m in range(2):
                 route.d_end[m, a] = route.d_p[m, a]
-        _phase(model, change, n, choice[0], False, route)
-        _slacks(n, choice[0], code, notes, route)
+    _phase(model, change, n, choice[0], False, route)
+    _slacks(n, choice[0], code, notes, route)
+    if indeterminate:  # it goes on from the middle
         for a in range(4):
             route.p[a] = 0.5 * (route.p[a] + route.end[a])
             for m in range(2):
                 route.d_p[m, a] = 0.5 * (route.d_p[m, a] + route.d_end[m, a])
         velocity_of(choice[0], route.pair.delassus, route.free, route.p, route.v)
-    else:
-        _phase(model, change, n, choice[0], False, route)
-        _slacks(n, choice[0], code, notes, route)
     _keep(0, n, route)
     _store_impulse(model, n, route)
     code = 1000 * k + 100 * EXPANDING
