@@ -19,6 +19,8 @@ from woodpecker.mechanics.modes import (
     CONTACT,
     EPS,
     SHAPE,
+    STEP,
+    Numbers,
     fill,
     model,
     parameters_of,
@@ -94,9 +96,11 @@ def run(
 
 def change(toy: Toy, parameter: str) -> Floats:
     """Derivative of the numbers of :func:`model` in a parameter of the toy, shape CHANGE."""
-    numbers, rates = np.full(SHAPE, np.nan), np.zeros(CHANGE)
+    numbers, rates, values = np.full(SHAPE, np.nan), np.zeros(CHANGE), parameters_of(toy)
+    if parameter in Numbers._fields:
+        values[Numbers._fields.index(parameter)] += 1j * STEP
     with np.errstate(all="ignore"):
-        fill(parameters_of(toy, parameter).tolist(), numbers, rates)
+        fill(values.tolist(), numbers, rates)
     if parameter in RESTITUTIONS:
         rates[CONTACT + RESTITUTIONS.index(parameter), EPS] = 1.0
     return rates

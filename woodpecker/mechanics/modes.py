@@ -150,29 +150,20 @@ def _bouncing(toy: Toy) -> Floats:
 
 @lru_cache(maxsize=64)
 def _plastic(toy: Toy) -> Floats:
-    numbers = blank(toy)
+    numbers = np.full(SHAPE, np.nan)
+    for index in range(MODES):
+        guards = watched(mode_states(index))
+        numbers[index, GUARDS:] = guards + [-1] * (SHAPE[1] - GUARDS - len(guards))
+    numbers[FORCE, POLE] = toy.pole
+    numbers[FORCE, SUMMED] = float(toy.expansion_friction == ExpansionFriction.SUMMED)
     with np.errstate(all="ignore"):
         fill(parameters_of(toy).tolist(), numbers, np.zeros(CHANGE))
     return numbers
 
 
-def blank(toy: Toy) -> Floats:
-    """What :func:`fill` does not write: guards, pole, restitution and the law of expansion."""
-    numbers = np.full(SHAPE, np.nan)
-    for index in range(MODES):
-        guards = watched(mode_states(index))
-        numbers[index, GUARDS:] = guards + [-1] * (SHAPE[1] - GUARDS - len(guards))
-    numbers[CONTACT : CONTACT + 3, EPS] = toy.eps_n1, toy.eps_n2, toy.eps_n3
-    numbers[FORCE, POLE] = toy.pole
-    numbers[FORCE, SUMMED] = float(toy.expansion_friction == ExpansionFriction.SUMMED)
-    return numbers
-
-
-def parameters_of(toy: Toy, parameter: str = "") -> Complexes:
-    """The parameters that the mode table depends on, shape (16,); one of them moves."""
-    return np.array(
-        [complex(getattr(toy, n), STEP if n == parameter else 0.0) for n in Numbers._fields]
-    )
+def parameters_of(toy: Toy) -> Complexes:
+    """The parameters that the mode table depends on, shape (16,)."""
+    return np.array([complex(getattr(toy, name)) for name in Numbers._fields])
 
 
 def fill(parameters: Complexes | list[complex], numbers: Floats, rates: Floats) -> None:
