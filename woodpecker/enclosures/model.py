@@ -7,7 +7,7 @@ not enter them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -101,7 +101,7 @@ class BallToy:
     @cached_property
     def tangents(self) -> list[Numbers]:
         """Directions of slip w_T of contacts 1, 2, 3."""
-        return [[ball(x) for x in row] for row in self.equations.tangent]
+        return _balls(self.equations.tangent)
 
     @cached_property
     def levers(self) -> Numbers:
@@ -145,7 +145,7 @@ class BallToy:
     @cached_property
     def responses(self) -> list[Numbers]:
         """What a unit impulse N1, T1, N2, T2, N3, T3 adds to the velocities: six vectors."""
-        return [[ball(row[k]) for row in self._response] for k in range(6)]
+        return _balls(zip(*self._response, strict=True))
 
     @cached_property
     def _delassus(self) -> list[list[Any]]:
@@ -159,7 +159,7 @@ class BallToy:
     @cached_property
     def delassus(self) -> list[Numbers]:
         """W^T M^-1 W, rows and columns N1, T1, N2, T2, N3, T3."""
-        return [[ball(x) for x in row] for row in self._delassus]
+        return _balls(self._delassus)
 
     @cached_property
     def _tables(self) -> dict[tuple[int, int, int, bool], list[Numbers] | None]:
@@ -189,7 +189,12 @@ class BallToy:
             friction[k, j] = mu[k] if j == k or coupled else fmpq(0)
         system = np.zeros((4, 10), dtype=object)
         write_case(first + 6 * second, delassus, friction, system)
-        return [[ball(x) for x in row] for row in solved(system)]
+        return _balls(solved(system))
+
+
+def _balls(rows: Iterable[Numbers]) -> list[Numbers]:
+    """Rows of exact numbers as balls."""
+    return [[ball(x) for x in row] for row in rows]
 
 
 def sum_of(terms: Any) -> Any:
