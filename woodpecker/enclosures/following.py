@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from functools import partial
 from itertools import product
 from typing import Any
 
@@ -406,8 +405,7 @@ def _settled(
     open_ = [trial for trial in trials if verdicts[trial] is None]
     if plastic and len(closed) == 1 and len(open_) == 2 and len(trials) == 2:
         return _stays_or_leaves(model, motion, min(closed), trials)
-    candidates = [(verdicts[trial], partial(tuple, trial)) for trial in trials]
-    chosen: State = only(candidates, "a contact problem")
+    chosen = only([(verdicts[trial], trial) for trial in trials], "a contact problem")
     stays = motion.lands
     return [_set_off(motion, chosen, stays=stays if chosen[stays] != OPEN else NO_GUARD)]
 
