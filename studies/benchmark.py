@@ -40,7 +40,6 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.compiled import COMPILED
 from woodpecker.mechanics.modes import FIXED, model
 from woodpecker.simulation.calls import sweep
-from woodpecker.simulation.returns import EVENT_LIMIT
 
 RTOL = 1e-10  # of the peer, whose error then is of the same size
 
@@ -132,12 +131,10 @@ def returns(rounds: int) -> dict[str, Timing]:
 def equal_starts(toy: Toy, n: int) -> Callable[[], Floats]:
     """Work of n equal returns in one call of the kernel, in this thread; gives their images."""
     numbers, seed = model(toy), np.eye(3)[:1]
-    begin, out, words = np.full(n, PHI_S), np.empty((n, 5)), np.empty((n, EVENT_LIMIT), np.int16)
-    status, lengths = np.empty(n, np.int64), np.empty(n, np.int64)
+    begin = np.full(n, PHI_S)
 
     def work() -> Floats:
-        sweep(numbers, FIXED, begin, 1, seed, out, status, lengths, words)
-        return out[:, 0]
+        return sweep(numbers, FIXED, begin, 1, seed)[0][:, 0]
 
     return work
 

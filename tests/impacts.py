@@ -10,10 +10,14 @@ import pytest
 
 from woodpecker.base.compiled import jit
 from woodpecker.mechanics import equations as mechanics
+from woodpecker.mechanics.cases import fill_cases
 from woodpecker.mechanics.contact_problems import INDETERMINATE, PAIR_ROOM, SOLVED, Pair
-from woodpecker.mechanics.impacts import carry_out_along, decide
+from woodpecker.mechanics.impacts import decide
 from woodpecker.mechanics.modes import ANGLE, FIXED, SIGN, model
 from woodpecker.mechanics.toy import ExpansionFriction, Toy
+from woodpecker.simulation import striking
+from woodpecker.simulation.calls import make_work
+from woodpecker.simulation.margins import NOTES
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -21,7 +25,15 @@ IntArray = npt.NDArray[np.int64]
 LAWS = list(ExpansionFriction)
 laws = pytest.mark.parametrize("law", LAWS)
 
-decide, carry_out_along = jit(decide), jit(carry_out_along)  # thousands of calls from here
+# thousands of calls from here:
+decide, along, fill_cases = jit(decide), jit(striking.strike), jit(fill_cases)
+
+
+def case_table(delassus: FloatArray, friction: FloatArray) -> FloatArray:
+    """Impulses of all index combinations of two contacts, (36, 24)."""
+    table = np.empty((36, 24))
+    fill_cases(delassus, friction, table, np.empty((4, 10)))
+    return table
 
 
 def make_pair() -> Pair:
@@ -54,21 +66,25 @@ def strike(
     tangents: npt.ArrayLike = (),
     seed: npt.ArrayLike = (),
 ) -> Blow:
-    z, case, impulses = np.zeros(7), np.zeros(2, dtype=np.int64), np.zeros((2, 4))
+    z, hit = np.zeros(7), np.array(contacts, dtype=np.int64)
     z[3:6] = u
-    rows = np.zeros((len(np.reshape(tangents, (-1, 3))), 7))
-    rows[:, 3:6] = np.reshape(tangents, (-1, 3))
-    seeds = np.array(seed, dtype=float).reshape(-1, 3)
-    hit = np.array(contacts, dtype=np.int64)
-    marks = np.zeros(2, dtype=np.int64)
-    choice = np.zeros(3, dtype=np.int64)
-    numbers, pair = model(toy), make_pair()
-    outcome = decide(numbers, hit, z, choice, marks, pair)
+    rows, seeds = (np.reshape(np.array(each, dtype=float), (-1, 3)) for each in (tangents, seed))
+    marks, choice = np.zeros(2, dtype=np.int64), np.zeros(3, dtype=np.int64)
+    numbers, room = model(toy), make_work()["route"][0]
+    room["z"], outcome = z, decide(numbers, hit, z, choice, marks, room["impulses"], room["pair"])
+    after = [np.zeros((0, 3))]
     if outcome in (SOLVED, INDETERMINATE):
-        carry_out_along(numbers, FIXED, hit, choice, z, rows, seeds, case, impulses, pair)
+        for k in range(0, max(1, len(rows)), 2):  # a route has room for two tangents
+            some = rows[k : k + 2]
+            room["z"], room["tangents"], room["seeds"] = z, 0.0, 0.0
+            room["tangents"][: len(some), 3:6], room["seeds"][: len(some)] = some, seeds[k : k + 2]
+            room["touching"][: len(hit)], room["choice"] = hit, choice
+            along(numbers, FIXED, len(hit), 0, np.zeros((NOTES, 0)), room)
+            after.append(room["tangents"][: len(some), 3:6].copy())
     return Blow(
-        outcome=outcome, u=z[3:6], tangents=rows[:, 3:6], case=case[: len(hit)], impulses=impulses
-    )
+        outcome=outcome, u=room["z"][3:6], tangents=np.concatenate(after),
+        case=room["case"][: len(hit)], impulses=room["impulses"],
+    )  # fmt: skip
 
 
 def random_toy(

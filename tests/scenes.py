@@ -14,8 +14,18 @@ import numpy as np
 import numpy.typing as npt
 
 from woodpecker.base.arrays import Codes, Floats, Ints
-from woodpecker.mechanics.modes import model
-from woodpecker.mechanics.toy import Toy
+from woodpecker.mechanics.modes import (
+    CHANGE,
+    CONTACT,
+    EPS,
+    SHAPE,
+    STEP,
+    Numbers,
+    fill,
+    model,
+    parameters_of,
+)
+from woodpecker.mechanics.toy import RESTITUTIONS, Toy
 from woodpecker.motion.codes import EVENT_COLUMNS, NO_PATH, PHASE_COLUMNS
 from woodpecker.simulation import calls
 from woodpecker.simulation.words import word
@@ -82,3 +92,15 @@ def run(
         phases=phases[: counts[1]],
         events=events[: counts[2]],
     )
+
+
+def change(toy: Toy, parameter: str) -> Floats:
+    """Derivative of the numbers of :func:`model` in a parameter of the toy, shape CHANGE."""
+    numbers, rates, values = np.full(SHAPE, np.nan), np.zeros(CHANGE), parameters_of(toy)
+    if parameter in Numbers._fields:
+        values[Numbers._fields.index(parameter)] += 1j * STEP
+    with np.errstate(all="ignore"):
+        fill(values.tolist(), numbers, rates)
+    if parameter in RESTITUTIONS:
+        rates[CONTACT + RESTITUTIONS.index(parameter), EPS] = 1.0
+    return rates

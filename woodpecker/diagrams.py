@@ -17,7 +17,7 @@ from woodpecker.base.checks import instance
 from woodpecker.base.executors import Serial, worker_count
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import PiecewiseMap
-from woodpecker.mechanics.toy import WINDOW, Toy
+from woodpecker.mechanics.toy import RESTITUTIONS, WINDOW, Toy
 from woodpecker.plane.curve import Curve, PlanePoint
 from woodpecker.runs import AT, Subject, nothing, recorded, subject
 from woodpecker.search.diagrams import (
@@ -34,7 +34,6 @@ from woodpecker.search.samples import StopRule
 from woodpecker.search.search import Search
 from woodpecker.search.tasks import Worker
 from woodpecker.shooting import PeriodicOrbit
-from woodpecker.simulation.returns import RESTITUTIONS
 from woodpecker.slices.orbits import Orbit
 from woodpecker.two_parameters import Spans, curve_in_two
 

@@ -33,26 +33,14 @@ WHOLE = (0.0, 1.0)  # the span over which a toy is followed, unless another one 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Subject:
-    """What is followed over one parameter, and how.
-
-    Attributes
-    ----------
-    source, map_
-        The toy or map as it was given, and as a map of pieces.
-    parameter, x_name
-        What the diagram calls the parameter and the coordinate.
-    wanted
-        The span that was asked for.
-    settings
-        With the window, and the part of the span that the parameter can have.
-    """
+    """What is followed over one parameter, and how."""
 
     source: Toy | PiecewiseMap | PiecewiseLinearMap
-    map_: PiecewiseMap
-    parameter: str
-    x_name: str
-    wanted: tuple[float, float]
-    settings: Settings
+    map_: PiecewiseMap  # the same as a map of pieces
+    parameter: str  # what the diagram calls the parameter
+    x_name: str  # and the coordinate
+    wanted: tuple[float, float]  # the span that was asked for
+    settings: Settings  # with the window, and the part of the span that the parameter can have
 
     @property
     def about(self) -> Entry:
@@ -78,12 +66,8 @@ def subject(
 ) -> Subject:  # fmt: skip
     """What is followed; span and window are those of the settings, if none are given.
 
-    Raises
-    ------
-    ValueError
-        If the span holds no value that the parameter can have.
-    TypeError
-        If it is neither a toy nor a map, the parameter is unknown, or the settings are none.
+    ValueError if the span holds no value that the parameter can have; TypeError if it is neither a
+    toy nor a map, the parameter is unknown, or the settings are none.
     """
     map_, name, x_name = named(source, parameter)
     of_toy = isinstance(source, Toy)
@@ -100,13 +84,7 @@ def subject(
 
 
 def settings_for(settings: Settings | None, default: Settings, **taken: Any) -> Settings:
-    """Settings, or the default, with the intervals of a call.
-
-    Raises
-    ------
-    TypeError
-        If they are none.
-    """
+    """Settings, or the default, with the intervals of a call; TypeError if they are none."""
     if not isinstance(settings, Settings | None):
         raise TypeError(
             f"settings must be woodpecker.Settings, got {type(settings).__module__}."
@@ -116,13 +94,7 @@ def settings_for(settings: Settings | None, default: Settings, **taken: Any) -> 
 
 
 def possible(toy: Toy, parameter: str, span: tuple[float, float]) -> tuple[float, float]:
-    """The part of a span that a parameter of the toy can have.
-
-    Raises
-    ------
-    ValueError
-        If there is none.
-    """
+    """The part of a span that a parameter of the toy can have; ValueError if there is none."""
     low, high = limits(toy, parameter)
     if not max(span[0], low) < min(span[1], high):
         raise ValueError(f"span must hold values of {parameter} in ({low}, {high}), got {span}")
@@ -190,19 +162,15 @@ def _toy_of(run_of: Entry, parameter: str) -> Toy:
 def finished(found: Diagram, toy: Toy, wanted: tuple[float, float], settings: Settings) -> Diagram:
     """A diagram of the toy: ends of the parameter's own domain say so, and what was given."""
     parameter = found.parameter_name
-    made = {"program": PROGRAM, **made_from(toy, parameter, settings, wanted)}
+    made: Entry = plain({
+        "program": PROGRAM, SPAN: wanted, TOY: about(toy, parameter, settings, wanted)[TOY],
+        "settings": differing(settings, DEFAULT),  # what is not as usual
+    })  # fmt: skip
     reasons = dict(_domain_ends(toy, parameter, wanted))
     points = tuple(_of_domain(point, reasons, settings) for point in found.points)
     if LEFT in found.about:
         made[LEFT] = found.about[LEFT]
     return replace(found, points=points, given=given(toy, parameter), about=made)
-
-
-def made_from(toy: Toy, parameter: str, settings: Settings, wanted: tuple[float, float]) -> Entry:
-    """What a diagram says of how it was made: of the settings those that are not the default."""
-    fixed = about(toy, parameter, settings, wanted)["toy"]
-    found: Entry = plain({SPAN: wanted, "toy": fixed, "settings": differing(settings, DEFAULT)})
-    return found
 
 
 def _domain_ends(

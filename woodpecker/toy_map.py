@@ -8,16 +8,15 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from functools import lru_cache
-from typing import TYPE_CHECKING, ClassVar, NamedTuple, Protocol
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, number, real_array
-from woodpecker.base.compiled import announce
 from woodpecker.base.shown import shown
 from woodpecker.maps.pieces import Image, PiecewiseMap
 from woodpecker.maps.sweeps import Sweep
@@ -26,7 +25,6 @@ from woodpecker.mechanics.modes import (
     CHANGE,
     CONTACT,
     EPS,
-    EPSILONS,
     FIXED,
     FORCE,
     LIMIT,
@@ -38,10 +36,10 @@ from woodpecker.mechanics.modes import (
     refill,
     table,
 )
-from woodpecker.mechanics.toy import Toy, known_parameter, limits
+from woodpecker.mechanics.toy import RESTITUTIONS, Toy, known_parameter, limits
 from woodpecker.motion.codes import NO_PATH, RETURNED
-from woodpecker.simulation.calls import compute, sweep
-from woodpecker.simulation.paths import EVENT_LIMIT, Follower, Path, cause_of
+from woodpecker.simulation.calls import sweep
+from woodpecker.simulation.paths import Follower, Path, cause_of
 from woodpecker.simulation.returns import RELATIVE_STEP
 
 if TYPE_CHECKING:
@@ -53,121 +51,136 @@ TOO_FAR = "the path does not reach so far"
 NO_MARGINS, NO_GRADIENTS, NO_TIMES = np.zeros(0), np.zeros((0, 2)), np.zeros(0)
 NO_CAUSES: Ints = np.zeros(0, dtype=np.int64)
 
-Held = tuple[tuple[str, float], ...]
-"""Parameters of a toy, by name, that have other values than the toy's own."""
+Values = tuple[tuple[str, float], ...]
+"""Parameters of a toy by name, with other values than its own; the last one is that which moves."""
 
-NOTHING_HELD: Held = ()
-
-
-class _Table:
-    """The kernel's numbers over one parameter of the toy, and their derivatives.
-
-    Attributes
-    ----------
-    numbers, change
-        As :func:`woodpecker.simulation.calls.sweep` takes them, for the values of the last
-        :meth:`at`.
-    seed
-        (1, 3), derivatives of the restitution coefficients.
-    """
-
-    def __init__(self, toy: Toy, parameter: str) -> None:
-        self._toy, self._parameter, self._held = toy, parameter, NOTHING_HELD
-        self._low, self._high = limits(toy, parameter)
-        self.numbers: Floats = table(toy)
-        self._rates: Floats = np.zeros(CHANGE)
-        self.change: Floats = self._rates if parameter in Numbers._fields else FIXED
-        self.seed: Floats = np.zeros((1, 3))
-        if parameter in EPSILONS:
-            self.seed[0, EPSILONS.index(parameter)] = 1.0
-        self._complex = parameters_of(toy, parameter)
-        self._value = math.nan
-
-    def at(self, p: float, held: Held) -> None:
-        """Take the numbers of other values; ValueError says why the toy cannot have them."""
-        if held != self._held:
-            self._hold(p, held)
-        elif p == self._value:
-            return
-        if not self._low * (1.0 + CLEAR) < p < self._high * (1.0 - CLEAR):
-            self._toy.replace(**{self._parameter: p})
-        if self._put(self._parameter, complex(p, STEP)):
-            refill(self._complex, self.numbers, self._rates)
-        if not self.numbers[FORCE, SOUND]:
-            self._value = math.nan
-            raise unsound(self._toy.replace(**{self._parameter: p}))
-        self._value = p
-
-    def _hold(self, p: float, held: Held) -> None:
-        """Take other values of the other parameters."""
-        self._toy = self._toy.replace(**dict(held) | {self._parameter: p})
-        self._low, self._high = limits(self._toy, self._parameter)
-        changed = [self._put(name, complex(value)) for name, value in held]
-        if any(changed):
-            refill(self._complex, self.numbers, self._rates)
-        self._held = held
-
-    def _put(self, name: str, value: complex) -> bool:
-        """Take another value of a parameter; whether the table is to be filled again."""
-        if name in Numbers._fields:
-            self._complex[Numbers._fields.index(name)] = value
-            return True
-        if name in EPSILONS:
-            self.numbers[CONTACT + EPSILONS.index(name), EPS] = value.real
-        else:
-            self.numbers[FORCE, POLE] = value.real
-        return False
+NO_VALUES: Values = ()
 
 
 class _ThreadRoom:
-    """A table and a follower for all calls of one thread."""
+    """The kernel's numbers for some toys and their derivatives, and a follower: for one thread.
 
-    def __init__(self, toy: Toy, parameter: str) -> None:
-        self._table = _Table(toy, parameter)
-        self.follower = Follower(self._table.numbers, self._table.change, self._table.seed)
+    The toys differ in some parameters; ``rates`` say by how much these change in the direction of
+    the derivatives.
+    """
 
-    def obstacle(self, x: float, p: float, held: Held) -> str:
+    def __init__(self, toy: Toy, rates: Mapping[str, float]) -> None:
+        self._toy, self._values, self._limits = toy, NO_VALUES, (math.inf, -math.inf)
+        steps = np.array([rates.get(name, 0.0) for name in Numbers._fields]) * STEP
+        self._complex = parameters_of(toy) + 1j * steps
+        self._numbers: Floats = table(toy)
+        self._rates: Floats = np.zeros(CHANGE)
+        self._change = self._rates if steps.any() else FIXED
+        self._seed: Floats = np.array([[rates.get(name, 0.0) for name in RESTITUTIONS]])
+        self.follower = Follower(self._numbers, self._change, self._seed)
+
+    def _take(self, values: Values) -> None:
+        """Take the numbers of other values; ValueError says why the toy cannot have them."""
+        if values == self._values and self._numbers[FORCE, SOUND]:
+            return
+        (low, high), (name, value) = self._limits, values[-1]
+        clear = low * (1.0 + CLEAR) < value < high * (1.0 - CLEAR)
+        if clear and values[:-1] == self._values[:-1]:
+            due = self._put(name, value)
+        else:
+            there = self._toy.replace(**dict(values))
+            self._limits = limits(there, name)
+            due = False
+            for each, _ in (*self._values, *values):  # those that were changed before, too
+                due |= self._put(each, getattr(there, each))
+        self._values = values
+        if due:
+            refill(self._complex, self._numbers, self._rates)
+        if not self._numbers[FORCE, SOUND]:
+            raise unsound(self._toy.replace(**dict(values)))
+
+    def _put(self, name: str, value: float) -> bool:
+        """Take another value of a parameter; whether the table is to be filled again."""
+        if name in Numbers._fields:
+            self._complex.real[Numbers._fields.index(name)] = value
+            return True
+        if name in RESTITUTIONS:
+            self._numbers[CONTACT + RESTITUTIONS.index(name), EPS] = value
+        else:
+            self._numbers[FORCE, POLE] = value
+        return False
+
+    def obstacle(self, x: float, values: Values) -> str:
         """Take the numbers of these values; why the toy cannot start from there, or nothing."""
         try:
-            self._table.at(p, held)
+            self._take(values)
         except ValueError as error:
             return str(error)
         if not math.isfinite(x):
             return f"phi_s must be finite, got {x}"
-        return "" if x < self._table.numbers[CONTACT, LIMIT] else "the beak touches the pole"
+        return "" if x < self._numbers[CONTACT, LIMIT] else "the beak touches the pole"
 
-    def sweep(self, x: Floats, p: float, held: Held) -> Sweep:
-        """Images and slopes at points (n,), nan where there is none; ValueError as of the table."""
-        self._table.at(p, held)
-        out, words = np.empty((len(x), 5)), np.empty((len(x), EVENT_LIMIT), dtype=np.int16)
-        codes, lengths = np.empty((2, len(x)), dtype=np.int64)
-        announce(compute)
-        sweep(
-            self._table.numbers, self._table.change, x, 1, self._table.seed,
-            out, codes, lengths, words,
-        )  # fmt: skip
+    def sweep(self, x: Floats, values: Values) -> Sweep:
+        """Images and slopes at points (n,), nan where there is none; ValueError if no toy is."""
+        self._take(values)
+        out, codes, _, _ = sweep(self._numbers, self._change, x, 1, self._seed)
         out[codes > RETURNED] = math.nan
         return Sweep(out[:, 0], out[:, 3])
 
 
-class ToyMap(Protocol):
-    """Returns of toys over one number: a parameter, or how far the toy is along a line of them."""
-
-    def at(self, x: float, p: float) -> Image:
-        """The return from phi_S = x [rad] along the path that the toy takes there."""
-
-    def ready(self, x: float, p: float) -> tuple[Follower, str]:
-        """The follower, with the numbers of p; why the toy cannot start from there, or nothing."""
-
-
-class _PerThread(threading.local):
+class PerThread(threading.local):
     """What a thread keeps of a map between calls; no part of the map, and no copy has it."""
 
     room: _ThreadRoom | None = None
 
 
+class ToyMap:
+    """P_1 of toys that one number tells apart: a parameter, or how far they are along a line."""
+
+    __slots__ = ()
+    margins_decide: ClassVar[bool] = True  # of a path: which one the toy takes
+    toy: Toy
+    _cache: PerThread
+
+    @property
+    def rates(self) -> Mapping[str, float]:
+        """By how much parameters of the toy change with the number."""
+        raise NotImplementedError
+
+    def _values(self, p: float) -> Values:
+        """The parameters that differ from those of the toy, at a value of the number."""
+        raise NotImplementedError
+
+    def at(self, x: float, p: float) -> Image:
+        """The return from phi_S = x [rad] along the path that the toy takes there, at p.
+
+        Without a return it carries the reason.
+        """
+        x, p = _numbers(x, p)
+        follower, obstacle = self.ready(x, p)
+        if obstacle:
+            return _undefined(ToyPiece(self, Path(obstacle, NO_PATH, NO_TIMES)), obstacle)
+        status, path, _ = follower.trace(x)
+        if not status.success:
+            nowhere = ToyPiece(self, Path(status.value, NO_PATH, NO_TIMES))
+            return _undefined(nowhere, status.value)
+        return _image(ToyPiece(self, path), follower, x, p)
+
+    def ready(self, x: float, p: float) -> tuple[Follower, str]:
+        """The follower, with the numbers of p; why the toy cannot start from there, or nothing."""
+        room = self.room()
+        return room.follower, room.obstacle(x, self._values(p))
+
+    @property
+    def evaluations(self) -> int:
+        """How many returns this thread has computed one by one, found or followed."""
+        return self.room().follower.evaluations
+
+    def room(self) -> _ThreadRoom:
+        """Table and follower of this thread."""
+        room = self._cache.room
+        if room is None:
+            room = self._cache.room = _ThreadRoom(self.toy, self.rates)
+        return room
+
+
 @dataclass(frozen=True, slots=True)
-class ToyPieces:
+class ToyPieces(ToyMap):
     """P_1 of the toy as a piecewise-smooth map; it pickles, and threads may share it.
 
     Parameters
@@ -195,15 +208,14 @@ class ToyPieces:
 
     toy: Toy
     parameter: str = "eps_n1"
-    margins_decide: ClassVar[bool] = True
-    _held: Held = field(default=NOTHING_HELD, init=False, repr=False)
-    _cache: _PerThread = field(default_factory=_PerThread, init=False, repr=False, compare=False)
+    _held: Values = field(default=NO_VALUES, init=False, repr=False)
+    _cache: PerThread = field(default_factory=PerThread, init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         instance("toy", self.toy, Toy)
         known_parameter(self.parameter)
 
-    def __reduce__(self) -> tuple[Callable[[Toy, str, Held], ToyPieces], tuple[Toy, str, Held]]:
+    def __reduce__(self) -> tuple[Callable[[Toy, str, Values], ToyPieces], tuple[Toy, str, Values]]:
         return _same, (self.toy, self.parameter, self._held)
 
     def holding(self, **values: float) -> ToyPieces:
@@ -235,36 +247,14 @@ class ToyPieces:
         object.__setattr__(map_, "_cache", self._cache)
         return map_
 
-    def at(self, x: float, p: float) -> Image:
-        """The return from phi_S = x [rad] along the path that the toy takes there.
+    @property
+    def rates(self) -> Mapping[str, float]:
+        """One for the parameter that varies."""
+        return {self.parameter: 1.0}
 
-        Parameters
-        ----------
-        x, p
-            phi_S [rad] at the start, and the value of the parameter, in its unit.
-
-        Returns
-        -------
-        Image
-            The next phi_S [rad], derivatives and margins; without a return it carries the reason.
-        """
-        return image_taken(self, x, p)
-
-    def ready(self, x: float, p: float) -> tuple[Follower, str]:
-        """The follower, with the numbers of p; why the toy cannot start from there, or nothing.
-
-        Parameters
-        ----------
-        x, p
-            phi_S [rad] at the start, and the value of the parameter, in its unit.
-
-        Returns
-        -------
-        follower, reason
-            The reason is empty if the toy can start.
-        """
-        room = self.room()
-        return room.follower, room.obstacle(x, p, self._held)
+    def _values(self, p: float) -> Values:
+        """The parameters that are held, and the one that varies."""
+        return *self._held, (self.parameter, p)
 
     def taken(self, x: float, p: float) -> tuple[bytes, float]:
         """The key of the piece that the toy takes there, and its image as the search finds it.
@@ -306,46 +296,27 @@ class ToyPieces:
         """
         points = real_array("x", x).ravel()
         if np.ndim(p) == 0:
-            return self.room().sweep(points, number("p", p), self._held)
+            return self.room().sweep(points, self._values(number("p", p)))
         each = np.broadcast_to(real_array("p", p), points.shape)
         values, which = np.unique(each, return_inverse=True)
         found = np.empty((2, len(points)))
         for k, value in enumerate(values.tolist()):  # a table for each value
-            found[:, which == k] = self.room().sweep(points[which == k], value, self._held)
+            found[:, which == k] = self.room().sweep(points[which == k], self._values(value))
         return Sweep(*found)
-
-    @property
-    def evaluations(self) -> int:
-        """How many returns this thread has computed one by one, found or followed."""
-        return self.room().follower.evaluations
-
-    def room(self) -> _ThreadRoom:
-        """Table and follower of this thread."""
-        room = self._cache.room
-        if room is None:
-            room = self._cache.room = _ThreadRoom(self.toy, self.parameter)
-        return room
 
 
 @lru_cache(maxsize=KEPT)
-def _same(toy: Toy, parameter: str, held: Held) -> ToyPieces:
+def _same(toy: Toy, parameter: str, held: Values) -> ToyPieces:
     """The one copy of a map in this process: pieces that come one by one share its tables."""
     return ToyPieces(toy, parameter).holding(**dict(held))
 
 
 class ToyPiece(NamedTuple):
-    """Returns along one path.
+    """Returns along one path."""
 
-    Attributes
-    ----------
-    whole
-        The map that the piece belongs to.
-    path
-        What happens; of no phases where the toy does not return, with the reason as its word. The
-        durations are those where the piece was met last.
-    """
-
-    whole: ToyMap
+    whole: ToyMap  # the map that the piece belongs to
+    # what happens; of no phases where the toy does not return, with the reason as its word.
+    # The durations are those where the piece was met last
     path: Path
 
     @property
@@ -367,7 +338,7 @@ class ToyPiece(NamedTuple):
 
     def cause(self, code: int) -> str:
         """A sentence on what happens where a margin vanishes."""
-        return cause_of(self.path, code).sentence
+        return cause_of(self.path, code)
 
 
 def _numbers(x: float, p: float) -> tuple[float, float]:
@@ -375,19 +346,6 @@ def _numbers(x: float, p: float) -> tuple[float, float]:
     if isinstance(x, float) and isinstance(p, float):
         return x, p
     return number("x", x), number("p", p)
-
-
-def image_taken(whole: ToyMap, x: float, p: float) -> Image:
-    """The return from phi_S = x [rad] along the path that the toy takes there."""
-    x, p = _numbers(x, p)
-    follower, obstacle = whole.ready(x, p)
-    if obstacle:
-        return _undefined(ToyPiece(whole, Path(obstacle, NO_PATH, NO_TIMES)), obstacle)
-    status, path, _ = follower.trace(x)
-    if not status.success:
-        nowhere = ToyPiece(whole, Path(status.value, NO_PATH, NO_TIMES))
-        return _undefined(nowhere, status.value)
-    return _image(ToyPiece(whole, path), follower, x, p)
 
 
 def _undefined(piece: ToyPiece, reason: str) -> Image:
@@ -428,12 +386,8 @@ class Named(NamedTuple):
 def named(source: Toy | PiecewiseMap | PiecewiseLinearMap, parameter: str | None = None) -> Named:
     """The map of a toy over a parameter, by default eps_n1; a map of pwmap as one of pieces.
 
-    Raises
-    ------
-    TypeError
-        If it is neither a toy nor a map, or the parameter is none of the toy, or no text.
-    ValueError
-        If an exact map has other parameters than one.
+    TypeError if it is neither a toy nor a map, or the parameter is none of the toy, or no text;
+    ValueError if an exact map has other parameters than one.
     """
     if isinstance(source, Toy):
         name = "eps_n1" if parameter is None else parameter

@@ -83,12 +83,10 @@ def land(table: Floats, z: Floats) -> Floats:
 def shoot_one(toy: Toy, guess: float, steps: int = 20) -> Found:
     """Newton's method in phi_S with the exact slope of the map."""
     table, phi_s = model(toy), np.array([guess])
-    out, words = np.empty((1, 5)), np.empty((1, EVENTS), np.int16)
-    status, lengths = np.empty(1, np.int64), np.empty(1, np.int64)
     spent = 0
     for _ in range(steps):
         spent += 1
-        sweep(table, FIXED, phi_s, 1, np.zeros((1, 3)), out, status, lengths, words)
+        out = sweep(table, FIXED, phi_s, 1, np.zeros((1, 3)))[0]
         residual, slope = out[0, 0] - phi_s[0], out[0, 3]
         if abs(residual) <= CONVERGED:
             break

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from scenes import change
 
 from woodpecker import Toy, bifurcation_diagram, continuation, parameters, shoot
 from woodpecker.mechanics.modes import (
@@ -13,7 +14,6 @@ from woodpecker.mechanics.modes import (
     MODES,
     OMEGA,
     Numbers,
-    change,
     model,
 )
 from woodpecker.mechanics.toy import ExpansionFriction, limits

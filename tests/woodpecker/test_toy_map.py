@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from woodpecker import Toy, first_return
-from woodpecker.mechanics.modes import EPSILONS
+from woodpecker.mechanics.toy import RESTITUTIONS
 from woodpecker.toy_map import TOO_FAR, ToyPieces
 
 
@@ -47,7 +47,7 @@ def test_a_piece_is_never_fooled(parameter: str) -> None:
     """
     toy, rng = Toy(), np.random.default_rng(6)
     value = float(getattr(toy, parameter))
-    low, high = (0.02, 0.95) if parameter in EPSILONS else (0.9 * value, 1.1 * value)
+    low, high = (0.02, 0.95) if parameter in RESTITUTIONS else (0.9 * value, 1.1 * value)
     whole = ToyPieces(toy, parameter)
     inside = outside = 0
     for _ in range(400):
@@ -84,6 +84,18 @@ def test_where_there_is_no_image_the_reason_is_in_words() -> None:
     assert far.reason == TOO_FAR
     assert len(far.margins) == 0
     assert far.gradients.shape == (0, 2)
+
+
+@pytest.mark.parametrize("held", [{"mu_2": 0.31}, {"eps_n2": 0.1}, {"pole": 0.01}])
+def test_maps_that_share_tables_keep_their_own_values(held: dict[str, float]) -> None:
+    whole = ToyPieces(Toy())
+    before = whole.at(-0.53, 0.5)
+    there = whole.holding(**held).at(-0.53, 0.5)
+    alone = ToyPieces(Toy(**held)).at(-0.53, 0.5)
+    again = whole.at(-0.53, 0.5)
+    assert np.array_equal([there.value, there.slope], [alone.value, alone.slope], equal_nan=True)
+    assert there.reason == alone.reason
+    assert (again.value, again.slope) == (before.value, before.slope)
 
 
 def test_pieces_pickle_and_threads_share_them() -> None:

@@ -19,7 +19,6 @@ from woodpecker.checking.pieces import (
     Interval,
     Rejected,
     ToyData,
-    Verified,
     VerifiedPiece,
     VerifiedReturn,
     check_both,
@@ -44,24 +43,10 @@ NOT_MADE_SO = (
 
 
 def check_certificate(path: str | os.PathLike[str]) -> str:
-    """Verify a certificate of the toy, and say what is proved.
+    """Verify a certificate of the toy, as :meth:`pwmap.proofs.Certificate.save` writes it.
 
-    Parameters
-    ----------
-    path
-        A file as :meth:`pwmap.proofs.Certificate.save` writes it.
-
-    Returns
-    -------
-    str
-        The statement, composed from what was verified.
-
-    Raises
-    ------
-    Rejected
-        If the certificate does not hold, or is none.
-    OSError
-        If the file cannot be read.
+    Returns the statement, composed from what was verified. Rejected if the certificate does not
+    hold, or is none; OSError if the file cannot be read.
     """
     raw = Path(path).read_bytes()
     if len(raw) > LONGEST:
@@ -230,7 +215,7 @@ def _hangs_together(gaps: Sequence[Interval]) -> str:
     )
 
 
-def _joined(before: Verified, piece: Verified, order: int) -> None:
+def _joined(before: VerifiedPiece, piece: VerifiedPiece, order: int) -> None:
     """The cycle of one piece lies in the tubes of the other where they meet."""
     for outer, a, inner, b in ((before, 1, piece, -1), (piece, -1, before, 1)):
         places = [(outer.place(a, k)[0], inner.place(b, k)[1]) for k in range(order)]

@@ -44,13 +44,17 @@ class F:
         """Range of a derivative."""
         return self.parts[ORDERS.index(order)].range
 
-    def __add__(self, other: F) -> F:
+    def __add__(self, other: F | I) -> F:
+        if isinstance(other, I):
+            return F(self.box, [self.parts[0].plus(other), *self.parts[1:]])
         return F(self.box, [a + b for a, b in zip(self.parts, other.parts, strict=True)])
+
+    __radd__ = __add__
 
     def __neg__(self) -> F:
         return F(self.box, [-a for a in self.parts])
 
-    def __sub__(self, other: F) -> F:
+    def __sub__(self, other: F | I) -> F:
         return self + (-other)
 
     def __mul__(self, other: F | I) -> F:
@@ -66,9 +70,7 @@ class F:
             found.append(total)
         return F(self.box, found)
 
-    def plus(self, x: I) -> F:
-        """The function plus a number."""
-        return F(self.box, [self.parts[0].plus(x), *self.parts[1:]])
+    __rmul__ = __mul__
 
 
 def halves(n: int) -> tuple[int, int]:

@@ -7,7 +7,7 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from woodpecker.checking.forms import Box, F, constant, shapes, waves
+from woodpecker.checking.forms import Box, F, constant, halves, shapes, waves
 from woodpecker.checking.intervals import I, NotSeparated, T, inverse
 
 Guard = tuple[str, int]
@@ -50,29 +50,23 @@ class GuardValue:
     def lasts(self, end: I, falling: I | None) -> bool:
         """Whether the guard does not fire in (0, end], or until it falls on an interval."""
         if self.guard[0] == "section":
-            return end.sign() != 1 or self.turns_not(end)
+            return end.sign() != 1 or everywhere(I.of(0), end, self.turns_not)
         if end.sign() != 1:
             return falling is not None and self.over(I.of(0).hull(falling), 1).sign() == -1
         first = self.begin(end)
-        if first is None:
-            return False
-        todo, parts = [(first, end, 0)], 0
-        while todo:
-            a, b, depth = todo.pop()
-            parts += 1
-            if not a.less(b):
-                continue
-            t = a.hull(b)
-            if self.over(t).sign() == 1:
-                continue
-            slope = self.over(t, 1).sign()
-            if slope and self.value(a if slope == 1 else b).sign() == 1:
-                continue
-            middle = t.mid
-            if depth == HALVINGS or parts == PARTS or self.value(middle).sign() == -1:
-                return False
-            todo += [(middle, b, depth + 1), (a, middle, depth + 1)]
-        return True
+        return first is not None and everywhere(first, end, self._is_positive)
+
+    def _is_positive(self, a: I, b: I) -> bool | None:
+        """Whether it is positive on [a, b], by its range or by its end where it is monotone."""
+        if not a.less(b):
+            return True
+        t = a.hull(b)
+        if self.over(t).sign() == 1:
+            return True
+        slope = self.over(t, 1).sign()
+        if slope and self.value(a if slope == 1 else b).sign() == 1:
+            return True
+        return False if self.value(t.mid).sign() == -1 else None
 
     def begin(self, end: I) -> I | None:
         """A time until which the guard grows from its zero."""
@@ -90,24 +84,14 @@ class GuardValue:
                 return t.low
         return None
 
-    def turns_not(self, end: I) -> bool:
-        """Whether the bird's velocity does not rise through zero in (0, end]."""
-        todo, parts = [(I.of(0), end, 0)], 0
-        while todo:
-            a, b, depth = todo.pop()
-            parts += 1
-            t = a.hull(b)
-            slope = self.over(t, 1).sign()
-            if self.over(t).sign() or slope == -1:
-                continue
-            starts = a.sign() == 0 and self.zeros == 1
-            if slope == 1 and (starts or self.value(b).sign() == -1):
-                continue
-            if depth == HALVINGS or parts == PARTS:
-                return False
-            middle = t.mid
-            todo += [(a, middle, depth + 1), (middle, b, depth + 1)]
-        return True
+    def turns_not(self, a: I, b: I) -> bool | None:
+        """Whether the bird's velocity does not rise through zero in (a, b]."""
+        t = a.hull(b)
+        slope = self.over(t, 1).sign()
+        if self.over(t).sign() or slope == -1:
+            return True
+        starts = a.sign() == 0 and self.zeros == 1
+        return True if slope == 1 and (starts or self.value(b).sign() == -1) else None
 
     def crossing(self, bracket: I, direction: int) -> F:
         """When the guard crosses zero: once, inside the bracket."""
@@ -147,41 +131,38 @@ class GuardValue:
             return None
 
 
+def everywhere(low: I, high: I, told: Callable[[I, I], bool | None]) -> bool:
+    """Whether something holds in an interval: that is told of all of it, or of all its parts."""
+    todo, parts = [(low, high, 0)], 0
+    while todo:
+        a, b, depth = todo.pop()
+        parts += 1
+        holds = told(a, b)
+        if holds is None:
+            if depth == HALVINGS or parts == PARTS:
+                return False
+            middle = a.hull(b).mid
+            todo += [(middle, b, depth + 1), (a, middle, depth + 1)]
+        elif not holds:
+            return False
+    return True
+
+
 def combined(f: Sequence[Any], s: Sequence[Any], t: Any, kappa: I, order: int) -> F | I:
     """A derivative of f0 + f1 t + f2 s_2 + f3 s_3."""
-    terms: list[tuple[Any, Any]]
+    found: F | I
     match order:
         case 0:
-            terms = [(f[0], None), (f[1], t), (f[2], s[2]), (f[3], s[3])]
+            found = f[0] + f[1] * t + f[2] * s[2] + f[3] * s[3]
         case 1:
-            terms = [(f[1], None), (f[2], s[1]), (f[3], s[2])]
+            found = f[1] + f[2] * s[1] + f[3] * s[2]
         case 2:
-            terms = [(f[2], s[0]), (f[3], s[1])]
+            found = f[2] * s[0] + f[3] * s[1]
         case 3:
-            terms = [(f[3], s[0]), (f[2], s[1] * kappa)]
+            found = f[3] * s[0] + f[2] * (s[1] * kappa)
         case _:
-            terms = [(f[2], s[0] * kappa), (f[3], s[1] * kappa)]
-    found: Any = None
-    for x, y in terms:
-        term = x if y is None else times(x, y)
-        found = term if found is None else plus(found, term)
-    return found  # type: ignore[no-any-return]
-
-
-def times(x: Any, y: Any) -> Any:
-    """A product of forms or numbers."""
-    if isinstance(x, I) and isinstance(y, F):
-        return y * x
-    return x * y
-
-
-def plus(x: Any, y: Any) -> Any:
-    """A sum of forms or numbers."""
-    if isinstance(x, F) and isinstance(y, I):
-        return x.plus(y)
-    if isinstance(x, I) and isinstance(y, F):
-        return y.plus(x)
-    return x + y
+            found = f[2] * (s[0] * kappa) + f[3] * (s[1] * kappa)
+    return found
 
 
 def height(f: Sequence[Any], kappa: I, t: Any, order: int) -> F | I:
@@ -196,15 +177,16 @@ def height(f: Sequence[Any], kappa: I, t: Any, order: int) -> F | I:
 
     second, third = less(3, 2), less(4, 3)
     if order == 0:
-        return plus(times(f[2], c[2]), times(f[3], c[3] * t))  # type: ignore[no-any-return]
-    if order == 1:
+        a, b = c[2], c[3] * t
+    elif order == 1:
         a, b = second * t * kappa, third * x + c[3]
     else:
         bend_2 = third - less(5, 4) * I.of(2)
         bend_3 = less(5, 4) - less(6, 5) * I.of(3)
         a = (bend_2 * x + second) * kappa
         b = (bend_3 * x + third * I.of(3)) * t * kappa
-    return plus(times(f[2], a), times(f[3], b))  # type: ignore[no-any-return]
+    found: F | I = f[2] * a + f[3] * b
+    return found
 
 
 def root(at: Callable[..., Any], range_: Callable[..., I], bracket: I, box: Box) -> F:
@@ -237,7 +219,7 @@ def root(at: Callable[..., Any], range_: Callable[..., I], bracket: I, box: Box)
     for n in range(1, box.depth):
         part = value.parts[n]
         if n > 2:
-            i, j = {3: (1, 1), 4: (1, 2), 5: (2, 2)}[n]
+            i, j = halves(n)
             bend = at(fixed, 2).all[0]
             part = part + speed.parts[i] * found[j] + speed.parts[j] * found[i]
             part = part + bend * found[i] * found[j]

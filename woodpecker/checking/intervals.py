@@ -60,6 +60,8 @@ class I:  # noqa: E742  (the name of intervals in the field)
         )
 
     def __add__(self, other: I) -> I:
+        if type(other) is not I:  # a function over a box adds itself
+            return NotImplemented
         return I(self.a + other.a, self.b + other.b)
 
     def __sub__(self, other: I) -> I:
@@ -69,6 +71,8 @@ class I:  # noqa: E742  (the name of intervals in the field)
         return I(-self.b, -self.a)
 
     def __mul__(self, other: I) -> I:
+        if type(other) is not I:
+            return NotImplemented
         a, b, c, d, bits = self.a, self.b, other.a, other.b, Context.bits
         if a >= 0 and c >= 0:
             return I(a * c >> bits, -(-b * d >> bits))

@@ -104,7 +104,7 @@ class Tracker:
         m = self.toy.mode(states)
         d0, d1 = self.q[2] - self.q[1], self.u[2] - self.u[1]
         kappa = I.of(m.kappa)
-        d2 = (d0 * kappa).plus(I.of(m.alpha))
+        d2 = d0 * kappa + I.of(m.alpha)
         zeros = 0
         jet: list[F | I]
         if kind == "section":
@@ -116,8 +116,8 @@ class Tracker:
             others = all(states[k] == self.before[k] for k in range(3) if k != i)
             if zeros == 2 and self.fired == ("normal", i) and others:
                 zeros = 3
-            gap = self.q[j].plus(-I.of(self.toy.touch[i])) * side
-            bend = (d0 * I.of(m.b[j])).plus(I.of(m.a[j])) * side
+            gap = (self.q[j] - I.of(self.toy.touch[i])) * side
+            bend = (d0 * I.of(m.b[j]) + I.of(m.a[j])) * side
             jet = [gap, self.u[j] * side, bend, d1 * (I.of(m.b[j]) * side)]
             if self.let_go(i, states):
                 jet[1] = jet[2] = I.of(0)
@@ -129,7 +129,7 @@ class Tracker:
             c = I.of(along) * side
             jet = [
                 slip(self.toy, i, self.u) * side,
-                (d0 * I.of(along)).plus(I.of(steady)) * side,
+                (d0 * I.of(along) + I.of(steady)) * side,
                 d1 * c,
                 d2 * c,
             ]
@@ -138,7 +138,7 @@ class Tracker:
                 zeros = 2 if self.fired == (edge, i) else 1
         else:
             p, r = force(self.toy, m, kind, i)
-            jet = [(d0 * r).plus(p), d1 * r, d2 * r, d1 * (r * kappa)]
+            jet = [d0 * r + p, d1 * r, d2 * r, d1 * (r * kappa)]
             zeros = int(self.fired == guard and states == self.before)
         return [I.of(0)] * zeros + jet[zeros:], zeros
 
@@ -164,7 +164,7 @@ class Tracker:
         self.q, self.u, self.states, level = after.q, after.u, after.states, after.level
         self.close(i)
         assert self.time is not None
-        self.time, self.since = self.time.plus(after.middle), after.last
+        self.time, self.since = self.time + after.middle, after.last
         if level.value.sign() is None:
             comparator = level if late else -level
             self.forks.append(Choice("plateau", (i,), comparator, self.events, not late))
@@ -386,7 +386,7 @@ class Tracker:
         if sum(s == STICK for s in states) == 2:
             d = self.q[2] - self.q[1]
             load = [
-                -((d * I.of(y)).plus(I.of(x)))
+                -(d * I.of(y) + I.of(x))
                 for x, y in zip(self.toy.at_rest, self.toy.per_stretch, strict=True)
             ]
             none = [constant(self.box, I.of(0))] * 2

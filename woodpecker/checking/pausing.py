@@ -40,16 +40,10 @@ class Sliding(NamedTuple):
 
 
 def pause(motion: Flight, i: int, late: bool, bracket: I, jet: Sequence[F | I]) -> Sliding:
-    """From where the sleeve has let go to the middle of a pause of the other gap.
+    """From where the sleeve has let go to the middle of a pause of the gap of contact i.
 
-    Parameters
-    ----------
-    i, late
-        The contact that lands, and when.
-    bracket
-        Near the middle: it says which pause.
-    jet
-        Of the gap, value and third derivative; the others are exactly zero.
+    It lands late or early; the bracket lies near the middle and says which pause. Of the jet of the
+    gap value and third derivative are used; the others are exactly zero.
     """
     toy, free = motion.toy, motion.toy.mode((OPEN, OPEN, OPEN))
     start, fall, kappa = jet[0], jet[3], I.of(free.kappa)
@@ -67,7 +61,7 @@ def pause(motion: Flight, i: int, late: bool, bracket: I, jet: Sequence[F | I]) 
     sign = eta.value.sign()
     if sign == (-1 if late else 1):
         raise NotSeparated("a contact lands on the other side of a pause")
-    q, u = _flown(free, motion.q, motion.u, middle, motion.box)
+    q, u = _flown(free, motion.q, motion.u, middle)
     direction = slip(toy, i, u).value.sign()
     if not direction:
         raise NotSeparated("the direction of slip is open")
@@ -113,21 +107,17 @@ def _pi(bits: int) -> I:
     return total
 
 
-def _flown(mode: Coasting, q: Sequence[Any], u: Sequence[Any], t: I, box: Any) -> tuple[Any, Any]:
-    """Coordinates and velocities after free flight; forms, or intervals without a box."""
+def _flown(mode: Coasting, q: Sequence[Any], u: Sequence[Any], t: I) -> tuple[Any, Any]:
+    """Coordinates and velocities after free flight, forms or intervals."""
     s = wave(I.of(mode.kappa), t)
     d0, d1, alpha = q[2] - q[1], u[2] - u[1], I.of(mode.alpha)
     once, twice = d0 * s[1] + d1 * s[2], d0 * s[2] + d1 * s[3]
     half = t.power(2) * I.of(Fraction(1, 2))
-
-    def plus(x: Any, y: I) -> Any:
-        return x + y if box is None else x.plus(y)
-
     places, speeds = [], []
     for j in range(3):
         a, b = I.of(mode.a[j]), I.of(mode.b[j])
-        places.append(plus(q[j] + u[j] * t + twice * b, a * half + alpha * s[4] * b))
-        speeds.append(plus(u[j] + once * b, a * t + alpha * s[3] * b))
+        places.append(q[j] + u[j] * t + twice * b + (a * half + alpha * s[4] * b))
+        speeds.append(u[j] + once * b + (a * t + alpha * s[3] * b))
     return places, speeds
 
 
@@ -158,7 +148,7 @@ def _clear(
     if not all(guard.lasts(end.high, None) for guard in motion.others):
         raise NotSeparated("something may happen before a contact lands")
     strikes = middle + landing.sigma if late else middle - landing.sigma
-    q, u = _flown(free, [x.value for x in motion.q], [x.value for x in motion.u], strikes, None)
+    q, u = _flown(free, [x.value for x in motion.q], [x.value for x in motion.u], strikes)
 
     def stopped(u: Sequence[I]) -> list[I]:
         return [v - u[j] * I.of(r * SIDE[i]) for v, r in zip(u, response, strict=True)]
@@ -166,7 +156,7 @@ def _clear(
     moments = [u, stopped(u)]
     if not late:
         flight = I.of(0).hull(landing.flight)
-        q, u = _flown(free, q, stopped(u), flight, None)
+        q, u = _flown(free, q, stopped(u), flight)
         moments += [u, stopped(u)]
         for k in range(3):
             gap = (q[ANGLE[k]] - I.of(toy.touch[k])) * I.of(SIDE[k])

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
+from copy import copy
 from fractions import Fraction
 from itertools import zip_longest
 from typing import Any
@@ -192,6 +193,7 @@ class VerifiedPiece:
             raise NotSeparated("no cycle could be shown to lie in the tubes")
         self.multiplier = _product(slopes)
         self.turn = self._turn(slopes) if turns else None
+        self.ends = self, self  # the parts with the low and the high end
 
     def _turn(self, slopes: list[I]) -> I:
         """Range of the derivative of the multiplier in tau along the cycle."""
@@ -210,39 +212,29 @@ class VerifiedPiece:
 
     def parameter(self, side: int) -> Fraction:
         """The value of the parameter at an end."""
-        return value_at(self.line, side * self.half)
+        part = self.ends[side > 0]
+        return value_at(part.line, side * part.half)
 
     def place(self, side: int, k: int) -> tuple[Interval, Interval]:
         """At an end: the tube of a point, and where the point is."""
-        at, radius = value_at(self.curves[k], side * self.half), self.radii[k]
-        return (at - radius, at + radius), (I.of(at) + self.off[k]).ends
+        part = self.ends[side > 0]
+        at, radius = value_at(part.curves[k], side * part.half), part.radii[k]
+        return (at - radius, at + radius), (I.of(at) + part.off[k]).ends
 
 
-class VerifiedHalves:
+def _joined(low: VerifiedPiece, high: VerifiedPiece) -> VerifiedPiece:
     """A piece that was verified in two halves of its line, with the same tubes: so as a whole."""
-
-    def __init__(self, low: Verified, high: Verified) -> None:
-        self.low, self.high = low, high
-        self.multiplier: I = low.multiplier.hull(high.multiplier)
-        self.turn: I | None = None
-        if low.turn is not None and high.turn is not None:
-            self.turn = low.turn.hull(high.turn)
-
-    def parameter(self, side: int) -> Fraction:
-        """The value of the parameter at an end."""
-        return (self.low if side < 0 else self.high).parameter(side)
-
-    def place(self, side: int, k: int) -> tuple[Interval, Interval]:
-        """At an end: the tube of a point, and where the point is."""
-        return (self.low if side < 0 else self.high).place(side, k)
-
-
-Verified = VerifiedPiece | VerifiedHalves
+    whole = copy(low)
+    whole.ends = low.ends[0], high.ends[1]
+    whole.multiplier = low.multiplier.hull(high.multiplier)
+    if low.turn is not None and high.turn is not None:
+        whole.turn = low.turn.hull(high.turn)
+    return whole
 
 
 def verified(
     data: ToyData, piece: Mapping[str, Any], terms: int, turns: bool, claim: Any, depth: int = 0
-) -> Verified:
+) -> VerifiedPiece:
     """A piece, as a whole or in parts of its line, over which ranges are sharper."""
     half = number(piece["half"])
     last = depth == DEPTH or half <= 0
@@ -262,7 +254,7 @@ def verified(
         line = _moved(piece["line"], side * half / 2)
         part = {"line": line, "half": str(half / 2), "points": points}
         parts.append(verified(data, part, terms, turns, claim, depth + 1))
-    return VerifiedHalves(*parts)
+    return _joined(*parts)
 
 
 def _moved(texts: Sequence[str], by: Fraction) -> list[str]:

@@ -9,7 +9,7 @@ from pwmap.cli.screen import Formats, picture_format, say, show
 from pwmap.diagrams.files import in_format
 from woodpecker.cli.diagram import PAPER, places_of
 from woodpecker.cli.help import option
-from woodpecker.cli.options import GUESS, CommandError, Out, motion, progress
+from woodpecker.cli.options import GUESS, CommandError, Near, Out, motion, progress
 from woodpecker.cli.results import Results, asked_for, results_in
 from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import Toy
@@ -42,7 +42,7 @@ def curves(
     parameters: Parameters = "eps_n1,mu_2",
     span: First = (0.0, 1.0),
     second_span: Second = None,
-    phi_s: Annotated[float, option("Where the periodic motion is looked for [rad].")] = GUESS,
+    phi_s: Near = GUESS,
     picture: Formats = None,
     out: Out = Path("out"),
 ) -> None:

@@ -118,33 +118,22 @@ def diagram(
             search = _of_motion(toy, phi_s, order, parameter, keep | {"orders": beside})
         else:
             search = _of_orders(toy, wanted, parameter, workers, keep)
-        found = _searched(search, parameter, out / RUN, results)
-        _write(toy, found, shows, results)
+        found, summary = _searched(search, parameter, out / RUN, results)
+        _write(toy, found, summary, shows, results)
 
 
 class _Shows(NamedTuple):
-    """What is shown of a diagram, and in which format.
+    """What is shown of a diagram, and in which format."""
 
-    Names by their places, columns of branches, whether changes of word are marked and models
-    of fold-flips are drawn.
-    """
-
-    places: dict[str, tuple[float, float] | str]
-    columns: tuple[str, ...]
-    words: bool
-    models: bool
+    places: dict[str, tuple[float, float] | str]  # of special points, by their names
+    columns: tuple[str, ...]  # of branches
+    words: bool  # whether changes of word are marked
+    models: bool  # whether models of fold-flips are drawn
     picture: PictureFormat
 
 
-class _Searched(NamedTuple):
-    """A diagram, and what there is to say of the search."""
-
-    diagram: Diagram
-    summary: str = ""
-
-
 _Show = Callable[["Stage"], None]
-_Search = Callable[[_Show], _Searched]
+_Search = Callable[[_Show], tuple["Diagram", str]]  # with what there is to say of it
 
 
 def _of_motion(toy: Toy, phi_s: float, order: int, parameter: str, keep: dict[str, Any]) -> _Search:
@@ -155,9 +144,9 @@ def _of_motion(toy: Toy, phi_s: float, order: int, parameter: str, keep: dict[st
     keep = keep | {"orders": (orbit.minimal_period, *keep["orders"])}
     summary = orbit.message if orbit.minimal_period < orbit.order else ""
 
-    def search(show: _Show) -> _Searched:
+    def search(show: _Show) -> tuple[Diagram, str]:
         span = keep["settings"].span
-        return _Searched(continuation(toy, orbit, parameter, span, progress=show, **keep), summary)
+        return continuation(toy, orbit, parameter, span, progress=show, **keep), summary
 
     return search
 
@@ -170,24 +159,23 @@ def _of_orders(
 
     span, window = keep["settings"].span, keep["settings"].window
 
-    def search(show: _Show) -> _Searched:
+    def search(show: _Show) -> tuple[Diagram, str]:
         everything = bifurcation_search(
             toy, parameter, span, orders, window, workers=workers, progress=show, **keep
         )
-        return _Searched(everything.diagram, _summary(everything))
+        return everything.diagram, _summary(everything)
 
     return search
 
 
-def _searched(search: _Search, parameter: str, run: Path, results: Results) -> _Searched:
+def _searched(search: _Search, parameter: str, run: Path, results: Results) -> tuple[Diagram, str]:
     """Search with a progress bar; after Ctrl-C what the run has kept."""
     from woodpecker import saved_diagram
 
     with progress() as bar:
         try:
-            found = search(_shown(bar, parameter))
-            left = str(found.diagram.about.get("left", ""))
-            return found._replace(summary="\n".join(filter(None, (found.summary, left))))
+            found, summary = search(_shown(bar, parameter))
+            return found, "\n".join(filter(None, (summary, str(found.about.get("left", "")))))
         except (KeyboardInterrupt, WorkerLostError, MemoryError) as stopped:
             if not run.exists():
                 raise
@@ -198,7 +186,7 @@ def _searched(search: _Search, parameter: str, run: Path, results: Results) -> _
             kept = saved_diagram(run)
             branches = counted(len(kept.branches), "branch")
             results.stop(f"{why}: {branches} kept, as tables; go on with --resume", status)
-            return _Searched(kept)
+            return kept, ""
 
 
 def _shown(bar: Bar, parameter: str) -> _Show:
@@ -216,7 +204,7 @@ def _shown(bar: Bar, parameter: str) -> _Show:
     return show
 
 
-def _write(toy: Toy, found: _Searched, shows: _Shows, results: Results) -> None:
+def _write(toy: Toy, found: Diagram, summary: str, shows: _Shows, results: Results) -> None:
     """Tables and graphs, the special points on the screen too, then pictures.
 
     Of a search that was broken off tables and graphs only, so that it ends at once.
@@ -224,7 +212,7 @@ def _write(toy: Toy, found: _Searched, shows: _Shows, results: Results) -> None:
     from pwmap.diagrams.tables import FILES, table_of_points, write_results
     from woodpecker import observables as observed
 
-    shown = found.diagram.named(shows.places)
+    shown = found.named(shows.places)
     if not results.stopped:
         shown = observed(toy, shown, *shows.columns)
     with results.tables(*FILES, RUN) as folder:
@@ -232,8 +220,8 @@ def _write(toy: Toy, found: _Searched, shows: _Shows, results: Results) -> None:
     if results.stopped:
         return
     show(table_of_points(shown))
-    if found.summary:
-        say(found.summary)
+    if summary:
+        say(summary)
     _draw(shown, results, shows)
     if shows.models:
         _draw_models(toy, shown, results, shows.picture)

@@ -43,6 +43,7 @@ Start = Annotated[
     float | None,
     option("Start at rest on the section, phi_S [rad]; by default on the periodic motion."),
 ]
+Near = Annotated[float, option("Where the periodic motion is looked for [rad].")]
 Window = Annotated[tuple[float, float], option("Interval of phi_S [rad].")]
 
 

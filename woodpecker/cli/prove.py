@@ -12,7 +12,7 @@ from pwmap.cli.screen import complain, in_words, say
 from woodpecker.cli.diagram import PAPER, places_of
 from woodpecker.cli.help import option
 from woodpecker.cli.interrupts import heard
-from woodpecker.cli.options import GUESS, CommandError, Out, motion, progress
+from woodpecker.cli.options import GUESS, CommandError, Near, Out, motion, progress
 from woodpecker.cli.results import INTERRUPTED, results_in
 from woodpecker.mechanics.toy import Toy
 
@@ -27,7 +27,7 @@ CLOSE = 1e-3  # rad: of a motion from where straight lines between samples say i
 
 def prove(
     toy: Toy,
-    phi_s: Annotated[float, option("Where the periodic motion is looked for [rad].")] = GUESS,
+    phi_s: Near = GUESS,
     order: Annotated[int, option("Its period, in returns.", min=1)] = 1,
     span: Annotated[
         tuple[float, float] | None,

@@ -36,24 +36,13 @@ def begin(command: str, asked: Mapping[str, object]) -> None:
 
 @dataclass
 class Results:
-    """What a command has written so far.
+    """What a command has written so far."""
 
-    Attributes
-    ----------
-    folder
-        Where its files are.
-    names
-        Those that are there, whole.
-    stopped
-        Why there will be no more, as a sentence; empty if nothing has ended the command.
-    status
-        The exit status then.
-    """
-
-    folder: Path
-    names: list[str] = field(default_factory=list)
+    folder: Path  # where its files are
+    names: list[str] = field(default_factory=list)  # those that are there, whole
+    # why there will be no more, as a sentence; empty if nothing has ended the command
     stopped: str = ""
-    status: int = INTERRUPTED
+    status: int = INTERRUPTED  # the exit status then
 
     @contextmanager
     def tables(self, *names: str) -> Iterator[Path]:
@@ -79,16 +68,9 @@ class Results:
 def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Results]:
     """The folder for the results, made before anything long is computed.
 
-    Where a command ends before it has written anything, what was made of the folder is gone again.
-
-    Parameters
-    ----------
-    out
-        The folder.
-    *files
-        Files that the command writes in any case, besides those its record names.
-    kept
-        Files of an earlier run that the command goes on with.
+    The command writes ``files`` in any case, besides those its record names, and goes on with those
+    ``kept`` of an earlier run. Where it ends before it has written anything, what was made of the
+    folder is gone again.
     """
     missing = [each for each in (out, *out.parents) if not each.exists()]
     out.mkdir(parents=True, exist_ok=True)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from pwmap.cli.screen import TableFormat, picture_format, show
 from woodpecker.cli.help import option
-from woodpecker.cli.options import GUESS, Out, motion
+from woodpecker.cli.options import GUESS, Near, Out, motion
 from woodpecker.cli.results import results_in
 from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import Toy
@@ -25,7 +25,7 @@ LOCATED = ("effect", "kind", "cause", "size", "stable", "confirmed", "evidence",
 
 def robustness(
     toy: Toy,
-    phi_s: Annotated[float, option("Where the periodic motion is looked for [rad].")] = GUESS,
+    phi_s: Near = GUESS,
     parameters: Annotated[
         str, option("Parameters that change, such as eps_n1,mu_2; by default all but the pole.")
     ] = "",

@@ -8,7 +8,7 @@ or there is none.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from flint import arb
 
@@ -21,22 +21,15 @@ from woodpecker.mechanics.contact_problems import one_contact_case
 from woodpecker.mechanics.modes import SIGN
 
 Numbers = Sequence[Any]
+T = TypeVar("T")
 
 
 class BallPhase(NamedTuple):
-    """What compression or expansion does.
+    """What compression or expansion does."""
 
-    Attributes
-    ----------
-    cases
-        The index combination of each contact.
-    impulses, velocities
-        (N, T) of each contact in turn; velocities that a combination makes zero are exactly so.
-    """
-
-    cases: tuple[int, ...]
-    impulses: Numbers
-    velocities: Numbers
+    cases: tuple[int, ...]  # the index combination of each contact
+    impulses: Numbers  # (N, T) of each contact in turn
+    velocities: Numbers  # likewise; those that a combination makes zero are exactly so
 
 
 def impulses_of(
@@ -44,17 +37,9 @@ def impulses_of(
 ) -> BallPhase:
     """The compression (no floors) or the expansion of an impact.
 
-    Parameters
-    ----------
-    contacts
-        One contact, or the beak and one of the sleeve.
-    free
-        Velocities (N, T) of each contact without impulses.
-    floors
-        Least normal impulses of the expansion.
-    approaches
-        Whether the first normal velocity is known to be negative or zero, though its range does not
-        say so; for one contact only.
+    It is at one contact, or at the beak and one of the sleeve; ``free`` are (N, T) of each without
+    impulses. For one contact the first normal velocity may be known to be negative or zero
+    (``approaches``), though its range does not say so.
 
     Raises
     ------
@@ -66,21 +51,23 @@ def impulses_of(
         candidates = _single(model, contacts[0], free, low[0], approaches)
     else:
         candidates = _pair(model, contacts[1], free, low, floors is not None)
-    found: BallPhase = only(candidates, "an impact")
+    found = only(candidates, "an impact")
+    if found is None:
+        raise NotProved("the impulses of an impact are not unique")
     return found
 
 
-def only(candidates: Iterable[tuple[bool | None, Callable[[], Any]]], what: str) -> Any:
-    """The candidate that holds, if each other one does not; a candidate is made when it is it."""
-    kept: Callable[[], Any] | None = None
-    for holds, made in candidates:
-        if holds is None or (holds and kept is not None):
+def only(candidates: Iterable[tuple[bool | None, T]], what: str) -> T:
+    """The candidate that holds, if each other one does not."""
+    kept = list[T]()
+    for holds, candidate in candidates:
+        if holds is None or (holds and kept):
             raise NotProved(f"{what} is not decided")
         if holds:
-            kept = made
-    if kept is None:
+            kept.append(candidate)
+    if not kept:
         raise NotProved(f"{what} has no solution")
-    return kept()
+    return kept[0]
 
 
 def verdict(conditions: Iterable[Any]) -> bool | None:
@@ -99,7 +86,7 @@ def verdict(conditions: Iterable[Any]) -> bool | None:
 
 def _single(
     model: BallToy, i: int, free: Numbers, floor: Any, approaches: bool
-) -> Iterator[tuple[bool | None, Callable[[], BallPhase]]]:
+) -> Iterator[tuple[bool | None, BallPhase | None]]:
     n, t = 2 * i, 2 * i + 1
     g_nn, g_nt, g_tt = model.delassus[n][n], model.delassus[n][t], model.delassus[t][t]
     mu, (free_n, free_t) = ball(model.equations.mu[i]), free
@@ -116,8 +103,7 @@ def _single(
         else:
             first = -1 if approaches else v_n
         rest = _along(tangential, mu * p_n, p_t, v_t)
-        phase = BallPhase((case,), (p_n, p_t), (v_n, v_t))
-        yield verdict([first, *rest]), lambda phase=phase: phase  # type: ignore[misc]
+        yield verdict([first, *rest]), BallPhase((case,), (p_n, p_t), (v_n, v_t))
 
 
 def _along(tangential: int, bound: Any, impulse: Any, velocity: Any) -> list[Any]:
@@ -129,8 +115,11 @@ def _along(tangential: int, bound: Any, impulse: Any, velocity: Any) -> list[Any
 
 def _pair(
     model: BallToy, sleeve: int, free: Numbers, floors: Numbers, expands: bool
-) -> Iterator[tuple[bool | None, Callable[[], BallPhase]]]:
-    """The 36 combinations; ranges first, and forms for what these leave open."""
+) -> Iterator[tuple[bool | None, BallPhase | None]]:
+    """The 36 combinations; ranges first, and forms for what these leave open.
+
+    None is rest with both contacts sticking, whose impulses are not unique.
+    """
     for first in range(6):
         for second in range(6):
             table = model.case(sleeve, first, second, expands)
@@ -138,18 +127,12 @@ def _pair(
             if table is None:
                 load = _momentum(model, sleeve, free)
                 coupled = expands and model.summed
-                yield (
-                    _rest_is_possible(model, sleeve, load, floors, coupled),
-                    _not_unique,
-                )
+                yield _rest_is_possible(model, sleeve, load, floors, coupled), None
                 continue
             holds = _combination(model, sleeve, cases, table, free, floors, expands, box)[0]
             if holds is False:
                 continue
-            holds, phase = _combination(
-                model, sleeve, cases, table, free, floors, expands, lambda x: x
-            )
-            yield holds, lambda phase=phase: phase  # type: ignore[misc]
+            yield _combination(model, sleeve, cases, table, free, floors, expands, lambda x: x)
 
 
 def _combination(
@@ -179,10 +162,6 @@ def _combination(
         bound = mu * (p[n] + p[2 - n]) if coupled else mu * p[n]
         conditions += _along(case % 3, bound, p[t], v[t])
     return verdict(conditions), BallPhase(cases, p, v)
-
-
-def _not_unique() -> BallPhase:
-    raise NotProved("the impulses of an impact are not unique")
 
 
 def _momentum(model: BallToy, sleeve: int, free: Numbers) -> Numbers:

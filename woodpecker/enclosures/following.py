@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from functools import partial
 from itertools import product
 from typing import Any
 
@@ -69,18 +68,10 @@ MOST_PARTS = 2**16  # of a phase in which the bird is shown not to turn: some te
 
 
 def follow(model: BallToy, frame: Frame, curve: Sequence[Any], plateaus: bool = False) -> list[Way]:
-    """The ways of a return from phi_S on a curve over p, plus s, on the section.
+    """The ways of a return over a box, from the section at phi_S on a curve over p, plus s.
 
-    Parameters
-    ----------
-    model
-        Of the toy, with its parameter in the same frame.
-    frame
-        The box.
-    curve
-        Coefficients of powers of p.
-    plateaus
-        Whether landings near a plateau are taken together, once differentiable only.
+    ``curve`` has coefficients of powers of p, the model is of the same frame. With ``plateaus``
+    landings near a plateau are taken together, once differentiable only.
 
     Raises
     ------
@@ -414,8 +405,7 @@ def _settled(
     open_ = [trial for trial in trials if verdicts[trial] is None]
     if plastic and len(closed) == 1 and len(open_) == 2 and len(trials) == 2:
         return _stays_or_leaves(model, motion, min(closed), trials)
-    candidates = [(verdicts[trial], partial(tuple, trial)) for trial in trials]
-    chosen: State = only(candidates, "a contact problem")
+    chosen = only([(verdicts[trial], trial) for trial in trials], "a contact problem")
     stays = motion.lands
     return [_set_off(motion, chosen, stays=stays if chosen[stays] != OPEN else NO_GUARD)]
 

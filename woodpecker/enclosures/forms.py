@@ -20,9 +20,9 @@ from woodpecker.enclosures.balls import ZERO, ball
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.taylor import Frame, Taylor, constant, cut, inverse
 
-ALONG: tuple[tuple[int, ...], ...] = ((), (0,), (1,), (0, 0), (0, 1), (1, 1))
-"""Derivatives that a form may carry: 0 is along s, 1 along p."""
-VALUE, S, P, SS, SP, PP = range(6)
+VALUE, S, P, SS, SP, PP = range(6)  # what a form may carry: derivatives along s and p
+HALVES = {SS: (S, S), SP: (S, P), PP: (P, P)}
+"""The first derivatives that a second one is made of."""
 
 
 @contextmanager
@@ -44,8 +44,8 @@ class Form:
     frame
         The box.
     parts
-        Taylor models of the function on the curve, and of its derivatives in the box, in the order
-        of :data:`ALONG`.
+        Taylor models of the function on the curve, and of its derivatives in the box, from
+        VALUE to PP.
     box
         Range of the value over the box.
     """
@@ -99,10 +99,10 @@ class Form:
             return Form(self.frame, [part * other for part in self.parts])
         a, b = self.near, other.near
         found = [self.parts[VALUE] * other.parts[VALUE]]
-        for along in ALONG[1 : len(a)]:
-            total = a[ALONG.index(along)] * b[VALUE] + a[VALUE] * b[ALONG.index(along)]
-            if len(along) == 2:
-                i, j = along[0] + 1, along[1] + 1
+        for n in range(S, len(a)):
+            total = a[n] * b[VALUE] + a[VALUE] * b[n]
+            if n in HALVES:
+                i, j = HALVES[n]
                 total = total + a[i] * b[j] + a[j] * b[i]
             found.append(total)
         return Form(self.frame, found)
@@ -121,10 +121,11 @@ def chained(f: Form, value: Taylor, slope: Taylor, bend: Callable[[], Taylor]) -
     """g(f) from Taylor models of g on the curve, and of g' and g'' near it."""
     parts = f.parts
     found = [value]
-    for along in ALONG[1 : len(parts)]:
-        part = slope * parts[ALONG.index(along)]
-        if len(along) == 2:
-            part = part + bend() * parts[along[0] + 1] * parts[along[1] + 1]
+    for n in range(S, len(parts)):
+        part = slope * parts[n]
+        if n in HALVES:
+            i, j = HALVES[n]
+            part = part + bend() * parts[i] * parts[j]
         found.append(part)
     return Form(f.frame, found)
 

@@ -7,7 +7,7 @@ not enter them.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
@@ -15,13 +15,14 @@ from itertools import product
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
+import numpy as np
 from flint import fmpq, fmpq_mat
 
 from woodpecker.enclosures.balls import ball
 from woodpecker.enclosures.forms import varying
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.taylor import Frame
-from woodpecker.mechanics.cases import FORWARD, HOLD, REST
+from woodpecker.mechanics.cases import HOLD, REST, write_case
 from woodpecker.mechanics.equations import (
     force_at_rest,
     force_per_stretch,
@@ -30,7 +31,7 @@ from woodpecker.mechanics.equations import (
     normal_directions,
     tangential_directions,
 )
-from woodpecker.mechanics.modes import OPEN, SIGN, SLIP_POSITIVE, STICK
+from woodpecker.mechanics.modes import OPEN, SIGN, write_mode
 from woodpecker.mechanics.toy import ExpansionFriction, Toy, parameters
 
 Numbers = Sequence[Any]
@@ -48,35 +49,21 @@ def data(toy: Toy) -> dict[str, Fraction]:
 
 
 class Mode(NamedTuple):
-    """Motion with given contact states: qdd = a + b d, ddd = alpha + kappa d.
-
-    Attributes
-    ----------
-    forces
-        By closed contact p_N, r_N, p_T, r_T: lambda = p + r d.
-    """
+    """Motion with given contact states: qdd = a + b d, ddd = alpha + kappa d."""
 
     a: Numbers
     b: Numbers
     alpha: Any
     kappa: Any
-    forces: Mapping[int, Numbers]
+    forces: Mapping[int, Numbers]  # by closed contact p_N, r_N, p_T, r_T: lambda = p + r d
 
 
 @dataclass(frozen=True)
 class BallToy:
-    """The toy at an exact value of a parameter, or over an interval of it.
+    """The toy at an exact value of a parameter, or over an interval of it."""
 
-    Attributes
-    ----------
-    values
-        The parameters by name, rationals of flint but a restitution that moves, which is a form.
-    summed
-        Whether the sum of normal impulses bounds friction in the expansion of a double impact.
-    """
-
-    values: dict[str, Any]
-    summed: bool
+    values: dict[str, Any]  # by name rationals of flint, but for a form where one moves
+    summed: bool  # whether friction in expansions is bounded by the sum of normal impulses
 
     @classmethod
     def of(
@@ -114,7 +101,7 @@ class BallToy:
     @cached_property
     def tangents(self) -> list[Numbers]:
         """Directions of slip w_T of contacts 1, 2, 3."""
-        return [[ball(x) for x in row] for row in self.equations.tangent]
+        return _balls(self.equations.tangent)
 
     @cached_property
     def levers(self) -> Numbers:
@@ -136,35 +123,16 @@ class BallToy:
         e = self.equations
         closed = [i for i in range(3) if states[i] != OPEN]
         n = 3 + 2 * len(closed)
-        matrix = [[fmpq(0)] * n for _ in range(n)]
-        right = [[fmpq(0), fmpq(0)] for _ in range(n)]
-        for i, j in product(range(3), repeat=2):
-            matrix[i][j] = e.mass[i][j]
-        for i in range(3):
-            right[i] = [e.h_0[i], e.h_1[i]]
-        for k, i in enumerate(closed):
-            at = 3 + 2 * k
-            for j in range(3):
-                matrix[j][at], matrix[j][at + 1] = -e.normal[i][j], -e.tangent[i][j]
-                matrix[at][j] = e.normal[i][j]
-                if states[i] == STICK:
-                    matrix[at + 1][j] = e.tangent[i][j]
-            if states[i] != STICK:
-                matrix[at + 1][at + 1] = fmpq(1)
-                matrix[at + 1][at] = e.mu[i] if states[i] == SLIP_POSITIVE else -e.mu[i]
-        solution = solved(matrix, right)
+        system = np.zeros((n, n + 2), dtype=object)
+        write_mode(n, states, e.mass, e.h_0, e.h_1, e.normal, e.tangent, e.mu, system)
+        solution = solved(system)
         a, b = ([row[k] for row in solution[:3]] for k in range(2))
         forces = {
             i: [ball(x) for x in (*solution[3 + 2 * k], *solution[4 + 2 * k])]
             for k, i in enumerate(closed)
         }
-        return Mode(
-            [ball(x) for x in a],
-            [ball(x) for x in b],
-            ball(a[2] - a[1]),
-            ball(b[2] - b[1]),
-            forces,
-        )
+        alpha, kappa = ball(a[2] - a[1]), ball(b[2] - b[1])
+        return Mode([ball(x) for x in a], [ball(x) for x in b], alpha, kappa, forces)
 
     @cached_property
     def _response(self) -> list[list[Any]]:
@@ -172,12 +140,12 @@ class BallToy:
         e = self.equations
         columns = [w for pair in zip(e.normal, e.tangent, strict=True) for w in pair]
         right = [[column[i] for column in columns] for i in range(3)]
-        return solved([list(row) for row in e.mass], right)
+        return solved(np.hstack([np.array(e.mass, dtype=object), np.array(right, dtype=object)]))
 
     @cached_property
     def responses(self) -> list[Numbers]:
         """What a unit impulse N1, T1, N2, T2, N3, T3 adds to the velocities: six vectors."""
-        return [[ball(row[k]) for row in self._response] for k in range(6)]
+        return _balls(zip(*self._response, strict=True))
 
     @cached_property
     def _delassus(self) -> list[list[Any]]:
@@ -191,7 +159,7 @@ class BallToy:
     @cached_property
     def delassus(self) -> list[Numbers]:
         """W^T M^-1 W, rows and columns N1, T1, N2, T2, N3, T3."""
-        return [[ball(x) for x in row] for row in self._delassus]
+        return _balls(self._delassus)
 
     @cached_property
     def _tables(self) -> dict[tuple[int, int, int, bool], list[Numbers] | None]:
@@ -200,8 +168,6 @@ class BallToy:
     def case(self, sleeve: int, first: int, second: int, expands: bool) -> list[Numbers] | None:
         """Impulses of an index combination of the beak and a contact of the sleeve.
 
-        Returns
-        -------
         (4, 6) coefficients of the velocities without impulses and of the floors; None where the
         combination is rank-deficient, which is seen exactly: both at rest and sticking.
         """
@@ -215,27 +181,20 @@ class BallToy:
     ) -> list[Numbers] | None:
         if first == second == 3 * REST + HOLD:
             return None
-        at = (0, 1, 2 * sleeve, 2 * sleeve + 1)
+        at, coupled = (0, 1, 2 * sleeve, 2 * sleeve + 1), expands and self.summed
         mu = self.equations.mu[0], self.equations.mu[sleeve]
-        matrix = [[fmpq(0)] * 4 for _ in range(4)]
-        right = [[fmpq(0)] * 6 for _ in range(4)]
-        for k, case in enumerate((first, second)):
-            n, t = 2 * k, 2 * k + 1
-            if case // 3 == REST:
-                matrix[n] = [self._delassus[at[n]][j] for j in at]
-                right[n][n] = fmpq(-1)
-            else:
-                matrix[n][n] = right[n][4 + k] = fmpq(1)
-            if case % 3 == HOLD:
-                matrix[t] = [self._delassus[at[t]][j] for j in at]
-                right[t][t] = fmpq(-1)
-            else:
-                matrix[t][t] = fmpq(1)
-                bound = mu[k] if case % 3 == FORWARD else -mu[k]
-                for j in range(2):
-                    if j == k or (expands and self.summed):
-                        matrix[t][2 * j] = bound
-        return [[ball(x) for x in row] for row in solved(matrix, right)]
+        delassus = np.array([[self._delassus[a][b] for b in at] for a in at], dtype=object)
+        friction = np.zeros((2, 2), dtype=object)
+        for k, j in product(range(2), repeat=2):
+            friction[k, j] = mu[k] if j == k or coupled else fmpq(0)
+        system = np.zeros((4, 10), dtype=object)
+        write_case(first + 6 * second, delassus, friction, system)
+        return _balls(solved(system))
+
+
+def _balls(rows: Iterable[Numbers]) -> list[Numbers]:
+    """Rows of exact numbers as balls."""
+    return [[ball(x) for x in row] for row in rows]
 
 
 def sum_of(terms: Any) -> Any:
@@ -246,10 +205,13 @@ def sum_of(terms: Any) -> Any:
     return first
 
 
-def solved(matrix: list[list[Any]], right: list[list[Any]]) -> list[list[Any]]:
-    """Solve a linear system of rationals; NotProved if it is singular."""
+def solved(system: Any) -> list[list[Any]]:
+    """Solve n linear equations in rationals, (n, n + k); NotProved if they are singular."""
+    n = len(system)
     try:
-        found: list[list[Any]] = fmpq_mat(matrix).solve(fmpq_mat(right)).tolist()
+        found: list[list[Any]] = (
+            fmpq_mat(system[:, :n].tolist()).solve(fmpq_mat(system[:, n:].tolist())).tolist()
+        )
     except ZeroDivisionError:
         raise NotProved("a contact problem is singular") from None
     return found

@@ -26,86 +26,44 @@ class ForkKind(Enum):
 
 
 class OpenDecision(NamedTuple):
-    """A decision that is open over a box.
+    """A decision that is open over a box."""
 
-    Attributes
-    ----------
-    kind
-        What it is about.
-    comparator
-        Positive on the first way, negative on the second one.
-    contacts
-        1-based: of a meeting that of the first way, and the other one.
-    """
-
-    kind: ForkKind
-    comparator: Form
-    contacts: tuple[int, ...]
+    kind: ForkKind  # what it is about
+    comparator: Form  # positive on the first way, negative on the second one
+    contacts: tuple[int, ...]  # 1-based: of a meeting that of the first way, and the other one
 
 
 class Way(NamedTuple):
-    """A return over a box, along one word.
+    """A return over a box, along one word."""
 
-    Attributes
-    ----------
-    word
-        The sequence of events.
-    fired
-        What ended each phase.
-    image, period, drop
-        phi_S at the return [rad], duration [s], way down [m], as forms.
-    forks
-        The decisions that were open, with the side taken: 1 the first way, -1 the second.
-    """
-
-    word: str
-    fired: tuple[ZeroCrossing, ...]
-    image: Form
-    period: Form
-    drop: Form
+    word: str  # the sequence of events
+    fired: tuple[ZeroCrossing, ...]  # what ended each phase
+    image: Form  # phi_S at the return [rad]
+    period: Form  # [s]
+    drop: Form  # the way down [m]
+    # the decisions that were open, with the side taken: 1 the first way, -1 the second
     forks: tuple[tuple[OpenDecision, int], ...]
 
 
 @dataclass
 class BallState:
-    """The toy where a phase begins, over a box.
+    """The toy where a phase begins, over a box."""
 
-    Attributes
-    ----------
-    q, u
-        Coordinates and velocities, forms or exact balls.
-    states
-        Of the contacts.
-    orders
-        How many derivatives of each gap are exactly zero.
-    held
-        Closed contacts whose slip is exactly zero.
-    fired
-        The guard that ended the phase before; -1: an impact, or none.
-    before
-        Contact states of the phase before.
-    leaves
-        The contact that has just opened at rest, by a fork; its acceleration is at least zero.
-    stays
-        The contact whose normal force is at least zero, though its range does not say so.
-    lands
-        The contact that strikes after a flight which began at rest: its approach is known.
-    since
-        The phase begins by then: it has been taken back to the middle of a plateau.
-    """
-
-    q: list[Any]
-    u: list[Any]
+    q: list[Any]  # coordinates, forms or exact balls
+    u: list[Any]  # velocities
     time: Any
-    states: State
-    orders: list[int]
-    held: frozenset[int] = frozenset()
-    fired: int = NO_GUARD
-    before: State = (0, 0, 0)
+    states: State  # of the contacts
+    orders: list[int]  # how many derivatives of each gap are exactly zero
+    held: frozenset[int] = frozenset()  # closed contacts whose slip is exactly zero
+    fired: int = NO_GUARD  # the guard that ended the phase before; -1: an impact, or none
+    before: State = (0, 0, 0)  # contact states of the phase before
+    # the contact that has just opened at rest, by a fork; its acceleration is at least zero
     leaves: int = NO_GUARD
+    # the contact whose normal force is at least zero, though its range does not say so
     stays: int = NO_GUARD
+    # the contact that strikes after a flight which began at rest: its approach is known
     lands: int = NO_GUARD
-    since: Any = ZERO
+    since: Any = ZERO  # the phase begins by then: it has been taken back to the middle of a plateau
     codes: list[int] = field(default_factory=list)
     log: list[ZeroCrossing] = field(default_factory=list)
     forks: list[tuple[OpenDecision, int]] = field(default_factory=list)

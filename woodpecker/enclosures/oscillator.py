@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 from flint import arb, ctx
 
 from woodpecker.enclosures.balls import ZERO
-from woodpecker.enclosures.forms import ALONG, VALUE, Form, box, chained, sign
+from woodpecker.enclosures.forms import HALVES, VALUE, Form, S, box, chained, sign
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.stumpff import shape_models, stumpff_balls, stumpff_models
 from woodpecker.enclosures.taylor import Taylor, constant, inverse, thin
@@ -52,28 +52,14 @@ def shapes(x: Any, last: int) -> list[Any]:
 
 @dataclass(frozen=True, slots=True)
 class Guard:
-    """A guard of a phase: positive in it, zero where it fires.
+    """A guard of a phase: positive in it, zero where it fires."""
 
-    Attributes
-    ----------
-    code
-        As in :mod:`woodpecker.mechanics.modes`.
-    jet
-        Its value and three derivatives where the phase begins; exact zeros are exact.
-    order
-        How many of these are exactly zero.
-    kappa
-        Of the phase.
-    assumed
-        Whether the first one that is not exactly zero is known to be at least zero, though its
-        range does not say so.
-    """
-
-    code: int
+    code: int  # as in :mod:`woodpecker.mechanics.modes`
+    # its value and three derivatives where the phase begins; exact zeros are exact
     jet: tuple[Any, Any, Any, Any]
-    order: int
-    kappa: Any
-    assumed: bool = False
+    order: int  # how many of these are exactly zero
+    kappa: Any  # of the phase
+    assumed: bool = False  # the first that is not exactly zero is at least zero, as is known
 
     def at(self, t: Any, derivative: int = 0) -> Any:
         """The guard, or a derivative of it, at a time; forms where anything is one."""
@@ -159,26 +145,13 @@ class ZeroCrossing(NamedTuple):
     In the bracket the guard crosses zero once from every start of the box, and its derivative has
     one sign. At a plateau the phase is taken to end in its middle; the contact strikes after that
     (1) or before (-1), and has come to stay within the bracket.
-
-    Attributes
-    ----------
-    guard
-        Its code.
-    duration
-        As a form.
-    bracket
-        A ball of times.
-    plateau
-        0 if it is none.
-    lands
-        Whether it is the end of a flight that began at rest.
     """
 
-    guard: int
+    guard: int  # its code
     duration: Form
-    bracket: Any
-    plateau: int = 0
-    lands: bool = False
+    bracket: Any  # a ball of times
+    plateau: int = 0  # 0 if it is none
+    lands: bool = False  # whether it is the end of a flight that began at rest
 
     @property
     def name(self) -> str:
@@ -196,31 +169,17 @@ def name_of(guard: int) -> str:
 
 
 def crossing(guard: Guard, guess: float, falls: int = -1) -> ZeroCrossing:
-    """When a guard crosses zero near a guess, with a derivative of the sign ``falls``.
-
-    Raises
-    ------
-    NotProved
-        If this could not be shown.
-    """
+    """When a guard crosses zero near a guess, with a slope of the sign ``falls``; or NotProved."""
     return ZeroCrossing(guard.code, *zero(guard.near, guard.over, guess, falls))
 
 
 def zero(
     at: Callable[[Any], Derivatives], over: Callable[..., Any], guess: float, falls: int
 ) -> tuple[Form, Any]:
-    """The zero of a function of time over a box, as a form, and a bracket.
+    """The zero of a function of time over a box, near a guess, as a form, and a bracket.
 
-    Parameters
-    ----------
-    at
-        The derivatives of the function at a time, which may be a form.
-    over
-        Their ranges over a ball of times and the whole box.
-    guess
-        Where it is at the centre of the box, about.
-    falls
-        The sign that its derivative must have.
+    ``at`` gives its derivatives at a time, which may be a form, ``over`` their ranges over a ball
+    of times and the whole box; the first one must have the sign ``falls``.
     """
     near = _approximate(at, guess)
     there = at(near)
@@ -285,11 +244,11 @@ def _form(
     on_curve = near.parts[VALUE].widened(residual.parts[VALUE].box / -slope)
     found = [on_curve]
     bend: Taylor | None = None
-    for along in ALONG[1 : frame.depth]:
-        part = value.parts[ALONG.index(along)]
-        if len(along) == 2:
+    for n in range(S, frame.depth):
+        part = value.parts[n]
+        if n in HALVES:
             bend = at_fixed(2).near[VALUE] if bend is None else bend
-            i, j = along[0] + 1, along[1] + 1
+            i, j = HALVES[n]
             part = part + speed.parts[i] * found[j] + speed.parts[j] * found[i]
             part = part + bend * found[i] * found[j]
         found.append(-part * over)

@@ -35,78 +35,42 @@ FREE: State = (OPEN, OPEN, OPEN)
 
 
 class _Pause(NamedTuple):
-    """A gap that falls to a plateau.
+    """A gap that falls to a plateau, from the middle of which its contact slides."""
 
-    Attributes
-    ----------
-    contact
-        Whose gap.
-    middle
-        Time from the start of the phase to the middle of the plateau.
-    fall
-        Third derivative of the gap there, negative.
-    level
-        Its value there.
-    eta
-        The level over the fall's size, positive for a late landing.
-    """
+    contact: int  # whose gap
+    middle: Any  # time from the start of the phase to the middle of the plateau
+    fall: Form  # third derivative of the gap there, negative
+    level: Form  # its value there
+    eta: Form  # the level over the fall's size, positive for a late landing
+    q: Sequence[Any]  # coordinates there without a landing
+    u: Sequence[Any]  # and velocities
+    direction: int  # of slip, 1 or -1
+    response: Sequence[Any]  # of velocities to an impulse that changes the gap's speed by one
 
-    contact: int
-    middle: Any
-    fall: Form
-    level: Form
-    eta: Form
-
-
-class _Slide(NamedTuple):
-    """Sliding after the landing.
-
-    Attributes
-    ----------
-    states
-        Of the contacts.
-    direction
-        Of slip, 1 or -1.
-    response
-        Of the velocities to an impulse that changes the speed of the gap by one.
-    """
-
-    states: State
-    direction: int
-    response: Sequence[Any]
+    @property
+    def states(self) -> State:
+        """Of the contacts while it slides."""
+        slides = SLIP_POSITIVE if self.direction == 1 else SLIP_NEGATIVE
+        first, second, third = (slides if k == self.contact else OPEN for k in range(3))
+        return first, second, third
 
 
 def paused(
     model: BallToy, motion: BallState, first: Guard, others: Sequence[Guard], guess: float,
     survives: Callable[[Guard, Any], bool],
 ) -> list[BallState]:  # fmt: skip
-    """The motions after a landing near a plateau, both where the box allows them.
+    """The motions after a landing near a plateau, both where the box allows them; or none.
 
-    Parameters
-    ----------
-    first
-        The gap, with f' = f'' = 0 exactly where the phase began.
-    others
-        The guards that must not fire before.
-    guess
-        About when it closes.
-    survives
-        Whether a guard does not fire until some time.
-
-    Returns
-    -------
-    list
-        None of them where the landing is not near a plateau.
+    ``first`` is the gap, with f' = f'' = 0 exactly where the phase began, and closes at about
+    ``guess``; no other guard may fire before.
     """
     i = first.code
-    pause = _pause(first, guess)
-    if pause is None or motion.states != FREE or sign(model.equations.eps[i]) != 0:
+    pause = _pause(model, motion, first, guess)
+    if pause is None:
         return []
-    q, u = flown(model.mode(FREE), motion.q, motion.u, pause.middle)
-    slide = _slide(model, i, u)
-    after = _reduced(model, motion, pause, slide, q, u)
-    stretch = slide.response[2] - slide.response[1]
-    free, sliding = model.mode(FREE), model.mode(slide.states)
+    after = _reduced(model, motion, pause)
+    stretch = pause.response[2] - pause.response[1]
+    free, sliding = model.mode(FREE), model.mode(pause.states)
     turn = free.b[ANGLE[i]] * int(SIGN[i]) * stretch
     plateau = Plateau(free.kappa, sliding.kappa, turn)
     fork = OpenDecision(ForkKind.PLATEAU, pause.level, (i + 1,))
@@ -115,7 +79,7 @@ def paused(
         if decided is not None and side != (decided or 1):
             continue
         near, on_curve = lands(pause.eta.box), lands(pause.eta.parts[VALUE].box)
-        _clear(model, motion, pause, slide, near, side, others, survives)
+        _clear(model, motion, pause, near, side, others, survives)
         way = after.copy()
         for place, effects in ((way.q, "place"), (way.u, "velocity")):
             term = effect(pause.eta, getattr(on_curve, effects), getattr(near, effects))
@@ -126,7 +90,7 @@ def paused(
         way.since = near.last
         span = pause.middle + (ZERO.union(near.sigma * side)).union(near.last)
         way.log.append(ZeroCrossing(first.code, first.jet[0] * ZERO + pause.middle, span, side))
-        struck = 64 * _mark(model, slide, i) + 8 * IMPACT + (1 << i)
+        struck = 64 * _mark(model, pause) + 8 * IMPACT + (1 << i)
         way.codes += [struck] if side == 1 else [struck, 8 * DETACH + (1 << i), struck]
         if decided is None:
             way.forks.append((fork, side))
@@ -134,26 +98,22 @@ def paused(
     return found
 
 
-def _pause(first: Guard, guess: float) -> _Pause | None:
-    """The plateau near which a gap closes."""
+def _pause(model: BallToy, motion: BallState, first: Guard, guess: float) -> _Pause | None:
+    """The plateau near which a gap closes, and how its contact slides then."""
     f0, _, _, f3 = first.jet
     if not first.kappa < 0 or sign(f3) != -1:
         return None
     swing = 2 * arb.pi() / (-first.kappa).sqrt()
-    turns = guess / float(swing)
+    turns, i = guess / float(swing), first.code
     n = round(turns)
     if n < 1 or abs(turns - n) > NEAR:
         return None
+    if motion.states != FREE or sign(model.equations.eps[i]) != 0:
+        return None
     middle = swing * n
     fallen = -middle / first.kappa  # s_3
-    return _Pause(first.code, middle, f3, f0 + f3 * fallen, -(f0 / f3) - fallen)
-
-
-def _slide(model: BallToy, i: int, u: Sequence[Any]) -> _Slide:
-    """How the contact slides."""
+    q, u = flown(model.mode(FREE), motion.q, motion.u, middle)
     direction = direction_of_slip(model, i, u)
-    states = [OPEN] * 3
-    states[i] = SLIP_POSITIVE if direction == 1 else SLIP_NEGATIVE
     friction = ball(model.equations.mu[i]) * -direction
     impulse = [
         n + friction * t
@@ -162,28 +122,28 @@ def _slide(model: BallToy, i: int, u: Sequence[Any]) -> _Slide:
     speed = impulse[ANGLE[i]] * int(SIGN[i])
     if not speed > 0:
         raise NotProved("a contact may be neither left nor held")
-    return _Slide((states[0], states[1], states[2]), direction, [x / speed for x in impulse])
+    response = [x / speed for x in impulse]
+    level, eta = f0 + f3 * fallen, -(f0 / f3) - fallen
+    return _Pause(i, middle, f3, level, eta, q, u, direction, response)
 
 
-def _reduced(
-    model: BallToy, motion: BallState, pause: _Pause, slide: _Slide, q: list[Any], u: list[Any]
-) -> BallState:
+def _reduced(model: BallToy, motion: BallState, pause: _Pause) -> BallState:
     """The motion of sliding from the middle of the plateau, but for the small terms."""
     after, i = motion.copy(), pause.contact
-    after.q = [x - r * pause.level for x, r in zip(q, slide.response, strict=True)]
-    after.u = u
+    after.q = [x - r * pause.level for x, r in zip(pause.q, pause.response, strict=True)]
+    after.u = [*pause.u]
     touch(model, after, i)
     after.u[ANGLE[i]] = ZERO
     after.time = motion.time + pause.middle
     after.orders = [2 if k == i else 0 for k in range(3)]
     after.held, after.fired = frozenset(), NO_GUARD
-    after.states = after.before = slide.states
+    after.states = after.before = pause.states
     after.stays, after.leaves, after.lands = i, NO_GUARD, NO_GUARD
     return after
 
 
 def _clear(
-    model: BallToy, motion: BallState, pause: _Pause, slide: _Slide, landing: Landed, side: int,
+    model: BallToy, motion: BallState, pause: _Pause, landing: Landed, side: int,
     others: Sequence[Guard], survives: Callable[[Guard, Any], bool],
 ) -> None:  # fmt: skip
     """Nothing else happens until the contact has come to stay, and it slides on in each impact."""
@@ -197,16 +157,16 @@ def _clear(
     q, u = flown(free, start_q, start_u, strikes)
     seen = [u]
     if side == -1:
-        thrown = _stopped(slide, u, j)
+        thrown = _stopped(pause, u)
         q, u = flown(free, q, thrown, ZERO.union(landing.flight))
         seen += [thrown, u]
         for guard in others:
             k = guard.code
             if not (q[ANGLE[k]] - model.limits[k]) * int(SIGN[k]) > 0:
                 raise NotProved("something may happen while a contact lands at a plateau")
-    seen += [_stopped(slide, u, j)]
+    seen += [_stopped(pause, u)]
     for velocities in seen:
-        if direction_of_slip(model, i, velocities) != slide.direction:
+        if direction_of_slip(model, i, velocities) != pause.direction:
             raise NotProved(f"contact {i + 1} may slip or not")
         speed = velocities[j] * (model.levers[i] * int(SIGN[i]))
         approach = [speed, slip(model, i, velocities)]
@@ -214,12 +174,14 @@ def _clear(
             raise NotProved("an impact is not decided")
 
 
-def _stopped(slide: _Slide, u: Sequence[Any], j: int) -> list[Any]:
+def _stopped(pause: _Pause, u: Sequence[Any]) -> list[Any]:
     """Velocities after an impact that stops the gap."""
-    return [v - r * (u[j] / slide.response[j]) for v, r in zip(u, slide.response, strict=True)]
+    j, response = ANGLE[pause.contact], pause.response
+    return [v - r * (u[j] / response[j]) for v, r in zip(u, response, strict=True)]
 
 
-def _mark(model: BallToy, slide: _Slide, i: int) -> int:
+def _mark(model: BallToy, pause: _Pause) -> int:
     """What the impact does, see `impacts.MARKS`."""
-    case = impulses_of(model, [i], [ZERO, arb(slide.direction)], None, True).cases[0]
+    along = [ZERO, arb(pause.direction)]
+    case = impulses_of(model, [pause.contact], along, None, True).cases[0]
     return mark(case, UNSOLVED, False, 0.0)

@@ -47,22 +47,12 @@ class SmallTerm(NamedTuple):
 
 
 class Landed(NamedTuple):
-    """What a landing at a plateau does, for a range of eta.
+    """What a landing at a plateau does, for a range of eta."""
 
-    Attributes
-    ----------
-    sigma
-        How far from the middle of the plateau the contact first strikes.
-    flight
-        How long it flies before it lands again; zero where it stays.
-    velocity, place
-        The terms V and A.
-    """
-
-    sigma: Any
-    flight: Any
-    velocity: SmallTerm
-    place: SmallTerm
+    sigma: Any  # how far from the middle of the plateau the contact first strikes
+    flight: Any  # how long it flies before it lands again; zero where it stays
+    velocity: SmallTerm  # the term V
+    place: SmallTerm  # the term A
 
     @property
     def last(self) -> Any:
@@ -72,19 +62,11 @@ class Landed(NamedTuple):
 
 @dataclass(frozen=True)
 class Plateau:
-    """The springs and the response at a plateau.
+    """The springs and the response at a plateau."""
 
-    Attributes
-    ----------
-    kappa, sliding
-        Of free flight, and of sliding at the contact.
-    turn
-        g''' of free flight per stretch velocity, times d_r: how an impulse changes g'''.
-    """
-
-    kappa: Any
-    sliding: Any
-    turn: Any
+    kappa: Any  # of free flight
+    sliding: Any  # the same of sliding at the contact
+    turn: Any  # g''' of free flight per stretch velocity, times d_r: how an impulse changes g'''
 
     def late(self, eta: Any) -> Landed:
         """The contact strikes after the middle, and stays: eta >= 0."""

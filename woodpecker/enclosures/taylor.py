@@ -19,22 +19,12 @@ from woodpecker.enclosures.balls import ZERO
 
 @dataclass(frozen=True)
 class Frame:
-    """A box of starts and parameters.
+    """A box of starts and parameters."""
 
-    Attributes
-    ----------
-    s, p
-        Balls about zero: how far the start is from a curve, and the parameter from its centre.
-    terms
-        Coefficients of polynomials in p, at least one.
-    depth
-        Of the derivatives that forms carry: 2 (the value and f_s), 3 (f_p too) or 6 (second ones).
-    """
-
-    s: Any
-    p: Any
-    terms: int = 1
-    depth: int = 2
+    s: Any  # ball about zero: how far the start is from a curve
+    p: Any  # ball about zero: how far the parameter is from its centre
+    terms: int = 1  # coefficients of polynomials in p, at least one
+    depth: int = 2  # what forms carry: 2 (the value and f_s), 3 (f_p too) or 6 (second derivatives)
 
     @cached_property
     def power(self) -> Any:
@@ -66,12 +56,6 @@ class Taylor:
         self.frame, self.poly, self.rest = frame, poly, rest
         self.head = poly(frame.p) if frame.terms > 1 else poly[0]
         self.box = self.head + rest
-
-    def plus(self, ball: Any) -> Taylor:
-        """The function plus a ball; thin ones go to the polynomial."""
-        if ball.rad() > self.frame.p.rad():
-            return Taylor(self.frame, self.poly, self.rest + ball)
-        return Taylor(self.frame, self.poly + ball, self.rest)
 
     def widened(self, ball: Any) -> Taylor:
         """The function plus something in a ball."""
@@ -113,14 +97,9 @@ def constant(frame: Frame, value: Any) -> Taylor:
 def composed(f: Taylor, thin: Sequence[Any], slope: Any, last: Any) -> Taylor:
     """g(f) for a function g.
 
-    Parameters
-    ----------
-    thin
-        Taylor coefficients of g at the constant term of f's polynomial, as many as it has terms.
-    slope
-        Range of g' over the range of f.
-    last
-        Range of the next Taylor coefficient, g^(n) / n!, over the range of f's polynomial.
+    ``thin`` are Taylor coefficients of g at the constant term of f's polynomial, as many as it has
+    terms; ``slope`` is the range of g' over the range of f, ``last`` that of the next Taylor
+    coefficient, g^(n) / n!, over the range of f's polynomial.
     """
     frame = f.frame
     n = frame.terms

@@ -18,8 +18,7 @@ F = mu (1, 1), the sum of both normal impulses
 from __future__ import annotations
 
 import math
-
-import numpy as np
+from typing import Any
 
 from woodpecker.base.arrays import Floats
 from woodpecker.base.compiled import part
@@ -32,58 +31,46 @@ SINGULAR = 1e-11  # pivot over row norm below which a combination is rank-defici
 # is near 1e-15, and the only rank-deficient combinations are exactly so (four directions in R^3)
 
 
-def case_table(delassus: Floats, friction: Floats) -> Floats:
-    """Impulses of all index combinations of two contacts.
-
-    Parameters
-    ----------
-    delassus
-        (4, 4), (N, T) of each contact in turn.
-    friction
-        (2, 2), the matrix F.
-
-    Returns
-    -------
-    array
-        (36, 24): row c_1 + 6 c_2 holds the (4, 6) coefficients of the combination c of each
-        contact, row after row; nan if the combination is rank-deficient.
-    """
-    table = np.empty((36, 24))
-    fill_cases(delassus, friction, table, np.empty((4, 10)))
-    return table
-
-
 @part
 def fill_cases(delassus: Floats, friction: Floats, table: Floats, system: Floats) -> None:
-    """Write the coefficients of :func:`case_table` into the first 24 columns of a table.
+    """Write impulses of all index combinations of two contacts into 24 columns of a table.
 
-    ``system`` is room (4, 10) for the equations: Lambda on one side, (free, floor) on the other.
+    Row c_1 + 6 c_2 holds the (4, 6) coefficients of the combination c of each contact, row after
+    row; nan if it is rank-deficient. ``delassus`` (4, 4) has (N, T) of each contact in turn,
+    ``friction`` (2, 2) is the matrix F, and ``system`` (4, 10) room for the equations: Lambda on
+    one side, (free, floor) on the other.
     """
     for index in range(36):
-        system[:, :] = 0.0
-        for k in range(2):
-            case = index // 6 if k else index % 6
-            row_n, row_t = 2 * k, 2 * k + 1
-            if case // 3 == REST:
-                for j in range(4):
-                    system[row_n, j] = delassus[row_n, j]
-                system[row_n, 4 + row_n] = -1.0
-            else:
-                system[row_n, row_n] = 1.0
-                system[row_n, 8 + k] = 1.0
-            if case % 3 == HOLD:
-                for j in range(4):
-                    system[row_t, j] = delassus[row_t, j]
-                system[row_t, 4 + row_t] = -1.0
-            else:
-                system[row_t, row_t] = 1.0
-                for j in range(2):
-                    bound = friction[k, j]
-                    system[row_t, 2 * j] = bound if case % 3 == FORWARD else -bound
+        write_case(index, delassus, friction, system)
         regular = _eliminate(system)
         for i in range(4):
             for j in range(6):
                 table[index, 6 * i + j] = system[i, 4 + j] if regular else math.nan
+
+
+@part
+def write_case(index: int, delassus: Any, friction: Any, system: Any) -> None:
+    """Write the equations of one index combination, in floats or in exact numbers."""
+    system[:, :] = 0
+    for k in range(2):
+        case = index // 6 if k else index % 6
+        row_n, row_t = 2 * k, 2 * k + 1
+        if case // 3 == REST:
+            for j in range(4):
+                system[row_n, j] = delassus[row_n, j]
+            system[row_n, 4 + row_n] = -1
+        else:
+            system[row_n, row_n] = 1
+            system[row_n, 8 + k] = 1
+        if case % 3 == HOLD:
+            for j in range(4):
+                system[row_t, j] = delassus[row_t, j]
+            system[row_t, 4 + row_t] = -1
+        else:
+            system[row_t, row_t] = 1
+            for j in range(2):
+                bound = friction[k, j]
+                system[row_t, 2 * j] = bound if case % 3 == FORWARD else -bound
 
 
 @part

@@ -110,8 +110,7 @@ PAIR_ROOM = np.dtype(
             ("first", "i8", (2, 2)),  # combinations of the compression
             ("second", "i8", (2, 2)),  # and of the expansion
             ("end", "f8", (4,)),  # impulses at one end of an indeterminate compression
-            ("total", "f8", (4,)),  # impulses along a tangent
-            ("more", "f8", (4,)),  # and those of one phase
+            ("more", "f8", (4,)),  # impulses of a phase along a tangent
             ("found", "i8", (36,)),  # combinations that hold
             ("violations", "f8", (36,)),
             ("impulses", "f8", (36, 4)),
@@ -136,27 +135,13 @@ def two_contacts(
 ) -> int:  # fmt: skip
     """Try every index combination of two contacts.
 
-    Parameters
-    ----------
-    table, first
-        Impulses of the index combinations, see :mod:`woodpecker.mechanics.cases`, from row
-        ``first`` on.
-    delassus
-        (4, 4), (N, T) of each contact in turn; free is (4,), mu and floor are (2,).
-    coupling
-        What the other contact's normal impulse adds to the bound of friction, in units of mu: 0,
-        or 1 for the sum. The table is made for it.
-    feeds
-        (2,) nonzero where the normal impulse itself matters afterwards (it feeds the expansion).
-    cases
-        (2, 2) output: the index combination, twice; if indeterminate both ends of the segment.
-    impulse
-        (4,) output: the impulses, or the middle of the segment.
-    pair
-        Room for the combinations that hold.
+    ``table`` has their impulses from row ``first`` on (:mod:`woodpecker.mechanics.cases`), made for
+    ``coupling``: what the other contact's normal impulse adds to the bound of friction, in units
+    of mu, 0 or 1. Shapes: delassus (4, 4) and free (4,), (N, T) of each contact in turn; mu, floor
+    and feeds (2,), the last nonzero where a normal impulse feeds the expansion. Output: ``cases``
+    (2, 2), the index combination twice, or both ends of a segment; ``impulse`` (4,), or the middle
+    of the segment.
 
-    Returns
-    -------
     SOLVED, NO_SOLUTION, AMBIGUOUS if two combinations give different velocities, INDETERMINATE if
     they give the same velocities but different normal impulses where these matter.
     """

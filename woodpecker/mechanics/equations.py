@@ -9,7 +9,7 @@ the first row of h carries g.
 from __future__ import annotations
 
 import math
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -18,24 +18,6 @@ from woodpecker.base.checks import instance, real_array
 from woodpecker.mechanics.toy import Toy
 
 Vector = tuple[Any, Any, Any]
-
-
-class Parameters(Protocol):
-    """Anything with the toy's attributes: a :class:`Toy`, or sympy symbols."""
-
-    m_m: Any
-    j_m: Any
-    m_s: Any
-    j_s: Any
-    g: Any
-    r_0: Any
-    r_m: Any
-    h_m: Any
-    l_m: Any
-    l_g: Any
-    h_s: Any
-    l_s: Any
-    c_phi: Any
 
 
 def mass_matrix(toy: Any) -> tuple[Vector, Vector, Vector]:

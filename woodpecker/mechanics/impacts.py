@@ -19,8 +19,6 @@ mu = 0.3, above some 0.92 for mu up to 0.6. A body close to jamming can gain und
 
 from __future__ import annotations
 
-import math
-
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import part
 from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST, impulse_of
@@ -78,127 +76,44 @@ def halts(mark: int) -> bool:
 
 
 @part
-def decide(model: Floats, contacts: Ints, z: Floats, choice: Ints, marks: Ints, pair: Pair) -> int:
-    """Find the index combinations of an impact.
+def decide(
+    model: Floats, contacts: Ints, z: Floats, choice: Ints, marks: Ints, impulses: Floats,
+    pair: Pair,
+) -> int:  # fmt: skip
+    """Find the index combinations of an impact at one or two contacts (0-based, ascending).
 
-    Parameters
-    ----------
-    contacts
-        (n,) the one or two contacts (0-based) with zero gap, ascending.
-    z
-        State (7,) before the impact.
-    choice
-        Output (3,): combinations c_1 + 6 c_2 of the compression, twice (if it is indeterminate both
-        ends of its segment), and of the expansion, or UNSOLVED if there is none.
-    marks
-        Output: a mark (2,) for each contact: between equal marks the impact depends smoothly on the
-        state.
-    pair
-        Room for an impact at two contacts.
+    Output: ``choice`` (3,), combinations c_1 + 6 c_2 of the compression, twice (both ends of its
+    segment if it is indeterminate), and of the expansion, or UNSOLVED if there is none; ``marks``
+    (2,), one for each contact: between equal marks the impact depends smoothly on the state;
+    ``impulses`` (2, 4) of both phases, and the gap rates that they leave, in ``pair.after``.
     """
+    for k in range(4):
+        impulses[0, k] = impulses[1, k] = 0.0
     if len(contacts) == 1:
-        return _decide_single(model, contacts[0], z, choice, marks)
-    return _decide_double(model, contacts, z, choice, marks, pair)
+        return _decide_single(model, contacts[0], z, choice, marks, impulses, pair)
+    return _decide_double(model, contacts, z, choice, marks, impulses, pair)
 
 
 @part
 def carry_out(
     model: Floats, contacts: Ints, choice: Ints, z: Floats, case: Ints, impulses: Floats, pair: Pair
 ) -> None:
-    """Change the velocities as given index combinations say: a smooth map of the state.
+    """Change the velocities of z (7,) by impulses; those that are zero become exactly so.
 
-    Parameters
-    ----------
-    contacts, choice
-        As :func:`decide` takes and gives them.
-    z
-        State (7,); its velocities are updated in place.
-    case, impulses
-        Output: the last index combination of each contact (2,), impulses (2, 4) of both phases.
-    pair
-        Room for an impact at two contacts, as :func:`prepare` or :func:`decide` leaves it.
+    ``case`` (2,) becomes the last index combination of each contact. Gap rates, in ``pair.after``,
+    are set without the rounding of the kicks: a bounce can be slower than the rounding of the
+    velocity that it reverses.
     """
-    _find_impulses(model, contacts, choice, z, case, impulses, pair)
-    _kick_off(model, contacts, case, z, impulses, pair)
-
-
-@part
-def carry_out_along(
-    model: Floats, change: Floats, contacts: Ints, choice: Ints, z: Floats, tangents: Floats,
-    seed: Floats, case: Ints, impulses: Floats, pair: Pair,
-) -> None:  # fmt: skip
-    """The same with derivatives.
-
-    They need no other table: where g = G Lambda + free, and Lambda_T = -+F Lambda_N at contacts
-    that slide, the derivative of Lambda solves the same equations as Lambda with
-    d(free) + dG Lambda + G_T tau for free and tau = -+dF Lambda_N added to its tangential part.
-
-    Parameters
-    ----------
-    change
-        Derivative of the model along the last tangent, or of length 0 if it stays.
-    tangents
-        Derivatives of states (m, 7); their velocities are updated in place.
-    seed
-        (m, 3) derivative of eps_N along each tangent.
-    """
-    _find_impulses(model, contacts, choice, z, case, impulses, pair)
-    for m in range(len(tangents)):
-        along = m if len(change) > 0 and m == len(tangents) - 1 else UNSOLVED
-        if len(contacts) == 1:
-            _single_tangent(
-                model, change, along, contacts[0], choice, z, tangents[m], seed[m], impulses
-            )
-        else:
-            _pair_tangent(
-                model, change, along, contacts, choice, z, tangents[m], seed[m], impulses, pair
-            )
-    _kick_off(model, contacts, case, z, impulses, pair)
-    for m in range(len(tangents)):
-        bounce = 0.0
-        for k in range(len(contacts)):
-            i = contacts[k]
-            if seed[m, i] != 0.0 and model[CONTACT + i, EPS] == 0.0:
-                bounce = tangents[m, 3 + ANGLE[i]] if len(contacts) == 1 else math.nan
-        _clear(model, contacts, case, tangents[m])
-        if len(change) > 0 and m == len(tangents) - 1:
-            _clear_change(change, contacts, case, z, tangents[m])
-        if bounce != 0.0:  # a larger eps_N makes this contact bounce
-            tangents[m, 3 + ANGLE[contacts[0]]] = bounce
-
-
-@part
-def _find_impulses(
-    model: Floats, contacts: Ints, choice: Ints, z: Floats, case: Ints, impulses: Floats, pair: Pair
-) -> None:
-    """Impulses of both phases, and the gap rates that they leave in ``pair.after``."""
-    for k in range(4):
-        impulses[0, k] = impulses[1, k] = 0.0
     last = choice[2] if choice[2] != UNSOLVED else choice[0]
     case[0], case[1] = last % 6, last // 6
-    if len(contacts) == 1:
-        _find_single_impulses(model, contacts[0], choice, z, impulses, pair)
-    else:
-        _find_pair_impulses(model, contacts, choice, case, impulses, pair)
-
-
-@part
-def _kick_off(
-    model: Floats, contacts: Ints, case: Ints, z: Floats, impulses: Floats, pair: Pair
-) -> None:
-    """Change the velocities by the impulses; those that are zero become exactly so.
-
-    Gap rates are set without the rounding of the kicks: a bounce can be slower than the rounding of
-    the velocity that it reverses.
-    """
     for k in range(len(contacts)):
         p_n = impulses[0, 2 * k] + impulses[1, 2 * k]
         p_t = impulses[0, 2 * k + 1] + impulses[1, 2 * k + 1]
-        _kick(model, contacts[k], p_n, p_t, z)
+        kick(model, contacts[k], p_n, p_t, z)
     for k in range(len(contacts)):
         i = contacts[k]
         z[3 + ANGLE[i]] = SIGN[i] * pair.after[2 * k] / model[FORCE, LEVER + i]
-    _clear(model, contacts, case, z)
+    clear(model, contacts, case, z)
 
 
 @part
@@ -212,7 +127,7 @@ def rates(model: Floats, i: int, z: Floats) -> tuple[float, float]:
 
 
 @part
-def _kick(model: Floats, i: int, p_n: float, p_t: float, z: Floats) -> None:
+def kick(model: Floats, i: int, p_n: float, p_t: float, z: Floats) -> None:
     """Change the velocities by the impulses (p_n, p_t) at contact i."""
     row = CONTACT + i
     for j in range(3):
@@ -220,7 +135,9 @@ def _kick(model: Floats, i: int, p_n: float, p_t: float, z: Floats) -> None:
 
 
 @part
-def _decide_single(model: Floats, i: int, z: Floats, choice: Ints, marks: Ints) -> int:
+def _decide_single(
+    model: Floats, i: int, z: Floats, choice: Ints, marks: Ints, impulses: Floats, pair: Pair
+) -> int:
     n, t = DELASSUS + 2 * i, 2 * i
     g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
     mu, eps = model[CONTACT + i, MU], model[CONTACT + i, EPS]
@@ -229,57 +146,18 @@ def _decide_single(model: Floats, i: int, z: Floats, choice: Ints, marks: Ints) 
     choice[0], choice[1], choice[2] = first, first, UNSOLVED
     if status != SOLVED:
         return status
-    floor, second = eps * c_n, first
+    floor, second, e_n, e_t = eps * c_n, first, 0.0, 0.0
+    v_n = 0.0 if first // 3 == REST else free_n
     if floor > 0.0:  # otherwise the compression was all
-        v_n = 0.0 if first // 3 == REST else free_n
         v_t = 0.0 if first % 3 == HOLD else free_t + g_nt * c_n + g_tt * c_t
-        status, second, _, _ = one_contact(g_nn, g_nt, g_tt, v_n, v_t, mu, floor)
+        status, second, e_n, e_t = one_contact(g_nn, g_nt, g_tt, v_n, v_t, mu, floor)
         choice[2] = second
         if status != SOLVED:
             return status
     marks[0] = mark(first, second, floor > 0.0, floor)
-    return SOLVED
-
-
-@part
-def _find_single_impulses(
-    model: Floats, i: int, choice: Ints, z: Floats, impulses: Floats, pair: Pair
-) -> None:
-    n, t = DELASSUS + 2 * i, 2 * i
-    g_nn, g_nt, g_tt = model[n, t], model[n, t + 1], model[n + 1, t + 1]
-    mu, first, e_n, e_t = model[CONTACT + i, MU], choice[0], 0.0, 0.0
-    free_n, free_t = rates(model, i, z)
-    c_n, c_t = one_contact_case(first, g_nn, g_nt, g_tt, free_n, free_t, mu, 0.0)
-    v_n = 0.0 if first // 3 == REST else free_n
-    if choice[2] != UNSOLVED:
-        v_t = 0.0 if first % 3 == HOLD else free_t + g_nt * c_n + g_tt * c_t
-        floor = model[CONTACT + i, EPS] * c_n
-        e_n, e_t = one_contact_case(choice[2], g_nn, g_nt, g_tt, v_n, v_t, mu, floor)
     impulses[0, 0], impulses[0, 1], impulses[1, 0], impulses[1, 1] = c_n, c_t, e_n, e_t
     pair.after[0] = v_n + g_nn * e_n + g_nt * e_t
-
-
-@part
-def _single_tangent(
-    model: Floats, change: Floats, along: int, i: int, choice: Ints, z: Floats, tangent: Floats,
-    seed: Floats, impulses: Floats,
-) -> None:  # fmt: skip
-    """Change the velocities of a tangent by what an impact at one contact does to them."""
-    c_n, c_t, e_n, e_t = impulses[0, 0], impulses[0, 1], impulses[1, 0], impulses[1, 1]
-    first, expands = choice[0], choice[2] != UNSOLVED
-    dv_n, dv_t = rates(model, i, tangent)
-    if along >= 0:
-        more_n, more_t = rates(change, i, z)
-        dv_n, dv_t = dv_n + more_n, dv_t + more_t
-    dc_n, dc_t, dv_n, dv_t = one_change(model, change, along, i, first, c_n, c_t, dv_n, dv_t, 0.0)
-    dfloor = model[CONTACT + i, EPS] * dc_n + seed[i] * c_n
-    de_n = de_t = 0.0
-    if expands or dfloor != 0.0:
-        case = choice[2] if expands else 3 * FREE + first % 3
-        de_n, de_t, _, _ = one_change(model, change, along, i, case, e_n, e_t, dv_n, dv_t, dfloor)
-    if along >= 0:
-        _kick(change, i, c_n + e_n, c_t + e_t, tangent)
-    _kick(model, i, dc_n + de_n, dc_t + de_t, tangent)
+    return SOLVED
 
 
 @part
@@ -322,8 +200,9 @@ def prepare(model: Floats, contacts: Ints, z: Floats, pair: Pair) -> None:
 
 @part
 def _decide_double(
-    model: Floats, contacts: Ints, z: Floats, choice: Ints, marks: Ints, pair: Pair
-) -> int:
+    model: Floats, contacts: Ints, z: Floats, choice: Ints, marks: Ints, impulses: Floats,
+    pair: Pair,
+) -> int:  # fmt: skip
     prepare(model, contacts, z, pair)
     delassus, mu, eps, floor = pair.delassus, pair.mu, pair.eps, pair.floor
     feeds, middle, impulse = pair.feeds, pair.middle, pair.end
@@ -339,6 +218,8 @@ def _decide_double(
     choice[0], choice[1] = first[0, 0] + 6 * first[0, 1], first[1, 0] + 6 * first[1, 1]
     choice[2] = UNSOLVED
     velocity_of(choice[0], delassus, pair.free, impulse, middle)
+    for k in range(4):
+        impulses[0, k] = impulse[k]
     expands = False
     for k in range(2):
         floor[k] = eps[k] * impulse[2 * k]
@@ -353,85 +234,15 @@ def _decide_double(
         if status != SOLVED:
             return status
         choice[2] = second[0, 0] + 6 * second[0, 1]
+        for k in range(4):
+            impulses[1, k] = impulse[k]
+    last = second[0, 0] + 6 * second[0, 1]
+    velocity_of(last, delassus, middle, impulses[1], pair.after)
     for k in range(2):
         marks[k] = mark(first[0, k], second[0, k], expands, floor[k])
         if outcome == INDETERMINATE:  # tells the two ends of the segment apart
             marks[k] = first[k, 0] % 3 + 3 * (first[k, 1] % 3)
     return outcome
-
-
-@part
-def _find_pair_impulses(
-    model: Floats, contacts: Ints, choice: Ints, case: Ints, impulses: Floats, pair: Pair
-) -> None:
-    free, floor, middle, impulse = pair.free, pair.floor, pair.middle, pair.end
-    floor[0] = floor[1] = 0.0
-    table = PAIR + 36 * (contacts[1] - 1)
-    for side in range(2):
-        impulse_of(model, table + choice[side], free, floor, impulse)
-        for k in range(4):
-            impulses[0, k] += 0.5 * impulse[k]
-    for k in range(4):
-        impulse[k] = impulses[0, k]
-    velocity_of(choice[0], pair.delassus, free, impulse, middle)
-    for k in range(2):
-        floor[k] = pair.eps[k] * impulse[2 * k]
-    for k in range(4):
-        impulse[k] = 0.0
-    if choice[2] != UNSOLVED:
-        impulse_of(model, table + EXPANSION + choice[2], middle, floor, impulse)
-        for k in range(4):
-            impulses[1, k] = impulse[k]
-    velocity_of(case[0] + 6 * case[1], pair.delassus, middle, impulse, pair.after)
-
-
-@part
-def _pair_tangent(
-    model: Floats, change: Floats, along: int, contacts: Ints, choice: Ints, z: Floats,
-    tangent: Floats, seed: Floats, impulses: Floats, pair: Pair,
-) -> None:  # fmt: skip
-    """Change the velocities of a tangent by what an impact at two contacts does to them.
-
-    An indeterminate compression takes the mean of both ends of its segment.
-    """
-    free, floor, middle, impulse = pair.free, pair.floor, pair.middle, pair.end
-    total, more = pair.total, pair.more
-    table = PAIR + 36 * (contacts[1] - 1)
-    for k in range(4):
-        total[k] = 0.0
-    for side in range(1, -1, -1):  # the first end comes last: its velocities go on
-        floor[0] = floor[1] = 0.0
-        if along >= 0:
-            for k in range(2):
-                free[2 * k], free[2 * k + 1] = rates(model, contacts[k], z)
-            impulse_of(model, table + choice[side], free, floor, impulse)
-        for k in range(2):
-            free[2 * k], free[2 * k + 1] = rates(model, contacts[k], tangent)
-            if along >= 0:
-                more_n, more_t = rates(change, contacts[k], z)
-                free[2 * k], free[2 * k + 1] = free[2 * k] + more_n, free[2 * k + 1] + more_t
-        pair_change(model, change, along, contacts, table, choice[side], 0.0, impulse, pair)
-        for k in range(4):
-            total[k] += 0.5 * more[k]
-    if choice[2] != UNSOLVED:
-        for k in range(2):
-            dfloor = seed[contacts[k]] * impulses[0, 2 * k]
-            floor[k] = pair.eps[k] * total[2 * k] + dfloor
-            free[2 * k], free[2 * k + 1] = middle[2 * k], middle[2 * k + 1]
-        for k in range(4):
-            impulse[k] = impulses[1, k]
-        pair_change(
-            model, change, along, contacts, table + EXPANSION, choice[2], model[FORCE, SUMMED],
-            impulse, pair,
-        )  # fmt: skip
-        for k in range(4):
-            total[k] += more[k]
-    for k in range(2):
-        if along >= 0:
-            p_n = impulses[0, 2 * k] + impulses[1, 2 * k]
-            p_t = impulses[0, 2 * k + 1] + impulses[1, 2 * k + 1]
-            _kick(change, contacts[k], p_n, p_t, tangent)
-        _kick(model, contacts[k], total[2 * k], total[2 * k + 1], tangent)
 
 
 @part
@@ -468,7 +279,7 @@ def pair_change(
 
 
 @part
-def _clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
+def clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
     """Velocities that an index combination makes zero become exactly zero."""
     for k in range(len(contacts)):
         if case[k] // 3 == REST:
@@ -479,7 +290,7 @@ def _clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
 
 
 @part
-def _clear_change(change: Floats, contacts: Ints, case: Ints, z: Floats, tangent: Floats) -> None:
+def clear_change(change: Floats, contacts: Ints, case: Ints, z: Floats, tangent: Floats) -> None:
     """What a moving direction of sticking adds to the velocity of the sleeve that keeps it.
 
     Of two contacts that stick the last one has set that velocity.

@@ -1,7 +1,7 @@
 """Linear complementarity problems, and the contact problems of the paper written as one.
 
 Lemke's path solves y = A x + b, x, y >= 0, x.y = 0 [Leine2001, Eqs. 4-5] for any number of
-unknowns, :func:`enumerate_lcp` finds all solutions of a small one. Impact in compression, impact
+unknowns. Impact in compression, impact
 in expansion and the choice of accelerations share one form, :func:`contact_lcp`, after
 F. Pfeiffer, C. Glocker, Multibody Dynamics with Unilateral Contacts, Wiley 1996
 [Pfeiffer1996, chs. 6-8].
@@ -11,24 +11,17 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import Enum
-from itertools import product
 
 import numpy as np
 import numpy.typing as npt
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int_]
-BoolArray = npt.NDArray[np.bool_]
 
 # All of these apply to an equilibrated problem: matrix entries and right-hand side up to 1.
 _ZERO = 1e-11  # ratios closer than this tie: roundings of 1e-16 over a basis of condition 1e5
 _PIVOT = 1e-10  # smaller pivots are rounded zeros, by the same count and a margin
-_RANK = 1e-11  # singular values of a complementary basis below this are rounded zeros
-_FEASIBLE = 1e-9  # relative violation allowed to an enumerated solution: _ZERO and a margin
-_SAME = 1e-7  # enumerated solutions closer than this are one: _FEASIBLE over condition 1e2
 _SWEEPS = 8  # of equilibration; each halves the exponents' distance from their limit
-
-_MAX_ENUMERATED = 12  # unknowns, hence 4096 bases
 
 
 class LcpStatus(Enum):
@@ -70,30 +63,18 @@ def lemke(
     large z. The path starts at x = 0 with the smallest such z and exchanges complementary
     variables until z leaves the basis. The leaving row is the lexicographic minimum of
     B^-1 [b, I] over the entering column, so that no basis recurs however many ratios tie.
-    Rows and columns are scaled by powers of two first: units do not matter.
+    Rows and columns are scaled by powers of two first: units do not matter. A ray proves that
+    there is no solution if A is positive semidefinite, not in general.
 
     Parameters
     ----------
-    a
-        Matrix A, shape (n, n).
-    b
-        Vector b, shape (n,).
+    a, b
+        Matrix A (n, n) and vector b (n,); ValueError for other shapes and what is not finite.
     cover
-        Covering vector d >= 0 in units of b, shape (n,), positive wherever b is negative;
-        ones in the scaled problem unless given.
+        Covering vector d >= 0 in units of b, positive wherever b is negative; by default ones in
+        the scaled problem.
     max_pivots
         Pivots after which to give up; the longest paths grow like 2^n.
-
-    Returns
-    -------
-    LcpResult
-        A solution, or the status that says why there is none. A ray proves that there is no
-        solution if A is positive semidefinite, not in general.
-
-    Raises
-    ------
-    ValueError
-        If the shapes do not match, an entry is not finite or ``cover`` does not cover b.
     """
     problem = _equilibrate(*_checked(a, b))
     n = problem.b.size
@@ -120,39 +101,6 @@ def lemke(
         ratios = table[candidates, :-1] / table[candidates, -1:]
         row = int(candidates[_lexicographic_minimum(ratios)])
     return _failure(n, max_pivots, LcpStatus.PIVOT_LIMIT)
-
-
-def enumerate_lcp(a: npt.ArrayLike, b: npt.ArrayLike) -> list[FloatArray]:
-    """All solutions x of y = A x + b, x >= 0, y >= 0, x.y = 0, by trying the 2^n bases.
-
-    A singular basis is skipped if inconsistent; otherwise its solution of least norm (of the
-    scaled unknowns) stands for the whole continuum, and counts if it is feasible.
-
-    Parameters
-    ----------
-    a, b
-        Matrix A of shape (n, n) and vector b of shape (n,), n <= 12.
-
-    Returns
-    -------
-    list of arrays of shape (n,)
-        The distinct solutions, those with fewest positive unknowns first.
-
-    Raises
-    ------
-    ValueError
-        If n > 12, the shapes do not match or an entry is not finite.
-    """
-    problem = _equilibrate(*_checked(a, b))
-    n = problem.b.size
-    if n > _MAX_ENUMERATED:
-        raise ValueError(f"enumeration takes at most {_MAX_ENUMERATED} unknowns, got {n}")
-    found: list[FloatArray] = []
-    for support in sorted(product((False, True), repeat=n), key=sum):
-        x = _complementary_point(problem, np.array(support, dtype=bool))
-        if _solves(problem, x) and all(_differ(x, other) for other in found):
-            found.append(np.maximum(x, 0.0))
-    return [problem.size * problem.column * x for x in found]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -202,6 +150,11 @@ def solve_contact_lcp(
     Velocities are small or large compared with the largest of free and floor only; for a body
     at rest pass exact zeros, not their roundings.
 
+    If no sliding direction is given and ``free`` comes from a motion (free = W^T u), there is at
+    least one solution, whatever F, and the path leads to one of them. There may be several, also
+    with different velocities, where friction couples the normal and the tangential directions
+    strongly. With given directions there may be none (Painleve), and a ray does not prove it.
+
     Parameters
     ----------
     delassus
@@ -209,21 +162,11 @@ def solve_contact_lcp(
     free
         Relative velocities [m/s] (or accelerations [m/s^2]) at Lambda = 0, shape (2n,).
     mu
-        Friction coefficients [-] >= 0: the matrix F, shape (n, n); or a scalar or shape (n,),
-        its diagonal.
+        Friction coefficients [-] >= 0: F (n, n); or its diagonal, (n,) or a scalar.
     floor
-        Smallest normal impulses [N s] >= 0, scalar or shape (n,).
+        Smallest normal impulses [N s] >= 0, scalar or (n,).
     sliding
-        Sliding direction s, scalar or shape (n,): +1, -1, or 0 where the law decides.
-
-    Returns
-    -------
-    ContactLcp
-        One solution. If no sliding direction is given and ``free`` comes from a motion
-        (free = W^T u), there is at least one, whatever F, and the path leads to one of them.
-        There may be several, also with different velocities, where friction couples the normal
-        and the tangential directions strongly (:func:`enumerate_contacts` has all of them). With
-        given directions there may be none (Painleve), and a ray does not prove it.
+        Sliding direction s, scalar or (n,): +1, -1, or 0 where the law decides.
 
     Raises
     ------
@@ -231,98 +174,8 @@ def solve_contact_lcp(
         If shapes do not match or a value is out of range.
     """
     problem = _natural(_contacts(delassus, free, mu, floor, sliding))
-    result = lemke(*_contact_matrices(problem), cover=_contact_cover(problem))
+    result = lemke(*contact_lcp(problem), cover=_contact_cover(problem))
     return _read(problem, result.x, result.y, result.status)
-
-
-def enumerate_contacts(
-    delassus: npt.ArrayLike,
-    free: npt.ArrayLike,
-    mu: npt.ArrayLike,
-    floor: npt.ArrayLike = 0.0,
-    sliding: npt.ArrayLike = 0,
-) -> list[ContactLcp]:
-    """All solutions of the problem of :func:`solve_contact_lcp`, which see for the arguments.
-
-    Brute force over :func:`enumerate_lcp`, at most four contacts that do not slide; solutions
-    with the same impulses count once.
-    """
-    problem = _natural(_contacts(delassus, free, mu, floor, sliding))
-    a, b = _contact_matrices(problem)
-    found: list[ContactLcp] = []
-    seen: list[FloatArray] = []
-    for x in enumerate_lcp(a, b):
-        y = np.where(x > 0.0, 0.0, np.maximum(a @ x + b, 0.0))
-        candidate = _read(problem, x, y, LcpStatus.SOLVED)
-        impulse = np.append(candidate.impulse_n, candidate.impulse_t) / problem.impulse
-        if all(_differ(impulse, other) for other in seen):
-            found.append(candidate)
-            seen.append(impulse)
-    return found
-
-
-def contact_lcp(
-    delassus: npt.ArrayLike,
-    free: npt.ArrayLike,
-    mu: npt.ArrayLike,
-    floor: npt.ArrayLike = 0.0,
-    sliding: npt.ArrayLike = 0,
-) -> tuple[FloatArray, FloatArray]:
-    """Matrix A and vector b of the contact problem as an LCP [Leine2001, Eqs. 4-5].
-
-    Arguments as in :func:`solve_contact_lcp`. Size 3 per contact that does not slide and 1 per
-    sliding contact; E selects the former (columns of I), F >= 0 is the friction matrix, S =
-    diag(s) with s = 1 where no direction is given. The derivation, after [Pfeiffer1996, chs. 6-8],
-    who have F = diag(mu):
-
-    Normal: P = Lambda_N - floor >= 0 is complementary to gamma_N >= 0.
-
-    Tangential: the law is a step from +F Lambda_N to -F Lambda_N, row by row. It splits into two
-    unilateral laws: the friction reserves and the two halves of the velocity,
-
-        Lambda_TR = E^T (F Lambda_N + Lambda_T) >= 0   perp   gamma_T^+ >= 0,
-        Lambda_TL = E^T (F Lambda_N - Lambda_T) >= 0   perp   gamma_T^- >= 0,
-        E^T gamma_T = gamma_T^+ - gamma_T^-.
-
-    Elimination: Lambda_T = E Lambda_TR - S F Lambda_N holds for both kinds of contact, so
-
-        Lambda = N (P + floor) + T Lambda_TR,   N = [I; -S F],   T = [0; E],
-
-    and Lambda_TL = 2 E^T F (P + floor) - Lambda_TR. With G_N, G_T the upper and lower n rows of
-    G, inserting Lambda in gamma = G Lambda + free leaves y = A x + b for
-
-        [gamma_N  ]   [G_N N      G_N T      0] [P        ]   [G_N N floor + free_N        ]
-        [gamma_T^+] = [E^T G_T N  E^T G_T T  I] [Lambda_TR] + [E^T (G_T N floor + free_T)  ]
-        [Lambda_TL]   [2 E^T F    -I         0] [gamma_T^-]   [2 E^T F floor               ].
-    """
-    return _contact_matrices(_contacts(delassus, free, mu, floor, sliding))
-
-
-def contact_residual(
-    solution: ContactLcp,
-    delassus: npt.ArrayLike,
-    free: npt.ArrayLike,
-    mu: npt.ArrayLike,
-    floor: npt.ArrayLike = 0.0,
-    sliding: npt.ArrayLike = 0,
-) -> float:
-    """Largest violation [-] of the contact laws of :func:`solve_contact_lcp` by ``solution``.
-
-    Independent of the LCP: the laws are read as projections. Velocities are measured in
-    v sqrt(G_ii) and impulses in v / sqrt(G_ii), where v makes the largest of all free
-    velocities and floors 1, so that the number has no unit. NaN if not SOLVED.
-    """
-    problem = _natural(_contacts(delassus, free, mu, floor, sliding))
-    n = problem.floor.size
-    impulse = np.append(solution.impulse_n, solution.impulse_t) / problem.impulse
-    gamma = np.append(solution.gamma_n, solution.gamma_t) / problem.velocity
-    dynamics = problem.delassus @ impulse + problem.free - gamma
-    normal = np.minimum(impulse[:n] - problem.floor, gamma[:n])
-    bound = problem.friction @ np.abs(impulse[:n])  # negative Lambda_N show in the normal law
-    nearest = np.clip(impulse[n:] - gamma[n:], -bound, bound)
-    friction = np.where(problem.sliding == 0, nearest, -problem.sliding * bound)
-    violations = np.concatenate([dynamics, normal, impulse[n:] - friction])
-    return float(np.abs(violations).max(initial=0.0))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -411,28 +264,6 @@ def _lexicographic_minimum(rows: FloatArray) -> int:
     return int(tied[0])
 
 
-def _complementary_point(problem: _Equilibrated, support: BoolArray) -> FloatArray:
-    """Least-norm x with x = 0 off ``support`` and y = 0 on it (as nearly as possible)."""
-    x = np.zeros(support.size)
-    block = problem.a[np.ix_(support, support)]
-    cutoff = _RANK / max(float(np.linalg.norm(block)), _RANK)  # relative to the largest
-    x[support] = np.linalg.lstsq(block, -problem.b[support], rcond=cutoff)[0]
-    x[np.abs(x) <= _ZERO] = 0.0
-    return x
-
-
-def _solves(problem: _Equilibrated, x: FloatArray) -> bool:
-    """Whether x satisfies the equilibrated problem up to rounding."""
-    y = problem.a @ x + problem.b
-    tolerance = _FEASIBLE * max(1.0, float(np.abs(x).max(initial=0.0)))
-    return bool(np.abs(np.minimum(x, y)).max(initial=0.0) <= tolerance)
-
-
-def _differ(x: FloatArray, other: FloatArray) -> bool:
-    tolerance = _SAME * max(1.0, float(np.abs(x).max(initial=0.0)))
-    return bool(np.abs(x - other).max(initial=0.0) > tolerance)
-
-
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class _Contacts:
     """Data of a contact problem, checked, with the units they are measured in."""
@@ -506,8 +337,33 @@ def _natural(problem: _Contacts) -> _Contacts:
     )
 
 
-def _contact_matrices(problem: _Contacts) -> tuple[FloatArray, FloatArray]:
-    """Return A and b of :func:`contact_lcp`."""
+def contact_lcp(problem: _Contacts) -> tuple[FloatArray, FloatArray]:
+    """Matrix A and vector b of the contact problem as an LCP [Leine2001, Eqs. 4-5].
+
+    Size 3 per contact that does not slide and 1 per sliding contact; E selects the former (columns
+    of I), F >= 0 is the friction matrix, S = diag(s) with s = 1 where no direction is given. The
+    derivation, after [Pfeiffer1996, chs. 6-8], who have F = diag(mu):
+
+    Normal: P = Lambda_N - floor >= 0 is complementary to gamma_N >= 0.
+
+    Tangential: the law is a step from +F Lambda_N to -F Lambda_N, row by row. It splits into two
+    unilateral laws: the friction reserves and the two halves of the velocity,
+
+        Lambda_TR = E^T (F Lambda_N + Lambda_T) >= 0   perp   gamma_T^+ >= 0,
+        Lambda_TL = E^T (F Lambda_N - Lambda_T) >= 0   perp   gamma_T^- >= 0,
+        E^T gamma_T = gamma_T^+ - gamma_T^-.
+
+    Elimination: Lambda_T = E Lambda_TR - S F Lambda_N holds for both kinds of contact, so
+
+        Lambda = N (P + floor) + T Lambda_TR,   N = [I; -S F],   T = [0; E],
+
+    and Lambda_TL = 2 E^T F (P + floor) - Lambda_TR. With G_N, G_T the upper and lower n rows of
+    G, inserting Lambda in gamma = G Lambda + free leaves y = A x + b for
+
+        [gamma_N  ]   [G_N N      G_N T      0] [P        ]   [G_N N floor + free_N        ]
+        [gamma_T^+] = [E^T G_T N  E^T G_T T  I] [Lambda_TR] + [E^T (G_T N floor + free_T)  ]
+        [Lambda_TL]   [2 E^T F    -I         0] [gamma_T^-]   [2 E^T F floor               ].
+    """
     g, friction, n = problem.delassus, problem.friction, problem.floor.size
     undecided = np.flatnonzero(problem.sliding == 0)
     k = undecided.size

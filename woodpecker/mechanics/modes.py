@@ -52,7 +52,6 @@ class ContactState(IntEnum):
 OPEN, STICK, SLIP_POSITIVE, SLIP_NEGATIVE = range(4)  # the same for compiled code
 JAMMED = 1  # row of the mode in which the sleeve sticks at its lower edge alone
 
-EPSILONS = ("eps_n1", "eps_n2", "eps_n3")
 STEP = 1e-150  # imaginary part of the parameter that moves
 LARGEST = 1e100  # number of a table or a state: products of three of them do not overflow
 
@@ -142,20 +141,6 @@ def table(toy: Toy) -> Floats:
     return _bouncing(toy).copy()
 
 
-def change(toy: Toy, parameter: str) -> Floats:
-    """Derivative of the numbers of :func:`model` in a parameter of the toy, shape CHANGE.
-
-    Index combinations of pairs are left out: they follow from the rest
-    (:mod:`woodpecker.mechanics.impacts`).
-    """
-    numbers, rates = np.full(SHAPE, np.nan), np.zeros(CHANGE)
-    with np.errstate(all="ignore"):
-        fill(parameters_of(toy, parameter).tolist(), numbers, rates)
-    if parameter in EPSILONS:
-        rates[CONTACT + EPSILONS.index(parameter), EPS] = 1.0
-    return rates
-
-
 @lru_cache(maxsize=64)
 def _bouncing(toy: Toy) -> Floats:
     numbers = _plastic(toy.replace(eps_n1=0.0, eps_n2=0.0, eps_n3=0.0)).copy()
@@ -165,45 +150,29 @@ def _bouncing(toy: Toy) -> Floats:
 
 @lru_cache(maxsize=64)
 def _plastic(toy: Toy) -> Floats:
-    numbers = blank(toy)
+    numbers = np.full(SHAPE, np.nan)
+    for index in range(MODES):
+        guards = watched(mode_states(index))
+        numbers[index, GUARDS:] = guards + [-1] * (SHAPE[1] - GUARDS - len(guards))
+    numbers[FORCE, POLE] = toy.pole
+    numbers[FORCE, SUMMED] = float(toy.expansion_friction == ExpansionFriction.SUMMED)
     with np.errstate(all="ignore"):
         fill(parameters_of(toy).tolist(), numbers, np.zeros(CHANGE))
     return numbers
 
 
-def blank(toy: Toy) -> Floats:
-    """What :func:`fill` does not write: guards, pole, restitution and the law of expansion."""
-    numbers = np.full(SHAPE, np.nan)
-    for index in range(MODES):
-        guards = watched(mode_states(index))
-        numbers[index, GUARDS:] = guards + [-1] * (SHAPE[1] - GUARDS - len(guards))
-    numbers[CONTACT : CONTACT + 3, EPS] = toy.eps_n1, toy.eps_n2, toy.eps_n3
-    numbers[FORCE, POLE] = toy.pole
-    numbers[FORCE, SUMMED] = float(toy.expansion_friction == ExpansionFriction.SUMMED)
-    return numbers
-
-
-def parameters_of(toy: Toy, parameter: str = "") -> Complexes:
-    """The parameters that the mode table depends on, shape (16,); one of them moves."""
-    return np.array(
-        [complex(getattr(toy, n), STEP if n == parameter else 0.0) for n in Numbers._fields]
-    )
+def parameters_of(toy: Toy) -> Complexes:
+    """The parameters that the mode table depends on, shape (16,)."""
+    return np.array([complex(getattr(toy, name)) for name in Numbers._fields])
 
 
 def fill(parameters: Complexes | list[complex], numbers: Floats, rates: Floats) -> None:
-    """Write the table of the modes and all else that depends on the parameters, and derivatives.
+    """Write the table (SHAPE) of the modes and all else that depends on the parameters, and rates.
 
+    ``parameters`` (16,) are in the order of :class:`Numbers`, with imaginary parts STEP times their
+    rates; ``rates`` (CHANGE) are derivatives along these. Index combinations of pairs become due.
     A mode in which something slides may be singular (the paradox of Painleve): then its row is nan,
     and the toy never takes it. If anything else is, or overflows, the table is not SOUND.
-
-    Parameters
-    ----------
-    parameters
-        (16,) in the order of :class:`Numbers`; the one that moves has the imaginary part STEP.
-    numbers
-        SHAPE, output. The index combinations of pairs become due, see :func:`fill_pair`.
-    rates
-        CHANGE, output: derivatives along the parameter that moves.
     """
     p = parameters
     toy = Numbers(
@@ -313,24 +282,7 @@ def _mode(
     row[:] = 0.0
     if n == 7 and beak == STICK:
         return 1.0  # at rest for good; the forces are not unique, see contact.rest_is_possible
-    system[:, :] = 0.0
-    for i in range(3):
-        for j in range(3):
-            system[i, j] = mass[i][j]
-        system[i, n], system[i, n + 1] = constant[i], elastic[i]
-    at = 3
-    for i in range(3):
-        if state[i] == OPEN:
-            continue
-        for j in range(3):
-            system[j, at], system[j, at + 1] = -normal[i][j], -tangent[i][j]
-            system[at, j] = normal[i][j]
-            if state[i] == STICK:
-                system[at + 1, j] = tangent[i][j]
-        if state[i] != STICK:
-            system[at + 1, at + 1] = 1.0
-            system[at + 1, at] = mu[i] if state[i] == SLIP_POSITIVE else -mu[i]
-        at += 2
+    write_mode(n, state, mass, constant, elastic, normal, tangent, mu, system)
     least = _solve(system, n, 2, scale)
     if least == 0.0:
         return 0.0
@@ -362,6 +314,32 @@ def _mode(
                 row[LAMBDA + 4 * i + 2 + k] = system[at + 1, n + k]
             at += 2
     return least
+
+
+@part
+def write_mode(
+    n: int, state: tuple[int, int, int], mass: Any, constant: Any, elastic: Any, normal: Any,
+    tangent: Any, mu: Any, system: Any,
+) -> None:  # fmt: skip
+    """Write the n equations of a mode with two right-hand sides, in floats or in exact numbers."""
+    system[:, :] = 0
+    for i in range(3):
+        for j in range(3):
+            system[i, j] = mass[i][j]
+        system[i, n], system[i, n + 1] = constant[i], elastic[i]
+    at = 3
+    for i in range(3):
+        if state[i] == OPEN:
+            continue
+        for j in range(3):
+            system[j, at], system[j, at + 1] = -normal[i][j], -tangent[i][j]
+            system[at, j] = normal[i][j]
+            if state[i] == STICK:
+                system[at + 1, j] = tangent[i][j]
+        if state[i] != STICK:
+            system[at + 1, at + 1] = 1
+            system[at + 1, at] = mu[i] if state[i] == SLIP_POSITIVE else -mu[i]
+        at += 2
 
 
 @part

@@ -13,6 +13,7 @@ from typing import Any, Literal, NamedTuple
 from pwmap.diagrams.shown import changed
 from woodpecker.base.shown import real, shown
 
+RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 LAW = "expansion_friction"  # the one field of a toy that is no number
 WINDOW = (-2.5, -0.24)  # [rad], left of the band of centres: where cycles are looked for
 

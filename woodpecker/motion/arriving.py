@@ -71,7 +71,7 @@ def _strike(model: Floats, contacts: Ints, word: Codes, counts: Ints, room: Room
     z, slips, event, closed = room.z, room.slips, room.event, room.closed
     case, impulses, marks = room.case, room.impulses, room.marks
     marks[0] = marks[1] = 0
-    status = decide(model, contacts, z, room.choice, marks, room.pair)
+    status = decide(model, contacts, z, room.choice, marks, impulses, room.pair)
     if status in (NO_SOLUTION, AMBIGUOUS):
         return status
     carry_out(model, contacts, room.choice, z, case, impulses, room.pair)

@@ -26,6 +26,7 @@ from woodpecker.mechanics.modes import (
     SLIP,
     SLIP_NEGATIVE,
     SLIP_POSITIVE,
+    STICK,
     TANGENT,
     A,
     B,
@@ -111,6 +112,19 @@ def force_guard(model: Floats, mode: int, guard: int) -> tuple[float, float]:
         model[CONTACT + i, MU] * model[mode, column] - sign * model[mode, column + 2],
         model[CONTACT + i, MU] * model[mode, column + 1] - sign * model[mode, column + 3],
     )
+
+
+@part
+def guards_at_rest(i: int, state: int, still: bool) -> tuple[int, int]:
+    """Guards that say whether contact i takes a state where a phase begins; -1: no second one.
+
+    A contact that slides ``still`` has no slip yet.
+    """
+    if state == OPEN:
+        return GAP + i, -1
+    if state == STICK:
+        return CONE_POSITIVE + i, CONE_NEGATIVE + i
+    return NORMAL + i, (SLIP + i if still else -1)
 
 
 @part

@@ -6,9 +6,6 @@ from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import part
 from woodpecker.mechanics.contact_problems import AMBIGUOUS, NO_SOLUTION, SOLVED, rest_is_possible
 from woodpecker.mechanics.modes import (
-    CONE_NEGATIVE,
-    CONE_POSITIVE,
-    GAP,
     LAMBDA,
     NORMAL,
     OPEN,
@@ -20,7 +17,7 @@ from woodpecker.mechanics.modes import (
     B,
 )
 from woodpecker.motion.codes import typed
-from woodpecker.motion.events import mode_of, starting_jet
+from woodpecker.motion.events import guards_at_rest, mode_of, starting_jet
 
 
 @part
@@ -28,24 +25,15 @@ def settle(
     model: Floats, z: Floats, gaps: Floats, closed: Ints, slips: Ints, fired: int, states: Ints,
     trial: Ints,
 ) -> int:  # fmt: skip
-    """Contact problem on acceleration level: the mode that starts now.
+    """Contact problem on acceleration level: the mode that starts now, into ``states`` (3,).
 
     Every combination of states of the touching contacts is tried. One is admissible if each guard
     of the touching contacts is positive right after now, judged by its first non-zero derivative;
     derivatives that the event itself made zero are taken as zero.
 
-    Parameters
-    ----------
-    closed
-        (3,) nonzero for contacts with zero gap and zero gap rate.
-    slips
-        (3,) sign of the tangential velocity of those contacts, 0 if it is exactly zero.
-    fired
-        The guard that brought us here (-1: none that leaves a zero on acceleration level).
-    states
-        Output: (3,) contact states of the new mode.
-    trial
-        (3,) room for the states that are tried.
+    ``closed`` (3,) is nonzero for contacts with zero gap and zero gap rate, ``slips`` (3,) has the
+    signs of their tangential velocities, 0 where exactly zero; ``fired`` is the guard that brought
+    us here (-1: none that leaves a zero on acceleration level).
     """
     sleeve = 1 if closed[1] else (2 if closed[2] else -1)
     states[0] = states[1] = states[2] = OPEN
@@ -105,13 +93,7 @@ def _admissible(
     for i in range(3):
         if not closed[i]:
             continue
-        if trial[i] == OPEN:
-            watched, other = GAP + i, -1
-        elif trial[i] == STICK:
-            watched, other = CONE_POSITIVE + i, CONE_NEGATIVE + i
-        else:
-            watched, other = NORMAL + i, (SLIP + i if slips[i] == 0 else -1)
-        for guard in (watched, other):
+        for guard in guards_at_rest(i, trial[i], slips[i] == 0):
             if guard >= 0:
                 f0, f1, f2, f3 = starting_jet(model, mode, guard, z, gaps, trial, fired)
                 if guard >= SLIP:

@@ -62,25 +62,13 @@ class Link(IntEnum):
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class MapSamples:
-    """Samples of a map for a picture.
+    """Samples of a map for a picture."""
 
-    Attributes
-    ----------
-    x, y
-        Ascending points and their values (n,); nan where the map has none.
-    links
-        What lies between neighbours, (n - 1,): see :class:`Link`.
-    bottom
-        Lower end of the picture; what lies below was not looked at.
-    evaluations
-        How often the map was evaluated, besides the first samples.
-    """
-
-    x: Floats
-    y: Floats
-    links: Ints
-    bottom: float
-    evaluations: int
+    x: Floats  # ascending points (n,)
+    y: Floats  # and their values; nan where the map has none
+    links: Ints  # what lies between neighbours, (n - 1,): see :class:`Link`
+    bottom: float  # lower end of the picture; what lies below was not looked at
+    evaluations: int  # how often the map was evaluated, besides the first samples
 
     def between(self, link: Link) -> Ints:
         """Indices left of all intervals of one kind."""
@@ -101,20 +89,10 @@ def refined(
     cost: int = 1,
     detail: Detail | None = None,
 ) -> Iterator[MapSamples]:
-    """Refine samples (x, y) of a map, x ascending; each curve is better than the one before.
+    """Refine samples (n,) of a map, x ascending; each curve is better than the one before.
 
-    Parameters
-    ----------
-    image
-        The map.
-    x, y
-        First samples, shape (n,).
-    bottom
-        Lower end of the picture.
-    cost
-        What one value costs of the budget: the order of an iterate.
-    detail
-        How closely to look.
+    ``bottom`` is the lower end of the picture, ``cost`` what one value takes of the budget: the
+    order of an iterate.
     """
     search = _Refinement(image, x, y, bottom, cost, detail if detail is not None else Detail())
     yield search.curve()

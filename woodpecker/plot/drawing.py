@@ -31,7 +31,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.mechanics.modes import ContactState, mode_states
 from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation.trajectory import Trajectory
-from woodpecker.simulation.words import EventKind
+from woodpecker.simulation.words import IMPACTS
 
 WALL = 0.45  # thickness of the sleeve's wall over its inner radius
 COILS = 6
@@ -39,7 +39,6 @@ DPI = 100.0  # of an animation
 WOOD, GRAIN = "#ead7b7", "#a88a5c"
 METAL, INSIDE = "#969696", "#d9d9d9"
 DARK, CREAM, CREST = "#333333", "#f7f3e8", "#cb181d"
-IMPACTS = (EventKind.IMPACT, EventKind.INDETERMINATE_IMPACT)
 POLE, SLEEVE, SPRING, BIRD, CLOSED = "pole", "sleeve", "spring", "bird", "closed contacts"
 PARTS = (POLE, SLEEVE, SPRING, BIRD, CLOSED)
 
@@ -150,15 +149,10 @@ def draw_toy(
         Properties of matplotlib by ``"pole"``, ``"sleeve"``, ``"spring"``, ``"bird"`` and
         ``"closed contacts"``.
 
-    Returns
-    -------
-    Drawn
-        The axes, and the artists by these names.
-
     Raises
     ------
     ValueError
-        If there is no such contact, or no part of the name of a style.
+        If there is no such contact.
 
     Examples
     --------
@@ -292,15 +286,10 @@ def draw_frames(
     styles
         Properties of matplotlib by the names of parts in :func:`draw_toy`.
 
-    Returns
-    -------
-    Drawn
-        The axes of the frames, and the artists of all of them by these names.
-
     Raises
     ------
     ValueError
-        If there is not one label for each time, none at all, or no part of the name of a style.
+        If there is not one label for each time, or none at all.
 
     Examples
     --------

@@ -54,11 +54,6 @@ def plot_return_map(
     legend, styles
         As for :func:`plot_curve`.
 
-    Returns
-    -------
-    Drawn
-        As :func:`plot_curve` gives it.
-
     Examples
     --------
     >>> import numpy as np
@@ -120,16 +115,6 @@ def plot_curve(
         Whether to explain lines and marks.
     styles
         Properties of matplotlib by the names in the legend.
-
-    Returns
-    -------
-    Drawn
-        The axes, and the artists by the names in the legend.
-
-    Raises
-    ------
-    ValueError
-        If there is no part of the name of a style.
 
     Examples
     --------
@@ -307,16 +292,6 @@ def plot_local(
     styles
         Properties of matplotlib by the names in the legends, and ``"prediction"`` for what lies
         behind the diagram.
-
-    Returns
-    -------
-    Drawn
-        Both axes, and the artists by these names.
-
-    Raises
-    ------
-    ValueError
-        If there is no part of the name of a style.
 
     Examples
     --------

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import matplotlib.pyplot as plt
@@ -15,7 +15,7 @@ from pwmap.plot import JUMP, STABLE, UNSTABLE
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, new_axes, styled
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.simulation.trajectory import Trajectory
-from woodpecker.simulation.words import EventKind
+from woodpecker.simulation.words import IMPACTS
 
 LINE: dict[str, Any] = {"color": STABLE, "linewidth": 1.1}
 BOUND: dict[str, Any] = {"color": "#969696", "linewidth": 0.8, "linestyle": (0, (5, 3))}
@@ -43,7 +43,6 @@ QUANTITIES = {
     "dphi_m": Quantity(r"$\dot\varphi_M$ [rad/s]", True, 1),
     "dphi_s": Quantity(r"$\dot\varphi_S$ [rad/s]", True, 2),
 }
-IMPACTS = (EventKind.IMPACT, EventKind.INDETERMINATE_IMPACT)
 STRUCK: dict[tuple[int, ...], tuple[str, dict[str, Any]]] = {
     (1,): ("impact of the beak", {"color": UNSTABLE, "linestyle": (0, (1, 1.2)), "marker": "o"}),
     (2,): ("impact of the lower edge", {"color": JUMP, "linestyle": (0, (4, 1.5)), "marker": "v"}),
@@ -86,16 +85,6 @@ def plot_time_history(
     styles
         Properties of matplotlib by ``"motion"``, ``"stops"`` and the names in the legend.
 
-    Returns
-    -------
-    Drawn
-        The axes, and the artists by these names.
-
-    Raises
-    ------
-    ValueError
-        If there is no part of the name of a style.
-
     Examples
     --------
     >>> from woodpecker import Toy, simulate
@@ -117,12 +106,7 @@ def plot_time_history(
         add(shown, {STOPS: [ax.axhline(limit, **BOUND) for limit in limits]})
         for row, (contacts, times) in enumerate(_strikes(trajectory).items()):
             label, style = STRUCK[contacts]
-            low = np.full(len(times), LOWEST + ROW * row)
-            marks = ax.plot(
-                times, low, style["marker"], color=style["color"], markersize=3.8, mec="white",
-                mew=0.4, transform=ax.get_xaxis_transform(), zorder=5,
-            )  # fmt: skip
-            add(shown, {label: marks})
+            add(shown, {label: mark_times(ax, row, times, style)})
         ax.margins(y=0.2)
         ax.set_ylabel(drawn.label)
         ax.grid(alpha=0.25, linewidth=0.5)
@@ -130,13 +114,22 @@ def plot_time_history(
     axes[-1].set_xlim(0.0, trajectory.t_end)
     styled(shown, styles, KNOWN)
     if legend:
-        _impact_legend(axes[0], shown)
+        legend_above(axes[0], shown, [name for name, _ in STRUCK.values()])
     return Drawn(tuple(axes), shown)
 
 
-def _impact_legend(ax: Axes, shown: Artists) -> None:
-    """What struck, in the order of the contacts, above the axes."""
-    entries = {name: shown[name][0] for name, _ in STRUCK.values() if name in shown}
+def mark_times(ax: Axes, row: int, times: Sequence[float], style: dict[str, Any]) -> list[Artist]:
+    """Marks of events above the lower end of axes, each kind in a row of its own."""
+    low = np.full(len(times), LOWEST + ROW * row)
+    return [*ax.plot(
+        times, low, style["marker"], color=style["color"], markersize=3.8, mec="white", mew=0.4,
+        transform=ax.get_xaxis_transform(), zorder=5,
+    )]  # fmt: skip
+
+
+def legend_above(ax: Axes, shown: Artists, names: Iterable[str]) -> None:
+    """What marks mean, in the order of their names, above the axes."""
+    entries = {name: shown[name][0] for name in names if name in shown}
     if entries:
         ax.legend(
             entries.values(), entries.keys(), fontsize=7, frameon=False, ncols=len(entries),
@@ -175,15 +168,10 @@ def plot_phase_portrait(
     styles
         Properties of matplotlib by ``"motion"`` and the names in the legend.
 
-    Returns
-    -------
-    Drawn
-        The axes, and the artists by these names.
-
     Raises
     ------
     ValueError
-        If there is no such quantity, or no part of the name of a style.
+        If there is no such quantity.
 
     Examples
     --------
@@ -198,9 +186,7 @@ def plot_phase_portrait(
             raise ValueError(f"unknown quantity {name!r}, expected one of {', '.join(QUANTITIES)}")
     ax = ax if ax is not None else new_axes(4.6, 3.6)
     across, up = (QUANTITIES[name].of(trajectory.q, trajectory.u) for name in (x, y))
-    jumps = np.flatnonzero(np.diff(trajectory.t) == 0.0)
-    way = np.insert(across, jumps + 1, np.nan), np.insert(up, jumps + 1, np.nan)
-    shown: Artists = {MOTION: [*ax.plot(*way, **LINE)]}
+    shown: Artists = {MOTION: [*ax.plot(*way_of(trajectory.t, across, up), **LINE)]}
     shown[START] = [*ax.plot(across[0], up[0], ".", color="black", markersize=5, zorder=4)]
     add(shown, _impact_strokes(ax, trajectory, across, up))
     shown[DIRECTION] = _arrows(ax, trajectory.t, across, up)
@@ -281,16 +267,6 @@ def plot_phase_portraits(
     legend
         Whether to explain lines and marks, below all three.
 
-    Returns
-    -------
-    Drawn
-        The axes, and the artists of all three by the names in the legend.
-
-    Raises
-    ------
-    ValueError
-        If there is no part of the name of a style.
-
     Examples
     --------
     >>> from woodpecker import Toy, simulate
@@ -311,6 +287,12 @@ def plot_phase_portraits(
         axes[0].figure.legend(entries.values(), entries.keys(), fontsize=7.5, frameon=False,
                               ncols=len(entries), loc="outside lower center")  # fmt: skip
     return Drawn(tuple(axes), shown)
+
+
+def way_of(t: Floats, x: Floats, y: Floats) -> tuple[Floats, Floats]:
+    """A motion as a line with gaps where it jumps: such times come twice."""
+    jumps = np.flatnonzero(np.diff(t) == 0.0) + 1
+    return np.insert(x, jumps, np.nan), np.insert(y, jumps, np.nan)
 
 
 def strokes(x: Floats, y: Floats) -> tuple[Floats, Floats]:

@@ -36,16 +36,6 @@ def plot_orbits(
     styles
         Properties of matplotlib by the names in the legend.
 
-    Returns
-    -------
-    Drawn
-        The axes, and the artists by the names in the legend.
-
-    Raises
-    ------
-    ValueError
-        If there is no part of the name of a style.
-
     Examples
     --------
     >>> from sympy import Piecewise, symbols

@@ -72,16 +72,10 @@ def plot_curves(
         Properties of matplotlib by the names of the curves, ``"points"``, ``"names"`` and
         ``"the toy"``.
 
-    Returns
-    -------
-    Drawn
-        The axes, and the artists by these names.
-
     Raises
     ------
     ValueError
-        If there is no curve, they are over different parameters, or there is no part of the name
-        of a style.
+        If there is no curve, or they are over different parameters.
 
     Examples
     --------

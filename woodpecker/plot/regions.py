@@ -41,16 +41,6 @@ def plot_regions(
     styles
         Properties of matplotlib by the names of regions in the legend, ``"curves"`` and ``"open"``.
 
-    Returns
-    -------
-    Drawn
-        The axes, and the artists by these names.
-
-    Raises
-    ------
-    ValueError
-        If there is no part of the name of a style.
-
     Examples
     --------
     >>> from woodpecker.examples import paper_regions

@@ -18,7 +18,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, whole
 from woodpecker.plot.curve import Detail, refined
 from woodpecker.plot.figures import plot_curve
-from woodpecker.plot.motions import LINE, strokes
+from woodpecker.plot.motions import LINE, legend_above, mark_times, strokes, way_of
 from woodpecker.simulation.words import EventKind
 from woodpecker.systems.diagrams import basins
 from woodpecker.systems.model import ContactSystem
@@ -35,7 +35,6 @@ EVENTS: dict[str, tuple[tuple[EventKind, ...], dict[str, Any]]] = {
     "slips": ((EventKind.SLIP, EventKind.REVERSAL), {"color": "#6a51a3", "marker": "^"}),
     "detaches": ((EventKind.DETACH,), {"color": "#969696", "marker": "v"}),
 }
-LOWEST, ROW = 0.03, 0.05  # of the height of axes: the first row of marks, and the next
 DETAIL = Detail(budget=300)  # returns at some ten milliseconds each
 BASINS = ("#9ecae1", "#fdae6b", "#a1d99b", "#bcbddc", "#fc9272", "#d9d9d9")
 
@@ -61,17 +60,12 @@ def plot_system_motion(
     styles
         Properties of matplotlib by ``"motion"`` and the names in the legend.
 
-    Returns
-    -------
-    Drawn
-        The axes, and the artists by these names.
-
     Raises
     ------
     TypeError
         If it is no system or no motion.
     ValueError
-        If a name is no symbol of the state, or that of no part of the picture.
+        If a name is no symbol of the state.
 
     Examples
     --------
@@ -95,18 +89,14 @@ def plot_system_motion(
     for ax, name, each in zip(axes, wanted, values, strict=True):
         add(shown, {MOTION: ax.plot(motion.t, each, **LINE)})
         for row, (kind, times) in enumerate(_times(motion).items()):
-            marks = ax.plot(
-                times, np.full(len(times), LOWEST + ROW * row), linestyle="none", markersize=4.0,
-                mec="white", mew=0.4, transform=ax.get_xaxis_transform(), zorder=5,
-                **EVENTS[kind][1],
-            )  # fmt: skip
-            add(shown, {kind: marks})
+            add(shown, {kind: mark_times(ax, row, times, EVENTS[kind][1])})
         ax.margins(x=0.0, y=0.2)
         ax.set_ylabel(_label(name))
         ax.grid(alpha=0.25, linewidth=0.5)
     axes[-1].set_xlabel("$t$")
     styled(shown, styles, (MOTION, *EVENTS))
-    _events_legend(axes[0], shown, legend=legend)
+    if legend:
+        legend_above(axes[0], shown, EVENTS)
     return Drawn(tuple(axes), shown)
 
 
@@ -127,17 +117,12 @@ def plot_system_portrait(
     legend
         Whether to explain the marks.
 
-    Returns
-    -------
-    Drawn
-        The axes, and the artists by the names in the legend.
-
     Raises
     ------
     TypeError
         If it is no system or no motion.
     ValueError
-        If a name is no symbol of the state, or that of no part of the picture.
+        If a name is no symbol of the state.
 
     Examples
     --------
@@ -153,9 +138,7 @@ def plot_system_portrait(
     """
     across, up = _values(system, motion, x), _values(system, motion, y)
     ax = ax if ax is not None else new_axes(5.4, 4.4)
-    jumps = np.flatnonzero(np.diff(motion.t) == 0.0)
-    way = np.insert(across, jumps + 1, np.nan), np.insert(up, jumps + 1, np.nan)
-    shown: Artists = {MOTION: [*ax.plot(*way, **LINE)]}
+    shown: Artists = {MOTION: [*ax.plot(*way_of(motion.t, across, up), **LINE)]}
     shown[START] = [*ax.plot(across[0], up[0], ".", color="black", markersize=6, zorder=4)]
     for kind, times in _times(motion).items():
         after = np.searchsorted(motion.t, times, side="right") - 1
@@ -199,11 +182,6 @@ def plot_system_map(
         (k,) values of the free parameters; by default those of the system.
     legend, styles
         As for :func:`woodpecker.plot.figures.plot_curve`.
-
-    Returns
-    -------
-    Drawn
-        The axes, and the artists by the names in the legend.
 
     Raises
     ------
@@ -269,11 +247,6 @@ def plot_basins(
         As for :func:`woodpecker.systems.basins`.
     legend, styles
         Whether to explain the colours; properties of matplotlib by the words of the cycles.
-
-    Returns
-    -------
-    Drawn
-        The axes, and the artists by the names in the legend.
 
     Raises
     ------
@@ -356,13 +329,3 @@ def _label(name: Any) -> str:
 
     symbol = name if isinstance(name, sympy.Symbol) else sympy.Symbol(str(name))
     return f"${sympy.latex(symbol)}$"
-
-
-def _events_legend(ax: Axes, shown: Artists, *, legend: bool) -> None:
-    """What the marks mean, above the axes."""
-    entries = {name: shown[name][0] for name in EVENTS if name in shown}
-    if legend and entries:
-        ax.legend(
-            entries.values(), entries.keys(), fontsize=7, frameon=False, ncols=len(entries),
-            loc="lower right", bbox_to_anchor=(1.0, 1.0), borderaxespad=0.2, handletextpad=0.2,
-        )  # fmt: skip

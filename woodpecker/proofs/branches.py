@@ -16,6 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from decimal import Context, Decimal
 from fractions import Fraction
 from typing import Any, NamedTuple
 
@@ -65,24 +66,12 @@ MARGIN = 2  # how much wider than what was found in it a tube is made, if it was
 
 @dataclass(frozen=True)
 class ProvedBranch:
-    """A branch over an interval of the parameter.
+    """A branch over an interval of the parameter."""
 
-    Attributes
-    ----------
-    toy
-        Its own value of the parameter does not matter.
-    parameter
-        Name.
-    pieces
-        In ascending order of the parameter; each begins where the one before ends, or after a gap.
-    gaps
-        Intervals between pieces in which nothing is proved.
-    """
-
-    toy: Toy
+    toy: Toy  # its own value of the parameter does not matter
     parameter: str
-    pieces: tuple[Tubes, ...]
-    gaps: tuple[Fractions, ...]
+    pieces: tuple[Tubes, ...]  # each begins where the one before ends, or after a gap
+    gaps: tuple[Fractions, ...]  # intervals between pieces in which nothing is proved
 
     @property
     def flips(self) -> tuple[int, ...]:
@@ -99,19 +88,10 @@ def marched(
     toy: Toy, parameter: str, span: Fractions, points: Sequence[float],
     progress: Progress,
 ) -> ProvedBranch:  # fmt: skip
-    """Prove the branch through a cycle over an interval.
+    """Prove the branch over an interval, from a cycle at its low end as near as doubles are.
 
-    Parameters
-    ----------
-    points
-        The cycle at the low end of the span, as near as doubles are.
-    progress
-        Called with the part that is done.
-
-    Raises
-    ------
-    NotProved
-        Where it could not be followed; the sentence says at which value, and why.
+    ``progress`` is called with the part that is done. NotProved says at which value the branch
+    could not be followed, and why.
     """
     walk = _Pieces(toy, parameter, span, [arb(x) for x in points])
     while walk.at < span.high:  # a part is proved or halved, or a gap grows until it is too long
@@ -121,21 +101,11 @@ def marched(
 
 
 class Planned(NamedTuple):
-    """A line that is to become a piece.
+    """A line that is to become a piece."""
 
-    Attributes
-    ----------
-    line
-        How the parameter runs.
-    flips
-        Whether the multiplier passes -1 on it.
-    plateaus
-        Whether landings near a plateau may be taken together.
-    """
-
-    line: Route
-    flips: bool = False
-    plateaus: bool = False
+    line: Route  # how the parameter runs
+    flips: bool = False  # whether the multiplier passes -1 on it
+    plateaus: bool = False  # whether landings near a plateau may be taken together
 
 
 class _Pieces:
@@ -386,21 +356,12 @@ class _Pieces:
 
 
 class PieceEnd(NamedTuple):
-    """Where a piece ends, in numbers that travel between processes.
+    """Where a piece ends, in numbers that travel between processes."""
 
-    Attributes
-    ----------
-    p
-        The parameter.
-    tubes
-        For each point of the cycle the starts among which it is the only one [rad].
-    found
-        For each point where it is [rad].
-    """
-
-    p: Fraction
+    p: Fraction  # the parameter
+    # for each point of the cycle the starts among which it is the only one [rad]
     tubes: tuple[Fractions, ...]
-    found: tuple[Fractions, ...]
+    found: tuple[Fractions, ...]  # for each point where it is [rad]
 
 
 def end_of(piece: Tubes, side: int) -> PieceEnd:
@@ -457,15 +418,10 @@ def _begun(low: Fraction, rates: Sequence[Fraction], half: Fraction) -> Route:
 
 
 def _short(x: Any, digits: int) -> Fraction:
-    """A decimal near a number, to so many digits of it."""
+    """The decimal of so many digits that is nearest to a number."""
     exact = fraction(x.mid())
-    if not exact:
-        return exact
-    places = digits - len(str(int(abs(exact)))) if abs(exact) >= 1 else digits
-    while abs(exact) * 10**places < 10 ** (digits - 1):  # the exact number is not zero
-        places += 1
-    unit = Fraction(10) ** places
-    return round(exact * unit) / unit
+    short = Context(prec=digits).divide(Decimal(exact.numerator), Decimal(exact.denominator))
+    return Fraction(short)
 
 
 def _trimmed(curve: Sequence[Fraction], half: Fraction) -> tuple[Fraction, ...]:

@@ -20,7 +20,6 @@ from woodpecker.enclosures.motions import Way
 from woodpecker.mechanics.toy import LAW, Toy
 from woodpecker.proofs.branches import TERMS, ProvedBranch
 from woodpecker.proofs.pieces import Tubes
-from woodpecker.proofs.points import ProvedPoint
 
 FORMAT = "certificate of the Woodpecker Toy"
 VERSION = 1
@@ -215,20 +214,9 @@ def _above(x: Fraction) -> str:
     return str(up.divide(Decimal(x.numerator), Decimal(x.denominator)))
 
 
-def of_point(point: ProvedPoint, digits: int) -> Certificate:
+def of_point(toy: Toy, parameter: str, point: dict[str, Any], digits: int) -> Certificate:
     """A border collision at a jump."""
-    content = head(point.toy, "point", point.parameter, 1, digits) | {
-        "centre": {"x": text(point.x), "p": text(point.p), "radius": text(point.radius)},
-        "ways": [way_of(way) for way in point.ways],
-        "own": point.own,
-        "x": interval(point.found_x),
-        "p": interval(point.found_p),
-        "limit": interval(point.limit),
-        "slopes": [interval(slope) for slope in point.slopes],
-        "side": point.side,
-        "code": point.code,
-        "note": point.note,
-    }
+    content = head(toy, "point", parameter, 1, digits) | point
     return sealed({"statement": point_sentence(content), **content})
 
 

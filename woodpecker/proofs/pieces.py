@@ -32,18 +32,10 @@ CLOSE = 1e-15  # rad: a step that changes nothing
 
 
 class Tube(NamedTuple):
-    """Starts near a curve.
+    """Starts near a curve."""
 
-    Attributes
-    ----------
-    curve
-        Coefficients of powers of tau, see :class:`Route`.
-    radius
-        How far from the curve [rad].
-    """
-
-    curve: tuple[Fraction, ...]
-    radius: Fraction
+    curve: tuple[Fraction, ...]  # coefficients of powers of tau, see :class:`Route`
+    radius: Fraction  # how far from the curve [rad]
 
 
 class Fractions(NamedTuple):
@@ -63,17 +55,10 @@ class Route(NamedTuple):
 
     Most often tau is the distance from a centre. Where a branch bends sharply over the parameter it
     is the duration of a phase, over which everything is smooth.
-
-    Attributes
-    ----------
-    poly
-        Coefficients; it grows with tau.
-    half
-        Half the length.
     """
 
-    poly: tuple[Fraction, ...]
-    half: Fraction
+    poly: tuple[Fraction, ...]  # coefficients; it grows with tau
+    half: Fraction  # half the length
 
     @classmethod
     def over(cls, p: Fractions) -> Route:
@@ -100,30 +85,14 @@ def value_of(poly: Sequence[Fraction], x: Fraction) -> Fraction:
 
 @dataclass(frozen=True)
 class Tubes:
-    """Tubes in which there is exactly one cycle for every parameter in an interval: proved.
+    """Tubes in which there is exactly one cycle for every parameter in an interval: proved."""
 
-    Attributes
-    ----------
-    line
-        How the parameter runs over the interval.
-    tubes
-        One for each point of the cycle.
-    ways
-        Of the return from each tube: one, or two where a word changes.
-    off
-        Balls: how far the points are from their curves.
-    slopes
-        Ranges of the derivative of each return in its tube.
-    turn
-        Range of the derivative of the multiplier in tau along the cycle; None if not asked for.
-    """
-
-    line: Route
-    tubes: tuple[Tube, ...]
-    ways: tuple[tuple[Way, ...], ...]
-    off: tuple[Any, ...]
-    slopes: tuple[Any, ...]
-    turn: Any = None
+    line: Route  # how the parameter runs over the interval
+    tubes: tuple[Tube, ...]  # one for each point of the cycle
+    ways: tuple[tuple[Way, ...], ...]  # from each tube: one, or two where a word changes
+    off: tuple[Any, ...]  # balls: how far the points are from their curves
+    slopes: tuple[Any, ...]  # ranges of the derivative of each return in its tube
+    turn: Any = None  # range of the multiplier's derivative in tau; None if not asked for
 
     @property
     def multiplier(self) -> Any:
@@ -141,15 +110,6 @@ class Tubes:
         return sum((_hull([way.drop.box for way in ways]) for ways in self.ways), ZERO)
 
     @property
-    def words(self) -> tuple[str, ...]:
-        """Words of the cycle: one, or on both sides of a change."""
-        if all(len(ways) == 1 for ways in self.ways):
-            return (" | ".join(ways[0].word for ways in self.ways),)
-        return tuple(
-            " | ".join(ways[min(k, len(ways) - 1)].word for ways in self.ways) for k in (0, 1)
-        )
-
-    @property
     def p(self) -> Fractions:
         """The interval of the parameter."""
         return self.line.interval
@@ -164,21 +124,10 @@ def proved(
     toy: Toy, parameter: str, line: Route, tubes: Sequence[Tube], terms: int = 1,
     turns: bool = False, plateaus: bool = False,
 ) -> Tubes:  # fmt: skip
-    """Prove that there is exactly one cycle in tubes, for every parameter in an interval.
+    """Prove that there is exactly one cycle in tubes, for every parameter on a line; or NotProved.
 
-    Parameters
-    ----------
-    terms
-        Coefficients of the Taylor models along the curves.
-    turns
-        Whether the derivative of the multiplier is wanted.
-    plateaus
-        Whether landings near a plateau are taken together.
-
-    Raises
-    ------
-    NotProved
-        If that could not be shown.
+    ``terms`` are coefficients of the Taylor models along the curves. With ``turns`` the derivative
+    of the multiplier is found, too; with ``plateaus`` landings near a plateau are taken together.
     """
     ball, poly = arb(0, number(line.half).upper()), [number(c) for c in line.poly]
     if len(poly) > 1 and not arb_poly(poly).derivative()(ball) > 0:
@@ -285,13 +234,8 @@ def curves_near(
 ) -> list[tuple[Fraction, ...]]:  # fmt: skip
     """Taylor polynomials of a cycle about the middle of a line: no proof.
 
-    Newton's method on polynomials, each step doubles the number of coefficients that are right;
-    until a step changes nothing in the interval.
-
-    Parameters
-    ----------
-    guesses
-        For each point coefficients of a polynomial nearby, at least one.
+    Newton's method on polynomials, from guesses nearby: each step doubles the number of
+    coefficients that are right, until a step changes nothing in the interval.
     """
     frame, half = Frame(ZERO, ZERO, terms), number(line.half)
     model = BallToy.of(toy, parameter, frame, [number(c) for c in line.poly])

@@ -14,12 +14,12 @@ iterate as well, and is a fold-flip.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
 from flint import arb
 
+from pwmap.proofs.document import Certificate
 from woodpecker.enclosures.balls import decimal, number
 from woodpecker.enclosures.following import follow
 from woodpecker.enclosures.forms import Form, P, S, sign
@@ -28,59 +28,16 @@ from woodpecker.enclosures.motions import ForkKind, OpenDecision, Way
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.taylor import Frame
 from woodpecker.mechanics.toy import Toy
+from woodpecker.proofs.certificates import interval, of_point, text, way_of
 
 FIRST, SHRINK, LAST = Fraction(1, 10**11), 10**6, Fraction(1, 10**25)  # radii of the boxes
 DECIMALS = 40
 
 
-@dataclass(frozen=True)
-class ProvedPoint:
-    """A border collision of fixed points at a jump.
-
-    Attributes
-    ----------
-    x, p, radius
-        The centre of a box and its half width in both directions: it holds the only point at which
-        the fixed point of one way lies on the border.
-    ways
-        The way where the comparator is positive, and the other one.
-    own
-        Index of the way whose fixed point it is.
-    found_x, found_p
-        Balls that hold the point.
-    limit
-        Range of the other way's image: the limit from the other side.
-    slopes
-        Ranges of the slopes of both ways.
-    side
-        1 if its own way is taken for larger x, -1 if for smaller ones.
-    code, note
-        ``"FF"`` or ``"BC"``, ``"fold"`` or ``"persistence"``.
-    """
-
-    toy: Toy
-    parameter: str
-    x: Fraction
-    p: Fraction
-    radius: Fraction
-    ways: tuple[Way, Way]
-    own: int
-    found_x: Any
-    found_p: Any
-    limit: Any
-    slopes: tuple[Any, Any]
-    side: int
-    code: str
-    note: str
-
-
-def proved_point(toy: Toy, parameter: str, p: float, x: float) -> ProvedPoint:
+def proved_point(toy: Toy, parameter: str, p: float, x: float, digits: int) -> Certificate:
     """Prove a border collision near a place.
 
-    Raises
-    ------
-    NotProved
-        If it is none at a jump where two gaps close at once, or something could not be shown.
+    NotProved if it is none at a jump where two gaps close at once, or something is open.
     """
     at_p, at_x, radius = Fraction(p), Fraction(x), FIRST
     while True:  # the box shrinks to the last one in a few steps
@@ -94,7 +51,10 @@ def proved_point(toy: Toy, parameter: str, p: float, x: float) -> ProvedPoint:
         radius = max(radius / SHRINK, LAST)
     if not (abs(moved_x) < number(radius) and abs(moved_p) < number(radius)):
         raise NotProved("the point could not be enclosed")
-    return _classified(toy, parameter, at_x, at_p, radius, ways, own, fork, (moved_x, moved_p))
+    found_x, found_p = number(at_x) + moved_x, number(at_p) + moved_p
+    centre = {"x": text(at_x), "p": text(at_p), "radius": text(radius)}
+    content = _content(found_x, found_p, ways, own, fork.comparator)
+    return of_point(toy, parameter, {"centre": centre, **content}, digits)
 
 
 def _both(
@@ -139,16 +99,15 @@ def _krawczyk(image: Form, border: Form, x: Fraction, radius: Fraction) -> tuple
     return found[0], found[1]
 
 
-def _classified(
-    toy: Toy, parameter: str, x: Fraction, p: Fraction, radius: Fraction,
-    ways: tuple[Way, Way], own: int, fork: OpenDecision, moved: tuple[Any, Any],
-) -> ProvedPoint:  # fmt: skip
-    found_x, found_p = number(x) + moved[0], number(p) + moved[1]
-    border, image, limit = fork.comparator, ways[own].image, ways[1 - own].image.box
+def _content(
+    found_x: Any, found_p: Any, ways: tuple[Way, Way], own: int, border: Form
+) -> dict[str, Any]:
+    """What a certificate says of a point in balls: where it is, both limits, and its kind."""
+    image, limit = ways[own].image, ways[1 - own].image.box
     along = sign(border.parts[S].box)
     if not along:
         raise NotProved("the border may turn")
-    side = along if own == 0 else -along
+    side = along if own == 0 else -along  # 1 if its own way is taken for larger x
     slope = image.parts[S].box
     moves = -border.parts[P].box / border.parts[S].box  # of the border in p
     speed = slope * moves + image.parts[P].box - moves
@@ -157,9 +116,14 @@ def _classified(
     if not (sign(speed) and gap and stays and steep):
         raise NotProved("the kind of the point is open")
     fold = side * stays == -gap
-    slopes = tuple(way.image.parts[S].box for way in ways)
-    return ProvedPoint(
-        toy, parameter, x, p, radius, ways, own, found_x, found_p, limit,
-        (slopes[0], slopes[1]), side, "FF" if fold and steep == 1 else "BC",
-        "fold" if fold else "persistence",
-    )  # fmt: skip
+    return {
+        "ways": [way_of(way) for way in ways],
+        "own": own,
+        "x": interval(found_x),
+        "p": interval(found_p),
+        "limit": interval(limit),
+        "slopes": [interval(way.image.parts[S].box) for way in ways],
+        "side": side,
+        "code": "FF" if fold and steep == 1 else "BC",
+        "note": "fold" if fold else "persistence",
+    }

@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING
 from pwmap.checking import check_certificate as pwmap_check
 from pwmap.diagrams.diagram import Branch, SpecialPoint
 from woodpecker.enclosures.not_proved import NotProved as NotProved  # what ``prove`` raises
-from woodpecker.mechanics.toy import Toy
+from woodpecker.mechanics.toy import RESTITUTIONS, Toy
+from woodpecker.runs import nothing
 from woodpecker.shooting import PeriodicOrbit
 
 if TYPE_CHECKING:
@@ -22,17 +23,13 @@ MAPS = "certificate of a piecewise-linear map"
 MISSING = "prove needs ball arithmetic: pip install woodpecker-toy[proof]"
 
 
-def _nothing(done: float) -> None:
-    """No progress is shown."""
-
-
 def prove(
     what: PeriodicOrbit | Branch | SpecialPoint,
     span: tuple[float, float] | None = None,
     *,
     toy: Toy = PAPER,
     parameter: str = "eps_n1",
-    progress: Callable[[float], object] = _nothing,
+    progress: Callable[[float], object] = nothing,
     workers: int = 1,
 ) -> Certificate:
     """Prove what a computation has found, in ball arithmetic.
@@ -85,10 +82,8 @@ def prove(
         raise ImportError(MISSING) from error
     if isinstance(what, PeriodicOrbit):
         return statements.prove_orbit(what)
-    if parameter not in statements.RESTITUTIONS:
-        raise ValueError(
-            f"proofs move one of {', '.join(statements.RESTITUTIONS)}, got {parameter!r}"
-        )
+    if parameter not in RESTITUTIONS:
+        raise ValueError(f"proofs move one of {', '.join(RESTITUTIONS)}, got {parameter!r}")
     if isinstance(what, Branch):
         return statements.prove_branch(what, span, toy, parameter, progress, workers)
     if isinstance(what, SpecialPoint):

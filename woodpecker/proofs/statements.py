@@ -21,16 +21,15 @@ from woodpecker.proofs import certificates
 from woodpecker.proofs.branches import (
     PieceEnd,
     Progress,
-    ProvedBranch,
     end_of,
     joined,
     marched,
 )
 from woodpecker.proofs.pieces import Fractions, Route, Tube, curves_near, proved
 from woodpecker.proofs.points import proved_point
+from woodpecker.runs import nothing
 from woodpecker.shooting import PeriodicOrbit, shoot
 
-RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 BITS = {"orbit": 140, "branch": 128, "point": 160}  # of ball arithmetic
 DIGITS = {"orbit": 40, "branch": 35, "point": 48}  # of the checker's
 INNER = Fraction(1, 10**22)  # rad: the box in which an orbit is found
@@ -76,9 +75,9 @@ def prove_branch(
     starts = _starts(toy, parameter, branch, [part.low for part in spans])
     tasks = [(toy, parameter, part, points) for part, points in zip(spans, starts, strict=True)]
     if workers == 1:
-        return certificates.of_branch(_march(tasks[0], progress), DIGITS["branch"])
+        return _march(tasks[0], progress).certificate
     with processes(workers) as pool:
-        parts = list(map(_march_away, tasks) if pool is None else pool.map(_march_away, tasks))
+        parts = list(map(_march, tasks) if pool is None else pool.map(_march, tasks))
     for before, after in pairwise(parts):
         if not joined(before.high, after.low):
             at = f"{parameter} = {float(after.low.p):.12g}"
@@ -117,12 +116,6 @@ def _starts(
 Task = tuple[Toy, str, Fractions, tuple[float, ...]]
 
 
-def _march(task: Task, progress: Progress) -> ProvedBranch:
-    toy, parameter, span, points = task
-    with precision(BITS["branch"]):
-        return marched(toy, parameter, span, points, progress)
-
-
 class BranchPart(NamedTuple):
     """A part of a branch from another process: balls do not travel, certificates and ends do."""
 
@@ -131,10 +124,11 @@ class BranchPart(NamedTuple):
     high: PieceEnd
 
 
-def _march_away(task: Task) -> BranchPart:
-    """The same in another process."""
-    found = _march(task, lambda done: None)
+def _march(task: Task, progress: Progress = nothing) -> BranchPart:
+    """Prove one part of a branch."""
+    toy, parameter, span, points = task
     with precision(BITS["branch"]):
+        found = marched(toy, parameter, span, points, progress)
         certificate = certificates.of_branch(found, DIGITS["branch"])
         return BranchPart(certificate, end_of(found.pieces[0], -1), end_of(found.pieces[-1], 1))
 
@@ -147,5 +141,4 @@ def prove_point(point: SpecialPoint, toy: Toy, parameter: str) -> Certificate:
             f"{point.order}"
         )
     with precision(BITS["point"]):
-        found = proved_point(toy, parameter, point.parameter, point.x)
-        return certificates.of_point(found, DIGITS["point"])
+        return proved_point(toy, parameter, point.parameter, point.x, DIGITS["point"])

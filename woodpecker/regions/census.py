@@ -80,17 +80,7 @@ class SampledAttractor(NamedTuple):
 
 
 def census_at(map_: PiecewiseMap, p: float, orders: Sequence[int], settings: Settings) -> Census:
-    """Cycles of some periods in the window, counted.
-
-    Parameters
-    ----------
-    map_, p
-        The map and its parameter.
-    orders
-        The periods, ascending.
-    settings
-        With a finite window.
-    """
+    """Cycles of some periods (ascending) in the finite window, counted."""
     found = []
     for each in slices_at(map_, p, orders, settings):
         sizes = [abs(cycle.multiplier) for cycle in each.cycles]
@@ -110,18 +100,10 @@ def attractors_at(
     transient: int,
     keep: int,
 ) -> tuple[SampledAttractor, ...]:
-    """What orbits from evenly spaced starts in the window come to, each once.
+    """What orbits from evenly spaced starts in the finite window come to, each once.
 
-    Parameters
-    ----------
-    map_, p
-        The map and its parameter.
-    settings
-        With a finite window.
-    within
-        The interval that orbits must not leave.
-    starts, transient, keep
-        How many orbits, how many iterates are cut, and how many are looked at after that.
+    They must not leave the interval ``within``; of each orbit ``transient`` iterates are cut, and
+    ``keep`` are looked at after that.
     """
     low, high = settings.window
     parts = (np.arange(starts) + 0.5) / starts

@@ -42,6 +42,7 @@ from woodpecker.regions.cutting import (
     way_between,
 )
 from woodpecker.regions.survey import Survey
+from woodpecker.runs import nothing
 from woodpecker.search.diagrams import finite_window, iterates, whole_diagram
 from woodpecker.search.search import Search
 
@@ -234,12 +235,8 @@ def regions_of(
     mapped = _Mapping(family, (one, other), settings, iterates(orders), survey or Survey(), within)
     for curve in curves:
         mapped.add(curve)
-    mapped.complete(progress or _nothing)
+    mapped.complete(progress or nothing)
     return mapped.result()
-
-
-def _nothing(_: object) -> None:
-    pass
 
 
 class _Mapping:

@@ -39,20 +39,14 @@ def parameter_regions(
         The toy; its own values of the two parameters do not matter.
     parameters, span
         Two parameters of the toy, and an interval of each, cut to what the toy can have.
-    curves
-        That are known already, from :func:`woodpecker.curve_in_two`; none is needed.
-    orders
-        Periods of the cycles that are counted.
     window
         Interval of phi_S [rad] in which all points of a cycle lie. Where a cycle leaves it is a
         curve, too. The whole window has hundreds of islands: the smaller it is, the simpler is what
         is found. Orbits start in it.
     settings
         Steps and tolerances; span and window are taken from above.
-    survey
-        How many random places, curves and orbits.
-    progress
-        Called with every curve that is found.
+    curves, orders, survey, progress
+        As :func:`regions_of` takes them.
 
     Returns
     -------
@@ -62,8 +56,7 @@ def parameter_regions(
     Raises
     ------
     ValueError
-        If there are not two different parameters and intervals, an order is not at least 1, the
-        window is not finite, or curves are over other parameters.
+        As of :func:`regions_of`, and if there are not two different parameters and intervals.
     TypeError
         If a parameter is unknown, or the settings are no :class:`Settings`.
 

@@ -32,29 +32,15 @@ Key = tuple[Effect, str, str]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MetOnLine:
-    """A special point, or a change of word, on a line from the toy.
-
-    Attributes
-    ----------
-    effect, kind, cause
-        What it is.
-    u
-        The change.
-    orbit
-        The cycle there, with the pieces before it, seen along the line.
-    condition
-        What vanishes there; None where nothing is known that does.
-    stable
-        Whether the motion is stable up to there.
-    """
+    """A special point, or a change of word, on a line from the toy."""
 
     effect: Effect
     kind: str
     cause: str
-    u: Floats
-    orbit: Orbit
-    condition: Condition | None
-    stable: bool = True
+    u: Floats  # the change
+    orbit: Orbit  # the cycle there, with the pieces before it, seen along the line
+    condition: Condition | None  # what vanishes there; None where nothing is known that does
+    stable: bool = True  # whether the motion is stable up to there
 
     @property
     def size(self) -> float:

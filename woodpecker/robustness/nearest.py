@@ -48,11 +48,8 @@ def _gradient(space: Space, u: Floats, orbit: Orbit, condition: Condition) -> Fl
 def nearest(space: Space, seed: MetOnLine, seen: dict[Key, MetOnLine]) -> tuple[MetOnLine, float]:
     """The smallest change at which a condition holds, from one at which it does.
 
-    Whatever else is met on the way is kept in ``seen`` if it is nearer than what is known of it.
-
-    Returns
-    -------
-    What is met there, and the sine of the angle between change and gradient.
+    What is met there, and the sine of the angle between change and gradient. Whatever else is met
+    on the way is kept in ``seen`` if it is nearer than what is known of it.
     """
     here = seed
     for _ in range(STEPS):

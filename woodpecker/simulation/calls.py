@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from woodpecker.base.arrays import Codes, Floats, Ints
-from woodpecker.base.compiled import jit, part
+from woodpecker.base.compiled import announce, jit, part
 from woodpecker.mechanics.modes import CONTACT, FIXED, LIMIT, OPEN, STICK
 from woodpecker.motion.codes import (
     EVENT_COLUMNS,
@@ -28,6 +28,7 @@ from woodpecker.simulation.following import follow_path
 from woodpecker.simulation.margins import NOTES, ROUTE
 
 SEARCH, FOLLOW, SWEEP = range(3)  # tasks
+EVENT_LIMIT = 1000  # of one return; the longest seen on the paper's data has some 20
 SEPARATOR = 0  # between the returns of a word
 START, OUT, STATUS, LENGTH = 0, 1, 6, 7  # columns of the starts of a sweep
 START_COLUMNS = 8
@@ -53,20 +54,10 @@ def compute(
 ) -> int:  # fmt: skip
     """Carry out a task of the kernel with room that the caller has made.
 
-    Parameters
-    ----------
-    task
-        SEARCH, :func:`run`; FOLLOW, :func:`follow`; SWEEP, :func:`sweep`.
-    to_section, number
-        SEARCH: whether to stop on the section, and when; FOLLOW: -, phi_S; SWEEP: -, the order.
-    starts
-        SWEEP: (n, START_COLUMNS) start, five results, status and length of the word.
-    words
-        (n, event limit); of a search the first row.
-    phases, path, times, events, notes
-        As the tasks take them, or of length 0.
-    work
-        (1,) a WORK.
+    The task is SEARCH (:func:`run`), FOLLOW (:func:`follow`) or SWEEP (:func:`sweep`); ``number``
+    is the time to stop at, phi_S, or the order. ``starts`` of a sweep are (n, START_COLUMNS):
+    start, five results, status and length of the word; ``words`` (n, event limit), of a search one
+    row; ``work`` (1,) a WORK. What a task does not take has length 0.
     """
     return _carry_out(
         task, model, change, to_section, number, starts, words, phases, path, times, events, notes,
@@ -139,21 +130,12 @@ def run(
 ) -> int:  # fmt: skip
     """Follow the toy from event to event until it returns to the section or a limit is met.
 
-    Parameters
-    ----------
-    z
-        State (7,); in place.
-    states
-        (3,) contact states before the start; contacts with zero gap are decided afresh. In place.
-    to_section, t_end
-        Stop at the next minimum of phi_S on the jammed sleeve; stop at this time.
-    word
-        Buffer of event codes; its length is the event limit.
-    phases, path, events
-        Buffers for the trajectory, (n, 8), (n, 8) and (n, 16); of length 0 if it is not wanted. The
-        path says what was decided before each phase, see STEP_COLUMNS.
-    counts
-        (3,) output: symbols, phases, events. Symbols already in the word are kept.
+    In place: the state ``z`` (7,), and ``states`` (3,) of the contacts, of which those with zero
+    gap are decided afresh. It stops at the next minimum of phi_S on the jammed sleeve if
+    ``to_section``, and at ``t_end``. Buffers: ``word`` for event codes, whose length is the event
+    limit; ``phases``, ``path`` and ``events``, (n, 8), (n, 8) and (n, 16), of length 0 if they are
+    not wanted; the path says what was decided before each phase, see STEP_COLUMNS. ``counts`` (3,)
+    of symbols, phases and events; symbols already in the word are kept.
     """
     work = make_work()
     room = work["room"][0]
@@ -172,12 +154,8 @@ def follow(
 ) -> int:  # fmt: skip
     """Follow the toy from the section at phi_S along a path until it returns.
 
-    Parameters
-    ----------
-    model, change, path, times, notes
-        As :func:`woodpecker.simulation.following.follow_path` takes them.
-    work
-        (1,) a WORK, whose route has the seeds and takes the result.
+    As :func:`woodpecker.simulation.following.follow_path`; ``work`` (1,) is a WORK, whose route has
+    the seeds and takes the result.
     """
     return compute(
         FOLLOW, model, change, True, phi_s, NO_STARTS, NO_WORDS, NO_PHASES, path, times, NO_EVENTS,
@@ -186,30 +164,25 @@ def follow(
 
 
 def sweep(
-    model: Floats, change: Floats, starts: Floats, order: int, seed: Floats, out: Floats,
-    status: Ints, lengths: Ints, words: Codes,
-) -> None:  # fmt: skip
-    """P_order at many starts on the section: searched, and followed for its derivatives.
+    model: Floats, change: Floats, starts: Floats, order: int, seed: Floats
+) -> tuple[Floats, Ints, Ints, Codes]:
+    """P_order at many starts (n,) on the section: searched, and followed for its derivatives.
 
-    Parameters
-    ----------
-    model, change
-        As :func:`woodpecker.simulation.following.follow_path` takes them.
-    starts
-        (n,) values of phi_S.
-    seed
-        (1, 3) direction in (eps_N1, eps_N2, eps_N3) to differentiate along.
-    out
-        (n, 5) output: phi_S, period, drop, d phi_S / d start, d phi_S along the parameter. The
-        derivatives are nan where the toy does not return.
-    status, lengths, words
-        Output: (n,) why each run stopped, (n,) lengths of the words, (n, event limit) event codes.
+    ``model`` and ``change`` are those of :func:`woodpecker.simulation.following.follow_path`,
+    ``seed`` (1, 3) the direction in (eps_N1, eps_N2, eps_N3) to differentiate along.
+
+    Columns (n, 5), phi_S, period, drop, d phi_S / d start and d phi_S along the parameter, the
+    latter nan where the toy does not return; why each run stopped (n,); lengths of the words (n,);
+    the words (n, EVENT_LIMIT order) in event codes.
     """
-    rows, limit, work = np.empty((len(starts), START_COLUMNS)), words.shape[1] + 1, make_work()
+    limit, work = EVENT_LIMIT * order, make_work()
+    rows, words = np.empty((len(starts), START_COLUMNS)), np.empty((len(starts), limit), np.int16)
     rows[:, START], work["route"]["seeds"][0, 1] = starts, seed[0]
+    announce(compute)
     compute(
-        SWEEP, model, change, True, float(order), rows, words, np.empty((limit, PHASE_COLUMNS)),
-        np.empty((limit, STEP_COLUMNS), dtype=np.int64), np.empty(limit), NO_EVENTS, NO_NOTES, work,
+        SWEEP, model, change, True, float(order), rows, words, np.empty((limit + 1, PHASE_COLUMNS)),
+        np.empty((limit + 1, STEP_COLUMNS), dtype=np.int64), np.empty(limit + 1), NO_EVENTS,
+        NO_NOTES, work,
     )  # fmt: skip
-    out[:] = rows[:, OUT:STATUS]
-    status[:], lengths[:] = rows[:, STATUS], rows[:, LENGTH]
+    codes, lengths = rows[:, STATUS:].astype(np.int64).T
+    return rows[:, OUT:STATUS].copy(), codes.copy(), lengths, words

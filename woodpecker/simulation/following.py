@@ -15,7 +15,7 @@ from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import part
 from woodpecker.mechanics.cases import REST
 from woodpecker.mechanics.contact_problems import UNSOLVED
-from woodpecker.mechanics.impacts import carry_out_along, hold, prepare, rates
+from woodpecker.mechanics.impacts import hold, rates
 from woodpecker.mechanics.modes import (
     ALPHA,
     ANGLE,
@@ -51,7 +51,6 @@ from woodpecker.motion.codes import (
 from woodpecker.motion.events import time_to_minimum
 from woodpecker.motion.flow import copy, displace, measure, put_on_section, shut, spring, touch
 from woodpecker.motion.guards import TWO_PI, first_root, stumpff_rates
-from woodpecker.simulation.impact_margins import impact_margins
 from woodpecker.simulation.margins import (
     BOUNCES,
     LENGTH,
@@ -66,6 +65,7 @@ from woodpecker.simulation.margins import (
     start_margins,
 )
 from woodpecker.simulation.roots import Ratios, deflated, ratios, root_at_inflection, root_near
+from woodpecker.simulation.striking import strike
 
 NO_ROOT = -1  # a guard of the path has no root here
 BOUNCES_MOST = 1000  # of bounces that accumulate; a ratio of 0.97 needs so many
@@ -76,7 +76,7 @@ def follow_path(
     model: Floats, change: Floats, path: Ints, times: Floats, phi_s: float, notes: Floats,
     route: Route,
 ) -> int:  # fmt: skip
-    """Follow the toy from the section at phi_S along a path until it returns.
+    """Follow the toy from the section at phi_S along a path until it returns; or NO_ROOT.
 
     Parameters
     ----------
@@ -90,14 +90,10 @@ def follow_path(
         (n,) durations of the phases: the neighbour's, and then those found here.
     notes
         (NOTES, room) output: margins, their derivatives in phi_S and along the parameter, and their
-        causes in ascending order; room for MOST of each phase. Of length 0 in room if not wanted.
+        causes in ascending order; room for MOST of each phase, or of length 0.
     route
-        ``seeds`` tell how restitution changes along the parameter; output: state
-        ``z`` on the section and its derivatives ``tangents``, and the number of margins.
-
-    Returns
-    -------
-    RETURNED, or NO_ROOT.
+        ``seeds`` tell how restitution changes along the parameter; output: ``z`` on the section,
+        its derivatives ``tangents``, and the number of margins.
     """
     z, states, watched = route.z, route.states, notes.shape[1] > 0
     _depart(model, change, phi_s, route)
@@ -319,7 +315,13 @@ def _event(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, rou
             if states[i] == STICK or route.fired[0] == SLIP + i:
                 hold(model, i, route.z)
         return
-    _strike(model, change, step, struck, k, notes, route)
+    n, choice = 0, route.choice
+    for i in range(3):
+        if struck >> i & 1:
+            route.touching[n] = i
+            n += 1
+    choice[0], choice[1], choice[2] = step[FIRST], step[OTHER], step[SECOND]
+    strike(model, change, n, k, notes, route)
     route.fired[0] = typed(-1)
     if step[CLOSED] == 0:
         for c in range(7):
@@ -328,30 +330,6 @@ def _event(model: Floats, change: Floats, step: Ints, k: int, notes: Floats, rou
                 route.memory[m, c] = route.tangents[m, c]
     else:
         _close(model, change, step, k, notes, route)
-
-
-@part
-def _strike(
-    model: Floats, change: Floats, step: Ints, struck: int, k: int, notes: Floats, route: Route
-) -> None:
-    """The impact of the contacts of a mask."""
-    n, choice, pair = 0, route.choice, route.pair
-    for i in range(3):
-        if struck >> i & 1:
-            route.touching[n] = i
-            n += 1
-    contacts = route.touching[:n]
-    choice[0], choice[1], choice[2] = step[FIRST], step[OTHER], step[SECOND]
-    if n == 2:
-        prepare(model, contacts, route.z, pair)
-    if notes.shape[1] > 0:
-        impact_margins(model, change, n, k, notes, route)
-        if n == 2:
-            prepare(model, contacts, route.z, pair)
-    carry_out_along(
-        model, change, contacts, choice, route.z, route.tangents, route.seeds, route.case,
-        route.impulses, pair,
-    )  # fmt: skip
 
 
 @part

@@ -32,19 +32,17 @@ from woodpecker.mechanics.modes import (
     MU,
     NORMAL,
     OMEGA,
-    OPEN,
     SECTION,
     SIGN,
     SLIP,
     SLIP_NEGATIVE,
     SLIP_POSITIVE,
-    STICK,
     TANGENT,
     A,
     B,
 )
 from woodpecker.motion.codes import HELD, STRUCK, typed
-from woodpecker.motion.events import force_guard, jet, time_to_minimum
+from woodpecker.motion.events import force_guard, guards_at_rest, jet, time_to_minimum
 from woodpecker.motion.flow import spring
 from woodpecker.motion.guards import TWO_PI, time_of_lowest
 from woodpecker.simulation.roots import (
@@ -98,7 +96,8 @@ ROUTE = np.dtype(
             ("touching", "i8", (2,)),  # contacts of an impact
             ("choice", "i8", (3,)),  # its index combinations
             ("case", "i8", (2,)),
-            ("impulses", "f8", (2, 4)),
+            ("impulses", "f8", (2, 4)),  # of both phases,
+            ("d_impulses", "f8", (2, 4)),  # and of both together along the tangents
             ("approach", "f8", (3,)),  # speed at which its gap closes, and its derivatives
             ("free", "f8", (4,)),  # velocities before one phase of an impact,
             ("floor", "f8", (2,)),
@@ -325,15 +324,9 @@ def start_margins(
     for i in range(3):
         if route.orders[i] < 2:
             continue  # it is open, or its impact has thrown it off
-        if states[i] == OPEN:
-            first, second = GAP + i, typed(-1)
-        elif states[i] == STICK:
-            first, second = CONE_POSITIVE + i, CONE_NEGATIVE + i
-        else:
-            first, second = NORMAL + i, (SLIP + i if step[HELD] >> i & 1 else -1)
-        _start(model, change, step, k, mode, first, notes, route)
-        if second >= 0:
-            _start(model, change, step, k, mode, second, notes, route)
+        for guard in guards_at_rest(i, states[i], step[HELD] >> i & 1 == 1):
+            if guard >= 0:
+                _start(model, change, step, k, mode, guard, notes, route)
 
 
 @part

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
-from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
@@ -14,102 +12,66 @@ from woodpecker.base.compiled import announce
 from woodpecker.mechanics.modes import CONTACT, FIXED, LIMIT, NORMAL, SECTION, SLIP
 from woodpecker.motion.codes import CLOSED, GUARD, MODE, PHASE_COLUMNS, RETURNED, STEP_COLUMNS
 from woodpecker.simulation import calls, following, margins
+from woodpecker.simulation.calls import EVENT_LIMIT
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import word
 
-EVENT_LIMIT = 1000  # phases of one return; the longest seen on the paper's data has some 20
 PHASES = 12  # of one return that count as an evaluation: one of twice as many counts as two
 NAMES = ("the beak", "the lower sleeve", "the upper sleeve")  # contacts 1, 2, 3
 
 
 class Path(NamedTuple):
-    """What happens on one return to the section.
+    """What happens on one return to the section."""
 
-    Attributes
-    ----------
-    word
-        Its sequence of events.
-    steps
-        (n, 8), what begins and ends each phase; see :data:`woodpecker.motion.codes.NO_PATH`.
-        Of equal bounces that accumulate it has the first only.
-    times
-        (n,) durations of the phases [s] where it was found.
-    """
-
-    word: str
+    word: str  # its sequence of events
+    # (n, 8), what begins and ends each phase, see codes.STEP_COLUMNS; of equal bounces that
+    # accumulate the first only
     steps: Ints
-    times: Floats
+    times: Floats  # (n,) durations of the phases [s] where it was found
 
 
-class Watch(Enum):
-    """What a margin watches; see :mod:`woodpecker.simulation.margins`."""
+def cause_of(path: Path, code: int) -> str:
+    """Why a path ends where a margin vanishes, as a sentence."""
+    phase, rest = divmod(code, 1000)
+    kind, item = divmod(rest, 100)
+    fired = int(path.steps[phase, GUARD])
+    if kind == margins.SPEED and item >= margins.SLOWEST:  # it says how the next phase begins
+        phase, kind = phase + 1, margins.START
+        leaves = path.steps[phase, MODE] == path.steps[phase - 1, MODE]
+        item = fired if leaves else NORMAL + fired
+    match kind:
+        case margins.MEETING:
+            return _at_once(item, fired)
+        case margins.DIP:
+            return f"{_grazes(item)} in phase {phase + 1}"
+        case margins.EARLY:
+            return f"{NAMES[item % 3]} {_does(item)} before phase {phase + 1}"
+        case margins.SPEED:
+            return f"{_grazes(item)} at the end of phase {phase + 1}"
+        case margins.START:
+            return f"{NAMES[item % 3]} only just {_stays(item)}"
+        case margins.COMPRESSION:
+            return f"{_only_just(item)} the compression"
+        case margins.EXPANDING:
+            return f"{_only_just(item)} the expansion"
+        case margins.SWING:
+            return "the sleeve jams exactly where the woodpecker turns round"
+        case margins.LENGTH:
+            return f"the toy only just reaches the end of the pole in phase {phase + 1}"
+        case _:
+            return f"the bounces of {NAMES[item]} only just come to an end"
 
-    COMPRESSION = margins.COMPRESSION
-    EXPANSION = margins.EXPANDING
-    BOUNCES = margins.BOUNCES
-    START = margins.START
-    EARLY = margins.EARLY
-    SPEED = margins.SPEED
-    MEETING = margins.MEETING
-    DIP = margins.DIP
-    SWING = margins.SWING
-    LENGTH = margins.LENGTH
 
-
-@dataclass(frozen=True, slots=True)
-class Cause:
-    """Why a path ends where a margin vanishes.
-
-    Attributes
-    ----------
-    watch
-        What the margin watches.
-    phase
-        Which phase of the return, from 0.
-    item
-        The guard, or 4 * contact + inequality of an impact.
-    fired
-        The guard that ends the phase.
-    """
-
-    watch: Watch
-    phase: int
-    item: int
-    fired: int
-
-    @property
-    def sentence(self) -> str:
-        """The cause for a person, such as "the beak and the upper sleeve strike at once"."""
-        match self.watch:
-            case Watch.MEETING:
-                return _at_once(self.item, self.fired)
-            case Watch.DIP:
-                return f"{_grazes(self.item)} in phase {self.phase + 1}"
-            case Watch.EARLY:
-                return f"{NAMES[self.item % 3]} {_does(self.item)} before phase {self.phase + 1}"
-            case Watch.SPEED:
-                return f"{_grazes(self.item)} at the end of phase {self.phase + 1}"
-            case Watch.START:
-                return f"{NAMES[self.item % 3]} only just {_stays(self.item)}"
-            case Watch.COMPRESSION | Watch.EXPANSION:
-                return self._of_impact()
-            case Watch.SWING:
-                return "the sleeve jams exactly where the woodpecker turns round"
-            case Watch.LENGTH:
-                return f"the toy only just reaches the end of the pole in phase {self.phase + 1}"
-            case Watch.BOUNCES:
-                return f"the bounces of {NAMES[self.item]} only just come to an end"
-
-    def _of_impact(self) -> str:
-        contact, inequality = divmod(self.item % margins.OTHER_END, 4)
-        phase = "compression" if self.watch is Watch.COMPRESSION else "expansion"
-        what = {
-            margins.NORMAL_SIDE: "only just takes part in",
-            margins.ALONG: "stops sliding exactly at the end of",
-            margins.CONE_PLUS: "only just sticks in",
-            margins.CONE_MINUS: "only just sticks in",
-        }[inequality]
-        return f"{NAMES[contact]} {what} the {phase}"
+def _only_just(item: int) -> str:
+    """What happens in one phase of an impact, by 4 * contact + inequality."""
+    contact, inequality = divmod(item % margins.OTHER_END, 4)
+    what = {
+        margins.NORMAL_SIDE: "only just takes part in",
+        margins.ALONG: "stops sliding exactly at the end of",
+        margins.CONE_PLUS: "only just sticks in",
+        margins.CONE_MINUS: "only just sticks in",
+    }[inequality]
+    return f"{NAMES[contact]} {what}"
 
 
 def _at_once(first: int, second: int) -> str:
@@ -146,33 +108,17 @@ def _stays(guard: int) -> str:
 
 
 class Along(NamedTuple):
-    """A return along a path.
+    """A return along a path."""
 
-    Attributes
-    ----------
-    phi_s, period, drop
-        Image [rad], time [s] and distance fallen [m].
-    slope, d_parameter
-        Derivatives of the image in the start and along the direction of the table.
-    margins
-        (m,) numbers that are positive where the toy does follow the path.
-    gradients
-        (m, 2), their derivatives in the start and along the direction of the table.
-    causes
-        (m,) ascending codes of what they watch; see :func:`cause_of`.
-    times
-        Durations of the phases [s].
-    """
-
-    phi_s: float
-    period: float
-    drop: float
-    slope: float
-    d_parameter: float
-    margins: Floats
-    gradients: Floats
-    causes: Ints
-    times: Floats
+    phi_s: float  # image [rad]
+    period: float  # [s]
+    drop: float  # distance fallen [m]
+    slope: float  # derivative of the image in the start
+    d_parameter: float  # and along the direction of the table
+    margins: Floats  # (m,) numbers that are positive where the toy does follow the path
+    gradients: Floats  # (m, 2), their derivatives in both
+    causes: Ints  # (m,) ascending codes of what they watch; see :func:`cause_of`
+    times: Floats  # durations of the phases [s]
 
 
 class Follower:
@@ -267,15 +213,3 @@ def _shortened(path: Path) -> Path:
                 kept[k] = False
                 k -= 1
     return Path(path.word, steps[kept], path.times[kept]) if not kept.all() else path
-
-
-def cause_of(path: Path, code: int) -> Cause:
-    """What a margin of a path watches."""
-    phase, rest = divmod(code, 1000)
-    kind, item = divmod(rest, 100)
-    fired = int(path.steps[phase, GUARD])
-    if kind == margins.SPEED and item >= margins.SLOWEST:  # it says how the next phase begins
-        phase, kind = phase + 1, margins.START
-        leaves = path.steps[phase, MODE] == path.steps[phase - 1, MODE]
-        item = fired if leaves else NORMAL + fired
-    return Cause(Watch(kind), phase, item, fired)

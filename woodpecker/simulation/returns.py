@@ -13,23 +13,21 @@ import numpy.typing as npt
 
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.diagrams.shown import brief, counted, span, table, tally
-from woodpecker.base.arrays import Codes, Floats, Ints
+from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, number, real_array, whole
-from woodpecker.base.compiled import COMPILED, announce
+from woodpecker.base.compiled import COMPILED
 from woodpecker.base.shown import shown
 from woodpecker.mechanics.modes import FIXED, model
 from woodpecker.mechanics.toy import Toy
 from woodpecker.motion.codes import FREE_FALL, POLE_END, RETURNED, RETURNED_NO_SLOPE
-from woodpecker.simulation.calls import compute, sweep
+from woodpecker.simulation.calls import sweep
 from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import EventKind, word
 
-EVENT_LIMIT = 1000  # events of one return; the longest seen on the paper's data has 20
 RELATIVE_STEP = 1e-6  # of one-sided differences at zero restitution, where contacts that rest begin
 # to bounce: the cube root of the kernel's rounding
 ORDER_MOST = 100_000  # returns of one call; each has room for a word of EVENT_LIMIT symbols
 CHUNK = 256  # starts handed to one worker at a time, of a low order
-RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -250,20 +248,9 @@ def checked_starts(toy: Toy, phi_s: npt.ArrayLike) -> Floats:
     return starts
 
 
-def _sweep(toy: Toy, starts: Floats, order: int) -> tuple[Floats, Ints, Ints, Codes]:
-    """Call the kernel: columns (n, 5), return codes (n,), word lengths (n,), words (n, limit)."""
-    n = len(starts)
-    out = np.empty((n, len(_COLUMNS)))
-    codes, lengths = np.empty(n, dtype=np.int64), np.empty(n, dtype=np.int64)
-    words = np.empty((n, EVENT_LIMIT * order), dtype=np.int16)
-    announce(compute)
-    sweep(model(toy), FIXED, starts, order, _SEED, out, codes, lengths, words)
-    return out, codes, lengths, words
-
-
 def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
     """Map some starts in this thread or process."""
-    out, codes, lengths, words = _sweep(toy, starts, order)
+    out, codes, lengths, words = sweep(model(toy), FIXED, starts, order, _SEED)
     if toy.eps_n1 == 0.0:
         _differ_from_above(toy, starts, order, out, codes)
     known: dict[bytes, str] = {}
@@ -297,7 +284,8 @@ def _differ_from_above(toy: Toy, starts: Floats, order: int, out: Floats, codes:
     if len(rows):
         here, steps = out[rows, 0], (RELATIVE_STEP, 2.0 * RELATIVE_STEP)
         near, far = (
-            _sweep(toy.replace(eps_n1=step), starts[rows], order)[0][:, 0] for step in steps
+            sweep(model(toy.replace(eps_n1=step)), FIXED, starts[rows], order, _SEED)[0][:, 0]
+            for step in steps
         )
         rates = out[rows, SLOPE + 1] = (-3.0 * here + 4.0 * near - far) / steps[1]
         codes[rows[np.isfinite(rates)]] = RETURNED

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-from typing import NamedTuple
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -31,13 +30,14 @@ from woodpecker.motion.codes import EVENT_COLUMNS, NO_PATH, PHASE_COLUMNS
 from woodpecker.motion.flow import flow, sample
 from woodpecker.simulation.calls import compute, run
 from woodpecker.simulation.status import Status, status
-from woodpecker.simulation.words import EventKind, decode, symbol, word
+from woodpecker.simulation.words import IMPACTS, EventKind, decode, symbol, word
 
 MAX_EVENTS = 20_000  # events of one simulation unless the caller says otherwise
 SAMPLES = 1001  # evenly spaced samples of a trajectory unless the caller says otherwise
 COORDINATES, VELOCITIES = ("y", "phi_m", "phi_s"), ("dy", "dphi_m", "dphi_s")
 PIECES_MOST = 100_000  # of a sliding phase, over which its work is integrated one by one
 COUNTED_MOST = 10**6  # samples, or events, of one simulation
+NO_SAMPLES: Floats = np.empty((0, 3))
 GAUSS_POINTS = 24  # per half radian of the fastest swing: the quadrature error is below rounding
 
 
@@ -317,35 +317,11 @@ def simulate(
     samples = whole("samples", samples, 2, COUNTED_MOST)
     max_events = whole("max_events", max_events, most=COUNTED_MOST)
     state = start if isinstance(start, State) else State.on_section(toy, number("phi_s", start))
-    found = _followed(toy, state, t_end, max_events)
-    times, q, u = _sampled(toy, found, samples)
-    return Trajectory(
-        toy=toy,
-        t=times,
-        q=q,
-        u=u,
-        events=found.events,
-        word=word(found.codes),
-        status=found.status,
-        t_end=found.finish,
-        drop=found.drop,
-        phases=found.phases,
-    )
+    return _sampled(_followed(toy, state, t_end, max_events), samples)
 
 
-class _Followed(NamedTuple):
-    """What the compiled loop came to: events, phases (n, PHASE_COLUMNS), and why it ended."""
-
-    events: tuple[Event, ...]
-    codes: list[int]
-    phases: Floats
-    status: Status
-    finish: float
-    drop: float
-
-
-def _followed(toy: Toy, state: State, t_end: float, max_events: int) -> _Followed:
-    """The motion from a state, until a time or the end of the pole."""
+def _followed(toy: Toy, state: State, t_end: float, max_events: int) -> Trajectory:
+    """The motion from a state until a time or the end of the pole, without samples."""
     numbers = model(toy)
     z, states = _initial(toy, state)
     start = z.copy()
@@ -362,20 +338,24 @@ def _followed(toy: Toy, state: State, t_end: float, max_events: int) -> _Followe
         reason = Status.POLE_END
         finish, drop = _pole_end(toy, numbers, phases, finish), toy.pole + state.y
     phases.setflags(write=False)
-    events = tuple(_event(row) for row in rows[: counts[2]])
-    seen = codes[: min(counts[0], max_events)].tolist()
-    return _Followed(events, seen, phases, reason, finish, drop)
+    return Trajectory(
+        toy=toy, t=NO_SAMPLES[:, 0], q=NO_SAMPLES, u=NO_SAMPLES,
+        events=tuple(_event(row) for row in rows[: counts[2]]),
+        word=word(codes[: min(counts[0], max_events)].tolist()), status=reason, t_end=finish,
+        drop=drop, phases=phases,
+    )  # fmt: skip
 
 
-def _sampled(toy: Toy, found: _Followed, samples: int) -> tuple[Floats, Floats, Floats]:
-    """Times (n,), coordinates and velocities (n, 3); at events before and after them."""
-    numbers = model(toy)
-    times, before = _sample_times(found.finish, samples, found.events)
+def _sampled(found: Trajectory, samples: int) -> Trajectory:
+    """The same motion with samples; at events before and after them."""
+    numbers = model(found.toy)
+    times, before = _sample_times(found.t_end, samples, found.events)
     out = np.empty((len(times), 7))
     sample(numbers, found.phases, times, False, out)
     sample(numbers, found.phases, times[before], True, left := np.empty((before.sum(), 7)))
     out[before] = left
-    return times, np.ascontiguousarray(out[:, :3]), np.ascontiguousarray(out[:, 3:6])
+    q, u = np.ascontiguousarray(out[:, :3]), np.ascontiguousarray(out[:, 3:6])
+    return replace(found, t=times, q=q, u=u)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -474,18 +454,13 @@ def _initial(toy: Toy, state: State) -> tuple[Floats, npt.NDArray[np.int64]]:
     return z, states
 
 
-def _state_at(numbers: Floats, phases: Floats, t: float) -> Floats:
-    out = np.empty((1, 7))
-    sample(numbers, phases, np.array([t]), False, out)
-    state: Floats = out[0]
-    return state
-
-
 def _pole_end(toy: Toy, numbers: Floats, phases: Floats, finish: float) -> float:
     """Time at which y passes the end of the pole, by bisection of the last phase."""
     low, high = float(phases[-1, 6]), finish
+    out = np.empty((1, 7))
     while low < (middle := 0.5 * (low + high)) < high:
-        if -_state_at(numbers, phases, middle)[0] > toy.pole:
+        sample(numbers, phases, np.array([middle]), False, out)
+        if -out[0, 0] > toy.pole:
             high = middle
         else:
             low = middle
@@ -508,7 +483,7 @@ def _sample_times(
 def _event(row: Floats) -> Event:
     kind, contacts = decode(int(row[1]))
     impulses: tuple[Impulse, ...] = ()
-    if kind in (EventKind.IMPACT, EventKind.INDETERMINATE_IMPACT):
+    if kind in IMPACTS:
         impulses = tuple(
             Impulse(
                 contact=contact,

@@ -19,15 +19,6 @@ from collections.abc import Iterable
 from enum import Enum
 
 from woodpecker.mechanics.impacts import MARKS
-from woodpecker.motion.codes import (
-    CHATTER_END,
-    DETACH,
-    IMPACT,
-    INDETERMINATE_IMPACT,
-    REVERSAL,
-    SLIP_START,
-    STICK_START,
-)
 
 SEPARATOR = "|"
 
@@ -54,17 +45,8 @@ class EventKind(Enum):
     INDETERMINATE_IMPACT = "I~"
 
 
-_KINDS = {
-    IMPACT: EventKind.IMPACT,
-    DETACH: EventKind.DETACH,
-    SLIP_START: EventKind.SLIP,
-    STICK_START: EventKind.STICK,
-    REVERSAL: EventKind.REVERSAL,
-    CHATTER_END: EventKind.CHATTER,
-    INDETERMINATE_IMPACT: EventKind.INDETERMINATE_IMPACT,
-}
-
-
+IMPACTS = (EventKind.IMPACT, EventKind.INDETERMINATE_IMPACT)
+_KINDS = tuple(EventKind)  # in the order of the kinds in :mod:`woodpecker.motion.codes`
 _COMPRESSION = ("", "s", "f")
 _EXPANSION = ("", "-s", "-r", "-rs")
 

@@ -37,6 +37,7 @@ import numpy.typing as npt
 import pytest
 from hypothesis import assume, given
 from impacts import directions, frictions, laws, restitutions, scenes, strike
+from lcp_oracles import enumerate_contacts
 from scipy.optimize import brentq
 from thoroughness import thorough
 
@@ -44,7 +45,7 @@ from woodpecker import ExpansionFriction, Status, Toy, first_return, simulate
 from woodpecker.base.compiled import COMPILED
 from woodpecker.mechanics import equations as mechanics
 from woodpecker.mechanics.contact_problems import INDETERMINATE, SOLVED
-from woodpecker.mechanics.lcp import enumerate_contacts, solve_contact_lcp
+from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.mechanics.modes import ANGLE, SIGN
 
 FloatArray = npt.NDArray[np.float64]

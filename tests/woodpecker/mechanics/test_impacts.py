@@ -14,6 +14,7 @@ from impacts import (
     SCENES,
     UNITS,
     approach,
+    case_table,
     coupling_of,
     directions,
     frictions,
@@ -24,13 +25,14 @@ from impacts import (
     scenes,
     strike,
 )
+from lcp_oracles import contact_residual, enumerate_contacts
 from scipy.optimize import linprog
 from thoroughness import thorough
 
 from woodpecker import ExpansionFriction, Toy
 from woodpecker.base.compiled import COMPILED, jit
 from woodpecker.mechanics import equations as mechanics
-from woodpecker.mechanics.cases import BACKWARD, FORWARD, FREE, HOLD, REST, case_table, impulse_of
+from woodpecker.mechanics.cases import BACKWARD, FORWARD, FREE, HOLD, REST, impulse_of
 from woodpecker.mechanics.contact_problems import (
     AMBIGUOUS,
     INDETERMINATE,
@@ -41,17 +43,11 @@ from woodpecker.mechanics.contact_problems import (
     rest_is_possible,
     two_contacts,
 )
-from woodpecker.mechanics.lcp import (
-    ContactLcp,
-    LcpStatus,
-    contact_residual,
-    enumerate_contacts,
-    solve_contact_lcp,
-)
+from woodpecker.mechanics.lcp import ContactLcp, LcpStatus, solve_contact_lcp
 from woodpecker.mechanics.modes import model
 
 # thousands of calls from here:
-one_contact, two_contacts, case_table = jit(one_contact), jit(two_contacts), jit(case_table)
+one_contact, two_contacts = jit(one_contact), jit(two_contacts)
 
 FloatArray = npt.NDArray[np.float64]
 IntArray = npt.NDArray[np.int64]
@@ -115,7 +111,7 @@ def solve(problem: Problem) -> Answer:
 
 
 def residual(problem: Problem, impulse: FloatArray) -> float:
-    """Violation of the contact laws, read as projections by :mod:`woodpecker.mechanics.lcp`."""
+    """Violation of the contact laws, read as projections by :mod:`lcp_oracles`."""
     order, n = ORDER[len(problem.free)], len(problem.mu)
     gamma = (problem.delassus @ impulse + problem.free)[order]
     solution = ContactLcp(

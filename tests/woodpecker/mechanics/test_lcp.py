@@ -11,21 +11,13 @@ import numpy as np
 import numpy.typing as npt
 import pytest
 from hypothesis import given
+from lcp_oracles import contact_residual, enumerate_contacts, enumerate_lcp, matrices
 from thoroughness import thorough
 
 from woodpecker import Toy
 from woodpecker.mechanics import equations as mechanics
 from woodpecker.mechanics import lcp
-from woodpecker.mechanics.lcp import (
-    ContactLcp,
-    LcpStatus,
-    contact_lcp,
-    contact_residual,
-    enumerate_contacts,
-    enumerate_lcp,
-    lemke,
-    solve_contact_lcp,
-)
+from woodpecker.mechanics.lcp import ContactLcp, LcpStatus, lemke, solve_contact_lcp
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -455,7 +447,7 @@ def test_a_vector_of_friction_is_a_diagonal_matrix(sliding: int) -> None:
     """To the last bit, in all that takes friction."""
     s = scene(np.random.default_rng(45), 3, 7)
     both = [(s.delassus, s.free, mu, 0.1, sliding) for mu in (s.mu, np.diag(s.mu))]
-    for one, other in zip(*(contact_lcp(*arguments) for arguments in both), strict=True):
+    for one, other in zip(*(matrices(*arguments) for arguments in both), strict=True):
         assert (one == other).all()
     one, other = (solve_contact_lcp(*arguments) for arguments in both)
     assert (one.impulse_n == other.impulse_n).all()
@@ -481,7 +473,7 @@ def test_matrix_of_two_contacts_with_a_friction_matrix() -> None:
     """The blocks of the docstring entry by entry, one contact free to stick and one sliding."""
     rng = np.random.default_rng(46)
     s, f, floor = scene(rng, 2, 5), rng.uniform(size=(2, 2)), np.array([0.3, 0.7])
-    a, b = contact_lcp(s.delassus, s.free, f, floor, sliding=[0, -1])
+    a, b = matrices(s.delassus, s.free, f, floor, sliding=[0, -1])
     normal = np.vstack([np.eye(2), [-f[0], f[1]]])  # S = diag(1, -1)
     tangential = np.eye(4)[:, 2]
     g_n, g_1 = s.delassus[:2], s.delassus[2]  # rows of both normals, of the first tangent

@@ -83,7 +83,7 @@ def test_of_the_checker(expected: list[Fraction]) -> None:
 
         x = form([Fraction(3, 10), 2, 1], [1], [2, 2], [0], [0], [2])
         y = form([-1, Fraction(-1, 2)], [0], [Fraction(-1, 2)], [0], [0], [0])
-        coefficients = (x, y, x * y, x.plus(I.of(2)))
+        coefficients = (x, y, x * y, x + I.of(2))
         ranges = [f.value for f in coefficients]
         kappa = I.of(KAPPA)
 

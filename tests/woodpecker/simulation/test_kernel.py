@@ -9,6 +9,7 @@ import mpmath
 import numpy as np
 import numpy.typing as npt
 import pytest
+from lcp_oracles import enumerate_contacts
 from scenes import in_another_process, plain, run
 
 from woodpecker import State, Status, Toy, equilibrium, first_return, return_map, simulate
@@ -16,7 +17,7 @@ from woodpecker.base.arrays import Ints
 from woodpecker.base.compiled import COMPILED
 from woodpecker.mechanics import equations as mechanics
 from woodpecker.mechanics.contact_problems import AMBIGUOUS, NO_SOLUTION, SOLVED
-from woodpecker.mechanics.lcp import enumerate_contacts, solve_contact_lcp
+from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.mechanics.modes import (
     ALPHA,
     CONE_POSITIVE,

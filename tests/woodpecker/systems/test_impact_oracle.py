@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from lcp_oracles import matrices
 
 from woodpecker.base.arrays import Floats
-from woodpecker.mechanics.lcp import contact_lcp, lemke
+from woodpecker.mechanics.lcp import lemke
 from woodpecker.systems.impacts import ImpactPhase, Outcome, solutions
 
 oracle = pytest.importorskip("quantecon.optimize").lcp_lemke
@@ -57,7 +58,7 @@ def test_impacts_are_those_of_the_oracle(n: int, m: int) -> None:
                 assert outcome is Outcome.AMBIGUOUS
                 assert 2 * m > n
                 break
-            x = solved(*contact_lcp(delassus, velocity, mu, floor))
+            x = solved(*matrices(delassus, velocity, mu, floor))
             normal = x[:m] + floor
             other = np.concatenate([normal, x[m : 2 * m] - mu * normal])
             after = velocity + delassus @ impulse

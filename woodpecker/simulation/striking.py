@@ -1,13 +1,25 @@
-"""Margins of an impact along a path: the slack of all inequalities of its index combinations."""
+"""An impact along a path: velocities, derivatives, and the margins of its index combinations."""
 
 from __future__ import annotations
 
-from woodpecker.base.arrays import Floats
+import math
+
+from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import part
-from woodpecker.mechanics.cases import FORWARD, HOLD, REST, impulse_of
+from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST, impulse_of
 from woodpecker.mechanics.contact_problems import UNSOLVED, one_contact_case, velocity_of
-from woodpecker.mechanics.impacts import one_change, pair_change, rates
+from woodpecker.mechanics.impacts import (
+    carry_out,
+    clear,
+    clear_change,
+    kick,
+    one_change,
+    pair_change,
+    prepare,
+    rates,
+)
 from woodpecker.mechanics.modes import (
+    ANGLE,
     CONTACT,
     DELASSUS,
     EPS,
@@ -34,49 +46,117 @@ from woodpecker.simulation.margins import (
 
 
 @part
-def impact_margins(
-    model: Floats, change: Floats, n: int, k: int, notes: Floats, route: Route
-) -> None:
-    """Slack of all inequalities of the index combinations of an impact at n contacts.
+def strike(model: Floats, change: Floats, n: int, k: int, notes: Floats, route: Route) -> None:
+    """Change the velocities of a route and their derivatives by an impact at n contacts.
 
-    Impulses, and the speeds at which contacts separate, are those over the speed at which the gap
-    closes: they are in proportion to it where all contacts slide, and so do not vanish where the
-    gap closes at rest or the flight before has no duration.
+    Each phase is worked out once, with the derivatives of impulses and velocities. These need no
+    other table than the impulses: where g = G Lambda + free, and Lambda_T = -+F Lambda_N at
+    contacts that slide, the derivative of Lambda solves the same equations as Lambda with
+    d(free) + dG Lambda + G_T tau for free and tau = -+dF Lambda_N added to its tangential part.
+
+    Margins are the slack of all inequalities of the index combinations. Impulses, and the speeds at
+    which contacts separate, are those over the speed at which the gap closes: they are in
+    proportion to it where all contacts slide, and so do not vanish where the gap closes at rest or
+    the flight before has no duration.
     """
     choice, expands = route.choice, route.choice[2] != UNSOLVED
-    _impact_begins(model, change, n, route)
-    both = choice[0] != choice[1]
+    contacts = route.touching[:n]
+    if n == 2:
+        prepare(model, contacts, route.z, route.pair)
+    _begin(model, change, n, route)
     code = 1000 * k + 100 * COMPRESSION
-    if both:  # the compression ends on a segment: its other end first, whose velocities are zero
-        _impact_phase(model, change, n, choice[1], False, route)
+    indeterminate = choice[0] != choice[1]  # it ends on a segment, where all velocities are zero
+    if indeterminate:
+        _phase(model, change, n, choice[1], False, route)
         _slacks(n, choice[1], code + OTHER_END, notes, route)
         for a in range(4):
             route.end[a] = route.p[a]
             for m in range(2):
                 route.d_end[m, a] = route.d_p[m, a]
-    _impact_phase(model, change, n, choice[0], False, route)
+    _phase(model, change, n, choice[0], False, route)
     _slacks(n, choice[0], code, notes, route)
-    if both:
+    if indeterminate:  # it goes on from the middle
         for a in range(4):
             route.p[a] = 0.5 * (route.p[a] + route.end[a])
             for m in range(2):
                 route.d_p[m, a] = 0.5 * (route.d_p[m, a] + route.d_end[m, a])
-    code = 1000 * k + 100 * EXPANDING
+        velocity_of(choice[0], route.pair.delassus, route.free, route.p, route.v)
+    _keep(0, n, route)
     _store_impulse(model, n, route)
+    code = 1000 * k + 100 * EXPANDING
     if expands:
-        _impact_phase(model, change, n, choice[2], True, route)
+        _phase(model, change, n, choice[2], True, route)
         _slacks(n, choice[2], code, notes, route)
-        return
-    for j in range(n):
-        if route.floor[j] > 0.0:  # it would expand
-            note_quotient(
-                notes, route, code + 4 * route.touching[j], -route.floor[j],
-                -route.d_floor[0, j], -route.d_floor[1, j], route.approach,
-            )  # fmt: skip
+        _keep(1, n, route)
+    else:
+        _leave_out_expansion(model, change, n, code, notes, route)
+    _carry_out(model, change, contacts, route)
 
 
 @part
-def _impact_begins(model: Floats, change: Floats, n: int, route: Route) -> None:
+def _keep(phase: int, n: int, route: Route) -> None:
+    """Impulses of a phase, and those of both along the tangents."""
+    for a in range(4):
+        route.impulses[phase, a] = route.p[a] if a < 2 * n else 0.0
+        if phase == 0:
+            route.impulses[1, a] = 0.0
+        for m in range(2):
+            before = route.d_impulses[m, a] if phase == 1 else 0.0
+            route.d_impulses[m, a] = before + (route.d_p[m, a] if a < 2 * n else 0.0)
+
+
+@part
+def _leave_out_expansion(
+    model: Floats, change: Floats, n: int, code: int, notes: Floats, route: Route
+) -> None:
+    """An impact that stores nothing has no expansion; but a larger eps_N would make it one."""
+    if notes.shape[1] > 0:
+        for j in range(n):
+            if route.floor[j] > 0.0:  # it would expand
+                note_quotient(
+                    notes, route, code + 4 * route.touching[j], -route.floor[j],
+                    -route.d_floor[0, j], -route.d_floor[1, j], route.approach,
+                )  # fmt: skip
+    if n == 2:
+        return
+    for m in range(2):
+        if route.d_floor[m, 0] != 0.0:
+            along = m if m == 1 and len(change) > 0 else UNSOLVED
+            d_n, d_t, _, _ = one_change(
+                model, change, along, route.touching[0], 3 * FREE + route.choice[0] % 3, 0.0, 0.0,
+                route.d_free[m, 0], route.d_free[m, 1], route.d_floor[m, 0],
+            )  # fmt: skip
+            route.d_impulses[m, 0] += d_n
+            route.d_impulses[m, 1] += d_t
+
+
+@part
+def _carry_out(model: Floats, change: Floats, contacts: Ints, route: Route) -> None:
+    """Change the velocities by the impulses of both phases, and the tangents likewise."""
+    case, tangents, impulses = route.case, route.tangents, route.impulses
+    for j in range(len(contacts)):
+        i, a = contacts[j], 2 * j
+        if len(change) > 0:
+            p_n, p_t = impulses[0, a] + impulses[1, a], impulses[0, a + 1] + impulses[1, a + 1]
+            kick(change, i, p_n, p_t, tangents[1])
+        for m in range(2):
+            kick(model, i, route.d_impulses[m, a], route.d_impulses[m, a + 1], tangents[m])
+        route.pair.after[a] = route.v[a]
+    carry_out(model, contacts, route.choice, route.z, case, impulses, route.pair)
+    for m in range(2):
+        bounce = 0.0
+        for i in contacts:
+            if route.seeds[m, i] != 0.0 and model[CONTACT + i, EPS] == 0.0:
+                bounce = tangents[m, 3 + ANGLE[i]] if len(contacts) == 1 else math.nan
+        clear(model, contacts, case, tangents[m])
+        if m == 1 and len(change) > 0:
+            clear_change(change, contacts, case, route.z, tangents[m])
+        if bounce != 0.0:  # a larger eps_N makes this contact bounce
+            tangents[m, 3 + ANGLE[contacts[0]]] = bounce
+
+
+@part
+def _begin(model: Floats, change: Floats, n: int, route: Route) -> None:
     """Velocities before the compression, and their derivatives; its floors are zero."""
     for j in range(n):
         i, a = route.touching[j], 2 * j
@@ -110,7 +190,7 @@ def _store_impulse(model: Floats, n: int, route: Route) -> None:
 
 
 @part
-def _impact_phase(
+def _phase(
     model: Floats, change: Floats, n: int, combination: int, expansion: bool, route: Route
 ) -> None:
     """Impulses, velocities and bounds of friction of one phase of an impact, and derivatives."""
@@ -171,6 +251,8 @@ def _slacks(n: int, combination: int, code: int, notes: Floats, route: Route) ->
     Two gap rates and a slip that are zero bring the whole toy to rest: then the other slip is zero
     too, whatever its friction.
     """
+    if notes.shape[1] == 0:
+        return
     first, second = combination % 6, combination // 6
     rests = n == 2 and first // 3 == REST and second // 3 == REST
     still = rests and (first % 3 == HOLD or second % 3 == HOLD)
