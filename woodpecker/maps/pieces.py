@@ -178,6 +178,10 @@ class Piece(Protocol):
 class PiecewiseMap(Protocol):
     """A map of the line, made of pieces.
 
+    At each sample of a branch it is asked whether it takes the pieces that were followed. One with
+    an attribute ``margins_decide`` that is true is not: it takes a piece just where all margins are
+    positive.
+
     Examples
     --------
     >>> from sympy import Piecewise, symbols
