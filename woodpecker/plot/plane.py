@@ -19,7 +19,7 @@ from pwmap.plot.palette import LINES
 from woodpecker.mechanics.toy import description, parameters
 from woodpecker.plane.curve import Curve, PlanePoint
 
-LEAVES = {"color": "#bdbdbd"}  # where a cycle leaves the window
+LEAVES = {"color": "#404040", "linestyle": "-."}  # where a cycle leaves the window
 THIN = 1.3  # [pt] of all curves, which lie close
 MEANINGS = {
     (PointKind.FF, "fold"): "fold-flip at a jump (FF)",
