@@ -11,6 +11,7 @@ from enum import Enum, StrEnum
 from typing import Any, Literal, NamedTuple
 
 from pwmap.diagrams.shown import changed
+from woodpecker.base.arguments import explained_fields
 from woodpecker.base.shown import real, shown
 
 LAW = "expansion_friction"  # the one field of a toy that is no number
@@ -71,6 +72,7 @@ class ExpansionFriction(StrEnum):
     SEPARATE = "separate"  # |Lambda_TE,i| <= mu_i Lambda_NE,i: Coulomb's law contact by contact
 
 
+@explained_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Toy:
     """Data of the toy; index M is the sleeve, S the woodpecker [Leine2001, Results].
