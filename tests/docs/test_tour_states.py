@@ -1,4 +1,7 @@
-"""What the page of the tour without a server has recorded is what the explorer shows today."""
+"""What the page of the tour without a server has recorded is what the explorer shows today.
+
+``python tests/tour_page.py`` records it anew.
+"""
 
 from __future__ import annotations
 
