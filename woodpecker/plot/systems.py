@@ -13,7 +13,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 
 from pwmap.plot import JUMP, STABLE, UNSTABLE, place_legend
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, given_axes, styled
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, whole
 from woodpecker.plot.curve import Detail, refined
@@ -91,6 +91,7 @@ def plot_system_motion(
         height = 1.2 + 1.5 * len(values)
         figure = plt.figure(figsize=(7.0, height), layout="constrained")
         axes = np.ravel(figure.subplots(len(values), 1, sharex=True, squeeze=False)).tolist()
+    axes = given_axes(axes, len(values))
     shown: Artists = {}
     for ax, name, each in zip(axes, wanted, values, strict=True):
         add(shown, {MOTION: ax.plot(motion.t, each, **LINE)})
@@ -152,7 +153,7 @@ def plot_system_portrait(
     ['impact', 'motion', 'start']
     """
     across, up = _values(system, motion, x), _values(system, motion, y)
-    ax = ax if ax is not None else new_axes(5.4, 4.4)
+    ax = axes_for(ax, 5.4, 4.4)
     jumps = np.flatnonzero(np.diff(motion.t) == 0.0)
     way = np.insert(across, jumps + 1, np.nan), np.insert(up, jumps + 1, np.nan)
     shown: Artists = {MOTION: [*ax.plot(*way, **LINE)]}
@@ -301,7 +302,7 @@ def plot_basins(
     owner = basins(
         map_, cycles, starts.reshape(-1, map_.d), returns=returns, near=near, p=p
     ).reshape(points, points)  # fmt: skip
-    ax = ax if ax is not None else new_axes(5.6, 4.4)
+    ax = axes_for(ax, 5.6, 4.4)
     colours = ["white", *(BASINS[k % len(BASINS)] for k in range(len(cycles)))]
     mesh = ax.pcolormesh(
         across, up, owner, cmap=ListedColormap(colours), vmin=-1.5, vmax=len(cycles) - 0.5,
