@@ -3,32 +3,37 @@
     python -m studies.order_three [--fast] [--out DIR]
 
 The paper stopped at P_2. Fixed points of P_3 are counted in slices, between the parameters at which
-branches end, and every sample is simulated once more. The picture has one colour and one kind of
-line for each period, and marks no special points: there are too many. Those of P_1 are marked by
+branches end, and every sample is simulated once more. The picture has the colours and lines of all
+diagrams, and marks no special points: there are too many. Those of P_1 are marked by
 :mod:`studies.figures.fig09_order_one`, collisions of P_2 by :mod:`studies.figures.fig10_order_two`.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from pwmap import BranchKind, Diagram, PointKind
+from pwmap import Branch, BranchKind, Diagram, PointKind
 from pwmap.plot.palette import of_period
 from studies.common.record import Results, command
-from studies.common.style import canvas, keep
+from studies.common.style import INK, canvas, keep
 from studies.common.whole import Part, examined, searched
 from studies.figures.fig10_order_two import FULL
 from woodpecker import Search
+from woodpecker.base.arrays import Floats
 
 ORDERS = (1, 2, 3)
 FAST = Part((0.105, 0.13), (-1.0, -0.65), Search(slices=7), 4)
-DASHES = {3: (0, (1.5, 1)), 2: (0, (5, 1.2)), 1: "-"}  # of each period, as they are drawn
-WIDTHS, DOTS = {False: 0.6, True: 1.8}, (0, (1, 1.3))  # by whether it attracts; of jumps
+LINES: dict[str, dict[str, Any]] = {  # as in all diagrams, and thin where they lie close
+    "stable": {"linestyle": "-", "linewidth": 2.0},
+    "unstable": {"linestyle": (0, (4, 1.2)), "linewidth": 0.8},
+    "jump crossing": {"linestyle": (0, (1, 1.3)), "linewidth": 1.4},
+}
 
 
 def main(fast: bool = False, out: Path | None = None) -> Results:
@@ -56,23 +61,13 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
 def draw(diagram: Diagram, part: Part) -> Figure:
     """Fixed points by period, those that attract broad; jump crossings of P_1 dotted."""
     figure, (ax,) = canvas(5.6)
-    for order, dashes in DASHES.items():
-        colour = of_period(order)
-        for attracts, width in WIDTHS.items():
-            lines = [
-                np.column_stack([branch.parameter, branch.x])
-                for branch in diagram.branches
-                if branch.kind is BranchKind.FIXED_POINT
-                and branch.order == order
-                and bool(np.median(np.abs(branch.multiplier)) < 1.0) is attracts
-            ]
-            ax.add_collection(LineCollection(lines, colors=colour, linewidths=width, ls=dashes))
-    jumps = [
-        np.column_stack([branch.parameter, branch.x])
-        for branch in diagram.of_order(1).branches
-        if branch.kind is BranchKind.JUMP
-    ]
-    ax.add_collection(LineCollection(jumps, colors="black", linewidths=1.2, ls=DOTS))
+    for order in reversed(ORDERS):
+        found: dict[str, list[Floats]] = {name: [] for name in LINES}
+        for branch in diagram.of_order(order).branches:
+            if branch.kind is BranchKind.FIXED_POINT or order == 1:
+                found[_style(branch)].append(np.column_stack([branch.parameter, branch.x]))
+        for name in ("unstable", "jump crossing", "stable"):  # the last above the others
+            ax.add_collection(LineCollection(found[name], colors=of_period(order), **LINES[name]))
     ax.legend(handles=samples(diagram), fontsize=7, framealpha=0.95, loc="lower right")
     ax.set_xlim(*part.span)
     margin = 0.02 * (part.window[1] - part.window[0])
@@ -82,16 +77,22 @@ def draw(diagram: Diagram, part: Part) -> Figure:
     return figure
 
 
+def _style(branch: Branch) -> str:
+    """What most of a branch is."""
+    if branch.kind is BranchKind.JUMP:
+        return "jump crossing"
+    return "stable" if np.median(np.abs(branch.multiplier)) < 1.0 else "unstable"
+
+
 def samples(diagram: Diagram) -> list[Line2D]:
     """What the legend shows, and how many special points the picture leaves out."""
     found = [
-        Line2D([], [], color=of_period(k), ls=DASHES[k], linewidth=1.6, label=f"period {k}")
-        for k in ORDERS
+        Line2D([], [], color=INK, **style, label=f"{name} of $P_1$" if "jump" in name else name)
+        for name, style in LINES.items()
     ]
-    found.append(Line2D([], [], color="black", ls=DOTS, linewidth=1.2, label="jump of $P_1$"))
-    for attracts, width in WIDTHS.items():
-        label = "broad: stable" if attracts else "thin: unstable"
-        found.append(Line2D([], [], color="black", linewidth=width, label=label))
+    found += [
+        Line2D([], [], color=of_period(k), linewidth=4.0, label=f"period {k}") for k in ORDERS
+    ]
     count = sum(point.kind is not PointKind.EP for point in diagram.points)
     found.append(Line2D([], [], ls="", label=f"{count} special points: too many to mark"))
     return found

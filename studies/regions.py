@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from functools import partial
 from pathlib import Path
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -37,6 +38,9 @@ WINDOW = (-0.9, -0.45)  # of phi_S: with the stable motion, and A, B and C
 NAMES = {  # special points over eps_N1 of the paper's toy in this window
     "A": 0.11197091445663, "B": 0.29152171188505, "C": 0.18512695093092,
     "FF1": 0.18815862092540, "BC2": 0.7911249390906, "PD1": 0.64854920022763, "I1": 0.3883495889,
+}  # fmt: skip
+STAR: dict[str, Any] = {
+    "ls": "", "marker": "*", "color": "black", "ms": 9.0, "mec": "white", "mew": 0.5
 }  # fmt: skip
 SAME = 1e-3  # of such a value: curves are straight between their samples
 
@@ -107,8 +111,8 @@ def draw(toy: Toy, found: dict[str, Regions]) -> Figure:
         here = toy.eps_n1, getattr(toy, name)
         known = {_name(curve, here[1]): curve for curve in regions.curves}
         name_curves(ax, {text: curve for text, curve in known.items() if text}, (), [here])
-        ax.plot(*here, "*", color="black", ms=6.0, zorder=5)
-    star = Line2D([], [], ls="", marker="*", color="black", ms=6.0, label="the paper's toy")
+        ax.plot(*here, **STAR, zorder=5)
+    star = Line2D([], [], **STAR, label="the paper's toy")
     shown = [*handles(found.values()), star]
     figure.legend(handles=shown, loc="outside lower center", ncols=4, fontsize=7, frameon=False)
     return figure

@@ -82,12 +82,14 @@ class Seen:
     """One tab. Whatever goes wrong on the page, or is loaded from elsewhere, is kept."""
 
     def __init__(
-        self, browser: Any, address: str, query: str = "", size: tuple[int, int] = (1280, 720)
-    ) -> None:
+        self, browser: Any, address: str, query: str = "", size: tuple[int, int] = (1280, 720),
+        *, touch: bool = False,
+    ) -> None:  # fmt: skip
         self.address, self.errors, self.elsewhere = address, list[str](), list[str]()
         self.page = browser.new_page(
-            viewport={"width": size[0], "height": size[1]}, reduced_motion="reduce"
-        )
+            viewport={"width": size[0], "height": size[1]}, reduced_motion="reduce",
+            has_touch=touch, is_mobile=touch,
+        )  # fmt: skip
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.on("request", self._request)
         self.page.goto(f"{address}?{query}" if query else address)

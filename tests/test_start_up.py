@@ -45,8 +45,8 @@ def test_the_toy_alone_is_light() -> None:
     assert not loaded & (HEAVY | TOOLS)
     assert {name for name in loaded if name.startswith(("pwmap", "woodpecker"))} == {
         "pwmap", "pwmap.diagrams", "pwmap.diagrams.shown",
-        "woodpecker", "woodpecker.base", "woodpecker.base.shown", "woodpecker.mechanics",
-        "woodpecker.mechanics.toy",
+        "woodpecker", "woodpecker.base", "woodpecker.base.arguments", "woodpecker.base.shown",
+        "woodpecker.mechanics", "woodpecker.mechanics.toy",
     }  # fmt: skip
 
 

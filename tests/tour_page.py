@@ -1,7 +1,8 @@
 """The page of the docs that shows the tour of the explorer without a server: text and pictures.
 
 The pictures are those that the tests in a browser keep (``EXPLORER_PICTURES=docs/explore``), here
-made small enough for a page by ``python tests/tour_page.py``.
+made small enough for a page by ``python tests/tour_page.py``, which also records the states that
+the page in ``docs/_static/tour`` shows.
 """
 
 from __future__ import annotations
@@ -13,14 +14,19 @@ from woodpecker.explore.tour import TOUR
 
 DOCS = Path(__file__).parents[1] / "docs"
 COLOURS = 256  # of a picture
+LIVE = "_static/tour/index.html"  # under the folder of the docs
 
 
 def page() -> str:
     """The page, in Markdown."""
     lines = [
         "# The tour, without a server", "",
-        "Ten states of [the explorer](explore.md), one for each figure of the paper. "
-        "`woodpecker explore` shows them alive; the text after `?` is what its address bar has.",
+        "Ten states of [the explorer](explore.md), one for each figure of the paper, recorded: "
+        "play the motion, step from event to event, switch between maps. It needs no network, and "
+        f'has <a href="{LIVE}">a page of its own</a>.',
+        "", f'<iframe class="tour" src="{LIVE}" title="The tour in ten steps"></iframe>', "",
+        "`woodpecker explore` shows these states alive, as below; the text after `?` is what its "
+        "address bar has.",
     ]  # fmt: skip
     for k, step in enumerate(TOUR, start=1):
         lines += [
@@ -40,6 +46,17 @@ def shrink(folder: Path) -> None:
         picture.quantize(COLOURS, Image.Quantize.FASTOCTREE).save(path, optimize=True)
 
 
+def record(folder: Path) -> None:
+    """What the page without a server loads: a script for each step, and the one that draws."""
+    import tour_states
+
+    (folder / "toy.js").write_text(tour_states.toy_script(), encoding="utf-8")
+    for number in range(1, len(TOUR) + 1):
+        script = tour_states.script(number)
+        (folder / f"{number:02d}.js").write_text(script, encoding="utf-8")
+
+
 if __name__ == "__main__":
+    record((DOCS / LIVE).parent)
     shrink(DOCS / "explore")
     (DOCS / "explore_tour.md").write_text(page(), encoding="utf-8")

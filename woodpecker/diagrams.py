@@ -12,10 +12,12 @@ import numpy as np
 
 from pwmap.diagrams.diagram import Diagram, PointKind, SpecialPoint
 from pwmap.diagrams.diagram import load_diagram as load_diagram  # for the users of woodpecker, too
+from woodpecker.base.arguments import explained
 from woodpecker.base.checkpoint import START
-from woodpecker.base.checks import instance
+from woodpecker.base.checks import function, instance
 from woodpecker.base.executors import Serial, worker_count
 from woodpecker.base.settings import Settings
+from woodpecker.base.shown import shown
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.mechanics.toy import RESTITUTIONS, WINDOW, Toy
 from woodpecker.plane.curve import Curve, PlanePoint
@@ -40,6 +42,7 @@ from woodpecker.two_parameters import Spans, curve_in_two
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
 
+FOLLOWED = "a parameter is named and span is its interval; steps and tolerances are settings"
 WORKERS = 1  # of a search for the branches of a map: evaluations of formulas are not worth more
 
 
@@ -74,6 +77,7 @@ def continuation(
 ) -> Curve: ...
 
 
+@explained(FOLLOWED)
 def continuation(
     source: Toy | PiecewiseMap | PiecewiseLinearMap,
     orbit: PeriodicOrbit | SpecialPoint | PlanePoint,
@@ -169,6 +173,11 @@ def continuation(
         raise TypeError(
             f"continuation needs the point itself, found by diagram.point({orbit!r}), got its name"
         )
+    if not isinstance(orbit, PeriodicOrbit | SpecialPoint | PlanePoint):
+        raise TypeError(
+            "orbit must be a periodic solution, found by shoot, or a special point, got "
+            f"{shown(orbit)}"
+        )
     if isinstance(orbit, PeriodicOrbit) and (parameter is None or isinstance(parameter, str)):
         if kind is not None:
             raise TypeError(f"kind is for a point of codimension two, got {kind!r} for an orbit")
@@ -195,6 +204,7 @@ def _connected(
     resume: bool,
 ) -> Diagram:  # fmt: skip
     """What is connected to a periodic solution over one parameter."""
+    function("progress", progress)
     settings, map_ = followed.settings, followed.map_
     start = _start(followed, orbit)
     wanted = orders_with(start, orders)
@@ -246,6 +256,7 @@ def _start(followed: Subject, orbit: PeriodicOrbit) -> Orbit:
 # --- Everything in a window -----------------------------------------------------------------------
 
 
+@explained(FOLLOWED)
 def bifurcation_diagram(
     source: Toy | PiecewiseMap | PiecewiseLinearMap,
     parameter: str | None = None,
@@ -389,6 +400,7 @@ def bifurcation_search(
         window = WINDOW
     looked = Search() if search is None else search
     instance("search", looked, Search)
+    function("progress", progress)
     followed = subject(source, parameter, span, settings, window)
     chosen, map_ = followed.settings, followed.map_
     finite_window(chosen)

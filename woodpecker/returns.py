@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from woodpecker.base.arguments import explained
 from woodpecker.base.checks import real_array, whole
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import PiecewiseMap
@@ -16,13 +17,14 @@ from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation import returns
 from woodpecker.simulation.returns import ReturnMap
 from woodpecker.simulation.status import Status
-from woodpecker.toy_map import Mapped, named, value_of
+from woodpecker.toy_map import OWN_VALUES, Mapped, named, value_of
 
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
     from woodpecker.slices import OrbitDiagram, SweptMap
 
 
+@explained(OWN_VALUES)
 def return_map(
     source: Toy | PiecewiseMap | PiecewiseLinearMap,
     x: npt.ArrayLike,
@@ -96,6 +98,7 @@ def _returned(mapped: Mapped, x: float, order: int) -> tuple[float, float, str, 
     return x, slope, " | ".join(words), Status.RETURNED
 
 
+@explained("what else is varied is given to the toy or the map before")
 def orbit_diagram(
     source: Toy | PiecewiseMap | SweptMap | PiecewiseLinearMap,
     parameters: npt.ArrayLike,

@@ -11,6 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap.diagrams.shown import brief, table
+from woodpecker.base.arguments import explained
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, number, real_array, whole
 from woodpecker.base.settings import Settings
@@ -30,7 +31,7 @@ from woodpecker.slices.orbits import (
     stepped,
     to_engine,
 )
-from woodpecker.toy_map import Mapped, named, value_of
+from woodpecker.toy_map import OWN_VALUES, Mapped, named, value_of
 
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
@@ -167,6 +168,7 @@ class PeriodicOrbit:
         return table(self.message, ("periodic motion", f"of {self.order} returns"), rows)
 
 
+@explained(OWN_VALUES)
 def shoot(
     source: Toy | PiecewiseMap | PiecewiseLinearMap,
     guess: npt.ArrayLike,
@@ -229,8 +231,9 @@ def shoot(
     PeriodicOrbit(order=1, x=-1, p=-0.5, multiplier=0.5, word='L')
     """
     instance("settings", settings, Settings)
+    map_ = named(source).map_
     points, order = _guesses(source, guess, whole("order", order, most=ORDER_MOST))
-    mapped = Mapped(source, named(source).map_, value_of(source, p))
+    mapped = Mapped(source, map_, value_of(source, p))
     first, lost = _taken(mapped, points[:1]), ""
     if isinstance(source, Toy):
         start = first_return(source, float(points[0]), order)

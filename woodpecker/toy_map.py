@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
 import numpy as np
 
+from pwmap.diagrams.shown import counted
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, number, real_array
 from woodpecker.base.shown import shown
@@ -47,6 +48,7 @@ if TYPE_CHECKING:
 
 KEPT = 8  # maps of a process whose copies, sent from others, share tables: those of its searches
 CLEAR = 1e-9  # relative distance from the limits of a parameter beyond which rounding cannot matter
+OWN_VALUES = "a toy has its own values, toy.replace(...) others, and a map takes its parameter as p"
 TOO_FAR = "the path does not reach so far"
 NO_MARGINS, NO_GRADIENTS, NO_TIMES = np.zeros(0), np.zeros((0, 2)), np.zeros(0)
 NO_CAUSES: Ints = np.zeros(0, dtype=np.int64)
@@ -400,6 +402,11 @@ def named(source: Toy | PiecewiseMap | PiecewiseLinearMap, parameter: str | None
             raise TypeError(
                 "source must be woodpecker.Toy or a map of pieces, such as FormulaMap([...]), got "
                 f"{shown(source)}"
+            )
+        if isinstance(of := getattr(source, "d", None), int):  # a system's: its points are arrays
+            raise TypeError(
+                f"source must be a map of the line, got {type(source).__name__} of "
+                f"{counted(of, 'coordinate')}: woodpecker.systems has this verb for it"
             )
         name = "p" if parameter is None else parameter
         if not isinstance(name, str):

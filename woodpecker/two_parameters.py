@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from pwmap.diagrams.diagram import PointKind, PointStatus, SpecialPoint
 from pwmap.plane.kinds import PlaneKind
+from woodpecker.base.arguments import explained
 from woodpecker.base.checks import interval
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
@@ -25,6 +26,7 @@ SAMPLES = 2000  # of a curve each way: most have some hundred, and what needs mo
 Spans = tuple[tuple[float, float], tuple[float, float]]
 
 
+@explained("what else is varied is given to the toy or the map before")
 def curve_in_two(
     source: Toy | Family | PiecewiseLinearMap,
     point: SpecialPoint | PlanePoint,
@@ -91,14 +93,23 @@ def curve_in_two(
     if isinstance(source, Toy):
         if value is not None:
             raise ValueError(f"a toy has its own values, got value = {value!r}")
-        return _of_toy(source, point, parameters, span, kind, settings)
+        return _of_toy(source, _followed(point), parameters, span, kind, settings)
     family = _family(source, parameters)
     if tuple(parameters) != family.names:
         raise ValueError(
             f"parameters must be those of the family, {family.names}, got {parameters}"
         )
     chosen = settings_for(settings, Settings())
-    return curve_through(family, point, value, span=pair(span), kind=kind, settings=chosen)
+    return curve_through(
+        family, _followed(point), value, span=pair(span), kind=kind, settings=chosen
+    )
+
+
+def _followed(point: SpecialPoint | PlanePoint) -> SpecialPoint | PlanePoint:
+    """The point itself; TypeError if it is none."""
+    if not isinstance(point, SpecialPoint | PlanePoint):
+        raise TypeError(f"point must be one of a diagram or of a curve, got {shown(point)}")
+    return point
 
 
 def _family(source: Family | PiecewiseLinearMap, parameters: tuple[str, str]) -> Family:

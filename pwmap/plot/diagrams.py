@@ -28,7 +28,7 @@ from pwmap.diagrams.data import (
 )
 from pwmap.diagrams.diagram import Diagram
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_kind, check_map
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, styled
 from pwmap.plot.labels import LabelledCurve, Labels, Name
 from pwmap.plot.palette import named as period_named
 from pwmap.plot.palette import of_period
@@ -107,6 +107,8 @@ def plot_diagram(
 
     Raises
     ------
+    TypeError
+        If that is no diagram, or not drawn on axes.
     ValueError
         If there is no part of the name of a style.
 
@@ -120,7 +122,7 @@ def plot_diagram(
     ['stable', 'jump crossing', 'border collision', 'end point', 'names']
     """
     check_kind("diagram", diagram, Diagram)
-    ax = ax if ax is not None else new_axes(7.0, 4.6)
+    ax = axes_for(ax, 7.0, 4.6)
     shown = draw_branches(
         diagram, ax, kinds, labels=labels, branches=branches, stable_only=stable_only
     )
@@ -400,6 +402,8 @@ def plot_map(
 
     Raises
     ------
+    TypeError
+        If that is no map, or not drawn on axes.
     ValueError
         If the map still has parameters, or there is no part of the name of a style.
 
@@ -412,7 +416,7 @@ def plot_map(
     ['diagonal', 'pieces', 'ends', 'jump crossing']
     """
     _check_values(map_)
-    ax = ax if ax is not None else new_axes(4.6, 4.4)
+    ax = axes_for(ax, 4.6, 4.4)
     low, high = (float(end) for end in (window if window is not None else _window(map_)))
     if not low < high:
         raise ValueError(f"a window must ascend, got ({low}, {high})")

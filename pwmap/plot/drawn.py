@@ -12,6 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.transforms import offset_copy
 
+from pwmap.algebra.terms import shortened
+
 Artists = dict[str, list[Artist]]  # by the name of a part, as a legend has it
 Styles = Mapping[str, Mapping[str, Any]]  # by such names, properties of artists
 
@@ -54,9 +56,21 @@ class Drawn:
         return self.axes[0].figure
 
 
-def new_axes(width: float, height: float) -> Axes:
-    """Axes in a figure of their own, whose size [inch] is given."""
-    return plt.figure(figsize=(width, height), layout="constrained").gca()
+def axes_for(ax: Axes | None, width: float, height: float) -> Axes:
+    """The axes that are given, or some in a figure of their own, whose size [inch] is given."""
+    if ax is None:
+        return plt.figure(figsize=(width, height), layout="constrained").gca()
+    if not isinstance(ax, Axes):
+        raise TypeError(f"ax must be axes of matplotlib, got {shortened(repr(ax))}")
+    return ax
+
+
+def given_axes(axes: Sequence[Axes], count: int) -> list[Axes]:
+    """Several axes that are given, as a list."""
+    found = list(axes) if isinstance(axes, Iterable) else [axes]
+    if len(found) != count or not all(isinstance(ax, Axes) for ax in found):
+        raise TypeError(f"axes must be {count} axes of matplotlib, got {shortened(repr(axes))}")
+    return found
 
 
 def below(ax: Axes) -> dict[str, Any]:
@@ -73,6 +87,8 @@ def styled(artists: Artists, styles: Styles | None, known: Iterable[str] = ()) -
     such a name.
     """
     names = dict.fromkeys((*artists, *known))
+    if not isinstance(styles, Mapping | None):
+        raise TypeError(f"styles must be a mapping of names, got {shortened(repr(styles))}")
     for name, properties in (styles or {}).items():
         if name not in names:
             raise ValueError(f"a style must be of one of {', '.join(names)}, got {name!r}")

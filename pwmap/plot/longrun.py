@@ -24,7 +24,7 @@ from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
 from pwmap.longrun.entropy.constant import constant_entropy
 from pwmap.longrun.entropy.entropies import EntropyIntervals
 from pwmap.longrun.numbers import to_double
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_kind, check_map
 from pwmap.plot.diagrams import (
     BAND,
     MARKERS,
@@ -34,7 +34,7 @@ from pwmap.plot.diagrams import (
     legend_entries,
     order_samples,
 )
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, below, new_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, below, styled
 from pwmap.plot.palette import PERIODS, named, of_period
 
 STEP, POINTS, CRISIS = STABLE, "#c6dbef", "#cb181d"
@@ -111,6 +111,8 @@ def plot_long_run(
 
     Raises
     ------
+    TypeError
+        If that is no diagram, long run or map, or not drawn on axes.
     ValueError
         If the two are over different parameters, or there is no part of the name of a style.
 
@@ -125,8 +127,10 @@ def plot_long_run(
     >>> sorted(name for name, artists in drawn.artists.items() if artists)
     ['bands', 'merging crisis', 'names', 'unstable']
     """
+    check_kind("diagram", diagram, Diagram)
+    _check_attractors(found, map_)
     check_parameter(diagram, found)
-    ax = ax if ax is not None else new_axes(7.0, 4.6)
+    ax = axes_for(ax, 7.0, 4.6)
     shown = _draw_attractors(found, map_, ax, steps) | _draw_crises(found, map_, ax)
     inner = ax.dataLim.frozen()
     every = draw_branches(diagram, ax, [k for k in MARKERS if k is not PointKind.EP], labels=labels)
@@ -166,6 +170,11 @@ def plot_attractors(
     Drawn
         The axes, and the artists by the names in the legend.
 
+    Raises
+    ------
+    TypeError
+        If that is no long run or map, or not drawn on axes.
+
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, attractor_diagram
@@ -175,7 +184,8 @@ def plot_attractors(
     >>> sorted(plot_attractors(found, tent, steps=8).artists)
     ['bands', 'merging crisis']
     """
-    ax = ax if ax is not None else new_axes(7.0, 4.6)
+    _check_attractors(found, map_)
+    ax = axes_for(ax, 7.0, 4.6)
     shown = _draw_attractors(found, map_, ax, steps) | _draw_crises(found, map_, ax)
     _window(ax, found, ax.dataLim.frozen())
     ax.set_xlabel(axis_label(str(found.parameter)))
@@ -201,6 +211,11 @@ def _legend_below(ax: Axes, shown: Artists, more: Sequence[Line2D] = ()) -> None
     ax.legend(
         entries.values(), entries.keys(), ncols=3, frameon=False, fontsize=7, **below(ax)
     )  # fmt: skip
+
+
+def _check_attractors(found: AttractorDiagram, map_: PiecewiseLinearMap) -> None:
+    check_kind("found", found, AttractorDiagram, "pwmap.longrun")
+    check_map(map_)
 
 
 def _draw_attractors(
@@ -334,6 +349,8 @@ def plot_kneading(
 
     Raises
     ------
+    TypeError
+        If that is no long run, or not drawn on axes.
     ValueError
         If the map has no break, or no step is to be shown.
 
@@ -348,12 +365,11 @@ def plot_kneading(
     """
     if steps < 1:
         raise ValueError(f"a kneading table needs at least one step, got {steps}")
+    check_kind("seen", seen, Dynamics, "pwmap.longrun")
     rows = seen.kneading
     if not rows:
         raise ValueError("expected a map with breaks, this one has none")
-    if ax is None:
-        size = (2.6 + 0.24 * steps, 0.9 + 0.34 * len(rows))
-        ax = new_axes(*size)
+    ax = axes_for(ax, 2.6 + 0.24 * steps, 0.9 + 0.34 * len(rows))
     letters = list(dict.fromkeys(branch.letter for branch in seen.line.branches))
     colors = {letter: LETTERS[k % len(LETTERS)] for k, letter in enumerate(letters)}
     shown: Artists = {}
@@ -439,6 +455,11 @@ def plot_entropy(
     Drawn
         The axes, and the artists by these names.
 
+    Raises
+    ------
+    TypeError
+        If that is no map, or not drawn on axes.
+
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap
@@ -448,7 +469,8 @@ def plot_entropy(
     >>> drawn.ax.get_ylabel()
     'topological entropy'
     """
-    ax = ax if ax is not None else new_axes(7.0, 3.6)
+    check_map(map_)
+    ax = axes_for(ax, 7.0, 3.6)
     low, high = (sympy.Rational(str(end)) for end in span)
     places = [low + (high - low) * sympy.Rational(2 * k + 1, 2 * steps) for k in range(steps)]
     found = [dynamics(map_, {parameter: p}, orders=orders).entropy for p in places]
@@ -511,6 +533,8 @@ def plot_density(
 
     Raises
     ------
+    TypeError
+        If that is no long run, or not drawn on axes.
     ValueError
         If no attractor has a density.
 
@@ -523,12 +547,13 @@ def plot_density(
     >>> [step.get_label() for step in drawn.artists["densities"]]
     ['density, exact']
     """
+    check_kind("found", found, Dynamics, "pwmap.longrun")
     known = [(each, each.density) for each in found.attractors if each.density is not None]
     if not known:
         raise ValueError(
             "expected a map with a chaotic attractor, this one has none with a density"
         )
-    ax = ax if ax is not None else new_axes(7.0, 3.6)
+    ax = axes_for(ax, 7.0, 3.6)
     shown: Artists = {}
     for number, (attractor, density) in enumerate(known):
         ends = to_double(density.places[0]), to_double(density.places[-1])

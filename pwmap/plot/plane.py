@@ -15,6 +15,7 @@ from sympy import QQ
 from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import bounds, spread
 from pwmap.diagrams.data import FloatArray
+from pwmap.maps.piecewise_linear import check_kind
 from pwmap.plane.colours import Colours
 from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.rasters import PlaneRaster, arc_arrays, root_array
@@ -22,7 +23,7 @@ from pwmap.plane.regions import attracting
 from pwmap.plane.strips import Strip
 from pwmap.plane.tables import doubles
 from pwmap.plot.diagrams import NAMES, axis_label
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, below, new_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, below, styled
 from pwmap.plot.labels import LabelledCurve, Labels, Name
 from pwmap.plot.palette import CHAOS, LINES, NOTHING, PERIODS, QUIET, of_period
 
@@ -70,6 +71,11 @@ def plot_plane(
     Drawn
         The axes, and the artists of curves and points by these names.
 
+    Raises
+    ------
+    TypeError
+        If that is no plane, or not drawn on axes.
+
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, parameter_plane
@@ -79,7 +85,8 @@ def plot_plane(
     >>> list(plot_plane(plane, samples=20).artists)
     ['flip', 'names']
     """
-    ax = ax if ax is not None else new_axes(6.0, 6.2)
+    check_kind("plane", plane, ParameterPlane, "pwmap.plane")
+    ax = axes_for(ax, 6.0, 6.2)
     if raster is None:
         patches = _cells(ax, plane, samples)
         title = "attracting periods"

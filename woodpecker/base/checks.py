@@ -33,6 +33,12 @@ def instance(name: str, value: Any, kind: type) -> None:
         )
 
 
+def function(name: str, value: Any) -> None:
+    """TypeError unless a value can be called, or is None."""
+    if not (value is None or callable(value)):
+        raise TypeError(f"{name} must be a function, got {shown(value)}")
+
+
 def positive(name: str, value: Any) -> float:
     """One positive, finite number; ValueError for anything else."""
     checked = number(name, value)

@@ -35,6 +35,7 @@ import cloudpickle
 
 from woodpecker.base.checks import whole
 from woodpecker.base.lost import WorkerLostError
+from woodpecker.base.shown import shown
 
 WATCH = 0.5  # s: how often a worker looks whether its parent is still there, if nothing tells it
 PATIENCE = 0.5  # s: what takes less is done before other processes could help
@@ -276,10 +277,14 @@ def scheduler(
     ------
     ValueError
         If there is to be nobody, or the work cannot be sent to other processes.
+    TypeError
+        If the executor is none.
     WorkerLostError
         If a process ends before its task does.
     """
     count = worker_count(workers)
+    if not (executor is None or hasattr(executor, "submit")):
+        raise TypeError(f"executor must have a method submit, got {shown(executor)}")
     if executor is None and count == 1:
         yield Serial(work)
         return

@@ -8,6 +8,7 @@ from dataclasses import Field, dataclass, fields
 from typing import Any
 
 from pwmap.diagrams.shown import changed
+from woodpecker.base.arguments import explained_fields
 from woodpecker.base.checks import interval, positive, whole
 
 SMALLEST_UNIT = 2.0**-8  # of the largest magnitude: then ``nearest`` is some seventeen spacings
@@ -19,6 +20,7 @@ def _checked(settings: Any, each: Field[Any]) -> Any:
     return check(each.name, getattr(settings, each.name))
 
 
+@explained_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
     """How far, how finely and how exactly to follow branches.

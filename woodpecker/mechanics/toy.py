@@ -11,6 +11,7 @@ from enum import Enum, StrEnum
 from typing import Any, Literal, NamedTuple
 
 from pwmap.diagrams.shown import changed
+from woodpecker.base.arguments import explained_fields
 from woodpecker.base.shown import real, shown
 
 RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")
@@ -72,6 +73,7 @@ class ExpansionFriction(StrEnum):
     SEPARATE = "separate"  # |Lambda_TE,i| <= mu_i Lambda_NE,i: Coulomb's law contact by contact
 
 
+@explained_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Toy:
     """Data of the toy; index M is the sleeve, S the woodpecker [Leine2001, Results].

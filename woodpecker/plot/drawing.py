@@ -9,6 +9,7 @@ are free. Lengths are in metres and not exaggerated.
 from __future__ import annotations
 
 import math
+import os
 import tempfile
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
@@ -26,8 +27,9 @@ from scipy.interpolate import CubicSpline
 
 from pwmap.diagrams.files import write_whole
 from pwmap.plot import UNSTABLE
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, styled
 from woodpecker.base.arrays import Floats
+from woodpecker.base.checks import instance, real_array
 from woodpecker.mechanics.modes import ContactState, mode_states
 from woodpecker.mechanics.toy import Toy
 from woodpecker.simulation.trajectory import Trajectory
@@ -151,6 +153,8 @@ def draw_toy(
 
     Raises
     ------
+    TypeError
+        If that is no toy, or not drawn on axes.
     ValueError
         If there is no such contact.
 
@@ -161,11 +165,15 @@ def draw_toy(
     >>> sorted(draw_toy(Toy(), (0.0, -0.05, -0.5), closed=[2]).artists)
     ['bird', 'closed contacts', 'pole', 'sleeve', 'spring']
     """
+    instance("toy", toy, Toy)
+    q = real_array("q", q)
+    if q.shape != (3,):
+        raise ValueError(f"q must be y, phi_M and phi_S, of shape (3,), got {q.shape}")
     marked = sorted(set(closed))
     if not set(marked) <= {1, 2, 3}:
         raise ValueError(f"contacts are 1, 2 and 3, got {marked}")
     if ax is None:
-        ax = new_axes(3.0, 4.0)
+        ax = axes_for(None, 3.0, 4.0)
         x_limits, y_limits = window(toy, q)
         ax.set(xlim=x_limits, ylim=y_limits, xlabel="from the axis [m]", ylabel="height [m]")
     at = points(toy, q)
@@ -288,6 +296,8 @@ def draw_frames(
 
     Raises
     ------
+    TypeError
+        If it is no trajectory.
     ValueError
         If there is not one label for each time, or none at all.
 
@@ -299,6 +309,7 @@ def draw_frames(
     >>> len(draw_frames(motion, [0.0, 0.05], ["at rest", "later"]).axes)
     2
     """
+    instance("trajectory", trajectory, Trajectory)
     if not times or len(times) != len(labels):
         raise ValueError(f"one label for each time, got {len(times)} times, {len(labels)} labels")
     columns = min(4, len(times))
@@ -333,7 +344,7 @@ def frame_times(t_end: float, slow: float, fps: float) -> Floats:
 
 def animate(
     trajectory: Trajectory,
-    path: Path,
+    path: str | os.PathLike[str],
     *,
     slow: float = 40.0,
     fps: float = 25.0,
@@ -362,6 +373,8 @@ def animate(
 
     Raises
     ------
+    TypeError
+        If it is no trajectory.
     ValueError
         If ``slow`` or ``fps`` is not positive, or the suffix is another.
     FileNotFoundError
@@ -369,13 +382,14 @@ def animate(
 
     Examples
     --------
-    >>> from pathlib import Path
     >>> from woodpecker import Toy, simulate
     >>> from woodpecker.plot.drawing import animate
     >>> motion = simulate(Toy(), -0.52947197, 0.01, samples=11)
-    >>> animate(motion, Path("toy.gif"), slow=10.0).name
+    >>> animate(motion, "toy.gif", slow=10.0).name
     'toy.gif'
     """
+    instance("trajectory", trajectory, Trajectory)
+    path = Path(path)
     writer, rate = film_writer(path, slow, fps)
     times = frame_times(trajectory.t_end, slow, rate)
     figure = Figure(figsize=size, dpi=DPI)

@@ -15,9 +15,10 @@ from matplotlib.lines import Line2D
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, runs_of
 from pwmap.plot import INK, JUMP, MARKERS, STABLE, STAR, UNSTABLE, place_legend, plot_diagram
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, styled
 from pwmap.plot.palette import of_period
 from woodpecker.base.arrays import Bools, Floats, Ints
+from woodpecker.base.checks import instance
 from woodpecker.mechanics.toy import Toy
 from woodpecker.plot.curve import Link, MapSamples, refined
 from woodpecker.plot.motions import LINE, strokes
@@ -54,6 +55,11 @@ def plot_return_map(
     legend, styles
         As for :func:`plot_curve`.
 
+    Raises
+    ------
+    TypeError
+        If that is no toy or no return map, or not drawn on axes.
+
     Examples
     --------
     >>> import numpy as np
@@ -64,6 +70,8 @@ def plot_return_map(
     >>> list(drawn.artists)
     ['diagonal', '$P_{1}$', 'jump', 'stable fixed point', 'goes on below']
     """
+    instance("toy", toy, Toy)
+    instance("returns", returns, ReturnMap)
     *_, curve = curves(toy, returns, order, depth)
     return plot_curve(curve, ax, order=order, returns=returns, legend=legend, styles=styles)
 
@@ -116,6 +124,13 @@ def plot_curve(
     styles
         Properties of matplotlib by the names in the legend.
 
+    Raises
+    ------
+    TypeError
+        If that is no curve, or not drawn on axes.
+    ValueError
+        If there is no part of the name of a style.
+
     Examples
     --------
     >>> import numpy as np
@@ -126,7 +141,8 @@ def plot_curve(
     >>> list(plot_curve(first).artists)
     ['diagonal', '$P_{1}$', 'not resolved']
     """
-    ax = ax if ax is not None else new_axes(7.0, 4.6)
+    instance("curve", curve, MapSamples)
+    ax = axes_for(ax, 7.0, 4.6)
     ends = curve.x[[0, -1]]
     shown: Artists = {"diagonal": [*ax.plot(ends, ends, color="#969696", linewidth=0.8)]}
     breaks = np.flatnonzero(curve.links != Link.CURVE) + 1
@@ -293,6 +309,13 @@ def plot_local(
         Properties of matplotlib by the names in the legends, and ``"prediction"`` for what lies
         behind the diagram.
 
+    Raises
+    ------
+    TypeError
+        If that is no model or diagram, or not drawn on axes.
+    ValueError
+        If there is no part of the name of a style.
+
     Examples
     --------
     >>> from sympy import Piecewise, symbols
@@ -309,6 +332,8 @@ def plot_local(
     >>> [ax.get_title() for ax in drawn.axes]
     ['the toy, with the prediction in grey', 'its local model, solved exactly']
     """
+    instance("model", model, LocalModel)
+    instance("diagram", diagram, Diagram)
     figure = figure if figure is not None else plt.figure(figsize=(7.6, 3.6), layout="constrained")
     seen, predicted = figure.subplots(1, 2, sharex=True, sharey=True)
     reach = reach if reach is not None else _reach(model, diagram)

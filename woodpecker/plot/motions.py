@@ -12,8 +12,9 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from pwmap.plot import JUMP, STABLE, UNSTABLE
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, given_axes, styled
 from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.checks import instance
 from woodpecker.simulation.trajectory import Trajectory
 from woodpecker.simulation.words import IMPACTS
 
@@ -85,6 +86,13 @@ def plot_time_history(
     styles
         Properties of matplotlib by ``"motion"``, ``"stops"`` and the names in the legend.
 
+    Raises
+    ------
+    TypeError
+        If that is no trajectory, or not drawn on axes.
+    ValueError
+        If there is no part of the name of a style.
+
     Examples
     --------
     >>> from woodpecker import Toy, simulate
@@ -93,9 +101,11 @@ def plot_time_history(
     >>> len(drawn.axes)
     3
     """
+    instance("trajectory", trajectory, Trajectory)
     if axes is None:
         figure = plt.figure(figsize=(7.0, 5.6), layout="constrained")
         axes = list(figure.subplots(3, 1, sharex=True))
+    axes = given_axes(axes, 3)
     toy, shown = trajectory.toy, Artists()
     stops: tuple[tuple[float, ...], ...] = (
         (), (-toy.phi_m_max, toy.phi_m_max), (toy.phi_s_max,),
@@ -170,6 +180,8 @@ def plot_phase_portrait(
 
     Raises
     ------
+    TypeError
+        If that is no trajectory, or not drawn on axes.
     ValueError
         If there is no such quantity.
 
@@ -181,10 +193,11 @@ def plot_phase_portrait(
     >>> len(plot_phase_portrait(motion, "phi_s", "dphi_s").artists["direction of time"])
     3
     """
+    instance("trajectory", trajectory, Trajectory)
     for name in (x, y):
         if name not in QUANTITIES:
             raise ValueError(f"unknown quantity {name!r}, expected one of {', '.join(QUANTITIES)}")
-    ax = ax if ax is not None else new_axes(4.6, 3.6)
+    ax = axes_for(ax, 4.6, 3.6)
     across, up = (QUANTITIES[name].of(trajectory.q, trajectory.u) for name in (x, y))
     shown: Artists = {MOTION: [*ax.plot(*way_of(trajectory.t, across, up), **LINE)]}
     shown[START] = [*ax.plot(across[0], up[0], ".", color="black", markersize=5, zorder=4)]
@@ -267,6 +280,13 @@ def plot_phase_portraits(
     legend
         Whether to explain lines and marks, below all three.
 
+    Raises
+    ------
+    TypeError
+        If that is no trajectory, or not drawn on axes.
+    ValueError
+        If there is no part of the name of a style.
+
     Examples
     --------
     >>> from woodpecker import Toy, simulate
@@ -278,6 +298,7 @@ def plot_phase_portraits(
     if axes is None:
         figure = plt.figure(figsize=(9.6, 3.7), layout="constrained")
         axes = list(figure.subplots(1, 3))
+    axes = given_axes(axes, 3)
     pairs = (("phi_s", "dphi_s"), ("phi_m", "dphi_m"), ("phi_s", "dy"))
     shown: Artists = {}
     for ax, (x, y) in zip(axes, pairs, strict=True):

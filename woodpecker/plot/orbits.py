@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from pwmap.plot.drawn import Artists, Drawn, Styles, new_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, styled
 from pwmap.plot.palette import CHAOS, PERIODS, named, of_period
 from woodpecker.base.checks import instance
 from woodpecker.slices.attracting import OrbitDiagram
@@ -50,7 +50,7 @@ def plot_orbits(
     """
     instance("found", found, OrbitDiagram)
     alone = ax is None
-    ax = ax if ax is not None else new_axes(7.0, 4.6)
+    ax = axes_for(ax, 7.0, 4.6)
     shown: Artists = {}
     for period in sorted({min(orbit.period, len(PERIODS)) for orbit in found.orbits}):
         orbits = [o for o in found.orbits if min(o.period, len(PERIODS)) == period]

@@ -12,14 +12,16 @@ from matplotlib.lines import Line2D
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from pwmap.plane.kinds import PlaneKind
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, below, new_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, below, styled
 from pwmap.plot.labels import LabelledCurve as Named
 from pwmap.plot.labels import Labels, Name
 from pwmap.plot.palette import LINES
+from woodpecker.base.checks import instance
+from woodpecker.base.shown import shown as in_short
 from woodpecker.mechanics.toy import description, parameters
 from woodpecker.plane.curve import Curve, PlanePoint
 
-LEAVES = {"color": "#bdbdbd"}  # where a cycle leaves the window
+LEAVES = {"color": "#404040", "linestyle": "-."}  # where a cycle leaves the window
 THIN = 1.3  # [pt] of all curves, which lie close
 MEANINGS = {
     (PointKind.FF, "fold"): "fold-flip at a jump (FF)",
@@ -74,6 +76,8 @@ def plot_curves(
 
     Raises
     ------
+    TypeError
+        If that is no mapping of curves, or not drawn on axes.
     ValueError
         If there is no curve, or they are over different parameters.
 
@@ -85,10 +89,14 @@ def plot_curves(
     >>> list(plot_curves({"A": curve}, here=(0.0, 1.25)).artists)
     ['points', 'names', 'A', 'the toy']
     """
+    if not isinstance(curves, Mapping):
+        raise TypeError(f"curves must be a mapping of names to curves, got {in_short(curves)}")
+    for curve in curves.values():
+        instance("curve", curve, Curve)
     names = {curve.names for curve in curves.values()}
     if len(names) != 1:
         raise ValueError(f"expected curves over the same two parameters, got {sorted(names)}")
-    ax = ax if ax is not None else new_axes(7.0, 5.4)
+    ax = axes_for(ax, 7.0, 5.4)
     (first, second) = next(iter(names))
     shown: Artists = {"points": [], "names": []}
     points: list[Name] = []

@@ -13,8 +13,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, PathPatch
 from matplotlib.path import Path
 
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, styled
 from pwmap.plot.palette import of_period
+from woodpecker.base.checks import instance
 from woodpecker.plot.plane import draw_curve, label, line_handles
 from woodpecker.regions.census import Census
 from woodpecker.regions.regions import Region, Regions
@@ -41,6 +42,13 @@ def plot_regions(
     styles
         Properties of matplotlib by the names of regions in the legend, ``"curves"`` and ``"open"``.
 
+    Raises
+    ------
+    TypeError
+        If that is no plane of regions, or not drawn on axes.
+    ValueError
+        If there is no part of the name of a style.
+
     Examples
     --------
     >>> from woodpecker.examples import paper_regions
@@ -49,7 +57,8 @@ def plot_regions(
     >>> list(plot_regions(found).artists)
     ['curves', 'open', 'period 1: 1 stable, 1 unstable', 'period 1: 1 stable']
     """
-    ax = ax if ax is not None else new_axes(8.4, 4.8)
+    instance("regions", regions, Regions)
+    ax = axes_for(ax, 8.4, 4.8)
     shown: Artists = {"curves": [], "open": []}
     for region in regions.regions:
         patch = PathPatch(_path(region), **face(region.census), linewidth=0.0, zorder=0)

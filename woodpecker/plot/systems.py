@@ -13,7 +13,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 
 from pwmap.plot import JUMP, STABLE, UNSTABLE, place_legend
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, new_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, given_axes, styled
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, whole
 from woodpecker.plot.curve import Detail, refined
@@ -85,6 +85,7 @@ def plot_system_motion(
         height = 1.2 + 1.5 * len(values)
         figure = plt.figure(figsize=(7.0, height), layout="constrained")
         axes = np.ravel(figure.subplots(len(values), 1, sharex=True, squeeze=False)).tolist()
+    axes = given_axes(axes, len(values))
     shown: Artists = {}
     for ax, name, each in zip(axes, wanted, values, strict=True):
         add(shown, {MOTION: ax.plot(motion.t, each, **LINE)})
@@ -137,7 +138,7 @@ def plot_system_portrait(
     ['impact', 'motion', 'start']
     """
     across, up = _values(system, motion, x), _values(system, motion, y)
-    ax = ax if ax is not None else new_axes(5.4, 4.4)
+    ax = axes_for(ax, 5.4, 4.4)
     shown: Artists = {MOTION: [*ax.plot(*way_of(motion.t, across, up), **LINE)]}
     shown[START] = [*ax.plot(across[0], up[0], ".", color="black", markersize=6, zorder=4)]
     for kind, times in _times(motion).items():
@@ -274,7 +275,7 @@ def plot_basins(
     owner = basins(
         map_, cycles, starts.reshape(-1, map_.d), returns=returns, near=near, p=p
     ).reshape(points, points)  # fmt: skip
-    ax = ax if ax is not None else new_axes(5.6, 4.4)
+    ax = axes_for(ax, 5.6, 4.4)
     colours = ["white", *(BASINS[k % len(BASINS)] for k in range(len(cycles)))]
     mesh = ax.pcolormesh(
         across, up, owner, cmap=ListedColormap(colours), vmin=-1.5, vmax=len(cycles) - 0.5,

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.diagrams.shown import brief, counted, span, table, tally
+from woodpecker.base.arguments import explained
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, number, real_array, whole
 from woodpecker.base.compiled import COMPILED
@@ -142,6 +143,7 @@ class ReturnMap:
         )
 
 
+@explained("a toy has its own values, toy.replace(...) others")
 def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
     """Start at rest on the section and follow the toy for ``order`` returns.
 
@@ -178,6 +180,7 @@ def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
     >>> print(f"{twice.phi_s:.9f} rad, {twice.slope:.6f}")
     -0.529843646 rad, 0.703689
     """
+    instance("toy", toy, Toy)
     start = np.array([number("phi_s", phi_s)])
     many = _chunk(toy, checked_starts(toy, start), whole("order", order, most=ORDER_MOST))
     return Return(

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.diagrams.shown import brief, counted, table
+from woodpecker.base.arguments import explained, explained_fields
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, number, positive, real_array, whole
 from woodpecker.base.compiled import announce
@@ -41,6 +42,7 @@ NO_SAMPLES: Floats = np.empty((0, 3))
 GAUSS_POINTS = 24  # per half radian of the fastest swing: the quadrature error is below rounding
 
 
+@explained_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class State:
     """A state of the toy: angles [rad], displacement [m] and velocities [rad/s, m/s].
@@ -266,6 +268,7 @@ class Trajectory:
         )
 
 
+@explained("a toy has its own values, toy.replace(...) others")
 def simulate(
     toy: Toy,
     start: float | State,

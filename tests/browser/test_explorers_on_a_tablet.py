@@ -1,0 +1,86 @@
+"""All three explorers on a tablet, held upright and across, with fingers in place of a mouse."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import ExitStack
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import pytest
+from explored import PICTURES, Seen, Served, served
+
+pytestmark = [pytest.mark.browser, pytest.mark.slow]
+DOCS = Path(__file__).parents[2] / "docs" / "explore.md"
+SIZES = ((768, 1024), (1024, 768))
+FINGER = 24  # px: what a finger hits at least [WCAG 2.2, 2.5.8]; of a box its label counts
+TOUR = "tour=9&eps_n1=0.113&phi_s=-0.8823&window=-1.0,-0.7"
+DRAWN = "/branch|complete/.test(explorer.answer.stage ?? 'complete')"
+
+# Controls whose middle is something else, after they were scrolled to, and those too small.
+UNREACHABLE = """[...document.querySelectorAll("button, select, input, summary")].flatMap(each => {
+  if (!each.checkVisibility({ checkVisibilityCSS: true })) return [];
+  each.scrollIntoView({ block: "center" });
+  const { left, top, width, height } = each.getBoundingClientRect();
+  const found = document.elementFromPoint(left + width / 2, top + height / 2);
+  const label = each.closest("label")?.getBoundingClientRect();
+  const box = ["checkbox", "radio"].includes(each.type);
+  const small = Math.min(box ? label.width : width, box ? label.height : height) < FINGER;
+  const own = each.contains(found) || each.closest("label")?.contains(found);
+  return own && !small ? [] : [`${each.id || each.textContent}: ${found?.id} ${width} ${height}`];
+})"""
+CUT = """[...document.querySelectorAll(".bar, header, .field, .control, aside, .view, #tour")]
+  .filter((each) => each.checkVisibility() && each.scrollWidth > each.clientWidth + 1)
+  .map((each) => `${each.tagName} ${each.id} ${each.className}`)"""
+
+
+@pytest.fixture(scope="module")
+def servers(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Served]]:
+    blocks = re.findall(r"```py\n(.*?)```", DOCS.read_text(encoding="utf-8"), re.DOTALL)
+    path = tmp_path_factory.mktemp("tablet") / "stop.py"
+    path.write_text(next(block for block in blocks if "map_ =" in block), encoding="utf-8")
+    words: dict[str, tuple[str, ...]] = {
+        "toy": ("woodpecker", "explore"), "maps": ("pwmap", "explore"),
+    }  # fmt: skip
+    if find_spec("heyoka") is not None:
+        words["system"] = ("woodpecker", "explore", str(path))
+    with ExitStack() as stack:
+        yield {k: stack.enter_context(served(*each, "--stay")) for k, each in words.items()}
+
+
+@pytest.mark.parametrize("size", SIZES, ids=lambda size: "x".join(map(str, size)))
+@pytest.mark.parametrize(
+    ("page", "query"), [("toy", ""), ("toy", TOUR), ("maps", ""), ("system", "")]
+)
+def test_all_is_reached_with_a_finger(
+    servers: dict[str, Served], chromium: Any, page: str, query: str, size: tuple[int, int]
+) -> None:
+    if page not in servers:
+        pytest.skip("systems are followed with heyoka here")
+    seen = Seen(chromium, servers[page].address, query, size, touch=True)
+    seen.wait(DRAWN, 60)
+    assert seen(UNREACHABLE.replace("FINGER", str(FINGER))) == []
+    assert seen(CUT) == []
+    assert seen("document.documentElement.scrollWidth") <= size[0]
+    for name in ("stable", "unstable", "jump crossing"):  # what lines mean is said here, too
+        assert seen.page.locator("header .legend", has_text=name).is_visible()
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    seen("document.querySelector('#body').scrollTo(0, 0)")
+    seen.page.screenshot(path=PICTURES / f"tablet_{page}{'_tour' * bool(query)}_{size[0]}.png")
+    seen.page.locator(".menu > summary").last.tap()
+    last = seen.page.locator(".menu[open] .list > :last-child").bounding_box()
+    assert last["x"] + last["width"] <= size[0]
+    assert last["y"] + last["height"] <= size[1]
+    seen.close()
+
+
+def test_a_sentence_has_a_row_of_its_own(servers: dict[str, Served], chromium: Any) -> None:
+    """It was squeezed between the buttons, and cut."""
+    seen = Seen(chromium, servers["toy"].address, "phi_s=nan", SIZES[1])
+    line = seen.page.locator("#message")
+    assert len(line.inner_text()) > 20
+    assert seen("(() => { const m = document.querySelector('#message');"
+                " return m.scrollWidth <= m.clientWidth && m.clientWidth > 900; })()")  # fmt: skip
+    seen.close()
