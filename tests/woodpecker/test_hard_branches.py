@@ -8,7 +8,7 @@ from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, PointKind, PointStatus
 from woodpecker.base.settings import Settings
-from woodpecker.diagrams import continuation
+from woodpecker.diagrams import bifurcation_diagram, continuation
 from woodpecker.engine.arrivals import LIMIT_LOST
 from woodpecker.engine.curves import Stop
 from woodpecker.engine.germs import beginnings
@@ -18,8 +18,10 @@ from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.search.accumulations import ENDLESS
 from woodpecker.search.diagrams import connected
 from woodpecker.search.lines import base_of
+from woodpecker.search.search import Search
 from woodpecker.shooting import shoot
 from woodpecker.simulation.returns import first_return
+from woodpecker.slices.slices import slices_at
 from woodpecker.toy_map import ToyPieces
 
 START = -0.53  # rad, near the stable motion
@@ -247,3 +249,21 @@ def test_a_crossing_whose_words_are_dense_reaches_its_end() -> None:
     assert found.stop is Stop.SHARE
     assert found.arrival.orbit.p[0] == pytest.approx(0.670591962749412, abs=1e-12)
     assert len(found.samples) < 1000
+
+
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_where_borders_accumulate_a_crossing_may_meet_its_border_with_another_point() -> None:
+    """Such a crossing of P_3 has other unknowns, and is not the one that was followed.
+
+    All that a slice shows at eps_n1 = 0.36081 is drawn.
+    """
+    span, p = (0.3607, 0.3609), 0.36081
+    found = bifurcation_diagram(Toy(), "eps_n1", span, (3,), search=Search(slices=1))
+    (shown,) = slices_at(ToyPieces(Toy()), p, (3,), Settings(span=span, window=WINDOW))
+    drawn = {kind: [hit.x for hit in found.at(p) if hit.branch.kind is kind] for kind in BranchKind}
+    assert (len(shown.cycles), len(shown.jumps)) == (8, 21)
+    for cycle in shown.cycles:
+        assert min(abs(x - y) for x in drawn[BranchKind.FIXED_POINT] for y in cycle.x) < 1e-5
+    for jump in shown.jumps:
+        assert min(abs(x - jump.head.x[0]) for x in drawn[BranchKind.JUMP]) < 1e-5

@@ -165,8 +165,10 @@ def crossing_beyond(
             continue
         there = found.orbit
         for each in crossings_at(base, there.x, there.p, begin.order):
+            if len(each.sample.orbit.x) != len(end.orbit.x):
+                continue  # its border is met by another point
             sample = each.curve.start(each.sample.orbit, np.eye(size + 1)[size] * rate)
-            if len(each.sample.orbit.x) == len(end.orbit.x) and not _has_ended(arc, sample):
+            if not _has_ended(arc, sample):
                 return replace(each, sample=sample, before=end), _passed(cause), True
         reason = lost_beyond(base.map, there.x[-1], there.p, begin.order - len(there.x))
         if reason:

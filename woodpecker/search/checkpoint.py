@@ -19,8 +19,6 @@ import numpy as np
 from pwmap.diagrams.encoding import from_plain, to_plain
 from woodpecker.base.checkpoint import Checkpoint, Entry, read
 from woodpecker.base.settings import Settings
-from woodpecker.engine.germs import sides
-from woodpecker.engine.line import LineMap
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.search.curves import BranchCurve, Keys
 from woodpecker.search.ends import Collision, End
@@ -30,6 +28,7 @@ from woodpecker.search.search import Past
 
 LINES: dict[str, type] = {"followed": Kept, "done": Finished, "slice": Seen}
 """What a line holds, by the name that it gives it: one record, encoded by its types."""
+AT_BORDER = 1e-6  # scaled: a collision that is farther from any border is one of another map
 VERSION = 7  # of the lines; raised when older code would misread them
 
 
@@ -201,7 +200,14 @@ def past_of(
 
 
 def _is_of_map(met: Collision, map_: PiecewiseMap, settings: Settings) -> bool:
-    """Whether pieces of a map end where a cycle of it is said to meet a border."""
-    line, p = LineMap(map_, settings.x_scale, settings.p_scale), np.array([met.p])
+    """Whether pieces of a map end where a cycle of it is said to meet a border, or right beside.
+
+    Where slopes are those of a root a point is known to the root of rounding only.
+    """
     lengths = np.array([settings.x_scale, settings.p_scale])
-    return any(len(sides(line, np.array([x]), p, lengths)) > 1 for x in met.x)
+    for x in met.x.tolist():
+        image = map_.at(x, met.p)
+        slopes = np.linalg.norm(image.gradients * lengths, axis=1)
+        if (np.abs(image.margins) <= AT_BORDER * slopes).any():
+            return True
+    return False

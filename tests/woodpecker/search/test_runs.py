@@ -23,13 +23,14 @@ from diagrams import to_the_last_bit
 from maps import moving, paper
 from needs import NEEDS_NUMBA
 
-from pwmap import Diagram
+from pwmap import Diagram, PointKind
 from woodpecker import (
     FormulaMap,
     PiecewiseMap,
     Search,
     Settings,
     Toy,
+    ToyPieces,
     __version__,
     bifurcation_diagram,
     parameters,
@@ -43,6 +44,7 @@ from woodpecker.maps.pieces import Image
 from woodpecker.search import Found
 from woodpecker.search.checkpoint import (
     Record,
+    _is_of_map,
     entry_of,
     past_of,
     read_record,
@@ -50,6 +52,7 @@ from woodpecker.search.checkpoint import (
     restore,
 )
 from woodpecker.search.diagrams import whole_diagram
+from woodpecker.search.ends import Collision
 from woodpecker.search.explorer import Explorer, Finished, Kept, Seen, Step
 from woodpecker.search.network import Network
 from woodpecker.search.search import Past, complete
@@ -276,6 +279,18 @@ def test_records_follow_from_one_another(records: list[Step | Seen]) -> None:
     other = [replace(each, p=0.5) if isinstance(each, Finished) else each for each in records]
     with pytest.raises(ValueError, match=r"line \d+: nothing is left to follow at 0.5"):
         restore(Network(SETTINGS), other, "run.jsonl")
+
+
+@NEEDS_NUMBA
+def test_a_collision_at_a_root_is_one_of_its_map() -> None:
+    """There the point is known to 1e-7: so much a root makes of the rounding of the parameter."""
+    x, p = -1.1689915363313572, 0.6428391852237751
+    met = Collision(
+        p=p, x=np.array([x]), kinds=((PointKind.BC, "fold"),), cause="", precision=1e-16
+    )
+    settings = Settings(span=(0.012, 1.0), window=(-2.5, -0.24))
+    assert _is_of_map(met, ToyPieces(Toy()), settings)
+    assert not _is_of_map(met, ToyPieces(Toy(l_g=0.0148)), settings)
 
 
 def test_a_run_of_another_map_does_not_go_on(records: list[Step | Seen]) -> None:
