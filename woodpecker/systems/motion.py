@@ -319,8 +319,8 @@ class MotionSearch:
             return TIME, 0.0, z
         embedding = self.embedding
         section = embedding.guard if embedding and embedding.counts(mode) else None
-        flow, here = self.machine.flow(mode, section=section), Local(self.eq, mode, z, self.p)
-        phase = Phase(here, flow, touch, section, on_section=on_section)
+        flow = self.machine.flow(mode, section=section)
+        phase = Phase(self.eq, mode, z, self.p, flow, touch, section, on_section=on_section)
         t, step = 0.0, None
         for count, step in enumerate(phase.flow.steps(z, self.p, most)):
             if self.keeps and keeps:

@@ -383,7 +383,7 @@ class Following:
             kind, i = divmod(guard, self.eq.m)
             if i not in leg.touch.closed or (kind == SLIP and i not in leg.touch.held):
                 continue
-            order = leg.touch.order(self.eq, leg.mode, guard)
+            order = leg.touch.order(self.eq.slips, leg.mode, guard)
             most = 2 if kind == GAP else 1 if kind == SLIP else 0
             if order > most:
                 continue
