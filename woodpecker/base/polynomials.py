@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from functools import lru_cache
-from typing import NamedTuple
 
 import numpy as np
 
@@ -21,32 +20,34 @@ FLAT = 1e-24  # a polynomial that is no larger is zero all along
 CLOSE = 2.0**-51  # relative: Newton's steps that are shorter have converged
 SOLVING = 100  # steps of a bracketed Newton's method: bisection alone needs 53
 AT_ONCE = 1e-6  # one that begins below zero but for rounding falls so near its start
+WHOLE, LEFT, RIGHT = range(3)  # matrices of :func:`bernstein`
 LOW, HIGH, GUESS, FALLS = range(4)  # columns of what isolates a root: 1.0 where it falls there
 
 
-class Bernstein(NamedTuple):
-    """What a vector of coefficients (size,) is multiplied with, each (size, size).
-
-    Attributes
-    ----------
-    whole
-        Of power coefficients, lowest first, it makes Bernstein's over [0, 1].
-    left, right
-        Of Bernstein's coefficients those of either half.
-    """
-
-    whole: Floats
-    left: Floats
-    right: Floats
-
-
 @lru_cache(maxsize=32)
-def bernstein(size: int) -> Bernstein:
-    """The matrices for polynomials of so many coefficients."""
+def bernstein(size: int) -> Floats:
+    """Matrices (3, size, size) with which coefficients (size,) are multiplied.
+
+    The first makes of power coefficients, lowest first, those of Bernstein over [0, 1]; the others
+    make of Bernstein's those of the left and of the right half.
+    """
     n = size - 1
     whole = [[math.comb(j, k) / math.comb(n, k) for j in range(size)] for k in range(size)]
     left = np.array([[math.comb(j, k) / 2.0**j for j in range(size)] for k in range(size)])
-    return Bernstein(np.array(whole), left, left[::-1, ::-1].copy())
+    return np.array([whole, left, left[::-1, ::-1]])
+
+
+@jit
+def evaluated(c: Floats, t: float) -> Floats:
+    """Values (count,) of polynomials (count, size), lowest coefficient first, at a place."""
+    count, size = c.shape
+    found = np.empty(count)
+    for k in range(count):
+        value = 0.0
+        for j in range(size - 1, -1, -1):  # small terms first, as Horner's rule has it
+            value = value * t + c[k, j]
+        found[k] = value
+    return found
 
 
 @part
@@ -58,7 +59,7 @@ def _changes(b: Floats) -> int:
 
 
 @jit
-def _isolated(b: Floats, halves: Bernstein, until_fall: bool) -> Floats:
+def _isolated(b: Floats, matrices: Floats, until_fall: bool) -> Floats:
     """Intervals with one root each (roots, 4), ascending; as far as the first fall if asked.
 
     Where there are several changes of sign in the narrowest interval there is a double root, which
@@ -86,7 +87,7 @@ def _isolated(b: Floats, halves: Bernstein, until_fall: bool) -> Floats:
                 break
         elif depth < HALVINGS:
             middle = 0.5 * (low + high)
-            stack[top], stack[top + 1] = here @ halves.right, here @ halves.left
+            stack[top], stack[top + 1] = here @ matrices[RIGHT], here @ matrices[LEFT]
             ends[top, 0], ends[top, 1], ends[top, 2] = middle, high, depth + 1
             ends[top + 1, 0], ends[top + 1, 1], ends[top + 1, 2] = low, middle, depth + 1
             top += 2
@@ -118,7 +119,7 @@ def _solved(c: Floats, inside: Floats) -> float:
 
 
 @jit
-def fall(c: Floats, b: Floats, at_once: bool, halves: Bernstein) -> float:
+def fall(c: Floats, b: Floats, at_once: bool, matrices: Floats) -> float:
     """The first place in [0, 1] at which a polynomial falls through zero; infinite if none.
 
     Parameters
@@ -128,24 +129,24 @@ def fall(c: Floats, b: Floats, at_once: bool, halves: Bernstein) -> float:
     at_once
         Whether it falls at 0 already if it is zero or below and falls there; a root that rounding
         has moved below 0 counts.
-    halves
-        The matrices of its size.
+    matrices
+        Those of :func:`bernstein` of its size.
     """
     if b.min() > 0.0 or np.abs(b).max() <= FLAT:
         return math.inf
     if at_once and c[0] <= 0.0 and c[1] < 0.0:
         root = -c[0] / c[1]
         return root if abs(root) < AT_ONCE else 0.0
-    inside = _isolated(b, halves, True)
+    inside = _isolated(b, matrices, True)
     if len(inside) and inside[-1, FALLS] == 1.0:
         return _solved(c, inside[-1])
     return math.inf
 
 
 @jit
-def roots(c: Floats, b: Floats, halves: Bernstein) -> Floats:
+def roots(c: Floats, b: Floats, matrices: Floats) -> Floats:
     """All places in [0, 1] at which a polynomial changes its sign; ascending."""
-    inside = _isolated(b, halves, False)
+    inside = _isolated(b, matrices, False)
     found = np.empty(len(inside))
     for k in range(len(inside)):
         found[k] = _solved(c, inside[k])
@@ -153,7 +154,7 @@ def roots(c: Floats, b: Floats, halves: Bernstein) -> Floats:
 
 
 @jit
-def scaled(rows: Floats, length: float, orders: Ints, halves: Bernstein) -> tuple[Floats, Floats]:
+def scaled(rows: Floats, length: float, orders: Ints, matrices: Floats) -> tuple[Floats, Floats]:
     """Power series (count, size) over [0, length] as polynomials over [0, 1].
 
     Each is divided by a power of its variable; its first coefficients, which are zero but for
@@ -171,12 +172,12 @@ def scaled(rows: Floats, length: float, orders: Ints, halves: Bernstein) -> tupl
     for k in range(count):
         order = orders[k]
         c[k, : size - order] = rows[k, order:] * scales[: size - order]
-    return c, c @ halves.whole
+    return c, c @ matrices[WHOLE]
 
 
 @jit
 def first_fall(
-    rows: Floats, length: float, orders: Ints, before: Floats, skipped: Ints, halves: Bernstein
+    rows: Floats, length: float, orders: Ints, before: Floats, skipped: Ints, matrices: Floats
 ) -> tuple[int, float, Floats]:
     """Which of some power series over [0, length] falls through zero first, and where.
 
@@ -192,19 +193,19 @@ def first_fall(
         (count,) a series for which this is positive falls at once, as :func:`fall` has it.
     skipped
         (count,) not zero for those that are passed over.
-    halves
-        The matrices of their size.
+    matrices
+        Those of :func:`bernstein` of their size.
 
     Returns
     -------
     tuple
         The series, -1 if there is none; the place; and (count,) their values at the end.
     """
-    c, b = scaled(rows, length, orders, halves)
+    c, b = scaled(rows, length, orders, matrices)
     first, place = -1, math.inf
     for k in range(len(rows)):
         if not skipped[k]:
-            found = fall(c[k], b[k], before[k] > 0.0, halves)
+            found = fall(c[k], b[k], before[k] > 0.0, matrices)
             if found < place:
                 first, place = k, found
     return first, place * length, b[:, -1].copy()

@@ -49,8 +49,11 @@ class Flow(Protocol):
     def has_guards(self) -> bool:
         """Whether its steps have the Taylor coefficients of guards."""
 
-    def steps(self, z: Floats, p: Floats, most: float) -> Iterator[Step]:
-        """Steps in turn from a state, the last one to a time; LostError if there are none."""
+    def steps(self, z: Floats, p: Floats, most: float, *, keeps: bool = True) -> Iterator[Step]:
+        """Steps in turn from a state, the last one to a time; LostError if there are none.
+
+        If they are not kept each may be used only until the next one is asked for.
+        """
 
 
 class RungeFlow:
@@ -61,7 +64,7 @@ class RungeFlow:
     def __init__(self, eq: Equations, mode: Mode, *, varies: bool) -> None:
         self._eq, self._mode, self._varies = eq, mode, varies
 
-    def steps(self, z: Floats, p: Floats, most: float) -> Iterator[Step]:
+    def steps(self, z: Floats, p: Floats, most: float, *, keeps: bool = True) -> Iterator[Step]:
         """Steps in turn; the last one ends at a time that may be negative."""
         eq = self._eq
         start = z if not self._varies else np.concatenate(

@@ -304,7 +304,7 @@ class MotionSearch:
         """Stop where an open contact is penetrated by more than rounding explains."""
         z, eq = self._run.z, self.eq
         terms = eq.terms(z, self.p)
-        if terms.gap.min() >= -PENETRATED:
+        if min(terms.gap.tolist()) >= -PENETRATED:
             return
         size = 1.0 + np.abs(terms.w_n) @ np.abs(z[: eq.n])
         if (terms.gap < -PENETRATED * size)[np.array(mode) == OPEN].any():
@@ -321,9 +321,9 @@ class MotionSearch:
         section = embedding.guard if embedding and embedding.counts(mode) else None
         flow = self.machine.flow(mode, section=section)
         phase = Phase(self.eq, mode, z, self.p, flow, touch, section, on_section=on_section)
-        t, step = 0.0, None
-        for count, step in enumerate(phase.flow.steps(z, self.p, most)):
-            if self.keeps and keeps:
+        t, step, keeps = 0.0, None, keeps and self.keeps
+        for count, step in enumerate(phase.flow.steps(z, self.p, most, keeps=keeps)):
+            if keeps:
                 self._run.steps.append((float(z[-1]) + t, step))
             guard, time = phase.fired(step, t, ignored)
             if guard != TIME:

@@ -8,13 +8,23 @@ import numpy as np
 import pytest
 
 from woodpecker.base.arrays import Floats
-from woodpecker.base.polynomials import bernstein, fall, first_fall, roots, scaled
+from woodpecker.base.polynomials import (
+    LEFT,
+    RIGHT,
+    WHOLE,
+    bernstein,
+    evaluated,
+    fall,
+    first_fall,
+    roots,
+    scaled,
+)
 
 NONE = np.zeros(1, dtype=np.int64)
 
 
 def both(c: Floats) -> tuple[Floats, Floats]:
-    return c, c @ bernstein(len(c)).whole
+    return c, c @ bernstein(len(c))[WHOLE]
 
 
 def made(*zeros: float, sign: float = 1.0) -> Floats:
@@ -32,11 +42,11 @@ def test_halves_are_the_same_polynomial() -> None:
     rng = np.random.default_rng(3)
     c = rng.normal(size=9)
     halves = bernstein(9)
-    b = c @ halves.whole
+    b = c @ halves[WHOLE]
     half = 0.5 ** np.arange(9)
-    assert b @ halves.left == pytest.approx((c * half) @ halves.whole, abs=1e-14)
+    assert b @ halves[LEFT] == pytest.approx((c * half) @ halves[WHOLE], abs=1e-14)
     shifted = np.polynomial.Polynomial(c)(np.polynomial.Polynomial([0.5, 0.5])).coef
-    assert b @ halves.right == pytest.approx(shifted @ halves.whole, abs=1e-13)
+    assert b @ halves[RIGHT] == pytest.approx(shifted @ halves[WHOLE], abs=1e-13)
 
 
 def test_all_roots_are_found_and_those_outside_are_not() -> None:
@@ -110,3 +120,8 @@ def test_scaled_series_keep_their_values() -> None:
         np.polynomial.polynomial.polyval(0.21, row[0]), rel=1e-14
     )
     assert b[0, [0, -1]] == pytest.approx([row[0, 0], c[0].sum()], rel=1e-14)
+
+
+def test_values() -> None:
+    """1 + 2 t + 3 t^2 and -t at 2; binary numbers, so that nothing is rounded."""
+    assert evaluated(np.array([[1.0, 2.0, 3.0], [0.0, -1.0, 0.0]]), 2.0).tolist() == [17.0, -2.0]
