@@ -154,16 +154,11 @@ def roots(c: Floats, b: Floats, matrices: Floats) -> Floats:
 
 
 @jit
-def scaled(rows: Floats, length: float, orders: Ints, matrices: Floats) -> tuple[Floats, Floats]:
+def scaled(rows: Floats, length: float, orders: Ints) -> Floats:
     """Power series (count, size) over [0, length] as polynomials over [0, 1].
 
     Each is divided by a power of its variable; its first coefficients, which are zero but for
     rounding, are left out.
-
-    Returns
-    -------
-    tuple
-        Coefficients and those of Bernstein, each (count, size).
     """
     count, size = rows.shape
     scales, c = np.ones(size), np.zeros((count, size))
@@ -172,7 +167,7 @@ def scaled(rows: Floats, length: float, orders: Ints, matrices: Floats) -> tuple
     for k in range(count):
         order = orders[k]
         c[k, : size - order] = rows[k, order:] * scales[: size - order]
-    return c, c @ matrices[WHOLE]
+    return c
 
 
 @jit
@@ -201,11 +196,12 @@ def first_fall(
     tuple
         The series, -1 if there is none; the place; and (count,) their values at the end.
     """
-    c, b = scaled(rows, length, orders, matrices)
+    c, ends = scaled(rows, length, orders), np.empty(len(rows))
     first, place = -1, math.inf
     for k in range(len(rows)):
-        if not skipped[k]:
-            found = fall(c[k], b[k], before[k] > 0.0, matrices)
+        ends[k] = c[k].sum()
+        if not skipped[k] and c[k, 0] <= np.abs(c[k, 1:]).sum():  # else it has no root
+            found = fall(c[k], c[k] @ matrices[WHOLE], before[k] > 0.0, matrices)
             if found < place:
                 first, place = k, found
-    return first, place * length, b[:, -1].copy()
+    return first, place * length, ends

@@ -26,9 +26,9 @@ SOLVED, NO_SOLUTION, AMBIGUOUS = range(3)
 
 @jit
 def stated(
-    mass: Floats, w_n: Floats, w_t: Floats, rates: Floats, slips: Floats, contacts: Ints,
-    still: Ints,
-) -> tuple[Floats, Floats, Floats]:  # fmt: skip
+    mass: Floats, w_n: Floats, w_t: Floats, rates: Floats, slips: Floats, mu: Floats, eps: Floats,
+    contacts: Ints, still: Ints,
+) -> tuple[Floats, Floats, Floats, Floats, Floats]:  # fmt: skip
     """The contact problem of an impact.
 
     Parameters
@@ -37,8 +37,8 @@ def stated(
         (n, n).
     w_n, w_t
         (m, n) directions of all contacts.
-    rates, slips
-        (m,) their velocities.
+    rates, slips, mu, eps
+        (m,) their velocities, friction coefficients and restitutions.
     contacts
         (c,) those that take part.
     still
@@ -47,10 +47,10 @@ def stated(
     Returns
     -------
     tuple
-        W M^-1 W^T (2c, 2c), M^-1 W^T (n, 2c), and velocities (2c,).
+        W M^-1 W^T (2c, 2c), M^-1 W^T (n, 2c), velocities (2c,), and mu and eps (c,).
     """
     n, c = len(mass), len(contacts)
-    w, free = np.empty((2 * c, n)), np.zeros(2 * c)
+    w, free, both = np.empty((2 * c, n)), np.zeros(2 * c), np.empty((2, c))
     for k in range(c):
         i = contacts[k]
         w[k], w[c + k] = w_n[i], w_t[i]
@@ -58,8 +58,44 @@ def stated(
             free[k] = rates[i]
         if not still[c + k]:
             free[c + k] = slips[i]
+        both[0, k], both[1, k] = mu[i], eps[i]
     response: Any = np.linalg.solve(mass, w.T.copy())
-    return w @ response, response, free
+    return w @ response, response, free, both[0], both[1]
+
+
+@jit
+def given(
+    delassus: Floats, response: Floats, free: Floats, u: Floats, impulse: Floats, feeds: Floats,
+    contacts: Ints, into: Floats,
+) -> tuple[Floats, Floats, Floats]:  # fmt: skip
+    """What impulses (2c,) of an impact do.
+
+    Parameters
+    ----------
+    delassus, response, free
+        As :func:`stated` gives them.
+    u
+        (n,) velocities before.
+    impulse
+        (2c,) normal impulses, then tangential ones.
+    feeds
+        (c,) which part of the normal impulses is given back later.
+    contacts
+        (c,) those that take part.
+    into
+        (2, m) where the impulses are entered.
+
+    Returns
+    -------
+    tuple
+        Velocities afterwards of coordinates (n,) and at contacts (2c,); impulses given back (c,).
+    """
+    c = len(contacts)
+    floor = np.empty(c)
+    for k in range(c):
+        into[0, contacts[k]], into[1, contacts[k]] = impulse[k], impulse[c + k]
+        floor[k] = feeds[k] * impulse[k]
+    return u + response @ impulse, free + delassus @ impulse, floor
 
 
 @jit

@@ -20,15 +20,21 @@ Parts = tuple[tuple[int, int, tuple[int, ...]], ...]
 
 
 class _Part:
-    """An array among the numbers of the terms."""
+    """An array among the numbers of the terms, made when it is first asked for."""
 
     def __init__(self, place: int) -> None:
         self._place = place
 
+    def __set_name__(self, _: type[Terms], name: str) -> None:
+        self._name = name
+
     def __get__(self, terms: Terms, _: type[Terms] | None = None) -> Floats:
         low, high, shape = terms.parts[self._place]
-        flat = terms.flat[..., low:high]
-        return flat if len(shape) == 1 else flat.reshape(*flat.shape[:-1], *shape)
+        found = terms.flat[..., low:high]
+        if len(shape) > 1:
+            found = found.reshape(*found.shape[:-1], *shape)
+        terms.__dict__[self._name] = found  # the next time it is found there
+        return found
 
 
 class Terms:
@@ -44,8 +50,6 @@ class Terms:
     parts
         Where each of them stands.
     """
-
-    __slots__ = ("flat", "parts")
 
     mass = _Part(0)  # (..., n, n)
     force = _Part(1)  # (..., n), h

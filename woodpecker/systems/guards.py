@@ -18,7 +18,7 @@ from numpy.polynomial import chebyshev
 from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.base.polynomials import HALVINGS, bernstein, fall, first_fall, roots, scaled
+from woodpecker.base.polynomials import HALVINGS, WHOLE, bernstein, fall, first_fall, roots, scaled
 from woodpecker.systems.equations import Equations
 from woodpecker.systems.flows import Flow, Step
 from woodpecker.systems.modes import SECTION, Local, Mode, Touch, guard_values, guards_in, guards_of
@@ -290,7 +290,8 @@ class Polynomials:
         self._begin, self._end = begin, begin + length
         self._orders = _orders(starts) if begin == 0.0 else _none(len(starts))
         self._before = _before(starts) if before is None else before
-        self._c, self._b = scaled(guards, length, self._orders, bernstein(guards.shape[1]))
+        self._c = scaled(guards, length, self._orders)
+        self._b = self._c @ bernstein(guards.shape[1])[WHOLE]
 
     def __len__(self) -> int:
         return len(self._orders)
@@ -304,7 +305,7 @@ class Polynomials:
 
     def ends(self) -> Floats:
         """(g,) their values where the step ends, each over what it has been divided by."""
-        return self._b[:, -1]
+        return np.asarray(self._b[:, -1])
 
 
 @lru_cache(maxsize=64)

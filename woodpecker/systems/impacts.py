@@ -39,6 +39,7 @@ from woodpecker.mechanics.one_contact import (
     SAME,
     SLACK,
     SOLVED,
+    given,
     one_contact,
     stated,
 )
@@ -190,37 +191,30 @@ def decide(
     """
     count, newton = len(contacts), eq.system.law is ImpactLaw.NEWTON
     c, still, rubs = _taking_part(contacts, frozenset(closed), frozenset(held), eq.friction)
-    delassus, response, free = stated(
-        terms.mass, terms.w_n, terms.w_t, terms.gap_rate, terms.slip, c, still
+    delassus, response, free, mu, eps = stated(
+        terms.mass, terms.w_n, terms.w_t, terms.gap_rate, terms.slip, terms.mu, terms.eps, c, still
     )
-    eps, mu = terms.eps[c], terms.mu[c]
     if newton:
         free[:count] *= 1.0 + eps
-    none = np.zeros(count)
-    impulses = np.zeros((2, 2, eq.m))
+    none, impulses = np.zeros(count), np.zeros((2, 2, eq.m))
     feeds = none if newton else eps
-    outcome, ends, impulse = solutions(
-        ImpactPhase(delassus, free, mu[:, None] * _shares(count), none, rubs), feeds > 0.0
-    )
+    phase = ImpactPhase(delassus, free, mu[:, None] * _shares(count), none, rubs)
+    outcome, ends, impulse = solutions(phase, feeds)
     if impulse is None:
         return Decision(outcome, None, u, impulses)
-    impulses[0][:, c] = impulse.reshape(2, count)
-    after = u + response @ impulse
-    floor = feeds * impulse[:count]
-    if not (floor > 0.0).any():
+    after, left, floor = given(delassus, response, free, u, impulse, feeds, c, impulses[0])
+    stores = tuple(i for i, least in zip(contacts, floor.tolist(), strict=True) if least > 0.0)
+    if not stores:
         back = newton & (eps > 0.0) & (free[:count] < -SLACK * np.abs(free[:count]).max())
         reversed_ = tuple(i for i, is_back in zip(contacts, back, strict=True) if is_back)
         return Decision(outcome, Impact(contacts, ends, rebounds=reversed_), after, impulses)
-    free = free + delassus @ impulse
-    _zero(free, ends[0])
-    bound = _bound(eq, mu)
-    final, cases, impulse = solutions(ImpactPhase(delassus, free, bound, floor, rubs), none > 0.0)
+    _zero(left, ends[0])
+    phase = ImpactPhase(delassus, left, _bound(eq, mu), floor, rubs)
+    final, cases, impulse = solutions(phase, none)
     if impulse is None:
         return Decision(final, None, u, impulses)
-    impulses[1][:, c] = impulse.reshape(2, count)
-    stores = tuple(i for i, least in zip(contacts, floor, strict=True) if least > 0.0)
-    found = Impact(contacts, ends, cases[0], stores)
-    return Decision(outcome, found, after + response @ impulse, impulses)
+    after, _, _ = given(delassus, response, left, after, impulse, none, c, impulses[1])
+    return Decision(outcome, Impact(contacts, ends, cases[0], stores), after, impulses)
 
 
 @lru_cache(maxsize=1024)
@@ -257,12 +251,16 @@ def _zero(velocity: Floats, cases: Cases) -> None:
             velocity[n + k] = 0.0
 
 
-def solutions(phase: ImpactPhase, feeds: Bools) -> tuple[Outcome, tuple[Cases, ...], Floats | None]:
+Solution = tuple[Outcome, tuple[Cases, ...], Floats | None]
+"""Whether a phase is solved, the cases that solve it, and its impulses (2c,)."""
+
+
+def solutions(phase: ImpactPhase, feeds: Floats) -> Solution:
     """The cases that solve a phase, and its impulses (2c,).
 
     Where several cases solve it with the same velocities, the one with the least violation counts;
     of several that solve it but for rounding the first.
-    If their normal impulses differ at contacts where these ``feed`` an expansion, it is
+    If their normal impulses differ at contacts of which a part ``feeds`` an expansion, it is
     indeterminate: the two ends of the segment, and its middle.
     """
     if len(phase.rubs) == 1:
@@ -281,7 +279,7 @@ def solutions(phase: ImpactPhase, feeds: Bools) -> tuple[Outcome, tuple[Cases, .
     if (np.abs(velocities[kept] - velocities[best]) > SAME * size).any():
         return Outcome.AMBIGUOUS, (), None
     n = len(phase.rubs)
-    apart = np.abs(impulses[kept] - impulses[best])[:, :n] * feeds
+    apart = np.abs(impulses[kept] - impulses[best])[:, :n] * (feeds > 0.0)
     if (apart <= SAME * np.abs(impulses[best]).max()).all():
         return Outcome.SOLVED, (cases,), impulses[best]
     widest = int(np.ptp(impulses[kept], axis=0).argmax())
@@ -291,7 +289,7 @@ def solutions(phase: ImpactPhase, feeds: Bools) -> tuple[Outcome, tuple[Cases, .
     return Outcome.INDETERMINATE, ends, 0.5 * (impulses[low] + impulses[high])
 
 
-def _of_one(phase: ImpactPhase) -> tuple[Outcome, tuple[Cases, ...], Floats | None]:
+def _of_one(phase: ImpactPhase) -> Solution:
     """The same for one contact, in closed form."""
     mu, floor = float(phase.bound[0, 0]), float(phase.floor[0])
     status, case, *impulse = one_contact(phase.delassus, phase.free, mu, floor, phase.rubs[0])

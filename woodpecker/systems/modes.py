@@ -187,27 +187,26 @@ def _bound(eq: Equations, mode: Mode, i: int, mu: Floats, l_n: Floats) -> Floats
     return np.asarray((mu[..., team] * l_n[..., team]).sum(axis=-1))
 
 
-@dataclass(frozen=True, eq=False)
 class Local:
-    """A mode at one state: motion and guards, and their derivatives where they are asked for."""
+    """A mode at one state: motion and guards, and their derivatives where they are asked for.
 
-    eq: Equations
-    mode: Mode
-    z: Floats
-    p: Floats
+    Attributes
+    ----------
+    numbers
+        Accelerations, forces and guards with derivatives, if they are compiled and finite.
+    """
+
+    def __init__(self, eq: Equations, mode: Mode, z: Floats, p: Floats) -> None:
+        self.eq, self.mode, self.z, self.p = eq, mode, z, p
+        self.numbers: list[float] | None = None
+        if eq.jets is not None:
+            found: list[float] = eq.jets(mode)(z, p).tolist()
+            self.numbers = found if math.isfinite(sum(found)) else None
 
     @cached_property
     def terms(self) -> Terms:
         """The terms of the equations of motion."""
         return self.eq.terms(self.z, self.p)
-
-    @cached_property
-    def numbers(self) -> list[float] | None:
-        """Accelerations, forces and guards with derivatives, if they are compiled and finite."""
-        if self.eq.jets is None:
-            return None
-        found: list[float] = self.eq.jets(self.mode)(self.z, self.p).tolist()
-        return found if math.isfinite(sum(found)) else None
 
     @cached_property
     def balance(self) -> Balance:
@@ -217,11 +216,6 @@ class Local:
             return balance(self.eq, self.mode, self.terms)
         whole = np.array(found[: n + 2 * m])
         return Balance(whole[:n], whole[n : n + m], whole[n + m :])
-
-    @property
-    def is_finite(self) -> bool:
-        """Whether there are accelerations."""
-        return self.numbers is not None or math.isfinite(self.balance.a.sum())
 
     @cached_property
     def flow(self) -> Floats:
@@ -408,9 +402,11 @@ def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | No
     Its forces are open, so that no mode can be tried: it is at rest if there are any within all
     cones that balance the others.
     """
+    if touch.leaving or len(touch.closed) + len(touch.held) <= eq.n:
+        return None
     closed, held = sorted(touch.closed), sorted(i for i in touch.held if eq.rubs[i])
     slides = any(eq.rubs[i] and i not in touch.held for i in closed)
-    if slides or touch.leaving or len(closed) + len(held) <= eq.n:
+    if slides or len(closed) + len(held) <= eq.n:
         return None
     still = z.copy()
     still[eq.n : 2 * eq.n] = 0.0
@@ -501,9 +497,9 @@ def _admissible(here: Local, touch: Touch, slack: float) -> bool:
     A guard has the sign of the first derivative that the event has not made zero; one that stays
     zero counts as positive.
     """
-    if not here.is_finite:
-        return False
     eq, numbers = here.eq, here.numbers
+    if numbers is None and not math.isfinite(here.balance.a.sum()):
+        return False
     for guard, place, order, most in _watched(eq.n, here.mode, eq.friction, eq.slips, touch):
         for k in range(order, most + 1):
             value = here.derivative(guard, k) if numbers is None else numbers[place + k]

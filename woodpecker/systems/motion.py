@@ -16,6 +16,8 @@ from importlib.util import find_spec
 import numpy as np
 
 from woodpecker.base.arrays import Floats
+from woodpecker.base.compiled import announce
+from woodpecker.mechanics.one_contact import stated
 from woodpecker.systems.accumulation import Tail, after, implied, tail_of
 from woodpecker.systems.equations import Equations
 from woodpecker.systems.flows import Flow, LostError, RungeFlow, Step
@@ -151,6 +153,7 @@ class Machine:
     def __init__(
         self, system: ContactSystem, free: Sequence[str] = (), backend: Backend | str | None = None
     ) -> None:
+        announce(stated)
         if backend is None:
             backend = Backend.TAYLOR if find_spec("heyoka") else Backend.RUNGE
         self.backend = Backend(backend)
@@ -429,6 +432,8 @@ class MotionSearch:
     def _name_transitions(self, before: Mode, mode: Mode, touch: Touch) -> None:
         """Symbols of contacts that opened, stuck, began to slip or reversed."""
         m = self.eq.m
+        if before == mode:
+            return
         for i, (old, new) in enumerate(zip(before, mode, strict=True)):
             if not self.eq.rubs[i] and new != OPEN:
                 continue

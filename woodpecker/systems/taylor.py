@@ -83,7 +83,7 @@ class TaylorFlow:
         state, pars, coefficients = self._state, self._pars, self._coefficients
         more = self._start
         if self._starts is not None:
-            more = self._starts(z, pars=p[: self._starts.nparams])
+            more = self._starts(z, None, p[: self._starts.nparams])
         kept = np.concatenate([z, more])
         t = 0.0
         for _ in range(STEPS_MOST):
@@ -91,7 +91,7 @@ class TaylorFlow:
                 self._last, integrator.time = kept, 0.0
                 pars[:], state[:] = p[: len(pars)], kept
             if limited:
-                outcome, length = integrator.step(most - t, write_tc=True)
+                outcome, length = integrator.step(most - t, True)
             else:
                 outcome, length = integrator.step(write_tc=True)
             ends = outcome != SUCCESS
@@ -165,7 +165,7 @@ def jets(eq: Equations, mode: Mode) -> Callable[[Floats, Floats], Floats]:
     needs = function.nparams
 
     def numbers(z: Floats, p: Floats) -> Floats:
-        values: Floats = function(z, pars=p[:needs])
+        values: Floats = function(z, None, p[:needs])
         return values
 
     return numbers
@@ -187,7 +187,7 @@ def terms_function(eq: Equations) -> Callable[[Floats, Floats], Floats] | None:
     needs = function.nparams
 
     def numbers(z: Floats, p: Floats) -> Floats:
-        found: Floats = function(z, pars=p[:needs])
+        found: Floats = function(z, None, p[:needs])
         return found
 
     return numbers
