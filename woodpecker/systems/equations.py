@@ -13,7 +13,7 @@ import numpy as np
 import sympy
 
 from woodpecker.base.arrays import Bools, Floats
-from woodpecker.systems.model import ContactSystem
+from woodpecker.systems.model import ContactSystem, are_equal
 
 Parts = tuple[tuple[int, int, tuple[int, ...]], ...]
 """Where arrays begin and end in a row of numbers, and their shapes."""
@@ -260,7 +260,7 @@ def _equal_slips(system: ContactSystem) -> tuple[int, ...]:
         same = (
             k for k in sorted(set(found))
             if each.rubs and system.contacts[k].rubs
-            and sympy.simplify(each.slip - system.contacts[k].slip) == 0
+            and are_equal(each.slip, system.contacts[k].slip)
         )  # fmt: skip
         found.append(next(same, i))
     return tuple(found)
