@@ -15,6 +15,7 @@ from woodpecker.systems.modes import Local, Mode
 
 RELATIVE, ABSOLUTE = 1e-13, 1e-16  # tolerances of DOP853, near what its step control can resolve
 STEPS_MOST = 100_000  # of one phase
+KEPT_MOST = 2000  # of a phase: far off, where Newton's method may ask, a motion has millions
 
 
 class LostError(Exception):
@@ -54,6 +55,47 @@ class Flow(Protocol):
 
         If they are not kept each may be used only until the next one is asked for.
         """
+
+
+class KeptSteps:
+    """The steps of a phase, made as far as they are asked for."""
+
+    def __init__(self, flow: Flow, z: Floats, p: Floats, most: float) -> None:
+        self.start = z, p, most
+        self._source = flow.steps(z, p, most)
+        self._made: list[Step] = []
+        self._begins = [0.0]
+
+    def _more(self) -> Step:
+        step = next(self._source, None)
+        if step is None or len(self._made) == KEPT_MOST:
+            raise LostError
+        self._made.append(step)
+        self._begins.append(self._begins[-1] + step.length)
+        return step
+
+    @property
+    def first(self) -> Step:
+        """The first step."""
+        return self._made[0] if self._made else self._more()
+
+    def all(self) -> Iterator[Step]:
+        """All steps, one after the other."""
+        for k in range(KEPT_MOST):
+            yield self.step(k)
+
+    def exact(self, t: float) -> tuple[Floats, Floats]:
+        """State and derivatives at a time, also before the start of the phase."""
+        while self._begins[-1] < t or not self._made:
+            self._more()
+        k = max(0, int(np.searchsorted(self._begins, t)) - 1)
+        return self._made[k].exact(t - self._begins[k])
+
+    def step(self, k: int) -> Step:
+        """The k-th step."""
+        while len(self._made) <= k:
+            self._more()
+        return self._made[k]
 
 
 class RungeFlow:
