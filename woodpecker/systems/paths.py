@@ -313,8 +313,11 @@ class Following:
 
         Right at the border at which its two roots meet there is none or there are two, as rounding
         has it. It is taken to fire before its minimum by as much as rounding tells times apart.
+
+        Motions with a force or a slip that is zero are the same before and after, and so is the
+        slope of the image; impacts, and the time of a return, go like a root.
         """
-        if leg.guard == SECTION * self.eq.m:
+        if leg.guard // self.eq.m in (GAP, SECTION):
             return None
         t, step = near, math.inf
         for _ in range(NEWTON_MOST):
