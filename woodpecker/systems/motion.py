@@ -209,7 +209,7 @@ class Run:
     last
         The impact that it ended with, on a section of impacts.
     symbols, events
-        What happened; equal bounces that accumulate are one symbol.
+        What happened; equal bounces that accumulate are one symbol. Descriptions only if asked for.
     steps
         Where each step began [s], and the step, if they are kept.
     """
@@ -239,14 +239,18 @@ class MotionSearch:
         So many events at most.
     keeps
         Whether steps are kept, for samples.
+    describes
+        Whether events are described, and not only named.
     """
 
     def __init__(
         self, machine: Machine, p: Floats, embedding: Embedding | None = None, *,
         t_end: float = math.inf, events_most: int = EVENTS_MOST, keeps: bool = False,
+        describes: bool = True,
     ) -> None:  # fmt: skip
         self.machine, self.eq, self.p, self.embedding = machine, machine.eq, p, embedding
-        self.t_end, self.events_most, self.keeps = t_end, events_most, keeps
+        self.t_end, self.events_most = t_end, events_most
+        self.keeps, self._describes = keeps, describes
 
     def run(self, z: Floats, touch: Touch, striking: Sequence[int] = ()) -> Run:
         """The loop of Figure 1 [Leine2001]."""
@@ -420,8 +424,10 @@ class MotionSearch:
         self, symbol: str, before: Floats | None = None, impulses: Floats | None = None
     ) -> None:
         found, n = self._run, self.eq.n
-        u = found.z[n : 2 * n]
         found.symbols.append(symbol)
+        if not self._describes:
+            return
+        u = found.z[n : 2 * n]
         found.events.append(
             MotionEvent(
                 symbol=symbol, time=float(found.z[-1]), before=u if before is None else before,
