@@ -42,6 +42,7 @@ X, Y, V, T, W, A = sympy.symbols("x y u_x t w a")
 MOST, FALLS, RISES = 1.5, 1.5, 0.45  # F(s) = -MOST sign(s) + FALLS s - RISES s**3
 PUSH = 0.2
 START, SLIDING = 0.92, (0.1702, 6.7445)  # w, and x and t of the cycle that never sticks
+BOTH, STICKING = 0.9127, (0.1588, 6.7064)  # w with one that does, and that
 SPAN = (0.9, 0.925)
 WINDOW = [(-0.5, 0.5), (0.0, 7.0)]  # of x and t
 BESIDE = 2e-3  # of w: where the multipliers of both cycles are compared
@@ -66,10 +67,10 @@ def map_of(*parameters: str, backend: str | None = None) -> SystemMap:
     return SystemMap(system(), section, parameters, backend=backend)
 
 
-def followed() -> Connected:
-    """The cycle that never sticks over w, and what is connected with it."""
+def followed(*, sticks: bool = False) -> Connected:
+    """The cycle that never sticks over w, or the one that does, and what is connected with it."""
     map_ = map_of("w")
-    start = shoot(map_, SLIDING)
+    start = shoot(map_, STICKING, p=[BOTH]) if sticks else shoot(map_, SLIDING)
     return continuation(map_, start, SPAN, WINDOW, orders=(1, 2), max_step=0.01)
 
 
@@ -244,7 +245,8 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     -------
     dict
         ``w``, ``slopes`` of the point; ``border``, ``multipliers``: how far it and, beside it, the
-        multipliers are from those by DOP853; ``tent``, ``cycles``: words of the cycles of the tent
+        multipliers are from those by DOP853; ``sides``: how far it is from where one comes to that
+        starts from the cycle that sticks; ``tent``, ``cycles``: words of the cycles of the tent
         map, and of those near the point.
     """
     found = followed()
@@ -257,7 +259,8 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         keep(draw(found), out / "system_fold_flip.png")
     return {
         "w": w, "slopes": list(slopes_of(found)), "border": abs(there - w),
-        "multipliers": float(off.max()), "tent": sorted(turned(cycle.word) for cycle in tent),
+        "multipliers": float(off.max()), "sides": abs(point_of(followed(sticks=True))[0] - w),
+        "tent": sorted(turned(cycle.word) for cycle in tent),
         "cycles": own_cycles(w + CLOSE, near, tent),
     }  # fmt: skip
 

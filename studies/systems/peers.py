@@ -1,4 +1,4 @@
-"""Three ways to follow a motion with impacts: work against accuracy, and what generality costs.
+"""Ways to follow a motion with impacts: work against accuracy, and what generality costs.
 
     python -m studies.systems.peers [--fast] [--out DIR]
 
@@ -9,15 +9,19 @@ periodic motion in closed form, so that the error of the last state is known:
 - Moreau's time stepping [Moreau1988], written here for any system without friction: a step goes
   half a step with the old velocity, solves for the new one together with the impulses of all
   contacts whose gaps are closed there, and goes on for half a step with the new one;
-- scipy's DOP853, with the flight and the impact of each machine by hand, and an event at the gap.
+- scipy's DOP853, with the flight and the impact of each machine by hand, and an event at the gap;
+- PyDSTool's VODE [Clewley2012] with its events, for the oscillator, where PYDSTOOL_PYTHON names a
+  Python that has it.
 
 A return of the toy is followed by the closed-form kernel, ``woodpecker.systems`` and Moreau's
-scheme. Siconos and PyDSTool are compared with on the toy: :mod:`studies.peers`.
+scheme. Siconos is compared with on the toy: :mod:`studies.peers`.
 """
 
 from __future__ import annotations
 
+import json
 import math
+import subprocess
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import chain, combinations
@@ -32,8 +36,10 @@ from scipy.linalg import expm
 
 from studies.common.clocks import timed
 from studies.common.record import Results, command
-from studies.common.style import METHODS, RED, canvas, keep
+from studies.common.style import METHODS, RED, VIOLET, canvas, keep
 from studies.common.tables import number, rows, seconds
+from studies.peers import pydstool_peer
+from studies.peers.elsewhere import environment
 from studies.peers.moreau import first_return_moreau
 from studies.systems import oscillator, rocking_block, toy
 from woodpecker import Toy, first_return, return_map
@@ -50,6 +56,8 @@ TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 TOY_STEPS = (1e-4, 1e-5, 1e-6)  # s
 PHI_S = -0.53  # rad, where the toy starts
 ROUNDS = 3  # of which the median is taken
+PROGRAM = Path(pydstool_peer.__file__).with_name("pydstool_impacts.py")
+LONGEST = 120.0  # s, of PyDSTool
 CLOSED = 1e-12  # a gap up to this is closed: a contact at rest drifts by rounding
 
 
@@ -199,6 +207,30 @@ def by_hand(problem: Problem, tolerance: float) -> Floats:
     return np.asarray(y)
 
 
+def by_pydstool(problem: Problem) -> Results:
+    """The oscillator in PyDSTool; nothing where there is none."""
+    if pydstool_peer.available():
+        return {}
+    values = {str(name): float(value) for name, value in problem.system.parameters.items()}
+    x, v, t = problem.start.tolist()
+    task = {
+        **values, "x": x, "v": v, "t": t, "t_end": problem.t_end, "tolerances": TOLERANCES,
+        "rounds": ROUNDS,
+    }  # fmt: skip
+    ran = subprocess.run(
+        [pydstool_peer.PYTHON, "-W", "ignore", str(PROGRAM), json.dumps(task)], check=True,
+        env=environment(), capture_output=True, text=True, timeout=LONGEST,
+    )  # fmt: skip
+    found = json.loads(ran.stdout)
+    away = np.abs(np.array(found["ends"]) - problem.exact).max(axis=1)
+    return {
+        "pydstool": {
+            "tolerance": list(TOLERANCES), "error": away.tolist(),
+            "cpu_ms": np.median(found["cpu_ms"], axis=1).tolist(),
+        }
+    }  # fmt: skip
+
+
 # --- All of them ----------------------------------------------------------------------------------
 
 
@@ -278,11 +310,12 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     -------
     dict
         For ``oscillator``, ``block`` and ``toy`` and each way: ``error`` of the last state, or of
-        the image [rad], and ``cpu_ms``, by ``step`` [s] or ``tolerance``.
+        the image [rad], and ``cpu_ms``, by ``step`` [s] or ``tolerance``; that of ``pydstool`` is
+        there if it is installed.
     """
-    few = 3 if fast else None
+    few, driven = 3 if fast else None, impact_oscillator()
     found = {
-        "oscillator": compared(impact_oscillator(), STEPS[:few]),
+        "oscillator": compared(driven, STEPS[:few]) | by_pydstool(driven),
         "block": compared(block(), STEPS[:few]),
         "toy": toy_compared(TOY_STEPS[: 2 if fast else None]),
     }
@@ -316,6 +349,7 @@ LOOK = {
     "systems": (RED, "*", "woodpecker.systems"),
     "moreau": (*METHODS["Moreau, theta"], "Moreau's scheme"),
     "dop853": (*METHODS["DOP853"], "DOP853, by hand"),
+    "pydstool": (VIOLET, "v", "PyDSTool"),
 }
 TITLES = {"oscillator": "impact oscillator", "block": "rocking block", "toy": "toy, one return"}
 LEAST = 1e-16  # what is drawn of an error that is zero

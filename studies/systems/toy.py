@@ -17,7 +17,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from sympy import Matrix, symbols
 
-from studies.common.clocks import clocked, over, race, repeated
+from studies.common.clocks import clocked, race, repeated
 from studies.common.record import Results, command
 from studies.common.style import GREY, RED, WIDTH, grid, keep
 from woodpecker import Toy
@@ -101,7 +101,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     -------
     dict
         ``returns``, ``same_words``, ``largest_difference`` [rad] over 1 + the slope, and ``ratio``
-        of the CPU times of one return, the median of some rounds.
+        of the CPU times of one return, the least of some rounds: others use the machine, too.
     """
     count = 60 if fast else 1000
     toy = Toy(eps_n1=0.5)
@@ -123,7 +123,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         "returns": count,
         "same_words": int(sum(same)),
         "largest_difference": float(np.nanmax(away)),
-        "ratio": over(times, "general", "kernel"),
+        "ratio": times["general"]["cpu_minimum"] / times["kernel"]["cpu_minimum"],
     }
 
 

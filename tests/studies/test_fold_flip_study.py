@@ -28,9 +28,16 @@ def test_multipliers_of_both_cycles_beside_it(run: ShortRun) -> None:
     assert run[0]["multipliers"] < 2e-9
 
 
-def test_it_folds_and_flips() -> None:
+def test_it_is_the_same_from_both_sides(run: ShortRun) -> None:
+    """A slip that touches the speed of the belt is known to the rounding of its terms."""
+    assert run[0]["sides"] < 1e-13
+
+
+@pytest.mark.parametrize("sticks", [False, True])
+def test_it_folds_and_flips(sticks: bool) -> None:
     """On one side there are both cycles and one of twice the period, on the other side none."""
-    diagram = fold_flip.followed().diagram
+    found = fold_flip.followed(sticks=sticks)
+    diagram = found.diagram
     (point,) = (q for q in diagram.points if q.kind is PointKind.BC)
     assert point.note == "fold"
     assert "for an instant" in point.cause
@@ -38,6 +45,9 @@ def test_it_folds_and_flips() -> None:
     assert sorted(each.order for each in meeting) == [1, 1, 2, 2]
     for each in meeting:
         assert np.min(each.parameter) == pytest.approx(point.parameter, abs=1e-8)
+    # At a distance h the multiplier is 1.4437526 - 6.5 sqrt(h) where it sticks: from h of 1e-7 to
+    # 3e-14 it has that limit to 1e-7.
+    assert fold_flip.slopes_of(found) == pytest.approx((1.4437526, -2.3316900), abs=3e-7)
 
 
 def test_cycles_are_those_of_the_tent_map(run: ShortRun) -> None:

@@ -1,4 +1,4 @@
-"""Three ways to follow a machine with impacts: what each of them converges to."""
+"""Ways to follow a machine with impacts: what each of them converges to."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ import pytest
 from needs import NEEDS_HEYOKA
 from short_runs import is_picture, short_run
 
-from studies.systems.peers import Moreau, block, by_hand, impact_oscillator, machines
+from studies.peers import pydstool_peer
+from studies.systems.peers import Moreau, block, by_hand, by_pydstool, impact_oscillator, machines
 
 pytestmark = [NEEDS_HEYOKA, pytest.mark.slow]
 
@@ -23,8 +24,24 @@ def test_peers_on_systems(tmp_path: Path) -> None:
         assert ways["dop853"]["error"][-1] < 1e-10
         assert ways["moreau"]["error"][-1] < 1e-2
     assert found["toy"]["systems"]["error"][0] < 1e-13
+    if "pydstool" in found["oscillator"]:
+        assert found["oscillator"]["pydstool"]["error"][-1] < 1e-9
+        assert "PyDSTool" in machines({"system_peers": found})
     assert is_picture(tmp_path / "system_peers.png")
     assert "closed-form kernel" in machines({"system_peers": found})
+
+
+def test_without_pydstool_there_is_nothing_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(pydstool_peer, "PYTHON", "/nowhere/python3")
+    assert by_pydstool(impact_oscillator()) == {}
+
+
+@pytest.mark.skipif(bool(pydstool_peer.available()), reason=pydstool_peer.available() or "runs")
+def test_pydstool_converges() -> None:
+    """Its events are as exact as its steps: the error falls with the tolerance to 1e-9 and less."""
+    error = by_pydstool(impact_oscillator())["pydstool"]["error"]
+    assert error[0] > 1e-6 > error[2] > error[-1]
+    assert error[-1] < 1e-9
 
 
 @pytest.mark.parametrize("problem", [impact_oscillator(), block()])

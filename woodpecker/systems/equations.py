@@ -7,33 +7,70 @@ of the parameters, which are called free.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import sympy
 
 from woodpecker.base.arrays import Bools, Floats
-from woodpecker.systems.model import ContactSystem
+from woodpecker.systems.model import ContactSystem, are_equal
+
+Parts = tuple[tuple[int, int, tuple[int, ...]], ...]
+"""Where arrays begin and end in a row of numbers, and their shapes."""
 
 
-class Terms(NamedTuple):
+class _Part:
+    """An array among the numbers of the terms, made when it is first asked for."""
+
+    def __init__(self, place: int) -> None:
+        self._place = place
+
+    def __set_name__(self, _: type[Terms], name: str) -> None:
+        self._name = name
+
+    def __get__(self, terms: Terms, _: type[Terms] | None = None) -> Floats:
+        low, high, shape = terms.parts[self._place]
+        found = terms.flat[..., low:high]
+        if len(shape) > 1:
+            found = found.reshape(*found.shape[:-1], *shape)
+        terms.__dict__[self._name] = found  # the next time it is found there
+        return found
+
+
+class Terms:
     """What Eq. (1)-(3) consist of, at one state or at a batch (...) of them.
 
     The gap rates are w_N u + w-hat_N, the slips w_T u + w-hat_T, and their derivatives
     w_N u' + w-bar_N and w_T u' + w-bar_T.
+
+    Parameters
+    ----------
+    flat
+        (..., count) all their numbers.
+    parts
+        Where each of them stands.
     """
 
-    mass: Floats  # (..., n, n)
-    force: Floats  # (..., n), h
-    w_n: Floats  # (..., m, n)
-    w_t: Floats  # (..., m, n)
-    gap: Floats  # (..., m)
-    gap_rate: Floats
-    slip: Floats
-    bar_n: Floats
-    bar_t: Floats
-    mu: Floats
-    eps: Floats
+    mass = _Part(0)  # (..., n, n)
+    force = _Part(1)  # (..., n), h
+    w_n = _Part(2)  # (..., m, n)
+    w_t = _Part(3)  # (..., m, n)
+    gap = _Part(4)  # (..., m)
+    gap_rate = _Part(5)
+    slip = _Part(6)
+    bar_n = _Part(7)
+    bar_t = _Part(8)
+    mu = _Part(9)
+    eps = _Part(10)
+
+    def __init__(self, flat: Floats, parts: Parts) -> None:
+        self.flat, self.parts = flat, parts
+
+    def with_gap_rate(self, rate: Floats) -> Terms:
+        """The same at one state, with other gap rates (m,)."""
+        found = Terms(self.flat.copy(), self.parts)
+        found.gap_rate[:] = rate
+        return found
 
 
 class Function:
@@ -43,7 +80,7 @@ class Function:
         ends = np.cumsum([each.size for each in arrays]).tolist()
         begins = [0, *ends[:-1]]
         shapes = [each.shape for each in arrays]
-        self._parts = list(zip(begins, ends, shapes, strict=True))
+        self.parts: Parts = tuple(zip(begins, ends, shapes, strict=True))
         flat = [entry for each in arrays for entry in each.ravel().tolist()]
         self._one: Callable[..., Any] = sympy.lambdify(symbols, flat, modules="math", cse=True)
         self._symbols, self._flat = symbols, flat
@@ -56,14 +93,18 @@ class Function:
 
     def __call__(self, *numbers: Floats) -> list[Floats]:
         """Arrays at one point, whose coordinates are given in parts."""
-        try:
-            flat = np.array(self._one(*np.concatenate(numbers).tolist()), dtype=float)
-        except (ValueError, ZeroDivisionError, OverflowError, TypeError):  # TypeError: complex
-            flat = np.full(len(self._flat), np.nan)
-        return self.split(flat)
+        flat = self.numbers(*numbers)
+        return [flat[low:high].reshape(shape) for low, high, shape in self.parts]
 
-    def batch(self, z: Floats, p: Floats) -> list[Floats]:
-        """Arrays at many states (b, N), the batch first."""
+    def numbers(self, *numbers: Floats) -> Floats:
+        """All numbers of the arrays, one after the other."""
+        try:
+            return np.array(self._one(*np.concatenate(numbers).tolist()), dtype=float)
+        except (ValueError, ZeroDivisionError, OverflowError, TypeError):  # TypeError: complex
+            return np.full(len(self._flat), np.nan)
+
+    def batch(self, z: Floats, p: Floats) -> Floats:
+        """The same at many states (b, N), the batch first."""
         if self._many is None:
             self._many = sympy.lambdify(self._symbols, self._flat, modules="numpy", cse=True)
         with np.errstate(all="ignore"):
@@ -71,12 +112,7 @@ class Function:
         flat = np.empty((len(z), len(values)))
         for k, value in enumerate(values):
             flat[:, k] = value
-        return self.split(flat)
-
-    def split(self, flat: Floats) -> list[Floats]:
-        """The arrays of the values of all expressions."""
-        batch = flat.shape[:-1]
-        return [flat[..., low:high].reshape(*batch, *shape) for low, high, shape in self._parts]
+        return flat
 
 
 class Equations:
@@ -173,12 +209,11 @@ class Equations:
     def terms(self, z: Floats, p: Floats) -> Terms:
         """The terms at one state (N,), or at a batch (b, N); the last ones are remembered."""
         if z.ndim > 1:
-            return Terms(*self._terms.batch(z, p))
+            return Terms(self._terms.batch(z, p), self._terms.parts)
         key = z.tobytes(), p.tobytes()
         if self._last is None or self._last[:2] != key:
-            compiled = self.compiled
-            whole = self._terms(z, p) if compiled is None else self._terms.split(compiled(z, p))
-            self._last = *key, Terms(*whole)
+            numbers = self.compiled or self._terms.numbers
+            self._last = *key, Terms(numbers(z, p), self._terms.parts)
         return self._last[2]
 
     def motion_changes(
@@ -225,7 +260,7 @@ def _equal_slips(system: ContactSystem) -> tuple[int, ...]:
         same = (
             k for k in sorted(set(found))
             if each.rubs and system.contacts[k].rubs
-            and sympy.simplify(each.slip - system.contacts[k].slip) == 0
+            and are_equal(each.slip, system.contacts[k].slip)
         )  # fmt: skip
         found.append(next(same, i))
     return tuple(found)

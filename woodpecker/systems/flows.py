@@ -15,6 +15,7 @@ from woodpecker.systems.modes import Local, Mode
 
 RELATIVE, ABSOLUTE = 1e-13, 1e-16  # tolerances of DOP853, near what its step control can resolve
 STEPS_MOST = 100_000  # of one phase
+KEPT_MOST = 2000  # of a phase: far off, where Newton's method may ask, a motion has millions
 
 
 class LostError(Exception):
@@ -49,8 +50,52 @@ class Flow(Protocol):
     def has_guards(self) -> bool:
         """Whether its steps have the Taylor coefficients of guards."""
 
-    def steps(self, z: Floats, p: Floats, most: float) -> Iterator[Step]:
-        """Steps in turn from a state, the last one to a time; LostError if there are none."""
+    def steps(self, z: Floats, p: Floats, most: float, *, keeps: bool = True) -> Iterator[Step]:
+        """Steps in turn from a state, the last one to a time; LostError if there are none.
+
+        If they are not kept each may be used only until the next one is asked for.
+        """
+
+
+class KeptSteps:
+    """The steps of a phase, made as far as they are asked for."""
+
+    def __init__(self, flow: Flow, z: Floats, p: Floats, most: float) -> None:
+        self.start = z, p, most
+        self._source = flow.steps(z, p, most)
+        self._made: list[Step] = []
+        self._begins = [0.0]
+
+    def _more(self) -> Step:
+        step = next(self._source, None)
+        if step is None or len(self._made) == KEPT_MOST:
+            raise LostError
+        self._made.append(step)
+        self._begins.append(self._begins[-1] + step.length)
+        return step
+
+    @property
+    def first(self) -> Step:
+        """The first step."""
+        return self._made[0] if self._made else self._more()
+
+    def all(self) -> Iterator[Step]:
+        """All steps, one after the other."""
+        for k in range(KEPT_MOST):
+            yield self.step(k)
+
+    def exact(self, t: float) -> tuple[Floats, Floats]:
+        """State and derivatives at a time, also before the start of the phase."""
+        while self._begins[-1] < t or not self._made:
+            self._more()
+        k = max(0, int(np.searchsorted(self._begins, t)) - 1)
+        return self._made[k].exact(t - self._begins[k])
+
+    def step(self, k: int) -> Step:
+        """The k-th step."""
+        while len(self._made) <= k:
+            self._more()
+        return self._made[k]
 
 
 class RungeFlow:
@@ -61,7 +106,7 @@ class RungeFlow:
     def __init__(self, eq: Equations, mode: Mode, *, varies: bool) -> None:
         self._eq, self._mode, self._varies = eq, mode, varies
 
-    def steps(self, z: Floats, p: Floats, most: float) -> Iterator[Step]:
+    def steps(self, z: Floats, p: Floats, most: float, *, keeps: bool = True) -> Iterator[Step]:
         """Steps in turn; the last one ends at a time that may be negative."""
         eq = self._eq
         start = z if not self._varies else np.concatenate(

@@ -17,9 +17,11 @@ import numpy as np
 from numpy.polynomial import chebyshev
 from scipy.optimize import brentq
 
-from woodpecker.base.arrays import Floats
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.polynomials import HALVINGS, WHOLE, bernstein, fall, first_fall, roots, scaled
+from woodpecker.systems.equations import Equations
 from woodpecker.systems.flows import Flow, Step
-from woodpecker.systems.modes import SECTION, Local, Touch, guard_values, guards_of
+from woodpecker.systems.modes import SECTION, Local, Mode, Touch, guard_values, guards_in, guards_of
 from woodpecker.systems.sections import SectionGuard
 
 NODES = 24  # of an interpolant: a Taylor step of order 20, and guards that are no polynomials
@@ -29,13 +31,7 @@ SHORT = 1e-3  # of a step: what follows the third derivative changes a time by 1
 SOLVED = 4  # iterations of Newton's method for it, from where two derivatives place it
 RESOLVED = 1e-9  # relative: last coefficients of a guard that is resolved
 NOISE = 1e-12  # a guard that is no larger is zero all along, such as the slip of a block at rest
-HALVINGS = 40  # of a window: as far as doubles tell times apart
 WINDOW = 4.0  # times the time at which a guard comes back, as its first derivatives say
-
-FLAT = 1e-24  # a polynomial that is no larger is zero all along
-CLOSE = 2.0**-51  # relative: Newton's steps that are shorter have converged
-SOLVING = 100  # steps of a bracketed Newton's method: bisection alone needs 53
-AT_ONCE = 1e-6  # of a step: a guard that begins below zero but for rounding fires so near its start
 
 _POINTS = np.cos(math.pi * (np.arange(NODES) + 0.5) / NODES)[::-1]  # ascending in (-1, 1)
 _TO_SERIES = np.linalg.inv(chebyshev.chebvander(_POINTS, NODES - 1))
@@ -227,70 +223,6 @@ class Least:
 # --- Taylor polynomials ---------------------------------------------------------------------------
 
 
-@lru_cache(maxsize=8)
-def _bernstein(size: int) -> Floats:
-    """The matrix (size, size) by which power coefficients over [0, 1] become Bernstein's."""
-    n = size - 1
-    rows = [[math.comb(j, k) / math.comb(n, k) for j in range(size)] for k in range(size)]
-    return np.array(rows)
-
-
-@lru_cache(maxsize=8)
-def _exponents(size: int) -> Floats:
-    return np.arange(float(size))
-
-
-@lru_cache(maxsize=8)
-def _halving(size: int) -> tuple[Floats, Floats]:
-    """The matrices that make of Bernstein coefficients those of either half."""
-    left = np.array([[math.comb(j, k) / 2.0**j for j in range(size)] for k in range(size)])
-    return left, left[::-1, ::-1].copy()
-
-
-def _crossings(b: Floats) -> Iterator[tuple[float, float, float, bool]]:
-    """Intervals of [0, 1] with one root each, ascending; a guess of it; and whether b falls there.
-
-    Bernstein coefficients have no fewer changes of sign than the polynomial has roots. Where they
-    still have several in the narrowest interval there is a double root, which is none.
-    """
-    left, right = _halving(len(b))
-    open_ = [(0.0, 1.0, b, 0)]
-    while open_:
-        low, high, b, depth = open_.pop()
-        above = b > 0.0
-        changes = np.count_nonzero(above[1:] != above[:-1])
-        if changes == 0:
-            continue
-        if changes == 1 or (depth == HALVINGS and above[0] != above[-1]):
-            first, last = float(b[0]), float(b[-1])
-            yield low, high, low + (high - low) * first / (first - last), bool(above[0])
-        elif depth < HALVINGS:
-            middle = 0.5 * (low + high)
-            open_ += [(middle, high, b @ right, depth + 1), (low, middle, b @ left, depth + 1)]
-
-
-def _solved(c: list[float], low: float, high: float, x: float, *, falls: bool) -> float:
-    """The root of a polynomial, highest coefficient first, between two numbers; near a third."""
-    for _ in range(SOLVING):
-        value = slope = 0.0
-        for each in c:
-            slope = slope * x + value
-            value = value * x + each
-        if (value > 0.0) == falls:
-            low = x
-        else:
-            high = x
-        new = x - value / slope if slope != 0.0 else low
-        if abs(new - x) <= CLOSE * abs(new):
-            return new  # also where it has just left the bracket
-        if not low < new < high:
-            new = 0.5 * (low + high)
-            if abs(new - x) <= CLOSE * abs(new):
-                return new
-        x = new
-    return x
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Power:
     """A guard over a step of a phase, as a power series in the time from its start.
@@ -323,26 +255,16 @@ class Power:
 
     def extremes(self) -> Floats:
         """Times inside at which its slope vanishes; ascending."""
-        slope = np.diff(self.b)
+        slope, size = np.diff(self.b), len(self.c)
         if np.abs(slope).max(initial=0.0) <= CHOPPED * np.abs(self.b).max():
             return np.empty(0)
-        c = (self.c[1:] * np.arange(1, len(self.c)))[::-1].tolist()
-        roots = [_solved(c, *each, falls=falls) for *each, falls in _crossings(slope)]
-        return self.low + np.array(roots) * (self.high - self.low)
+        found = roots(self.c[1:] * np.arange(1.0, size), slope, bernstein(size - 1))
+        return np.asarray(self.low + found * (self.high - self.low))
 
     def falls(self) -> float:
         """The first time at which it falls through zero; infinite if there is none."""
-        size = float(np.abs(self.b).max())
-        if size <= FLAT:
-            return math.inf
-        length, first = self.high - self.low, float(self.c[1])
-        if self.at_once and self.c[0] <= 0.0 and first < 0.0:
-            s = -float(self.c[0]) / first
-            return self.low + (s if abs(s) < AT_ONCE else 0.0) * length
-        for *each, falls in _crossings(self.b):
-            if falls:
-                return self.low + length * _solved(self.c[::-1].tolist(), *each, falls=True)
-        return math.inf
+        s = fall(self.c, self.b, self.at_once, bernstein(len(self.c)))
+        return self.low + s * (self.high - self.low)
 
 
 class Polynomials:
@@ -359,44 +281,45 @@ class Polynomials:
     before
         What :meth:`ends` has said of the step before: a guard that was above zero there fires at
         once where this step begins below.
-
-    Attributes
-    ----------
-    lowest
-        (g,) lower bounds of the guards.
     """
 
     def __init__(
         self, length: float, guards: Floats, begin: float, starts: Sequence[GuardStart],
         before: Floats | None = None,
     ) -> None:  # fmt: skip
-        self._begin, self._end, self._starts, self._before = begin, begin + length, starts, before
-        size = guards.shape[1]
-        scales = length ** _exponents(size)
-        self._c = guards * scales
-        for k, start in enumerate(starts):
-            if begin == 0.0 and start.order:
-                self._c[k, : -start.order] = guards[k, start.order :] * scales[: -start.order]
-                self._c[k, -start.order :] = 0.0
-        self._b = self._c @ _bernstein(size)
-        self.lowest: list[float] = self._b.min(axis=1).tolist()
+        self._begin, self._end = begin, begin + length
+        self._orders = _orders(starts) if begin == 0.0 else _none(len(starts))
+        self._before = _before(starts) if before is None else before
+        self._c = scaled(guards, length, self._orders)
+        self._b = self._c @ bernstein(guards.shape[1])[WHOLE]
 
     def __len__(self) -> int:
-        return len(self._starts)
+        return len(self._orders)
 
     def __iter__(self) -> Iterator[Power]:
         return (self[k] for k in range(len(self)))
 
     def __getitem__(self, k: int) -> Power:
-        start, begins = self._starts[k], self._begin == 0.0
-        fires = begins and start.order == 0 and not start.is_section
-        fires = fires or (self._before is not None and bool(self._before[k] > 0.0))
-        order = start.order if begins else 0
+        order, fires = int(self._orders[k]), bool(self._before[k] > 0.0)
         return Power(self._begin, self._end, self._c[k], order, self._b[k], fires)
 
     def ends(self) -> Floats:
         """(g,) their values where the step ends, each over what it has been divided by."""
-        return self._b[:, -1]
+        return np.asarray(self._b[:, -1])
+
+
+@lru_cache(maxsize=64)
+def _none(count: int) -> Ints:
+    return np.zeros(count, dtype=np.int64)
+
+
+def _orders(starts: Sequence[GuardStart]) -> Ints:
+    return np.array([each.order for each in starts], dtype=np.int64)
+
+
+def _before(starts: Sequence[GuardStart]) -> Floats:
+    """Above zero for guards that fire at once where a phase begins if they are below zero there."""
+    return np.array([0.0 if each.order or each.is_section else 1.0 for each in starts])
 
 
 # --- A phase --------------------------------------------------------------------------------------
@@ -409,8 +332,10 @@ class Phase:
 
     Parameters
     ----------
-    here
-        Its mode and the state in which it begins.
+    eq, mode, p
+        The equations, the mode, and the values of all parameters.
+    z
+        The state in which it begins.
     flow
         What integrates it.
     touch
@@ -429,23 +354,23 @@ class Phase:
     """
 
     def __init__(
-        self, here: Local, flow: Flow, touch: Touch, section: SectionGuard | None, *,
-        on_section: bool,
+        self, eq: Equations, mode: Mode, z: Floats, p: Floats, flow: Flow, touch: Touch,
+        section: SectionGuard | None, *, on_section: bool,
     ) -> None:  # fmt: skip
-        eq, mode = here.eq, here.mode
         self.mode, self.flow, self.width = mode, flow, 0.0
-        self._eq, self._p, self._section = eq, here.p, section
-        self.watched = guards_of(eq, mode)
-        self._guards = list(self.watched)
-        if self.flow.has_guards:
-            self.starts = [GuardStart(touch.order(eq, mode, guard)) for guard in self.watched]
-        else:
-            self.starts = [started(here, touch, guard) for guard in self.watched]
-        if self._section is not None:
-            self.watched.append(SECTION * eq.m)
-            jet = self._section.jet(here) if on_section else ()
+        self._eq, self._p, self._section = eq, p, section
+        self.starts: list[GuardStart] = []
+        if flow.has_guards:
+            key = mode, eq.friction, eq.slips, touch, section is not None, on_section
+            self.watched, self._orders, self._before = _begun(*key)
+            return
+        here, guards = Local(eq, mode, z, p), guards_of(eq, mode)
+        self.watched = guards
+        self.starts = [started(here, touch, guard) for guard in guards]
+        if section is not None:
+            self.watched = (*guards, SECTION * eq.m)
+            jet = section.jet(here) if on_section else ()
             self.starts.append(GuardStart(int(on_section), jet, True))
-        self._before: Floats | None = None
 
     def fired(self, step: Step, begin: float, ignored: Set[int]) -> tuple[int, float]:
         """The guard that fires first in a step that begins at a time, and when; TIME if none."""
@@ -466,24 +391,38 @@ class Phase:
         return TIME, math.inf
 
     def _of_polynomials(self, step: Step, begin: float, ignored: Set[int]) -> tuple[int, float]:
-        best, time = TIME, math.inf
-        found = Polynomials(step.length, step.guards, begin, self.starts, self._before)
-        for k, (guard, low) in enumerate(zip(self.watched, found.lowest, strict=True)):
-            if low <= 0.0 and guard not in ignored:
-                t = found[k].falls()
-                if t < time:
-                    best, time = guard, t
-        self._before = found.ends()
-        return best, time
+        orders = self._orders if begin == 0.0 else _none(len(self._orders))
+        skipped = _none(len(orders))
+        if ignored:
+            skipped = np.array([int(guard in ignored) for guard in self.watched])
+        k, time, self._before = first_fall(
+            step.guards, step.length, orders, self._before, skipped, bernstein(step.guards.shape[1])
+        )
+        return (TIME, math.inf) if k < 0 else (self.watched[k], begin + time)
 
     def _values(self, states: Floats) -> Floats:
-        values = guard_values(self._eq, self.mode, self._guards, self._eq.terms(states, self._p))
+        own = guards_of(self._eq, self.mode)
+        values = guard_values(self._eq, self.mode, own, self._eq.terms(states, self._p))
         if self._section is None:
             return values
         return np.vstack([values, self._section.values(states, self._p)])
 
 
+@lru_cache(maxsize=1024)
+def _begun(
+    mode: Mode, rubs: tuple[bool, ...], slips: tuple[int, ...], touch: Touch, counts: bool,
+    on_section: bool,
+) -> tuple[tuple[int, ...], Ints, Floats]:  # fmt: skip
+    """The guards of a phase, and how they begin: as :func:`first_fall` takes it."""
+    guards = guards_in(mode, rubs, slips)
+    starts = [GuardStart(touch.order(slips, mode, guard)) for guard in guards]
+    if counts:
+        guards = (*guards, SECTION * len(mode))
+        starts.append(GuardStart(int(on_section), (), True))
+    return guards, _orders(starts), _before(starts)
+
+
 def started(here: Local, touch: Touch, guard: int) -> GuardStart:
     """How a guard begins, where an event has made some of its derivatives zero."""
-    order = touch.order(here.eq, here.mode, guard)
+    order = touch.order(here.eq.slips, here.mode, guard)
     return GuardStart(order, here.jet(guard) if order else ())

@@ -17,7 +17,6 @@ equations.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Set
 from dataclasses import dataclass
 from enum import Enum
@@ -29,15 +28,25 @@ import numpy as np
 
 from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.mechanics.lcp import solve_contact_lcp
+from woodpecker.mechanics.one_contact import (
+    BACKWARD,
+    EXACT,
+    FORWARD,
+    FREE,
+    HOLD,
+    NO_SOLUTION,
+    REST,
+    SAME,
+    SLACK,
+    SOLVED,
+    given,
+    one_contact,
+    stated,
+)
 from woodpecker.systems.equations import Equations, Terms
 from woodpecker.systems.model import FrictionBound, ImpactLaw
 
-FORWARD, BACKWARD, HOLD = 0, 1, 2  # what a contact does in the tangential direction,
-REST, FREE = 0, 3  # and in the normal one: the sum is its case
 ENUMERATED = 3  # contacts of an impact of which all 216 cases are tried
-SLACK = 1e-11  # relative: rounding in the inequalities of a solution on a boundary
-EXACT = 2.0**-47  # relative: no more than the rounding of few operations
-SAME = 1e-8  # relative: solutions that are closer are one
 
 Cases = tuple[int, ...]
 
@@ -180,49 +189,52 @@ def decide(
     made of them: an impact of another contact often leaves them on the boundary of two cases, as
     with equal restitutions a compression and an expansion in proportion do.
     """
-    c, count = list(contacts), len(contacts)
-    newton = eq.system.law is ImpactLaw.NEWTON
-    w = np.concatenate([terms.w_n[c], terms.w_t[c]])
-    response = np.linalg.solve(terms.mass, w.T)
-    delassus = w @ response
-    free = np.concatenate([terms.gap_rate[c], terms.slip[c]])
-    free[:count][[i in closed for i in c]] = 0.0
-    free[count:][[i in held for i in c]] = 0.0
-    eps, mu, rubs = terms.eps[c], terms.mu[c], tuple(eq.rubs[c].tolist())
+    count, newton = len(contacts), eq.system.law is ImpactLaw.NEWTON
+    c, still, rubs = _taking_part(contacts, frozenset(closed), frozenset(held), eq.friction)
+    delassus, response, free, mu, eps = stated(
+        terms.mass, terms.w_n, terms.w_t, terms.gap_rate, terms.slip, terms.mu, terms.eps, c, still
+    )
     if newton:
         free[:count] *= 1.0 + eps
-    none = np.zeros(count)
-    impulses = np.zeros((2, 2, eq.m))
+    none, impulses = np.zeros(count), np.zeros((2, 2, eq.m))
     feeds = none if newton else eps
-    outcome, ends, impulse = solutions(
-        ImpactPhase(delassus, free, np.diag(mu), none, rubs), feeds > 0.0
-    )
+    phase = ImpactPhase(delassus, free, mu[:, None] * _shares(count), none, rubs)
+    outcome, ends, impulse = solutions(phase, feeds)
     if impulse is None:
         return Decision(outcome, None, u, impulses)
-    impulses[0][:, c] = impulse.reshape(2, count)
-    after = u + response @ impulse
-    floor = feeds * impulse[:count]
-    if not (floor > 0.0).any():
+    after, left, floor = given(delassus, response, free, u, impulse, feeds, c, impulses[0])
+    stores = tuple(i for i, least in zip(contacts, floor.tolist(), strict=True) if least > 0.0)
+    if not stores:
         back = newton & (eps > 0.0) & (free[:count] < -SLACK * np.abs(free[:count]).max())
         reversed_ = tuple(i for i, is_back in zip(contacts, back, strict=True) if is_back)
         return Decision(outcome, Impact(contacts, ends, rebounds=reversed_), after, impulses)
-    free = free + delassus @ impulse
-    _zero(free, ends[0])
-    bound = _bound(eq, mu)
-    final, cases, impulse = solutions(ImpactPhase(delassus, free, bound, floor, rubs), none > 0.0)
+    _zero(left, ends[0])
+    phase = ImpactPhase(delassus, left, _bound(eq, mu), floor, rubs)
+    final, cases, impulse = solutions(phase, none)
     if impulse is None:
         return Decision(final, None, u, impulses)
-    impulses[1][:, c] = impulse.reshape(2, count)
-    stores = tuple(i for i, least in zip(contacts, floor, strict=True) if least > 0.0)
-    found = Impact(contacts, ends, cases[0], stores)
-    return Decision(outcome, found, after + response @ impulse, impulses)
+    after, _, _ = given(delassus, response, left, after, impulse, none, c, impulses[1])
+    return Decision(outcome, Impact(contacts, ends, cases[0], stores), after, impulses)
+
+
+@lru_cache(maxsize=1024)
+def _taking_part(
+    contacts: tuple[int, ...], closed: Set[int], held: Set[int], friction: tuple[bool, ...]
+) -> tuple[Ints, Ints, tuple[bool, ...]]:
+    """Contacts; for each gap rate, then each slip, whether it is exactly zero; who has friction."""
+    still = [i in closed for i in contacts] + [i in held for i in contacts]
+    return np.array(contacts), np.array(still, dtype=int), tuple(friction[i] for i in contacts)
 
 
 def _bound(eq: Equations, mu: Floats) -> Floats:
     """Bounds (c, c) of friction in the expansion."""
-    if _is_summed(eq):
-        return np.repeat(mu[:, None], len(mu), axis=1)
-    return np.diag(mu)
+    return mu[:, None] * _shares(len(mu), summed=_is_summed(eq))
+
+
+@lru_cache(maxsize=64)
+def _shares(count: int, *, summed: bool = False) -> Floats:
+    """(c, c) which normal impulses bound the friction of which contact."""
+    return np.ones((count, count)) if summed else np.eye(count)
 
 
 def _is_summed(eq: Equations) -> bool:
@@ -239,12 +251,16 @@ def _zero(velocity: Floats, cases: Cases) -> None:
             velocity[n + k] = 0.0
 
 
-def solutions(phase: ImpactPhase, feeds: Bools) -> tuple[Outcome, tuple[Cases, ...], Floats | None]:
+Solution = tuple[Outcome, tuple[Cases, ...], Floats | None]
+"""Whether a phase is solved, the cases that solve it, and its impulses (2c,)."""
+
+
+def solutions(phase: ImpactPhase, feeds: Floats) -> Solution:
     """The cases that solve a phase, and its impulses (2c,).
 
     Where several cases solve it with the same velocities, the one with the least violation counts;
     of several that solve it but for rounding the first.
-    If their normal impulses differ at contacts where these ``feed`` an expansion, it is
+    If their normal impulses differ at contacts of which a part ``feeds`` an expansion, it is
     indeterminate: the two ends of the segment, and its middle.
     """
     if len(phase.rubs) == 1:
@@ -263,7 +279,7 @@ def solutions(phase: ImpactPhase, feeds: Bools) -> tuple[Outcome, tuple[Cases, .
     if (np.abs(velocities[kept] - velocities[best]) > SAME * size).any():
         return Outcome.AMBIGUOUS, (), None
     n = len(phase.rubs)
-    apart = np.abs(impulses[kept] - impulses[best])[:, :n] * feeds
+    apart = np.abs(impulses[kept] - impulses[best])[:, :n] * (feeds > 0.0)
     if (apart <= SAME * np.abs(impulses[best]).max()).all():
         return Outcome.SOLVED, (cases,), impulses[best]
     widest = int(np.ptp(impulses[kept], axis=0).argmax())
@@ -273,62 +289,13 @@ def solutions(phase: ImpactPhase, feeds: Bools) -> tuple[Outcome, tuple[Cases, .
     return Outcome.INDETERMINATE, ends, 0.5 * (impulses[low] + impulses[high])
 
 
-def _of_one(phase: ImpactPhase) -> tuple[Outcome, tuple[Cases, ...], Floats | None]:
-    """The same for one contact, whose six cases are solved in closed form.
-
-    Its impulses follow from its velocities, as its two directions are independent.
-    """
-    (g_nn, g_nt), (g_tn, g_tt) = phase.delassus.tolist()
-    (f_n, f_t), mu, floor = phase.free.tolist(), float(phase.bound[0, 0]), float(phase.floor[0])
-    rubs, det = phase.rubs[0], g_nn * g_tt - g_nt * g_tn
-    kept = list[tuple[float, int, float, float, float, float]]()
-    for case in _CASES[rubs]:
-        tangential = case % 3
-        holds, sign = tangential == HOLD, -1.0 if tangential == FORWARD else 1.0
-        if case < FREE and holds:
-            if det <= SLACK * g_nn * g_tt:
-                continue
-            p_n, p_t = (g_nt * f_t - g_tt * f_n) / det, (g_tn * f_n - g_nn * f_t) / det
-        elif case < FREE:
-            pivot = g_nn + sign * mu * g_nt
-            if abs(pivot) <= SLACK * g_nn:
-                continue
-            p_n = -f_n / pivot
-            p_t = sign * mu * p_n
-        else:
-            p_n = floor
-            p_t = -(f_t + g_tn * floor) / g_tt if holds else sign * mu * floor
-        v_n = 0.0 if case < FREE else f_n + g_nn * p_n + g_nt * p_t
-        v_t = 0.0 if holds else f_t + g_tn * p_n + g_tt * p_t
-        most = max(abs(p_n), abs(p_t))
-        if case < FREE:
-            worst = _relative(floor - p_n, max(most, floor))
-        else:
-            worst = _relative(-v_n, abs(f_n) + (g_nn + abs(g_nt)) * most)
-        if rubs:
-            size = abs(f_t) + (g_tt + abs(g_tn)) * most
-            worst = max(
-                worst,
-                _relative(abs(p_t) - mu * p_n, most) if holds else _relative(sign * v_t, size),
-            )
-        if worst <= SLACK:
-            kept.append((worst, case, p_n, p_t, v_n, v_t))
-    if not kept:
-        return Outcome.NO_SOLUTION, (), None
-    best = next((each for each in kept if each[0] <= EXACT), min(kept))
-    most = max(abs(best[2]), abs(best[3]))
-    sizes = abs(f_n) + (g_nn + abs(g_nt)) * most, abs(f_t) + (g_tt + abs(g_tn)) * most
-    for each in kept:
-        if any(abs(each[4 + k] - best[4 + k]) > SAME * sizes[k] for k in range(1 + rubs)):
-            return Outcome.AMBIGUOUS, (), None
-    return Outcome.SOLVED, ((best[1],),), np.array(best[2:4])
-
-
-def _relative(excess: float, size: float) -> float:
-    """By how much an inequality is violated, in units of what rounding entered; of nan by all."""
-    if excess <= 0.0:
-        return 0.0
-    return excess / size if excess > 0.0 else math.inf
+def _of_one(phase: ImpactPhase) -> Solution:
+    """The same for one contact, in closed form."""
+    mu, floor = float(phase.bound[0, 0]), float(phase.floor[0])
+    status, case, *impulse = one_contact(phase.delassus, phase.free, mu, floor, phase.rubs[0])
+    if status != SOLVED:
+        return Outcome.NO_SOLUTION if status == NO_SOLUTION else Outcome.AMBIGUOUS, (), None
+    return Outcome.SOLVED, ((case,),), np.array(impulse)
 
 
 @lru_cache(maxsize=64)

@@ -7,11 +7,13 @@ velocities, time and parameters. Everything else is derived from them.
 from __future__ import annotations
 
 import math
+import random
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from typing import Any
 
+import mpmath
 import sympy
 from sympy.core.function import AppliedUndef
 
@@ -19,6 +21,10 @@ from woodpecker.base.checks import number
 from woodpecker.base.shown import shown
 
 MOST_CONTACTS = 30  # a mask of them, and any problem a person writes down
+POINTS = 4  # random ones, with two signs each, at which an expression is tried for being zero
+DIGITS = 60  # of them: 20 are left for what cancels within terms
+EXACT = 1e-40  # relative to its terms: an expression of exact numbers that is smaller is zero
+ROUNDED = 2.0**-46  # the same with floats: each has the rounding of a double
 
 
 class ImpactLaw(Enum):
@@ -219,18 +225,18 @@ class ContactSystem:
 
     def _check_mechanics(self) -> None:
         assert self.u is not None
-        if not _is_zero(self.M - self.M.T):
+        if not all(map(are_equal, self.M, self.M.T)):
             raise ValueError("M must be symmetric")
-        if _is_zero(sympy.Matrix([[self.M.det()]])):
+        if _vanishes(self.M.det()):
             raise ValueError("M is singular: every coordinate needs inertia")
         for each in self.contacts:
-            if all(each.gap.diff(q) == 0 for q in self.q):
+            if all(_vanishes(each.gap.diff(q)) for q in self.q):
                 raise ValueError(f"the gap of {each.name!r} is one that no coordinate moves")
             if each.slip is None:
                 continue
-            if any(_is_nonzero(each.slip.diff(v, w)) for v in self.u for w in self.u):
+            if not all(_vanishes(each.slip.diff(v, w)) for v in self.u for w in self.u):
                 raise ValueError(f"the slip of {each.name!r} must be linear in the velocities")
-            if each.rubs and all(each.slip.diff(v) == 0 for v in self.u):
+            if each.rubs and all(_vanishes(each.slip.diff(v)) for v in self.u):
                 raise ValueError(f"the slip of {each.name!r} is one that no velocity moves")
 
 
@@ -273,7 +279,7 @@ def from_kane(method: Any, contacts: Sequence[Contact], parameters: Mapping[Any,
     rates = {q.diff(t): u for q, u in zip(coordinates, speeds, strict=True)}
     kinematics: dict[Any, Any] = getattr(method, "kindiffdict", dict)()
     for q, u in zip(coordinates, speeds, strict=True):
-        if kinematics and sympy.simplify(kinematics[q.diff(t)] - u) != 0:
+        if kinematics and not are_equal(sympy.sympify(kinematics[q.diff(t)]), u):
             raise ValueError(f"{u} must be the rate of {q}, it is another velocity")
     plain = {each: sympy.Symbol(each.func.__name__) for each in coordinates}
     plain |= {
@@ -390,9 +396,45 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, sympy.Expr) and bool(value.is_real)
 
 
-def _is_zero(matrix: Any) -> bool:
-    return all(sympy.simplify(each) == 0 for each in matrix)
+def are_equal(one: sympy.Expr, other: sympy.Expr) -> bool:
+    """Whether two expressions are the same function, however they are written.
+
+    Their difference is tried at random points, with many digits. A polynomial of degree d that is
+    not zero vanishes at one with a probability of d / 2^40 at most [Schwartz1980], an analytic
+    function with none. Symbols have both signs unless they are known to be positive. Floats count
+    up to their rounding.
+    """
+    if one == other:
+        return True
+    terms = [*sympy.Add.make_args(sympy.expand(one)), *sympy.Add.make_args(sympy.expand(-other))]
+    symbols = sorted(one.free_symbols | other.free_symbols, key=str)
+    tried = sympy.lambdify(symbols, terms, modules="mpmath")
+    small = ROUNDED if one.has(sympy.Float) or other.has(sympy.Float) else EXACT
+    seen = False
+    with mpmath.workdps(DIGITS):
+        for point in _points(symbols):
+            try:
+                found = [mpmath.mpmathify(each) for each in tried(*point)]
+            except (ArithmeticError, NameError, TypeError, ValueError):
+                continue  # they have no value there
+            if not abs(mpmath.fsum(found)) <= small * mpmath.fsum(found, absolute=True):
+                return False
+            seen = True
+    return seen
 
 
-def _is_nonzero(value: Any) -> bool:
-    return bool(value != 0 and sympy.simplify(value) != 0)
+def _vanishes(value: sympy.Expr) -> bool:
+    return are_equal(value, sympy.Integer(0))
+
+
+def _points(symbols: Sequence[sympy.Symbol]) -> Iterable[list[mpmath.mpf]]:
+    """Random values of symbols from 1/2 to 1, always the same ones; then with the other signs."""
+    rng = random.Random(1980)
+    for _ in range(POINTS):
+        drawn = [mpmath.mpf(2**40 + rng.randrange(2**40)) / 2**41 for _ in symbols]
+        signs = [rng.choice((1, -1)) for _ in symbols]
+        for side in (1, -1):
+            yield [
+                each if symbol.is_positive else side * sign * each
+                for symbol, sign, each in zip(symbols, signs, drawn, strict=True)
+            ]

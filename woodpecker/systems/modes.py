@@ -11,7 +11,7 @@ A guard is a function of the state that is positive as long as the mode lasts.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import product
@@ -37,13 +37,13 @@ KNOWN = {GAP: 3, NORMAL: 1, CONE_UP: 1, CONE_DOWN: 1, SLIP: 2}  # derivatives of
 Mode = tuple[int, ...]
 
 
-def guards_of(eq: Equations, mode: Mode) -> list[int]:
+def guards_of(eq: Equations, mode: Mode) -> tuple[int, ...]:
     """All guards of a mode: gaps of open contacts, forces of closed ones, slips of sliding ones.
 
     Where a contact sticks its force vanishes only where a cone is reached, too; but not in a team
     of contacts with the same slip, of which the first has the cone of all.
     """
-    return list(_guards_of(mode, eq.friction, eq.slips))
+    return guards_in(mode, eq.friction, eq.slips)
 
 
 @lru_cache(maxsize=1024)
@@ -57,14 +57,15 @@ def _places(n: int, mode: Mode, rubs: tuple[bool, ...], slips: tuple[int, ...]) 
     """Where the guards of a mode are among its compiled numbers."""
     m, found = len(mode), dict[int, int]()
     place = n + 2 * m
-    for guard in _guards_of(mode, rubs, slips):
+    for guard in guards_in(mode, rubs, slips):
         found[guard] = place
         place += KNOWN[guard // m] + 1
     return found
 
 
 @lru_cache(maxsize=1024)
-def _guards_of(mode: Mode, rubs: tuple[bool, ...], slips: tuple[int, ...]) -> tuple[int, ...]:
+def guards_in(mode: Mode, rubs: tuple[bool, ...], slips: tuple[int, ...]) -> tuple[int, ...]:
+    """The same, of contacts that have friction and of those with the same slip."""
     m, found = len(mode), list[int]()
     for i, state in enumerate(mode):
         if state == OPEN:
@@ -186,14 +187,21 @@ def _bound(eq: Equations, mode: Mode, i: int, mu: Floats, l_n: Floats) -> Floats
     return np.asarray((mu[..., team] * l_n[..., team]).sum(axis=-1))
 
 
-@dataclass(frozen=True, eq=False)
 class Local:
-    """A mode at one state: motion and guards, and their derivatives where they are asked for."""
+    """A mode at one state: motion and guards, and their derivatives where they are asked for.
 
-    eq: Equations
-    mode: Mode
-    z: Floats
-    p: Floats
+    Attributes
+    ----------
+    numbers
+        Accelerations, forces and guards with derivatives, if they are compiled and finite.
+    """
+
+    def __init__(self, eq: Equations, mode: Mode, z: Floats, p: Floats) -> None:
+        self.eq, self.mode, self.z, self.p = eq, mode, z, p
+        self.numbers: list[float] | None = None
+        if eq.jets is not None:
+            found: list[float] = eq.jets(mode)(z, p).tolist()
+            self.numbers = found if math.isfinite(sum(found)) else None
 
     @cached_property
     def terms(self) -> Terms:
@@ -201,25 +209,13 @@ class Local:
         return self.eq.terms(self.z, self.p)
 
     @cached_property
-    def _compiled(self) -> Floats | None:
-        """Accelerations, forces and guards with derivatives, if they are compiled and finite."""
-        if self.eq.jets is None:
-            return None
-        found = self.eq.jets(self.mode)(self.z, self.p)
-        return found if np.isfinite(found).all() else None
-
-    @cached_property
     def balance(self) -> Balance:
         """Accelerations and forces."""
-        found, n, m = self._compiled, self.eq.n, self.eq.m
+        found, n, m = self.numbers, self.eq.n, self.eq.m
         if found is None:
             return balance(self.eq, self.mode, self.terms)
-        return Balance(found[:n], found[n : n + m], found[n + m : n + 2 * m])
-
-    @property
-    def is_finite(self) -> bool:
-        """Whether there are accelerations."""
-        return self._compiled is not None or math.isfinite(self.balance.a.sum())
+        whole = np.array(found[: n + 2 * m])
+        return Balance(whole[:n], whole[n : n + m], whole[n + m :])
 
     @cached_property
     def flow(self) -> Floats:
@@ -268,8 +264,8 @@ class Local:
     def derivative(self, guard: int, order: int) -> float:
         """A guard's derivative in time of an order that is known; its value for 0."""
         place = _places(self.eq.n, self.mode, self.eq.friction, self.eq.slips).get(guard)
-        if place is not None and self._compiled is not None:
-            return float(self._compiled[place + order])
+        if place is not None and self.numbers is not None:
+            return self.numbers[place + order]
         kind, i = divmod(guard, self.eq.m)
         t = self.terms
         if kind in (GAP, SLIP):
@@ -292,6 +288,20 @@ class Local:
         """Derivatives (columns,) of the acceleration of a gap or a slip."""
         w = self.terms.w_n if kind == GAP else self.terms.w_t
         return np.asarray(self._partial[1 if kind == GAP else 2][i] + w[i] @ self.changes[0])
+
+    @cached_property
+    def free(self) -> Floats:
+        """(n,) accelerations without contact forces."""
+        return np.asarray(np.linalg.solve(self.terms.mass, self.terms.force))
+
+    def size(self, guard: int) -> float:
+        """How large the terms are that a force, or an acceleration of a contact, is the sum of."""
+        t, (a, l_n, l_t) = self.terms, self.balance
+        kind, i = divmod(guard, self.eq.m)
+        if kind not in (GAP, SLIP):
+            return float(np.abs(l_n).max() + np.abs(l_t).max() + np.abs(t.force).max())
+        w, bar = (t.w_n, t.bar_n) if kind == GAP else (t.w_t, t.bar_t)
+        return float(np.abs(w[i]) @ (np.abs(a) + np.abs(self.free)) + np.abs(bar[i]))
 
     def rate(self, guard: int) -> float:
         """The derivative of a guard in time."""
@@ -342,23 +352,24 @@ class Touch:
     leaving: frozenset[int] = frozenset()
     fired: int = -1
 
-    def order(self, eq: Equations, mode: Mode, guard: int) -> int:
+    def order(self, slips: Sequence[int], mode: Mode, guard: int) -> int:
         """How many derivatives of a guard, from its value on, are exactly zero.
 
         At a detachment the gap has no acceleration yet; at a slip start the slip has none, because
         lambda_T = +mu lambda_N at the edge of the cone is just the force of negative slip.
         """
-        kind, i = divmod(guard, eq.m)
+        m = len(mode)
+        kind, i = divmod(guard, m)
         if kind == GAP:
             if i in self.closed:
-                return 3 if self.fired == NORMAL * eq.m + i else 2
+                return 3 if self.fired == NORMAL * m + i else 2
             return 1 if i in self.leaving else 0
         if kind == SLIP:
             if i not in self.held:
                 return 0
             edge = CONE_UP if mode[i] == SLIDE_DOWN else CONE_DOWN
-            what, by = divmod(self.fired, eq.m)
-            return 2 if what == edge and eq.slips[by] == eq.slips[i] else 1
+            what, by = divmod(self.fired, m)
+            return 2 if what == edge and slips[by] == slips[i] else 1
         return 1 if guard == self.fired else 0
 
 
@@ -371,18 +382,14 @@ def settle(eq: Equations, z: Floats, p: Floats, touch: Touch) -> tuple[Outcome, 
     """
     if not touch.closed:
         return Outcome.SOLVED, (OPEN,) * eq.m
-    terms = eq.terms(z, p)
-    tried = [Local(eq, mode, z, p) for mode in _modes(eq, terms, touch)]
+    tried = [Local(eq, mode, z, p) for mode in _modes(eq, eq.terms(z, p), touch)]
     for slack in (0.0, ROUNDING):
         kept = [each for each in tried if _admissible(each, touch, slack)]
         if not kept:
             continue
         first, size = kept[0], 0.0
         for other in kept[1:]:
-            size = size or float(
-                np.abs(first.balance.a).max()
-                + np.abs(np.linalg.solve(terms.mass, terms.force)).max()
-            )
+            size = size or float(np.abs(first.balance.a).max() + np.abs(first.free).max())
             if np.abs(other.balance.a - first.balance.a).max() > SAME * size:
                 return Outcome.AMBIGUOUS, first.mode
         return Outcome.SOLVED, first.mode
@@ -395,9 +402,11 @@ def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | No
     Its forces are open, so that no mode can be tried: it is at rest if there are any within all
     cones that balance the others.
     """
+    if touch.leaving or len(touch.closed) + len(touch.held) <= eq.n:
+        return None
     closed, held = sorted(touch.closed), sorted(i for i in touch.held if eq.rubs[i])
     slides = any(eq.rubs[i] and i not in touch.held for i in closed)
-    if slides or touch.leaving or len(closed) + len(held) <= eq.n:
+    if slides or len(closed) + len(held) <= eq.n:
         return None
     still = z.copy()
     still[eq.n : 2 * eq.n] = 0.0
@@ -422,30 +431,41 @@ def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | No
     )
 
 
-def _modes(eq: Equations, terms: Terms, touch: Touch) -> Iterator[Mode]:
+def _modes(eq: Equations, terms: Terms, touch: Touch) -> Sequence[Mode]:
     """Combinations of states to be tried: sticking first, opening last."""
+    forward = tuple(slip > 0.0 for slip in terms.slip.tolist())
+    found = _combinations(eq.friction, eq.slips, touch.closed, touch.held, forward)
+    return _proposed(eq, terms, touch) if found is None else found
+
+
+@lru_cache(maxsize=1024)
+def _combinations(
+    rubs: tuple[bool, ...], slips: tuple[int, ...], closed: Set[int], held: Set[int],
+    forward: tuple[bool, ...],
+) -> list[Mode] | None:  # fmt: skip
+    """All combinations of states of closed contacts, of which some slide; None if too many."""
     choices, count = list[tuple[int, ...]](), 1
-    for i in range(eq.m):
+    for i, moves in enumerate(forward):
         states: tuple[int, ...] = (OPEN,)
-        if i in touch.closed:
-            if not eq.rubs[i]:
+        if i in closed:
+            if not rubs[i]:
                 states = (SLIDE_UP, OPEN)
-            elif i in touch.held:
+            elif i in held:
                 states = (STICK, SLIDE_UP, SLIDE_DOWN, OPEN)
             else:
-                states = (SLIDE_UP if terms.slip[i] > 0.0 else SLIDE_DOWN, OPEN)
+                states = (SLIDE_UP if moves else SLIDE_DOWN, OPEN)
         choices.append(states)
         count *= len(states)
     if count > MOST_MODES:
-        return iter(_proposed(eq, terms, touch))
-    return (mode for mode in product(*choices) if _is_together(eq, mode))
+        return None
+    return [mode for mode in product(*choices) if _is_together(rubs, slips, mode)]
 
 
-def _is_together(eq: Equations, mode: Mode) -> bool:
+def _is_together(rubs: tuple[bool, ...], slips: tuple[int, ...], mode: Mode) -> bool:
     """Whether closed contacts with the same slip do the same."""
     first = dict[int, int]()
     return all(
-        state == OPEN or not eq.rubs[i] or first.setdefault(eq.slips[i], state) == state
+        state == OPEN or not rubs[i] or first.setdefault(slips[i], state) == state
         for i, state in enumerate(mode)
     )
 
@@ -472,37 +492,36 @@ def _proposed(eq: Equations, terms: Terms, touch: Touch) -> list[Mode]:
 
 
 def _admissible(here: Local, touch: Touch, slack: float) -> bool:
-    """Whether all guards of the closed contacts are positive right after now."""
-    eq, mode = here.eq, here.mode
-    if not here.is_finite:
+    """Whether all guards of the closed contacts are positive right after now.
+
+    A guard has the sign of the first derivative that the event has not made zero; one that stays
+    zero counts as positive.
+    """
+    eq, numbers = here.eq, here.numbers
+    if numbers is None and not math.isfinite(here.balance.a.sum()):
         return False
-    for guard in guards_of(eq, mode):
-        kind, i = divmod(guard, eq.m)
-        if i not in touch.closed:
-            continue
-        if kind == SLIP and i not in touch.held:
-            continue
-        order = touch.order(eq, mode, guard)
-        rounding = slack * _size(here, kind, i) if slack else 0.0
-        if not _starts_positive(here, guard, order, rounding):
-            return False
+    for guard, place, order, most in _watched(eq.n, here.mode, eq.friction, eq.slips, touch):
+        for k in range(order, most + 1):
+            value = here.derivative(guard, k) if numbers is None else numbers[place + k]
+            rounding = slack * here.size(guard) if slack and k == order else 0.0
+            if not abs(value) <= rounding:
+                if not value > 0.0:
+                    return False
+                break
     return True
 
 
-def _starts_positive(here: Local, guard: int, order: int, rounding: float) -> bool:
-    """The sign of a guard right after now; a guard that stays zero counts as positive."""
-    for k in range(order, KNOWN[guard // here.eq.m] + 1):
-        value = here.derivative(guard, k)
-        if not abs(value) <= (rounding if k == order else 0.0):
-            return value > 0.0
-    return True
+@lru_cache(maxsize=1024)
+def _watched(
+    n: int, mode: Mode, rubs: tuple[bool, ...], slips: tuple[int, ...], touch: Touch
+) -> list[tuple[int, int, int, int]]:
+    """Guards of closed contacts that may be zero, with their places among compiled numbers.
 
-
-def _size(here: Local, kind: int, i: int) -> float:
-    """How large the terms are that a force, or an acceleration of a contact, is the sum of."""
-    t, (a, l_n, l_t) = here.terms, here.balance
-    if kind not in (GAP, SLIP):
-        return float(np.abs(l_n).max() + np.abs(l_t).max() + np.abs(t.force).max())
-    w, bar = (t.w_n, t.bar_n) if kind == GAP else (t.w_t, t.bar_t)
-    free = np.linalg.solve(t.mass, t.force)
-    return float(np.abs(w[i]) @ (np.abs(a) + np.abs(free)) + np.abs(bar[i]))
+    The first derivative that the event has not made zero and the last that is known follow.
+    """
+    m, found = len(mode), list[tuple[int, int, int, int]]()
+    for guard, place in _places(n, mode, rubs, slips).items():
+        kind, i = divmod(guard, m)
+        if i in touch.closed and (kind != SLIP or i in touch.held):
+            found.append((guard, place, touch.order(slips, mode, guard), KNOWN[kind]))
+    return found

@@ -16,6 +16,8 @@ from importlib.util import find_spec
 import numpy as np
 
 from woodpecker.base.arrays import Floats
+from woodpecker.base.compiled import announce
+from woodpecker.mechanics.one_contact import stated
 from woodpecker.systems.accumulation import Tail, after, implied, tail_of
 from woodpecker.systems.equations import Equations
 from woodpecker.systems.flows import Flow, LostError, RungeFlow, Step
@@ -151,6 +153,7 @@ class Machine:
     def __init__(
         self, system: ContactSystem, free: Sequence[str] = (), backend: Backend | str | None = None
     ) -> None:
+        announce(stated)
         if backend is None:
             backend = Backend.TAYLOR if find_spec("heyoka") else Backend.RUNGE
         self.backend = Backend(backend)
@@ -206,7 +209,7 @@ class Run:
     last
         The impact that it ended with, on a section of impacts.
     symbols, events
-        What happened; equal bounces that accumulate are one symbol.
+        What happened; equal bounces that accumulate are one symbol. Descriptions only if asked for.
     steps
         Where each step began [s], and the step, if they are kept.
     """
@@ -236,14 +239,18 @@ class MotionSearch:
         So many events at most.
     keeps
         Whether steps are kept, for samples.
+    describes
+        Whether events are described, and not only named.
     """
 
     def __init__(
         self, machine: Machine, p: Floats, embedding: Embedding | None = None, *,
         t_end: float = math.inf, events_most: int = EVENTS_MOST, keeps: bool = False,
+        describes: bool = True,
     ) -> None:  # fmt: skip
         self.machine, self.eq, self.p, self.embedding = machine, machine.eq, p, embedding
-        self.t_end, self.events_most, self.keeps = t_end, events_most, keeps
+        self.t_end, self.events_most = t_end, events_most
+        self.keeps, self._describes = keeps, describes
 
     def run(self, z: Floats, touch: Touch, striking: Sequence[int] = ()) -> Run:
         """The loop of Figure 1 [Leine2001]."""
@@ -304,7 +311,7 @@ class MotionSearch:
         """Stop where an open contact is penetrated by more than rounding explains."""
         z, eq = self._run.z, self.eq
         terms = eq.terms(z, self.p)
-        if terms.gap.min() >= -PENETRATED:
+        if min(terms.gap.tolist()) >= -PENETRATED:
             return
         size = 1.0 + np.abs(terms.w_n) @ np.abs(z[: eq.n])
         if (terms.gap < -PENETRATED * size)[np.array(mode) == OPEN].any():
@@ -319,11 +326,11 @@ class MotionSearch:
             return TIME, 0.0, z
         embedding = self.embedding
         section = embedding.guard if embedding and embedding.counts(mode) else None
-        flow, here = self.machine.flow(mode, section=section), Local(self.eq, mode, z, self.p)
-        phase = Phase(here, flow, touch, section, on_section=on_section)
-        t, step = 0.0, None
-        for count, step in enumerate(phase.flow.steps(z, self.p, most)):
-            if self.keeps and keeps:
+        flow = self.machine.flow(mode, section=section)
+        phase = Phase(self.eq, mode, z, self.p, flow, touch, section, on_section=on_section)
+        t, step, keeps = 0.0, None, keeps and self.keeps
+        for count, step in enumerate(phase.flow.steps(z, self.p, most, keeps=keeps)):
+            if keeps:
                 self._run.steps.append((float(z[-1]) + t, step))
             guard, time = phase.fired(step, t, ignored)
             if guard != TIME:
@@ -417,8 +424,10 @@ class MotionSearch:
         self, symbol: str, before: Floats | None = None, impulses: Floats | None = None
     ) -> None:
         found, n = self._run, self.eq.n
-        u = found.z[n : 2 * n]
         found.symbols.append(symbol)
+        if not self._describes:
+            return
+        u = found.z[n : 2 * n]
         found.events.append(
             MotionEvent(
                 symbol=symbol, time=float(found.z[-1]), before=u if before is None else before,
@@ -429,6 +438,8 @@ class MotionSearch:
     def _name_transitions(self, before: Mode, mode: Mode, touch: Touch) -> None:
         """Symbols of contacts that opened, stuck, began to slip or reversed."""
         m = self.eq.m
+        if before == mode:
+            return
         for i, (old, new) in enumerate(zip(before, mode, strict=True)):
             if not self.eq.rubs[i] and new != OPEN:
                 continue

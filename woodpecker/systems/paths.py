@@ -29,7 +29,7 @@ from woodpecker.systems.causes import (
     SPEED,
     START,
 )
-from woodpecker.systems.flows import LostError, Step
+from woodpecker.systems.flows import KeptSteps
 from woodpecker.systems.guards import (
     GuardStart,
     Least,
@@ -61,8 +61,10 @@ SETTLED = 2.0**-50  # relative: an event time that moves by less has converged
 BOUNCES_MOST = 1000  # that accumulate; a ratio of 0.98 needs so many
 SLOW = 4.0  # a gap f hardly falls where f''^2 < 4 f' f'''; where three roots meet it is 2 f' f'''
 FURTHER = 4.0  # times the neighbour's duration until which a first root is looked for
-STEPS_MOST = 2000  # of a phase: far off, where Newton's method may ask, a motion has millions
 
+NEARBY = 0.125  # of a neighbour's duration: a root that is farther may be another one
+TOUCHED = 2.0**-30  # relative: a minimum that is known so well has its value to rounding
+TOUCHES = 2.0**-46  # of the terms of a guard: what rounding may have left of zero at its minimum
 SOON = 1e-3  # of a step: a guard that its first derivatives bring back within it does fall
 DIFFERENCE = 1e-5  # relative step of central differences of rates of forces
 NOTHING = 1e-14  # a margin that is smaller than this with all its derivatives is identically zero
@@ -262,25 +264,24 @@ class Following:
             jet = self.embedding.guard.jet(here)
             starts[section] = GuardStart(1, jet, True) if k == 0 else GuardStart(0, (), True)
         most = self.embedding.section.horizon
-        steps = _Steps(self.machine, leg, here.z, self.p, most)
+        steps = KeptSteps(self.machine.flow(leg.mode, varies=True), here.z, self.p, most)
         watch = list(starts)
-        t = math.nan if near is None else self._root_near(steps, leg, starts[leg.guard], near)
-        if not math.isfinite(t):
-            t = self._first_root(steps, leg, starts, near)
+        t, left = self._root(steps, leg, starts, near)
         z, changes = steps.exact(t)
         there = Local(eq, leg.mode, z, self.p)
         tangents = changes[:, : eq.size] @ self._tangents
         if eq.free:
             tangents[:, -len(eq.free) :] += changes[:, eq.size :]
         length = steps.first.length
-        delay = self._fired_margins(there, leg, k, t, starts[leg.guard], tangents, length)
+        start = starts[leg.guard]
+        delay = self._fired_margins(there, leg, k, t, start, tangents, length, left)
         for guard in watch:
             if guard != leg.guard:
                 self._meeting(there, guard, k, t, starts[guard], tangents, delay, length)
         self._dips(steps, leg, k, t, starts)
         self._z, self._tangents = z, tangents + np.outer(there.flow, delay)
         self._fired = leg.guard % eq.m
-        rested = leg.guard // eq.m == GAP and starts[leg.guard].order == 2
+        rested = leg.guard // eq.m == GAP and start.order == 2
         self._flight = (t, delay) if rested else None
         return t
 
@@ -292,7 +293,51 @@ class Following:
         value, rate = here.jet(guard, 1)
         return float(value), float(rate)
 
-    def _root_near(self, steps: _Steps, leg: Leg, start: GuardStart, near: float) -> float:
+    def _root(
+        self, steps: KeptSteps, leg: Leg, starts: dict[int, GuardStart], near: float | None
+    ) -> tuple[float, float]:
+        """When the guard fires, and what is left of it there; NoRootError if it does not soon."""
+        if near is not None:
+            t = self._root_near(steps, leg, starts[leg.guard], near)
+            if abs(t - near) <= NEARBY * abs(near):
+                return t, 0.0
+            touches = self._touches(steps, leg, near)
+            if touches is not None:
+                return touches
+            if math.isfinite(t):
+                return t, 0.0
+        return self._first_root(steps, leg, starts, near), 0.0
+
+    def _touches(self, steps: KeptSteps, leg: Leg, near: float) -> tuple[float, float] | None:
+        """Where the guard that fires just touches zero near a neighbour's time, if it does.
+
+        Right at the border at which its two roots meet there is none or there are two, as rounding
+        has it. It is taken to fire before its minimum by as much as rounding tells times apart.
+
+        Motions with a force or a slip that is zero are the same before and after, and so is the
+        slope of the image; impacts, and the time of a return, go like a root.
+        """
+        if leg.guard // self.eq.m in (GAP, SECTION):
+            return None
+        t, step = near, math.inf
+        for _ in range(NEWTON_MOST):
+            z, _ = steps.exact(t)
+            here = Local(self.eq, leg.mode, z, self.p)
+            value, rate = self._value(here, leg.guard)
+            bends = self._second_rate(here, leg.guard)
+            step = -rate / bends if bends > 0.0 else math.inf
+            if not abs(t + step - near) <= NEARBY * abs(near):
+                return None
+            if abs(step) <= TOUCHED * abs(near):
+                break
+            t += step
+        terms = np.abs(here.gradient(leg.guard)[: self.eq.size]) @ np.maximum(np.abs(z), 1.0)
+        least = TOUCHES * float(terms)
+        if not abs(value) <= least:
+            return None
+        return t - math.sqrt(2.0 * least / bends), value + least
+
+    def _root_near(self, steps: KeptSteps, leg: Leg, start: GuardStart, near: float) -> float:
         """The root of the guard that fires, by Newton's method from a neighbour's; nan if none.
 
         Where a guard falls from the start the phase is beyond the border at which it has no
@@ -323,7 +368,7 @@ class Following:
         return t if abs(step) <= 1e-9 * abs(t) and rate < 0.0 else math.nan
 
     def _first_root(
-        self, steps: _Steps, leg: Leg, starts: dict[int, GuardStart], near: float | None
+        self, steps: KeptSteps, leg: Leg, starts: dict[int, GuardStart], near: float | None
     ) -> float:
         """The first root of the guard that fires; NoRootError if there is none soon."""
         k, start = list(starts).index(leg.guard), starts[leg.guard]
@@ -339,7 +384,7 @@ class Following:
         raise NoRootError
 
     def _windows(
-        self, steps: _Steps, leg: Leg, until: float, starts: dict[int, GuardStart]
+        self, steps: KeptSteps, leg: Leg, until: float, starts: dict[int, GuardStart]
     ) -> Iterator[Sequence[Series] | Polynomials]:
         """The guards until a time, interval by interval."""
         begin, every = 0.0, list(starts.values())
@@ -383,7 +428,7 @@ class Following:
             kind, i = divmod(guard, self.eq.m)
             if i not in leg.touch.closed or (kind == SLIP and i not in leg.touch.held):
                 continue
-            order = leg.touch.order(self.eq, leg.mode, guard)
+            order = leg.touch.order(self.eq.slips, leg.mode, guard)
             most = 2 if kind == GAP else 1 if kind == SLIP else 0
             if order > most:
                 continue
@@ -430,9 +475,13 @@ class Following:
 
     def _fired_margins(
         self, there: Local, leg: Leg, k: int, t: float, start: GuardStart, tangents: Floats,
-        length: float,
+        length: float, left: float,
     ) -> Floats:  # fmt: skip
-        """That the guard which fires falls; how its time changes (d + k,)."""
+        """That the guard which fires falls; how its time changes (d + k,).
+
+        The square of its rate f' is -2 f f'' of its minimum f; what is left of it makes that so
+        where it only touches zero.
+        """
         _, rate = self._value(there, leg.guard)
         value_turn, rate_turn = self._gradients(there, leg.guard, tangents)
         if rate == 0.0 or not math.isfinite(rate):
@@ -447,7 +496,8 @@ class Following:
         self._slow = (rate, rate_turn + bends * delay) if self._is_slow(there, leg) else None
         certain = start.order and abs(start.root()) < SOON * length  # it falls
         if not certain and self._slow is None:
-            self._note(k, SPEED, leg.guard, -slope * abs(slope), -2.0 * abs(slope) * turn)
+            square = -slope * abs(slope) - 2.0 * bends * left / scale**2
+            self._note(k, SPEED, leg.guard, square, -2.0 * abs(slope) * turn)
         if leg.guard == SECTION * self.eq.m and start.order == 0 and t < SOON * length:
             self._note(k, EARLY, leg.guard, t, delay)  # it may not have counted before
         return delay
@@ -500,7 +550,7 @@ class Following:
         self._note(k, MEETING, guard, float(value), turn)
 
     def _dips(
-        self, steps: _Steps, leg: Leg, k: int, t: float, starts: dict[int, GuardStart]
+        self, steps: KeptSteps, leg: Leg, k: int, t: float, starts: dict[int, GuardStart]
     ) -> None:
         """Least values of guards at their minima within a phase, however far from zero."""
         least, highest, watch = Least(), Least(), list(starts)
@@ -518,7 +568,9 @@ class Following:
                     continue  # it does not fall through zero there
                 self._note_dip(steps, leg, k, guard, found.time[guard], sign)
 
-    def _note_dip(self, steps: _Steps, leg: Leg, k: int, guard: int, t: float, sign: float) -> None:
+    def _note_dip(
+        self, steps: KeptSteps, leg: Leg, k: int, guard: int, t: float, sign: float
+    ) -> None:
         z, changes = steps.exact(t)
         here, eq = Local(self.eq, leg.mode, z, self.p), self.eq
         tangents = changes[:, : eq.size] @ self._tangents
@@ -528,44 +580,3 @@ class Following:
         gradient, _ = self._gradients(here, guard, tangents)
         item = guard + (0 if sign > 0.0 else 1)
         self._note(k, DIP, item, sign * value, sign * gradient)
-
-
-class _Steps:
-    """The steps of a phase, made as far as they are asked for."""
-
-    def __init__(self, machine: Machine, leg: Leg, z: Floats, p: Floats, most: float) -> None:
-        self.start = z, p, most
-        self._source = machine.flow(leg.mode, varies=True).steps(z, p, most)
-        self._made: list[Step] = []
-        self._begins = [0.0]
-
-    def _more(self) -> Step:
-        step = next(self._source, None)
-        if step is None or len(self._made) == STEPS_MOST:
-            raise LostError
-        self._made.append(step)
-        self._begins.append(self._begins[-1] + step.length)
-        return step
-
-    @property
-    def first(self) -> Step:
-        """The first step."""
-        return self._made[0] if self._made else self._more()
-
-    def all(self) -> Iterator[Step]:
-        """All steps, one after the other."""
-        for k in range(STEPS_MOST):
-            yield self.step(k)
-
-    def exact(self, t: float) -> tuple[Floats, Floats]:
-        """State and derivatives at a time, also before the start of the phase."""
-        while self._begins[-1] < t or not self._made:
-            self._more()
-        k = max(0, int(np.searchsorted(self._begins, t)) - 1)
-        return self._made[k].exact(t - self._begins[k])
-
-    def step(self, k: int) -> Step:
-        """The k-th step."""
-        while len(self._made) <= k:
-            self._more()
-        return self._made[k]

@@ -95,7 +95,9 @@ class SystemMap:
         z, _ = self.embedding.state(x, values)
         if not np.isfinite(z).all():
             return Run(z, MotionStatus.OVERFLOW)
-        search = MotionSearch(self.machine, values, self.embedding, events_most=self.events_most)
+        search = MotionSearch(
+            self.machine, values, self.embedding, events_most=self.events_most, describes=False
+        )
         return search.run(z, self.embedding.touch)
 
     def image(self, x: Floats, p: Floats) -> Floats | None:

@@ -257,7 +257,7 @@ class SectionGuard:
 
     def values(self, z: Floats, p: Floats) -> Floats:
         """Values (b,) at states (b, N)."""
-        return self._value.batch(z, p)[0][:, 0, 0]
+        return self._value.batch(z, p)[:, 0]
 
     def jet(self, here: Local) -> tuple[float, float]:
         """Value and rate."""

@@ -15,6 +15,7 @@ import numpy as np
 import sympy
 
 from woodpecker.base.arrays import Floats
+from woodpecker.base.polynomials import evaluated
 from woodpecker.systems.equations import Equations
 from woodpecker.systems.flows import STEPS_MOST, LostError, Step
 from woodpecker.systems.modes import (
@@ -32,7 +33,7 @@ from woodpecker.systems.modes import (
 )
 
 TOLERANCE = 2.0**-53  # of the Taylor series: the rounding of doubles
-FEW = 24  # polynomials that Python evaluates sooner than numpy does
+SUCCESS, TIME_LIMIT = hy.taylor_outcome.success, hy.taylor_outcome.time_limit
 SMALL = 400  # numbers of a state from which on compiling in compact mode pays
 
 
@@ -76,31 +77,34 @@ class TaylorFlow:
         self._last: Floats | None = None  # the state in which the integrator was left, and for whom
         self._start = np.eye(eq.size, eq.columns).ravel() if varies else np.zeros(0)
 
-    def steps(self, z: Floats, p: Floats, most: float) -> Iterator[Step]:
+    def steps(self, z: Floats, p: Floats, most: float, *, keeps: bool = True) -> Iterator[Step]:
         """Steps in turn; the last one ends at a time that may be negative."""
-        size, integrator = self._eq.size, self._integrator
+        integrator, limited = self._integrator, not math.isinf(most)
         state, pars, coefficients = self._state, self._pars, self._coefficients
         more = self._start
         if self._starts is not None:
-            more = self._starts(z, pars=p[: self._starts.nparams])
+            more = self._starts(z, None, p[: self._starts.nparams])
         kept = np.concatenate([z, more])
         t = 0.0
         for _ in range(STEPS_MOST):
             if self._last is not kept:  # others have used the integrator since
                 self._last, integrator.time = kept, 0.0
                 pars[:], state[:] = p[: len(pars)], kept
-            left = most - t
-            if math.isinf(left):
-                outcome, length = integrator.step(write_tc=True)
+            if limited:
+                outcome, length = integrator.step(most - t, True)
             else:
-                outcome, length = integrator.step(left, write_tc=True)
-            if outcome == hy.taylor_outcome.err_nf_state:
+                outcome, length = integrator.step(write_tc=True)
+            ends = outcome != SUCCESS
+            if ends and outcome != TIME_LIMIT:
                 self._last = None
                 raise LostError
             self._last = kept = state.copy()
-            yield TaylorStep(coefficients.copy(), length, size, varies=self._varies)
+            yield TaylorStep(
+                coefficients.copy() if keeps else coefficients, length, self._eq.size,
+                varies=self._varies,
+            )  # fmt: skip
             t += length
-            if outcome == hy.taylor_outcome.time_limit:
+            if ends:
                 return
         raise LostError
 
@@ -108,18 +112,28 @@ class TaylorFlow:
 class TaylorStep:
     """A step: the Taylor polynomials of all numbers of the state, and of guards.
 
-    Attributes
+    Parameters
     ----------
+    coefficients
+        (rows, order + 1) those of the state, and then of its derivatives or of guards.
     length
         How long it is.
-    guards
-        (g, order + 1) Taylor coefficients of the guards; empty if derivatives are known.
+    size
+        Numbers of the state.
+    varies
+        Whether there are derivatives; else there are guards.
     """
 
+    __slots__ = "_coefficients", "_size", "_varies", "length"
+
     def __init__(self, coefficients: Floats, length: float, size: int, *, varies: bool) -> None:
-        self._size, self.length = size, length
-        self._coefficients = coefficients if varies else coefficients[:size]
-        self.guards = coefficients[:0] if varies else coefficients[size:]
+        self._coefficients, self.length = coefficients, length
+        self._size, self._varies = size, varies
+
+    @property
+    def guards(self) -> Floats:
+        """(g, order + 1) Taylor coefficients of the guards; empty if derivatives are known."""
+        return self._coefficients[len(self._coefficients) if self._varies else self._size :]
 
     def states(self, times: Floats) -> Floats:
         """States (b, N)."""
@@ -128,20 +142,10 @@ class TaylorStep:
         return found
 
     def exact(self, t: float) -> tuple[Floats, Floats]:
-        """The state and its derivatives."""
-        if len(self._coefficients) <= FEW:
-            values = []
-            for row in self._coefficients[:, ::-1].tolist():
-                value = 0.0
-                for each in row:
-                    value = value * t + each
-                values.append(value)
-            y = np.array(values)
-            return y[: self._size], y[self._size :].reshape(self._size, -1)
-        y = self._coefficients[:, -1].copy()
-        for column in self._coefficients.T[-2::-1]:  # small terms first, as Horner's rule has it
-            y = y * t + column
-        return y[: self._size], y[self._size :].reshape(self._size, -1)
+        """The state and its derivatives, if any."""
+        size = self._size
+        y = evaluated(self._coefficients[: None if self._varies else size], t)
+        return y[:size], y[size:].reshape(size, -1)
 
 
 def jets(eq: Equations, mode: Mode) -> Callable[[Floats, Floats], Floats]:
@@ -161,7 +165,7 @@ def jets(eq: Equations, mode: Mode) -> Callable[[Floats, Floats], Floats]:
     needs = function.nparams
 
     def numbers(z: Floats, p: Floats) -> Floats:
-        values: Floats = function(z, pars=p[:needs])
+        values: Floats = function(z, None, p[:needs])
         return values
 
     return numbers
@@ -183,7 +187,7 @@ def terms_function(eq: Equations) -> Callable[[Floats, Floats], Floats] | None:
     needs = function.nparams
 
     def numbers(z: Floats, p: Floats) -> Floats:
-        found: Floats = function(z, pars=p[:needs])
+        found: Floats = function(z, None, p[:needs])
         return found
 
     return numbers

@@ -20,11 +20,17 @@ Values = Mapping[sympy.Symbol, float]
 NONE: Values = {}
 
 
-def body(force: sympy.Expr, height: float, mu: Any, values: Values = NONE) -> ContactSystem:
-    """One of mass 1 and inertia 0.3 on feet 1 to both sides, its centre at a height above them."""
+def body(
+    force: sympy.Expr, height: Any, mu: Any, values: Values = NONE, other_height: Any = None
+) -> ContactSystem:
+    """One of mass 1 and inertia 0.3 on feet 1 to both sides, its centre at a height above them.
+
+    The height may be written in another way at the front foot.
+    """
+    heights = height, height if other_height is None else other_height
     feet = [
-        Contact(name=name, gap=Y + side * TURN, slip=V + height * W_TURN, mu=mu)
-        for name, side in (("rear foot", -1), ("front foot", 1))
+        Contact(name=name, gap=Y + side * TURN, slip=V + each * W_TURN, mu=mu)
+        for name, side, each in zip(("rear foot", "front foot"), (-1, 1), heights, strict=True)
     ]
     return ContactSystem([X, Y, TURN], sympy.diag(1, 1, 0.3), [force, -G, 0], feet, values)
 
@@ -48,6 +54,20 @@ def test_feet_slide_as_one_contact(backend: str) -> None:
     slips = [event.time for event in motion.events if event.symbol == "S1"]
     assert slips[0] == pytest.approx(math.asin(0.3 * G / 5) / 3, abs=1e-14)
     assert motion.z[[0, 3]] == pytest.approx(other.z[[0, 2]], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("height", "other"),
+    [(0.3, 3 * sympy.Float(0.1)), (1 + sympy.sqrt(2), sympy.sqrt(3 + 2 * sympy.sqrt(2)))],
+)
+def test_feet_slide_as_one_contact_however_their_slips_are_written(height: Any, other: Any) -> None:
+    push = 5 * sympy.sin(3 * T)
+    systems = body(push, height, 0.3), body(push, height, 0.3, other_height=other)
+    assert systems[1].contacts[0].slip != systems[1].contacts[1].slip
+    motions = [simulate(each, {}, 1.0, backend="scipy") for each in systems]
+    assert motions[1].status is MotionStatus.TIME_REACHED
+    assert motions[0].word == motions[1].word == "S1 S2"
+    assert motions[0].z == pytest.approx(motions[1].z, abs=1e-13)
 
 
 @pytest.mark.parametrize("backend", BACKENDS)

@@ -53,7 +53,7 @@ def test_impacts_are_those_of_the_oracle(n: int, m: int) -> None:
         mu, eps, floor = rng.uniform(0.0, 0.6, m), rng.uniform(0.0, 0.9, m), np.zeros(m)
         for _ in range(2):
             phase = ImpactPhase(delassus, velocity, np.diag(mu), floor, (True,) * m)
-            outcome, _, impulse = solutions(phase, np.zeros(m, dtype=bool))
+            outcome, _, impulse = solutions(phase, np.zeros(m))
             if impulse is None:
                 assert outcome is Outcome.AMBIGUOUS
                 assert 2 * m > n

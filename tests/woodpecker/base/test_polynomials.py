@@ -1,0 +1,127 @@
+"""Roots of polynomials over [0, 1]: of products of known factors, and of random ones."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from woodpecker.base.arrays import Floats
+from woodpecker.base.polynomials import (
+    LEFT,
+    RIGHT,
+    WHOLE,
+    bernstein,
+    evaluated,
+    fall,
+    first_fall,
+    roots,
+    scaled,
+)
+
+NONE = np.zeros(1, dtype=np.int64)
+
+
+def both(c: Floats) -> tuple[Floats, Floats]:
+    return c, c @ bernstein(len(c))[WHOLE]
+
+
+def made(*zeros: float, sign: float = 1.0) -> Floats:
+    """Coefficients, lowest first, of a polynomial with some zeros."""
+    return sign * np.poly(zeros)[::-1].copy()
+
+
+def test_bernstein_coefficients_of_a_basis_polynomial_are_a_unit_vector() -> None:
+    """10 s^2 (1 - s)^3 is the third one of degree five."""
+    c = np.array([0.0, 0.0, 10.0, -30.0, 30.0, -10.0])
+    assert both(c)[1] == pytest.approx([0.0, 0.0, 1.0, 0.0, 0.0, 0.0], abs=1e-14)
+
+
+def test_halves_are_the_same_polynomial() -> None:
+    rng = np.random.default_rng(3)
+    c = rng.normal(size=9)
+    halves = bernstein(9)
+    b = c @ halves[WHOLE]
+    half = 0.5 ** np.arange(9)
+    assert b @ halves[LEFT] == pytest.approx((c * half) @ halves[WHOLE], abs=1e-14)
+    shifted = np.polynomial.Polynomial(c)(np.polynomial.Polynomial([0.5, 0.5])).coef
+    assert b @ halves[RIGHT] == pytest.approx(shifted @ halves[WHOLE], abs=1e-13)
+
+
+def test_all_roots_are_found_and_those_outside_are_not() -> None:
+    zeros = 0.125, 0.25, 0.5, 0.5001, 0.875
+    c = made(*zeros, -0.5, 1.25)
+    found = roots(*both(c), bernstein(len(c)))
+    # rounding moves a root by eps times the sum of terms over the slope: 1e-4 at the close pair
+    assert found == pytest.approx(zeros, abs=1e-10)
+
+
+def test_the_first_fall_is_not_the_first_root() -> None:
+    c = made(0.25, 0.75)  # falls at the first zero
+    assert fall(*both(c), False, bernstein(3)) == 0.25
+    assert fall(*both(-c), False, bernstein(3)) == 0.75
+
+
+def test_a_minimum_near_zero_is_a_fall_just_if_it_lies_below() -> None:
+    """(s - 0.3)^2 -+ 1e-10 has its roots, or none, at 0.3 -+ 1e-5."""
+    c, lift = made(0.3, 0.3), np.array([1e-10, 0.0, 0.0])
+    assert fall(*both(c + lift), False, bernstein(3)) == math.inf
+    # rounding of c moves a root by eps over the slope of 2e-5
+    assert fall(*both(c - lift), False, bernstein(3)) == pytest.approx(0.3 - 1e-5, abs=1e-11)
+
+
+def test_no_fall() -> None:
+    assert fall(*both(made(1.5, -0.5, sign=-1.0)), False, bernstein(3)) == math.inf
+    assert fall(*both(np.full(4, 1e-25)), False, bernstein(4)) == math.inf
+
+
+@pytest.mark.parametrize(("at_once", "expected"), [(True, -1e-9), (False, math.inf)])
+def test_what_begins_below_zero_falls_at_once_only_if_asked(at_once: bool, expected: float) -> None:
+    c = np.array([-1e-9, -1.0, 0.25])
+    assert fall(*both(c), at_once, bernstein(3)) == pytest.approx(expected, abs=1e-17)
+
+
+def test_random_polynomials_agree_with_eigenvalues() -> None:
+    """The roots of a companion matrix are as exact as its condition: the simple ones to 1e-9."""
+    rng = np.random.default_rng(7)
+    for _ in range(200):
+        c = rng.normal(size=12)
+        every = np.roots(c[::-1])
+        real = np.sort(every.real[np.abs(every.imag) < 1e-12])
+        inside = real[(real > 0.0) & (real < 1.0)]
+        assert roots(*both(c), bernstein(12)) == pytest.approx(inside, abs=1e-9)
+        slope = np.polynomial.Polynomial(c).deriv()
+        falls = [x for x in inside if slope(x) < 0.0]
+        expected = falls[0] if falls else math.inf
+        assert fall(*both(c), False, bernstein(12)) == pytest.approx(expected, abs=1e-9)
+
+
+def test_the_first_of_several_power_series_and_what_is_left_out() -> None:
+    """Of t^2 (3 - t), 1 - t, 5 over [0, 4]: the second; passed over, the first at t = 3."""
+    rows = np.array([[1e-17, 0.0, 3.0, -1.0], [1.0, -1.0, 0.0, 0.0], [5.0, 0.0, 0.0, 0.0]])
+    orders, before, halves = np.array([2, 0, 0]), np.ones(3), bernstein(4)
+    skipped = np.zeros(3, dtype=np.int64)
+    k, place, ends = first_fall(rows, 4.0, orders, before, skipped, halves)
+    assert (k, place) == (1, pytest.approx(1.0, rel=1e-15))
+    assert ends == pytest.approx([-1.0, -3.0, 5.0])  # of 3 - t, 1 - t and 5 at 4
+    skipped[1] = 1
+    k, place, _ = first_fall(rows, 4.0, orders, before, skipped, halves)
+    assert (k, place) == (0, pytest.approx(3.0, rel=1e-15))
+    skipped[0] = 1
+    assert first_fall(rows, 4.0, orders, before, skipped, halves)[:2] == (-1, math.inf)
+
+
+def test_scaled_series_keep_their_values() -> None:
+    rng = np.random.default_rng(5)
+    row = rng.normal(size=(1, 7))
+    (c,) = scaled(row, 0.7, NONE)
+    assert np.polynomial.polynomial.polyval(0.3, c) == pytest.approx(
+        np.polynomial.polynomial.polyval(0.21, row[0]), rel=1e-14
+    )
+    assert both(c)[1][[0, -1]] == pytest.approx([row[0, 0], c.sum()], rel=1e-14)
+
+
+def test_values() -> None:
+    """1 + 2 t + 3 t^2 and -t at 2; binary numbers, so that nothing is rounded."""
+    assert evaluated(np.array([[1.0, 2.0, 3.0], [0.0, -1.0, 0.0]]), 2.0).tolist() == [17.0, -2.0]

@@ -1,0 +1,67 @@
+"""Right at a border at which two roots of a guard meet: a push that just brings a mass to a stop.
+
+A mass slides on ground that moves with speed 1, under a cos t and friction mu. Slower than the
+ground, its speed is u_0 + a sin t + mu t, which is greatest at t* with a cos t* = -mu. If it
+reaches 1 before, the mass sticks until t*, and forgets where it came from. So the speed one period
+later is
+
+    u_0 + 2 pi mu,  or  1 - a sin t* + mu (2 pi - t*)  where it sticks,
+
+and both are the same at u_0 = 1 - a sin t* - mu t*.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+import sympy
+from needs import NEEDS_HEYOKA
+
+from woodpecker.base.arrays import Floats
+from woodpecker.systems import Contact, ContactSystem, Section, SystemMap
+
+BACKENDS = [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"]
+A, MU = 2.0, 0.3
+TURN = math.acos(-MU / A)
+BORDER = 1.0 - A * math.sin(TURN) - MU * TURN
+STUCK = 1.0 - A * math.sin(TURN) + MU * (2.0 * math.pi - TURN)
+NONE: Floats = np.zeros(0)
+
+
+def pushed(backend: str) -> SystemMap:
+    x, y, v, t = sympy.symbols("x y u_x t")
+    ground = Contact(name="ground", gap=y, slip=v - 1, mu=sympy.Rational(3, 10))
+    mass = ContactSystem([x, y], sympy.eye(2), [2 * sympy.cos(t), -1], [ground], {})
+    return SystemMap(mass, Section(when=sympy.sin(t), free=[v], at={t: 0}), backend=backend)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize("away", [-1, 0, 1])
+def test_the_piece_that_sticks_has_a_value_at_its_border(backend: str, away: int) -> None:
+    """Also a spacing of doubles beyond; its margin is the square of the rate of the slip there.
+
+    That has the derivative 2 a sin t* in u_0; rounding of its time, a root, is left of others.
+    """
+    map_ = pushed(backend)
+    piece = map_.at(np.array([BORDER + 1e-3]), NONE).piece
+    assert piece.word == "J1 S1"
+    there = piece.at(np.array([BORDER + away * 2.0**-52]), NONE)
+    assert there.reason == ""
+    assert there.value == pytest.approx([STUCK], abs=1e-13)
+    assert there.jacobian == pytest.approx(np.zeros((1, 1)), abs=1e-6)
+    causes = [piece.cause(code) for code in there.codes.tolist()]
+    k = causes.index("ground stops sliding for an instant only in phase 0")
+    assert there.margins[k] == pytest.approx(0.0, abs=1e-13)
+    assert there.gradients[k] == pytest.approx([2.0 * A * math.sin(TURN)], rel=1e-6)
+
+
+@pytest.mark.parametrize("backend", BACKENDS)
+@pytest.mark.parametrize(("way", "word", "slope"), [(1.0, "J1 S1", 0.0), (-1.0, "", 1.0)])
+def test_what_lies_on_both_sides(backend: str, way: float, word: str, slope: float) -> None:
+    image = pushed(backend).beside(np.array([BORDER]), NONE, np.array([way]))
+    assert image.reason == ""
+    assert image.piece.word == word
+    assert image.value == pytest.approx([STUCK], abs=1e-12)
+    assert image.jacobian == pytest.approx(np.array([[slope]]), abs=1e-6)

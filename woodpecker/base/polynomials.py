@@ -1,0 +1,207 @@
+"""Roots of polynomials over [0, 1], isolated by the signs of Bernstein coefficients.
+
+A polynomial has no more roots in an interval than its Bernstein coefficients there have changes of
+sign, and as many if there is one change or none. So intervals are halved until there is one change
+or none, and the root is found in its bracket.
+"""
+
+from __future__ import annotations
+
+import math
+from functools import lru_cache
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.compiled import jit, part
+
+HALVINGS = 40  # of an interval: as far as doubles tell places apart
+FLAT = 1e-24  # a polynomial that is no larger is zero all along
+CLOSE = 2.0**-51  # relative: Newton's steps that are shorter have converged
+SOLVING = 100  # steps of a bracketed Newton's method: bisection alone needs 53
+AT_ONCE = 1e-6  # one that begins below zero but for rounding falls so near its start
+WHOLE, LEFT, RIGHT = range(3)  # matrices of :func:`bernstein`
+LOW, HIGH, GUESS, FALLS = range(4)  # columns of what isolates a root: 1.0 where it falls there
+
+
+@lru_cache(maxsize=32)
+def bernstein(size: int) -> Floats:
+    """Matrices (3, size, size) with which coefficients (size,) are multiplied.
+
+    The first makes of power coefficients, lowest first, those of Bernstein over [0, 1]; the others
+    make of Bernstein's those of the left and of the right half.
+    """
+    n = size - 1
+    whole = [[math.comb(j, k) / math.comb(n, k) for j in range(size)] for k in range(size)]
+    left = np.array([[math.comb(j, k) / 2.0**j for j in range(size)] for k in range(size)])
+    return np.array([whole, left, left[::-1, ::-1]])
+
+
+@jit
+def evaluated(c: Floats, t: float) -> Floats:
+    """Values (count,) of polynomials (count, size), lowest coefficient first, at a place."""
+    count, size = c.shape
+    found = np.empty(count)
+    for k in range(count):
+        value = 0.0
+        for j in range(size - 1, -1, -1):  # small terms first, as Horner's rule has it
+            value = value * t + c[k, j]
+        found[k] = value
+    return found
+
+
+@part
+def _changes(b: Floats) -> int:
+    found = 0
+    for k in range(len(b) - 1):
+        found += (b[k] > 0.0) != (b[k + 1] > 0.0)
+    return found
+
+
+@jit
+def _isolated(b: Floats, matrices: Floats, until_fall: bool) -> Floats:
+    """Intervals with one root each (roots, 4), ascending; as far as the first fall if asked.
+
+    Where there are several changes of sign in the narrowest interval there is a double root, which
+    counts only if the ends have different signs.
+    """
+    size, count, top = len(b), 0, 1
+    found = np.empty((size, 4))
+    ends, stack = np.empty((HALVINGS + 2, 3)), np.empty((HALVINGS + 2, size))
+    ends[0, 0], ends[0, 1], ends[0, 2] = 0.0, 1.0, 0.0
+    stack[0] = b
+    while top and count < size:
+        top -= 1
+        low, high, depth = ends[top, 0], ends[top, 1], ends[top, 2]
+        here = stack[top].copy()
+        changes = _changes(here)
+        if changes == 0:
+            continue
+        falls = here[0] > 0.0
+        if changes == 1 or (depth == HALVINGS and falls != (here[-1] > 0.0)):
+            guess = low + (high - low) * here[0] / (here[0] - here[-1])
+            found[count, LOW], found[count, HIGH], found[count, GUESS] = low, high, guess
+            found[count, FALLS] = 1.0 if falls else 0.0
+            count += 1
+            if until_fall and falls:
+                break
+        elif depth < HALVINGS:
+            middle = 0.5 * (low + high)
+            stack[top], stack[top + 1] = here @ matrices[RIGHT], here @ matrices[LEFT]
+            ends[top, 0], ends[top, 1], ends[top, 2] = middle, high, depth + 1
+            ends[top + 1, 0], ends[top + 1, 1], ends[top + 1, 2] = low, middle, depth + 1
+            top += 2
+    return found[:count]
+
+
+@part
+def _solved(c: Floats, inside: Floats) -> float:
+    """The root in an interval that has one, by Newton's method and bisection."""
+    low, high, x = float(inside[LOW]), float(inside[HIGH]), float(inside[GUESS])
+    for _ in range(SOLVING):
+        value = slope = 0.0
+        for k in range(len(c) - 1, -1, -1):
+            slope = slope * x + value
+            value = value * x + float(c[k])
+        if (value > 0.0) == (inside[FALLS] == 1.0):
+            low = x
+        else:
+            high = x
+        new = x - value / slope if slope != 0.0 else low
+        if abs(new - x) <= CLOSE * abs(new):
+            return new  # also where it has just left the bracket
+        if not low < new < high:
+            new = 0.5 * (low + high)
+            if abs(new - x) <= CLOSE * abs(new):
+                return new
+        x = new
+    return x
+
+
+@jit
+def fall(c: Floats, b: Floats, at_once: bool, matrices: Floats) -> float:
+    """The first place in [0, 1] at which a polynomial falls through zero; infinite if none.
+
+    Parameters
+    ----------
+    c, b
+        (size,) its coefficients, and Bernstein's.
+    at_once
+        Whether it falls at 0 already if it is zero or below and falls there; a root that rounding
+        has moved below 0 counts.
+    matrices
+        Those of :func:`bernstein` of its size.
+    """
+    if b.min() > 0.0 or np.abs(b).max() <= FLAT:
+        return math.inf
+    if at_once and c[0] <= 0.0 and c[1] < 0.0:
+        root = -c[0] / c[1]
+        return root if abs(root) < AT_ONCE else 0.0
+    inside = _isolated(b, matrices, True)
+    if len(inside) and inside[-1, FALLS] == 1.0:
+        return _solved(c, inside[-1])
+    return math.inf
+
+
+@jit
+def roots(c: Floats, b: Floats, matrices: Floats) -> Floats:
+    """All places in [0, 1] at which a polynomial changes its sign; ascending."""
+    inside = _isolated(b, matrices, False)
+    found = np.empty(len(inside))
+    for k in range(len(inside)):
+        found[k] = _solved(c, inside[k])
+    return found
+
+
+@jit
+def scaled(rows: Floats, length: float, orders: Ints) -> Floats:
+    """Power series (count, size) over [0, length] as polynomials over [0, 1].
+
+    Each is divided by a power of its variable; its first coefficients, which are zero but for
+    rounding, are left out.
+    """
+    count, size = rows.shape
+    scales, c = np.ones(size), np.zeros((count, size))
+    for j in range(1, size):
+        scales[j] = length * scales[j - 1]
+    for k in range(count):
+        order = orders[k]
+        c[k, : size - order] = rows[k, order:] * scales[: size - order]
+    return c
+
+
+@jit
+def first_fall(
+    rows: Floats, length: float, orders: Ints, before: Floats, skipped: Ints, matrices: Floats
+) -> tuple[int, float, Floats]:
+    """Which of some power series over [0, length] falls through zero first, and where.
+
+    Parameters
+    ----------
+    rows
+        (count, size) their coefficients.
+    length
+        How far they are looked at.
+    orders
+        (count,) the powers of their variable by which they are divided before.
+    before
+        (count,) a series for which this is positive falls at once, as :func:`fall` has it.
+    skipped
+        (count,) not zero for those that are passed over.
+    matrices
+        Those of :func:`bernstein` of their size.
+
+    Returns
+    -------
+    tuple
+        The series, -1 if there is none; the place; and (count,) their values at the end.
+    """
+    c, ends = scaled(rows, length, orders), np.empty(len(rows))
+    first, place = -1, math.inf
+    for k in range(len(rows)):
+        ends[k] = c[k].sum()
+        if not skipped[k] and c[k, 0] <= np.abs(c[k, 1:]).sum():  # else it has no root
+            found = fall(c[k], c[k] @ matrices[WHOLE], before[k] > 0.0, matrices)
+            if found < place:
+                first, place = k, found
+    return first, place * length, ends

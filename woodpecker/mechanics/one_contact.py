@@ -1,0 +1,211 @@
+"""Impacts of any system, compiled: what the contact problem is made of, and that of one contact.
+
+A contact problem of an impact is stated in the velocities at its c contacts, normal ones first:
+those that would be left without impulses, and the matrix W M^-1 W^T that makes velocities of
+impulses [Pfeiffer1996, ch. 8]. That of one contact is solved by trying all six combinations of what
+the contact may do: its gap rate is zero or its normal impulse at the floor, and it sticks or slides
+one way or the other.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.compiled import jit, part
+
+FORWARD, BACKWARD, HOLD = 0, 1, 2  # what a contact does in the tangential direction,
+REST, FREE = 0, 3  # and in the normal one: the sum is its case
+SLACK = 1e-11  # relative: rounding in the inequalities of a solution on a boundary
+EXACT = 2.0**-47  # relative: no more than the rounding of few operations
+SAME = 1e-8  # relative: solutions that are closer are one
+SOLVED, NO_SOLUTION, AMBIGUOUS = range(3)
+
+
+@jit
+def stated(
+    mass: Floats, w_n: Floats, w_t: Floats, rates: Floats, slips: Floats, mu: Floats, eps: Floats,
+    contacts: Ints, still: Ints,
+) -> tuple[Floats, Floats, Floats, Floats, Floats]:  # fmt: skip
+    """The contact problem of an impact.
+
+    Parameters
+    ----------
+    mass
+        (n, n).
+    w_n, w_t
+        (m, n) directions of all contacts.
+    rates, slips, mu, eps
+        (m,) their velocities, friction coefficients and restitutions.
+    contacts
+        (c,) those that take part.
+    still
+        (2c,) not zero for velocities that are exactly zero.
+
+    Returns
+    -------
+    tuple
+        W M^-1 W^T (2c, 2c), M^-1 W^T (n, 2c), velocities (2c,), and mu and eps (c,).
+    """
+    n, c = len(mass), len(contacts)
+    w, free, both = np.empty((2 * c, n)), np.zeros(2 * c), np.empty((2, c))
+    for k in range(c):
+        i = contacts[k]
+        w[k], w[c + k] = w_n[i], w_t[i]
+        if not still[k]:
+            free[k] = rates[i]
+        if not still[c + k]:
+            free[c + k] = slips[i]
+        both[0, k], both[1, k] = mu[i], eps[i]
+    response: Any = np.linalg.solve(mass, w.T.copy())
+    return w @ response, response, free, both[0], both[1]
+
+
+@jit
+def given(
+    delassus: Floats, response: Floats, free: Floats, u: Floats, impulse: Floats, feeds: Floats,
+    contacts: Ints, into: Floats,
+) -> tuple[Floats, Floats, Floats]:  # fmt: skip
+    """What impulses (2c,) of an impact do.
+
+    Parameters
+    ----------
+    delassus, response, free
+        As :func:`stated` gives them.
+    u
+        (n,) velocities before.
+    impulse
+        (2c,) normal impulses, then tangential ones.
+    feeds
+        (c,) which part of the normal impulses is given back later.
+    contacts
+        (c,) those that take part.
+    into
+        (2, m) where the impulses are entered.
+
+    Returns
+    -------
+    tuple
+        Velocities afterwards of coordinates (n,) and at contacts (2c,); impulses given back (c,).
+    """
+    c = len(contacts)
+    floor = np.empty(c)
+    for k in range(c):
+        into[0, contacts[k]], into[1, contacts[k]] = impulse[k], impulse[c + k]
+        floor[k] = feeds[k] * impulse[k]
+    return u + response @ impulse, free + delassus @ impulse, floor
+
+
+@jit
+def one_contact(
+    delassus: Floats, free: Floats, mu: float, floor: float, rubs: bool
+) -> tuple[int, int, float, float]:
+    """The contact problem of an impact at one contact.
+
+    Parameters
+    ----------
+    delassus, free
+        (2, 2) and (2,), as :func:`stated` gives them.
+    mu
+        The friction coefficient.
+    floor
+        The least normal impulse.
+    rubs
+        Whether there is friction.
+
+    Returns
+    -------
+    tuple
+        Whether it is solved, the case, and the normal and the tangential impulse. Of several cases
+        with the same velocities the one with the least violation counts; of several that are exact
+        but for rounding the first: to rest, and to stick.
+    """
+    kept, count = np.empty((6, 6)), 0
+    for normal in (REST, FREE):
+        for tangential in (HOLD, FORWARD, BACKWARD):
+            if rubs or tangential == FORWARD:
+                found = _tried(delassus, free, mu, floor, normal, tangential)
+                worst = _violation(delassus, free, mu, floor, normal, tangential, found, rubs)
+                if worst <= SLACK:
+                    kept[count, 0], kept[count, 1] = worst, normal + tangential
+                    for k in range(4):
+                        kept[count, 2 + k] = found[k]
+                    count += 1
+    if count == 0:
+        return NO_SOLUTION, 0, 0.0, 0.0
+    best = 0
+    for k in range(1, count):
+        if kept[best, 0] > EXACT and kept[k, 0] < kept[best, 0]:
+            best = k
+    most = max(abs(kept[best, 2]), abs(kept[best, 3]))
+    for k in range(1 + rubs):
+        size = abs(free[k]) + (abs(delassus[k, 0]) + abs(delassus[k, 1])) * most
+        for other in range(count):
+            if abs(kept[other, 4 + k] - kept[best, 4 + k]) > SAME * size:
+                return AMBIGUOUS, 0, 0.0, 0.0
+    return SOLVED, int(kept[best, 1]), float(kept[best, 2]), float(kept[best, 3])
+
+
+@part
+def _tried(
+    delassus: Floats, free: Floats, mu: float, floor: float, normal: int, tangential: int
+) -> tuple[float, float, float, float]:
+    """Impulses and velocities in a case, normal ones first; nan where its equations are singular.
+
+    The impulses follow from the velocities, as the two directions are independent.
+    """
+    g_nn, g_nt = float(delassus[0, 0]), float(delassus[0, 1])
+    g_tn, g_tt = float(delassus[1, 0]), float(delassus[1, 1])
+    f_n, f_t = float(free[0]), float(free[1])
+    sign = -1.0 if tangential == FORWARD else 1.0
+    p_n = floor
+    if normal == REST and tangential == HOLD:
+        det = g_nn * g_tt - g_nt * g_tn
+        if det <= SLACK * g_nn * g_tt:
+            return np.nan, np.nan, np.nan, np.nan
+        p_n, p_t = (g_nt * f_t - g_tt * f_n) / det, (g_tn * f_n - g_nn * f_t) / det
+    elif tangential == HOLD:
+        p_t = -(f_t + g_tn * floor) / g_tt
+    else:
+        if normal == REST:
+            pivot = g_nn + sign * mu * g_nt
+            if abs(pivot) <= SLACK * g_nn:
+                return np.nan, np.nan, np.nan, np.nan
+            p_n = -f_n / pivot
+        p_t = sign * mu * p_n
+    v_n = 0.0 if normal == REST else f_n + g_nn * p_n + g_nt * p_t
+    v_t = 0.0 if tangential == HOLD else f_t + g_tn * p_n + g_tt * p_t
+    return p_n, p_t, v_n, v_t
+
+
+@part
+def _violation(
+    delassus: Floats, free: Floats, mu: float, floor: float, normal: int, tangential: int,
+    found: tuple[float, float, float, float], rubs: bool,
+) -> float:  # fmt: skip
+    """By how much the inequalities of a case are violated, in units of what rounding entered."""
+    p_n, p_t, v_n, v_t = found
+    most = max(abs(p_n), abs(p_t))
+    if normal == REST:
+        worst = _relative(floor - p_n, max(most, floor))
+    else:
+        size = abs(free[0]) + (abs(delassus[0, 0]) + abs(delassus[0, 1])) * most
+        worst = _relative(-v_n, size)
+    if rubs:
+        sign = -1.0 if tangential == FORWARD else 1.0
+        size = abs(free[1]) + (abs(delassus[1, 0]) + abs(delassus[1, 1])) * most
+        if tangential == HOLD:
+            worst = max(worst, _relative(abs(p_t) - mu * p_n, most))
+        else:
+            worst = max(worst, _relative(sign * v_t, size))
+    return worst
+
+
+@part
+def _relative(excess: float, size: float) -> float:
+    """An excess over a size; all of it for nan."""
+    if excess <= 0.0:
+        return 0.0
+    return excess / size if excess > 0.0 else np.inf
