@@ -127,14 +127,26 @@ class _Unpickler(pickle.Unpickler):
 
 
 class _Begun:
-    """A task that somebody is at, or has finished; its arguments are kept, and so their ids."""
+    """A task that somebody is at, or has finished; its arguments are kept, and so their ids.
 
-    def __init__(self, call: Call, future: Future[Any], load: Callable[[Any], Done]) -> None:
-        self.call, self.future, self._load = call, future, load
+    If those fail who are at it, it is carried out here, if that is wanted: what they could not do,
+    or not hand over, may be done; what is wrong with the task itself is raised once more.
+    """
+
+    def __init__(
+        self, call: Call, future: Future[Any], load: Callable[[Any], Done],
+        again: Work | None = None,
+    ) -> None:  # fmt: skip
+        self.call, self.future, self._load, self._again = call, future, load, again
 
     @cached_property
     def result(self) -> Done:
-        return self._load(self.future.result())
+        try:
+            return self._load(self.future.result())
+        except Exception:
+            if self._again is None:
+                raise
+        return self._again(*self.call)
 
 
 class Parallel:
@@ -152,13 +164,16 @@ class Parallel:
         How many tasks they do at once.
     patience
         Time [s] after which they are started.
+    forgiving
+        Whether tasks are carried out here if the others fail.
     """
 
     def __init__(
         self, work: Work, sent: bytes, sender: Sender, start: Callable[[], Executor | None],
-        workers: int, patience: float,
+        workers: int, patience: float, *, forgiving: bool = False,
     ) -> None:  # fmt: skip
         self._work, self._sent, self._sender = work, sent, sender
+        self._again = work if forgiving else None
         self._start, self._workers = start, workers
         self._due = time.monotonic() + patience
         self._executor: Executor | None = None
@@ -219,10 +234,10 @@ class Parallel:
             if self._sent:
                 sent = self._sender.dumps(call)
                 future: Future[Any] = self._executor.submit(_perform, self._sent, sent)
-                self._begun[key] = _Begun(call, future, self._sender.loads)
+                self._begun[key] = _Begun(call, future, self._sender.loads, self._again)
             else:
                 future = self._executor.submit(self._work, *call)
-                self._begun[key] = _Begun(call, future, _itself)
+                self._begun[key] = _Begun(call, future, _itself, self._again)
             self._open.add(future)
             future.add_done_callback(self._is_done)
 
@@ -296,7 +311,7 @@ def scheduler(
             start = partial(stack.enter_context, own)
             parallel = Parallel(work, sent, sender, start, count - 1, PATIENCE)
         else:
-            parallel = Parallel(work, sent, sender, lambda: executor, count, 0.0)
+            parallel = Parallel(work, sent, sender, lambda: executor, count, 0.0, forgiving=True)
         try:
             yield parallel
         finally:

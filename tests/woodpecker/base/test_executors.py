@@ -217,6 +217,32 @@ def test_a_given_executor_is_used_and_not_shut_down() -> None:
         assert processes.submit(int).result() == 0
 
 
+class Fumbling(ThreadPoolExecutor):
+    """Its results do not arrive, as those of a cluster that loses a worker may not."""
+
+    def submit(self, work: Any, /, *arguments: Any, **options: Any) -> Any:
+        """A future that fails, whatever its task comes to."""
+
+        def lose() -> None:
+            work(*arguments, **options)
+            raise ValueError("lost on the way")
+
+        return super().submit(lose)
+
+
+def test_what_a_given_executor_fails_to_hand_over_is_done_here() -> None:
+    """An error of the task itself is raised here, too."""
+    with Fumbling(1) as executor:
+        for work in (squared, refuses):
+            with scheduler(work, 1, executor) as tasks:
+                tasks.expect([(3,)])
+                if work is squared:
+                    assert tasks.result(3).value == 9
+                else:
+                    with pytest.raises(ValueError, match="not 3"):
+                        tasks.result(3)
+
+
 def test_an_executor_is_left_without_what_is_not_wanted() -> None:
     begin = time.monotonic()
     with ThreadPoolExecutor(1) as threads, scheduler(squared, 1, threads) as tasks:
