@@ -14,7 +14,7 @@ from pwmap.diagrams.diagram import Diagram, PointKind, SpecialPoint
 from pwmap.diagrams.diagram import load_diagram as load_diagram  # for the users of woodpecker, too
 from woodpecker.base.arguments import explained
 from woodpecker.base.checkpoint import START
-from woodpecker.base.checks import function, instance
+from woodpecker.base.checks import function, instance, iterates
 from woodpecker.base.executors import Serial, worker_count
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
@@ -26,7 +26,6 @@ from woodpecker.search.diagrams import (
     Found,
     cycle_near,
     finite_window,
-    iterates,
     orders_with,
     restored,
     whole_diagram,

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from sympy import symbols
 
 import woodpecker
 from woodpecker import Search, State, Toy
@@ -94,3 +95,15 @@ def test_numbers_of_any_kind_are_numbers() -> None:
         assert API.ToyPieces(TOY).at(start, Fraction(1, 2)).value == pytest.approx(
             expected, rel=1e-14
         )
+
+
+def test_slices_need_iterates() -> None:
+    settings = API.Settings(span=(0, 1), window=(-1, -0.24))
+    with pytest.raises(ValueError, match="orders must be a whole number of at least 1, got 0"):
+        API.slices_at(API.ToyPieces(TOY), 0.5, (0,), settings)
+
+
+def test_words_are_names() -> None:
+    x, p = symbols("x p")
+    with pytest.raises(ValueError, match="words must be 1 names, one for each piece, got 3"):
+        API.from_sympy(p - x, x, p, words=3)

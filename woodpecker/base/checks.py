@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import numbers
 import operator
+from collections.abc import Sequence
 from decimal import Decimal
 from typing import Any
 
@@ -60,6 +61,16 @@ def whole(name: str, value: Any, least: int = 1, most: int = MOST) -> int:
     if checked > most:
         raise ValueError(f"{name} must be a whole number of at most {most}, got {shown(value)}")
     return checked
+
+
+def iterates(orders: Sequence[int]) -> tuple[int, ...]:
+    """Orders of iterates, ascending, each once; ValueError if there is none, or one is below 1."""
+    if np.ndim(orders) == 0:
+        raise ValueError(f"orders must be whole numbers such as (1, 2), got {shown(orders)}")
+    wanted = sorted({whole("orders", order) for order in orders})
+    if not wanted:
+        raise ValueError(f"orders must name at least one iterate, got {tuple(orders)}")
+    return tuple(wanted)
 
 
 def interval(name: str, value: Any, *, finite: bool = False) -> tuple[float, float]:

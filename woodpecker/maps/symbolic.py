@@ -339,7 +339,7 @@ def _names(words: Sequence[str] | None, n: int) -> tuple[str, ...]:
         return tuple(
             ascii_uppercase[:n] if n <= len(ascii_uppercase) else (f"A{k + 1}" for k in range(n))
         )
-    if isinstance(words, str) or len(words) != n:
+    if isinstance(words, str) or not isinstance(words, Sequence) or len(words) != n:
         raise ValueError(f"words must be {n} names, one for each piece, got {words!r}")
     return tuple(words)
 

@@ -23,8 +23,9 @@ from shapely.ops import unary_union
 
 from pwmap.diagrams.diagram import PointStatus, SpecialPoint
 from woodpecker.base.arrays import Floats
-from woodpecker.base.checks import interval
+from woodpecker.base.checks import instance, interval, iterates
 from woodpecker.base.settings import Settings
+from woodpecker.base.shown import shown as told
 from woodpecker.plane.curve import Curve
 from woodpecker.plane.families import Family, Pair
 from woodpecker.plane.following import curve_through
@@ -43,7 +44,7 @@ from woodpecker.regions.cutting import (
 )
 from woodpecker.regions.survey import Survey
 from woodpecker.runs import nothing
-from woodpecker.search.diagrams import finite_window, iterates, whole_diagram
+from woodpecker.search.diagrams import finite_window, whole_diagram
 from woodpecker.search.search import Search
 
 # To find the curve between a place that disagrees with others of its face and the nearest.
@@ -229,7 +230,12 @@ def regions_of(
     """
     finite_window(settings)
     one, other = (interval("span", each, finite=True) for each in span)
+    if survey is not None:
+        instance("survey", survey, Survey)
+    if not isinstance(curves, Sequence):
+        raise TypeError(f"curves must be a list of them, got {told(curves)}")
     for curve in curves:
+        instance("curve", curve, Curve)
         if curve.names != family.names:
             raise ValueError(f"expected curves over {family.names}, got one over {curve.names}")
     mapped = _Mapping(family, (one, other), settings, iterates(orders), survey or Survey(), within)

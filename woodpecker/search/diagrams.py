@@ -13,10 +13,9 @@ import numpy.typing as npt
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.shown import brief
 from woodpecker.base.arrays import Floats
-from woodpecker.base.checks import instance, whole
+from woodpecker.base.checks import instance, iterates
 from woodpecker.base.executors import Serial, scheduler
 from woodpecker.base.settings import Settings
-from woodpecker.base.shown import shown
 from woodpecker.maps.pieces import PiecewiseMap, map_of_pieces
 from woodpecker.search.checkpoint import Record, past_of
 from woodpecker.search.explorer import Explorer, Progress, Seen
@@ -323,22 +322,6 @@ def finite_window(settings: Settings) -> None:
     instance("settings", settings, Settings)
     if not all(map(math.isfinite, settings.window)):
         raise ValueError(f"a search for every branch needs a finite window, got {settings.window}")
-
-
-def iterates(orders: Sequence[int]) -> tuple[int, ...]:
-    """Orders of iterates, ascending, each once.
-
-    Raises
-    ------
-    ValueError
-        If there is none, or one is not at least 1.
-    """
-    if np.ndim(orders) == 0:
-        raise ValueError(f"orders must be whole numbers such as (1, 2), got {shown(orders)}")
-    wanted = sorted({whole("orders", order) for order in orders})
-    if not wanted:
-        raise ValueError(f"orders must name at least one iterate, got {tuple(orders)}")
-    return tuple(wanted)
 
 
 def _nothing(_: object) -> None:

@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pwmap.diagrams.shown import counted
-from woodpecker.base.checks import instance
+from woodpecker.base.checks import instance, iterates
 from woodpecker.base.settings import Settings
 from woodpecker.maps.counting import Allowance, as_counting
 from woodpecker.maps.pieces import Image, PiecewiseMap
@@ -113,6 +113,7 @@ def slices_at(
     2 1 1
     """
     instance("settings", settings, Settings)
+    iterates(orders)  # refuses what are none
     map_ = as_counting(map_)
     allowed = Allowance(map_, settings.of_slice(orders))
     side = (beside_diagonal if max(orders) == 1 else beside_window)(settings)

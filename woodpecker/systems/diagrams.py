@@ -21,7 +21,7 @@ from woodpecker.maps.pieces import Image as LineImage
 from woodpecker.search.diagrams import whole_diagram
 from woodpecker.search.search import Search
 from woodpecker.systems.returns import SystemMap
-from woodpecker.systems.verbs import SystemCycle
+from woodpecker.systems.verbs import SystemCycle, window_of
 
 REPEATS = 1e-6  # scaled: an orbit that has settled repeats itself so closely
 LONGEST = 64  # period that is looked for
@@ -213,9 +213,7 @@ def orbit_diagram(
     if not map_.k:
         raise ValueError("the map has no free parameter")
     transient, keep = whole("transient", transient, least=0), whole("keep", keep)
-    ends = np.array([interval("window", each) for each in window])
-    if ends.shape != (map_.d, 2):
-        raise ValueError(f"window must have shape ({map_.d}, 2), got {ends.shape}")
+    ends = np.array(window_of(map_, window))
     first = _points(map_, "starts", starts)
     values = np.atleast_1d(real_array("parameters", parameters))
     found, lost = list[tuple[float, Floats, Floats]](), 0

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.checks import instance
 from woodpecker.engine.maps import ACCUMULATE, Image
 from woodpecker.systems.causes import cause_of
 from woodpecker.systems.flows import LostError
@@ -55,6 +56,8 @@ class SystemMap:
     ) -> None:  # fmt: skip
         if isinstance(parameters, str):
             raise TypeError(f"parameters must be a list of names, got {parameters!r}")
+        instance("system", system, ContactSystem)
+        instance("section", section, Section)
         self.system, self.section, self.parameters = system, section, tuple(parameters)
         self.machine = Machine(system, self.parameters, backend)
         self.embedding = Embedding(self.machine.eq, section)

@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats
-from woodpecker.base.checks import instance, interval, number, positive, real_array, whole
+from woodpecker.base.checks import instance, interval, iterates, number, positive, real_array, whole
 from woodpecker.base.shown import shown
 from woodpecker.engine.curves import CurveSettings
 from woodpecker.engine.maps import Image, chained
@@ -333,6 +333,8 @@ def shoot(
     x = np.atleast_1d(real_array("guess", guess))
     if x.shape != (map_.d,):
         raise ValueError(f"guess must have shape ({map_.d},), got {x.shape}")
+    if not np.isfinite(x).all():
+        raise ValueError(f"guess must be finite, got {x.tolist()}")
     values, scale = _parameters(map_, p), np.array(map_.x_scale)
     images = _images(map_, x, values, order)
     if images is None:
@@ -352,6 +354,18 @@ def shoot(
             break
         x, images = found
     return _cycle(map_, x, values, images, status)
+
+
+def window_of(
+    map_: SystemMap, window: Sequence[tuple[float, float]]
+) -> tuple[tuple[float, float], ...]:
+    """Two ends of each coordinate; ValueError unless there are as many as the map has."""
+    if np.shape(window) != (map_.d, 2):
+        raise ValueError(
+            f"window must be two ends of each coordinate, of shape ({map_.d}, 2), got "
+            f"{shown(window)}"
+        )
+    return tuple(interval("window", each) for each in window)
 
 
 def _images(map_: SystemMap, x: Floats, p: Floats, order: int) -> list[Image] | None:
@@ -436,16 +450,17 @@ def continuation(
     """
     instance("map_", map_, SystemMap)
     instance("cycle", cycle, SystemCycle)
+    wanted = iterates(orders)
     if not map_.k:
         raise ValueError("the map has no free parameter to be followed over")
     if not cycle.success:
         raise ValueError(f"there is no cycle to be followed: {cycle.status.value}")
     settings = CurveSettings(
         spans=(interval("span", span),), step=positive("step", step), max_step=max_step,
-        window=tuple(interval("window", each) for each in window), min_step=min_step,
+        window=window_of(map_, window), min_step=min_step,
     )  # fmt: skip
     return connected(
-        map_, cycle.x, cycle.p, settings, orders=orders, x_scale=map_.x_scale,
+        map_, cycle.x, cycle.p, settings, orders=wanted, x_scale=map_.x_scale,
         p_scale=map_.p_scale, names=(map_.parameters[0], *map(str, map_.section.free)),
         max_branches=max_branches,
     )  # fmt: skip
