@@ -362,7 +362,7 @@ def window_of(
     """Two ends of each coordinate; ValueError unless there are as many as the map has."""
     if np.shape(window) != (map_.d, 2):
         raise ValueError(
-            f"window must be two ends of each coordinate, of shape ({map_.d}, 2), got "
+            f"window must have shape ({map_.d}, 2), two ends of each coordinate, got "
             f"{shown(window)}"
         )
     return tuple(interval("window", each) for each in window)

@@ -27,7 +27,7 @@ def bounces() -> SystemMap:
         (lambda map_: shoot(map_, [math.nan]), r"guess must be finite, got \[nan\]"),
         (
             lambda map_: orbit_diagram(map_, [10.0], [[1.0]], 3),
-            r"window must be two ends of each coordinate, of shape \(1, 2\), got 3",
+            r"window must have shape \(1, 2\), two ends of each coordinate, got 3",
         ),
         (
             lambda map_: continuation(map_, shoot(map_, [0.0]), (5, 20), [(0, 1)], orders=1),
