@@ -84,3 +84,29 @@ def test_a_sentence_has_a_row_of_its_own(servers: dict[str, Served], chromium: A
     assert seen("(() => { const m = document.querySelector('#message');"
                 " return m.scrollWidth <= m.clientWidth && m.clientWidth > 900; })()")  # fmt: skip
     seen.close()
+
+
+PLACE = """(k => {
+  const views = Object.values(Bokeh.index.roots ?? Bokeh.index);
+  const view = views.find((each) => each.model.name === "word"), { x_range, y_range } = view.model;
+  view.el.scrollIntoView({ block: "center" });
+  const { left, top } = view.el.getBoundingClientRect(), frame = view.frame.bbox;
+  return [left + frame.left + (k - x_range.start) / (x_range.end - x_range.start) * frame.width,
+          top + frame.top + (y_range.end - 0.14) / (y_range.end - y_range.start) * frame.height];
+})(EVENT)"""
+TIPS = """(() => {
+  const within = (root) => [...root.querySelectorAll("*")].flatMap((each) =>
+    [each, ...(each.shadowRoot ? within(each.shadowRoot) : [])]);
+  return within(document).filter((each) => each.matches(".tip")).map((each) => each.textContent);
+})()"""
+
+
+def test_a_tap_tells_what_a_mouse_is_told(servers: dict[str, Served], chromium: Any) -> None:
+    """A finger does not hover; the third event of the motion is an impact of the upper edge."""
+    seen = Seen(chromium, servers["toy"].address, "", SIZES[1], touch=True)
+    assert seen(TIPS) == []
+    seen.page.touchscreen.tap(*seen(PLACE.replace("EVENT", "2")))
+    seen.wait(f"{TIPS}.length > 0")
+    (tip,) = seen(TIPS)
+    assert tip.startswith("I3 at 45.1200 ms: impact: upper edge")
+    seen.close()

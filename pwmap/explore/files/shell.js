@@ -141,6 +141,14 @@ addEventListener("click", (event) => {
 });
 addEventListener("keydown", (event) => { if (event.key === "Escape") for (const menu of $$(".menu[open]")) menu.open = false; });
 
+// A finger does not hover: a figure hears of a pointer where it was tapped, and says what is there.
+addEventListener("pointerup", (event) => {
+  if (event.pointerType !== "touch") return;
+  const { clientX, clientY } = event, figure = event.composedPath()[0];
+  const moved = { clientX, clientY, pointerType: "mouse", isPrimary: true, bubbles: true, composed: true };
+  setTimeout(() => figure.dispatchEvent(new PointerEvent("pointermove", moved)));
+});
+
 // Bokeh asks the browser for a style of CSS before every stroke, in case a page themes it so, and for
 // the size of a font, which is that of shell.css. To answer it the browser lays out the page each time.
 try {
