@@ -11,10 +11,12 @@ periodic motion in closed form, so that the error of the last state is known:
   contacts whose gaps are closed there, and goes on for half a step with the new one;
 - scipy's DOP853, with the flight and the impact of each machine by hand, and an event at the gap;
 - PyDSTool's VODE [Clewley2012] with its events, for the oscillator, where PYDSTOOL_PYTHON names a
-  Python that has it.
+  Python that has it;
+- Siconos [Acary2019], by the same scheme as Moreau's, for the oscillator, where the system's Python
+  has it, or SICONOS_PYTHON names one.
 
 A return of the toy is followed by the closed-form kernel, ``woodpecker.systems`` and Moreau's
-scheme. Siconos is compared with on the toy: :mod:`studies.peers`.
+scheme; :mod:`studies.peers` follows it by others, and by Siconos.
 """
 
 from __future__ import annotations
@@ -26,7 +28,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import chain, combinations
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import sympy
@@ -36,9 +38,9 @@ from scipy.linalg import expm
 
 from studies.common.clocks import timed
 from studies.common.record import Results, command
-from studies.common.style import METHODS, RED, VIOLET, canvas, keep
+from studies.common.style import METHODS, RED, canvas, keep
 from studies.common.tables import number, rows, seconds
-from studies.peers import pydstool_peer
+from studies.peers import pydstool_peer, siconos_peer
 from studies.peers.elsewhere import environment
 from studies.peers.moreau import first_return_moreau
 from studies.systems import oscillator, rocking_block, toy
@@ -56,8 +58,8 @@ TOLERANCES = (1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 TOY_STEPS = (1e-4, 1e-5, 1e-6)  # s
 PHI_S = -0.53  # rad, where the toy starts
 ROUNDS = 3  # of which the median is taken
-PROGRAM = Path(pydstool_peer.__file__).with_name("pydstool_impacts.py")
-LONGEST = 120.0  # s, of PyDSTool
+PROGRAMS = Path(pydstool_peer.__file__).parent  # of the peers that are processes of their own
+LONGEST = 120.0  # s, of one of them
 CLOSED = 1e-12  # a gap up to this is closed: a contact at rest drifts by rounding
 
 
@@ -211,17 +213,9 @@ def by_pydstool(problem: Problem) -> Results:
     """The oscillator in PyDSTool; nothing where there is none."""
     if pydstool_peer.available():
         return {}
-    values = {str(name): float(value) for name, value in problem.system.parameters.items()}
-    x, v, t = problem.start.tolist()
-    task = {
-        **values, "x": x, "v": v, "t": t, "t_end": problem.t_end, "tolerances": TOLERANCES,
-        "rounds": ROUNDS,
-    }  # fmt: skip
-    ran = subprocess.run(
-        [pydstool_peer.PYTHON, "-W", "ignore", str(PROGRAM), json.dumps(task)], check=True,
-        env=environment(), capture_output=True, text=True, timeout=LONGEST,
-    )  # fmt: skip
-    found = json.loads(ran.stdout)
+    found = elsewhere(
+        pydstool_peer.PYTHON, "pydstool_impacts.py", problem, {"tolerances": TOLERANCES}
+    )
     away = np.abs(np.array(found["ends"]) - problem.exact).max(axis=1)
     return {
         "pydstool": {
@@ -229,6 +223,38 @@ def by_pydstool(problem: Problem) -> Results:
             "cpu_ms": np.median(found["cpu_ms"], axis=1).tolist(),
         }
     }  # fmt: skip
+
+
+def by_siconos(problem: Problem, steps: Sequence[float]) -> Results:
+    """The oscillator in Siconos; nothing where there is none."""
+    if siconos_peer.available():
+        return {}
+    many = [[step, *(step * NEIGHBOURS)] for step in steps]
+    found = elsewhere(siconos_peer.PYTHON, "siconos_impacts.py", problem, {"steps": many})
+    away = np.abs(np.array(found["ends"])[:, 1:] - problem.exact).max(axis=2)
+    return {
+        "siconos": {
+            "step": list(steps), "error": np.sqrt((away**2).mean(axis=1)).tolist(),
+            "cpu_ms": np.median(found["cpu_ms"], axis=1).tolist(),
+        }
+    }  # fmt: skip
+
+
+def elsewhere(
+    python: str, program: str, problem: Problem, more: Mapping[str, object]
+) -> dict[str, Any]:
+    """What a program of another Python makes of the oscillator."""
+    values = {str(name): float(value) for name, value in problem.system.parameters.items()}
+    x, v, t = problem.start.tolist()
+    task = {
+        **values, "x": x, "v": v, "t": t, "t_end": problem.t_end, "rounds": ROUNDS, **more,
+    }  # fmt: skip
+    ran = subprocess.run(
+        [python, "-W", "ignore", str(PROGRAMS / program), json.dumps(task)], check=True,
+        env=environment(), capture_output=True, text=True, timeout=LONGEST,
+    )  # fmt: skip
+    found: dict[str, Any] = json.loads(ran.stdout)
+    return found
 
 
 # --- All of them ----------------------------------------------------------------------------------
@@ -310,12 +336,14 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     -------
     dict
         For ``oscillator``, ``block`` and ``toy`` and each way: ``error`` of the last state, or of
-        the image [rad], and ``cpu_ms``, by ``step`` [s] or ``tolerance``; that of ``pydstool`` is
-        there if it is installed.
+        the image [rad], and ``cpu_ms``, by ``step`` [s] or ``tolerance``; those of ``pydstool``
+        and ``siconos`` are there if they are installed.
     """
     few, driven = 3 if fast else None, impact_oscillator()
     found = {
-        "oscillator": compared(driven, STEPS[:few]) | by_pydstool(driven),
+        "oscillator": compared(driven, STEPS[:few])
+        | by_pydstool(driven)
+        | by_siconos(driven, STEPS[:few]),
         "block": compared(block(), STEPS[:few]),
         "toy": toy_compared(TOY_STEPS[: 2 if fast else None]),
     }
@@ -349,7 +377,8 @@ LOOK = {
     "systems": (RED, "*", "woodpecker.systems"),
     "moreau": (*METHODS["Moreau, theta"], "Moreau's scheme"),
     "dop853": (*METHODS["DOP853"], "DOP853, by hand"),
-    "pydstool": (VIOLET, "v", "PyDSTool"),
+    "pydstool": ("#8c6d3f", "v", "PyDSTool"),
+    "siconos": (*METHODS["Siconos"], "Siconos"),
 }
 TITLES = {"oscillator": "impact oscillator", "block": "rocking block", "toy": "toy, one return"}
 LEAST = 1e-16  # what is drawn of an error that is zero

@@ -9,8 +9,16 @@ import pytest
 from needs import NEEDS_HEYOKA
 from short_runs import is_picture, short_run
 
-from studies.peers import pydstool_peer
-from studies.systems.peers import Moreau, block, by_hand, by_pydstool, impact_oscillator, machines
+from studies.peers import pydstool_peer, siconos_peer
+from studies.systems.peers import (
+    Moreau,
+    block,
+    by_hand,
+    by_pydstool,
+    by_siconos,
+    impact_oscillator,
+    machines,
+)
 
 pytestmark = [NEEDS_HEYOKA, pytest.mark.slow]
 
@@ -42,6 +50,19 @@ def test_pydstool_converges() -> None:
     error = by_pydstool(impact_oscillator())["pydstool"]["error"]
     assert error[0] > 1e-6 > error[2] > error[-1]
     assert error[-1] < 1e-9
+
+
+def test_without_siconos_there_is_nothing_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(siconos_peer, "PYTHON", "/nowhere/python3")
+    assert by_siconos(impact_oscillator(), [1e-2]) == {}
+
+
+@pytest.mark.skipif(bool(siconos_peer.available()), reason=siconos_peer.available() or "runs")
+def test_siconos_is_of_order_one_as_moreau_is() -> None:
+    """An impact lies somewhere within a step, and is carried out at its end."""
+    coarse, fine = by_siconos(impact_oscillator(), [8e-3, 2e-3])["siconos"]["error"]
+    assert np.log(coarse / fine) / np.log(4.0) == pytest.approx(1.0, abs=0.35)
+    assert fine < 1e-2
 
 
 @pytest.mark.parametrize("problem", [impact_oscillator(), block()])
