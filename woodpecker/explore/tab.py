@@ -154,8 +154,9 @@ class ToyTab(Tab[PageState]):
                 self._frame = DrawnFrame() if self._frame is not None else None
                 self.map.show(result, self.state.order, self._put)
                 self.say({"frame": self._frame})
-        for result in self.results("diagram"):
-            self._take_progress(result)
+        if self._frame is None:  # while a slider moves the diagram waits: it takes long to draw
+            for result in self.results("diagram"):
+                self._take_progress(result)
         for result in self.results("orbits"):
             if isinstance(result, tuple):
                 self.diagram.orbits.stream({"x": result[0], "y": result[1]})
