@@ -129,8 +129,8 @@ class _Unpickler(pickle.Unpickler):
 class _Begun:
     """A task that somebody is at, or has finished; its arguments are kept, and so their ids.
 
-    If those fail who are at it, it is carried out here, if that is wanted: what they could not do,
-    or not hand over, may be done; what is wrong with the task itself is raised once more.
+    With ``again`` a task whose future fails is carried out here: a lost result is made anew, and an
+    error of the task itself is raised once more.
     """
 
     def __init__(

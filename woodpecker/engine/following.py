@@ -277,7 +277,7 @@ def _takes(curve: SolutionCurve, x: Floats, p: Floats, piece: Piece) -> bool:
 def _is_taken(curve: SolutionCurve, x: Floats, p: Floats, image: Image) -> bool:
     """Whether the map takes the piece of an image, and the same of its solutions.
 
-    Where no margin vanishes, not even by rounding, they may tell by their signs.
+    A map whose margins decide is asked only where one of them vanishes but for rounding.
     """
     if image.reason:
         return False

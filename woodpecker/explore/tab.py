@@ -45,6 +45,7 @@ class ToyTab(Tab[PageState]):
         self._now: DrawnMotion | None = None
         self._frame: DrawnFrame | None = None
         self._refine_at, self._search_at = np.inf, np.inf
+        self._still_at = -np.inf
         self._key: Key | None = None
         self._orbits_of: Any = None
         self.map.figure.on_event(RangesUpdate, self._zoom_map)
@@ -74,6 +75,7 @@ class ToyTab(Tab[PageState]):
         if state.window != window:
             self.map.look(state.window)
         self._refine_at = time.monotonic() + REST
+        self._still_at = time.monotonic() + QUIET
         if key_of(state) != self._key or (state.orbits and self._orbits_of != self._of_orbits()):
             self._search_at = time.monotonic() + QUIET
             self.stage = "another diagram is begun soon"
@@ -154,7 +156,8 @@ class ToyTab(Tab[PageState]):
                 self._frame = DrawnFrame() if self._frame is not None else None
                 self.map.show(result, self.state.order, self._put)
                 self.say({"frame": self._frame})
-        if self._frame is None:  # while a slider moves the diagram waits: it takes long to draw
+        # While a slider moves the diagram waits, for it takes long to draw; not while it is held.
+        if self._frame is None or time.monotonic() > self._still_at:
             for result in self.results("diagram"):
                 self._take_progress(result)
         for result in self.results("orbits"):
