@@ -105,8 +105,11 @@ class Seen:
         return self.page.evaluate(script)
 
     def rest(self) -> None:
-        """Wait until every wish is answered."""
-        self.page.wait_for_function("!explorer.waiting && !explorer.next && explorer.sent > 0")
+        """Wait until every wish is answered, and drawn by Bokeh unless a slider is held."""
+        self.page.wait_for_function(
+            "!explorer.waiting && !explorer.next && explorer.sent > 0"
+            " && (dragging || !sketch.hidden.length)"
+        )
 
     def ask(self, **wish: Any) -> dict[str, Any]:
         """Send a wish; what the page shows after it."""

@@ -37,6 +37,7 @@ class Tab(ABC, Generic[S]):
 
     def __init__(self, state: S, map_figure: Any, y_label: str) -> None:
         self.state, self.past = state, list[S]()
+        self._before: S | None = None  # where a slider began to move
         self.message, self.stage, self.branch = "", "", ""
         self.diagram, self.graph = DiagramView("diagram", "", y_label), GraphView("graph")
         self.shown: Shown | None = None
@@ -90,9 +91,11 @@ class Tab(ABC, Generic[S]):
     # --- State and diagram ------------------------------------------------------------------------
 
     def keep(self, state: S, *, moving: bool) -> None:
-        """Take a state; the one before is kept for *undo*, unless a slider moves."""
-        if not moving and state != self.state:
-            self.past = [*self.past[-UNDO:], self.state]
+        """Take a state; for *undo* the one before is kept, or where a slider began to move."""
+        before = self.state if self._before is None else self._before
+        if not moving and state != before:
+            self.past = [*self.past[-UNDO:], before]
+        self._before = before if moving else None
         self.state, self.message = state, ""
 
     def change(self, **changes: Any) -> None:

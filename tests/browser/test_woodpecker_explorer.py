@@ -159,7 +159,7 @@ def test_a_slider_moves_everything(tab: Seen) -> None:
     tab.wait("[...document.querySelectorAll('.sketch')].every((each) => each.hidden)")
     assert float(tab.page.locator("#field-eps_n1").input_value()) == pytest.approx(value)
     tab.page.click("#undo")
-    tab.page.wait_for_timeout(500)
+    tab.wait("explorer.answer.values.eps_n1 === 0.5")  # where the slider was taken
 
 
 def test_fields_take_any_value_and_refuse_what_none_is(tab: Seen) -> None:

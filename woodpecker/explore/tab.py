@@ -26,7 +26,7 @@ from woodpecker.explore.tour import TOUR
 from woodpecker.explore.views import PHI, MapView, MotionView, WordView, axis_label
 from woodpecker.mechanics.toy import limits
 
-REST = 0.12  # s after the last change until the map is looked at closely
+REST = 0.12  # s after the last change until Bokeh draws it, and the map is looked at closely
 QUIET = 0.5  # s until another diagram is begun
 ON_BRANCH = 3.0  # px: a state so close to a branch is one of its solutions
 KNOWN = 12  # diagrams that are kept
@@ -43,8 +43,8 @@ class ToyTab(Tab[PageState]):
         self.map, self.motion, self.word = MapView(), MotionView(), WordView()
         super().__init__(state, self.map.figure, PHI)
         self._now: DrawnMotion | None = None
-        self._frame: DrawnFrame | None = None
-        self._refine_at, self._search_at = np.inf, np.inf
+        self._frame: DrawnFrame | None = None  # from a change until Bokeh has drawn it
+        self._rest_at, self._refine_at, self._search_at = np.inf, np.inf, np.inf
         self._still_at = -np.inf
         self._key: Key | None = None
         self._orbits_of: Any = None
@@ -52,35 +52,49 @@ class ToyTab(Tab[PageState]):
         self.diagram.figure.on_event(RangesUpdate, self._zoom_diagram)
         self.map.look(state.window)
         self.show(state)
+        self._rest()
         self._search_at = time.monotonic()
 
     # --- State -> views ---------------------------------------------------------------------------
 
     def show(self, state: PageState, *, moving: bool = False) -> None:
-        """Go to a state: the fast views at once, the others when the page is at rest."""
+        """Go to a state: the fast views are sketched at once, the others follow at rest."""
         window = self.state.window
         state, message = model.settled(state)
         self.keep(state, moving=moving)
         self.message = message
         self.stop("curve")
-        self._frame = DrawnFrame() if moving else None
-        put = self._put
+        self._frame = DrawnFrame()
+        self._now = model.motion(state)
+        self._draw(moving=True)
+        if state.window != window:
+            self.map.look(state.window)
+        now = time.monotonic()
+        self._rest_at = np.inf if moving else now + REST
+        self._refine_at, self._still_at = now + REST, now + QUIET
+        if key_of(state) != self._key or (state.orbits and self._orbits_of != self._of_orbits()):
+            self._search_at = now + QUIET
+            self.stage = "another diagram is begun soon"
+        if not moving:
+            self.branch = self._branch_here()
+
+    def _draw(self, *, moving: bool) -> None:
+        """Draw what is fast: into a letter, or by Bokeh."""
+        state, put = self.state, self._put
         for curve in model.curves(state, fine=False):
             self.map.show(curve, state.order, put)
         self.map.follow(model.orbit(state), put)
-        self._now = model.motion(state)
-        self.motion.show(self._now, state, put, moving=moving)
-        self.word.show(self._now.marks, put)
+        if self._now is not None:
+            self.motion.show(self._now, state, put, moving=moving)
+            self.word.show(self._now.marks, put)
         self.diagram.stand(state.value, state.phi_s, put)
-        if state.window != window:
-            self.map.look(state.window)
-        self._refine_at = time.monotonic() + REST
-        self._still_at = time.monotonic() + QUIET
-        if key_of(state) != self._key or (state.orbits and self._orbits_of != self._of_orbits()):
-            self._search_at = time.monotonic() + QUIET
-            self.stage = "another diagram is begun soon"
-        if not moving:
-            self.mark(self._branch_here())
+
+    def _rest(self) -> None:
+        """Let Bokeh draw what was sketched: it takes a tenth of a second, so it comes at rest."""
+        self._rest_at, self._frame = np.inf, None
+        self._draw(moving=False)
+        self.mark(self.branch)
+        self.say({"rest": True})
 
     @property
     def value(self) -> float:
@@ -144,6 +158,8 @@ class ToyTab(Tab[PageState]):
 
     def tick(self) -> None:
         """Begin what is due, and show what has come."""
+        if time.monotonic() > self._rest_at:
+            self._rest()
         now = time.monotonic() if is_warm() else -np.inf
         if now > self._refine_at:
             self._refine_at = np.inf
@@ -156,7 +172,7 @@ class ToyTab(Tab[PageState]):
                 self._frame = DrawnFrame() if self._frame is not None else None
                 self.map.show(result, self.state.order, self._put)
                 self.say({"frame": self._frame})
-        # While a slider moves the diagram waits, for it takes long to draw; not while it is held.
+        # After a change the diagram waits, for it takes long to draw; not while a slider is held.
         if self._frame is None or time.monotonic() > self._still_at:
             for result in self.results("diagram"):
                 self._take_progress(result)

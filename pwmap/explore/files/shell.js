@@ -26,6 +26,7 @@ const explorer = window.explorer = {
     this.count = told.count;
     this.answer = { ...this.answer, ...told };
     if (told.tables) sketch.take(told.tables, this.model("numbers").data.all);
+    if (told.rest) sketch.end();
     if (told.message !== undefined) write("#message", told.message);
     if (told.values) { this.values = told.values; show_values(told.values); }
     if (told.query !== undefined && !this.waiting?.drag) {
@@ -37,7 +38,6 @@ const explorer = window.explorer = {
     for (const listener of this.heard) listener(told);
     if (this.waiting && told.n === this.waiting.n) {
       const { at, drag } = this.waiting;
-      if (!drag) sketch.end();
       this.waiting = null;
       requestAnimationFrame(() => setTimeout(() => drag && this.times.push(performance.now() - at)));
       const next = this.rest.shift() ?? this.next;

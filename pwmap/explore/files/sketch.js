@@ -1,4 +1,4 @@
-// What a slider moves is drawn here while it moves, on canvases over the figures. A letter brings new
+// What a change moves is drawn here until the page is at rest, on canvases over the figures. A letter brings new
 // columns of tables; Bokeh, which takes some 8 ms to lay out and paint a figure, keeps the axes and all
 // other tables. At rest everything is Bokeh's again. Glyphs are those that the views use.
 "use strict";
