@@ -1,7 +1,7 @@
 """Curves of orbits: problems with one unknown left free, and steps along them.
 
-Every curve is one of these, whatever its conditions are: cycles, jump crossings, special points in
-two parameters. It is followed by :func:`woodpecker.engine.following.follow`.
+Cycles, jump crossings and special points in two parameters are all of this type, and
+:func:`woodpecker.engine.following.follow` follows each.
 """
 
 from __future__ import annotations
@@ -102,20 +102,11 @@ class CurveSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """An orbit of a curve, and which way the curve goes.
-
-    Attributes
-    ----------
-    orbit
-        It solves the equations.
-    tangent
-        Unit vector in scaled unknowns.
-    bordered
-        The determinant of the equations bordered with it; nan if it was not asked for.
-    """
+    """An orbit of a curve, and which way the curve goes."""
 
     orbit: Orbit
-    tangent: Floats
+    tangent: Floats  # unit vector in scaled unknowns
+    # determinant of the equations bordered with it; nan if not asked for
     bordered: float = math.nan
 
     @property
@@ -132,71 +123,37 @@ class Sample:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TestFunction:
-    """A function along a curve whose change of sign ends an arc.
+    """A function along a curve whose change of sign ends an arc."""
 
-    Attributes
-    ----------
-    stop
-        What it means.
-    value
-        Of a sample.
-    condition
-        The same as an equation, to solve it to rounding; None if it is none of single orbits.
-    border
-        The margin, if it is one.
-    rate
-        How fast the value grows along the curve, at a sample; None if it is not known.
-    name
-        What it is called, if it is one of a curve's own.
-    noise
-        Values that are no larger are made of rounding: if both are, nothing is said to vanish.
-    """
-
-    stop: Stop
+    stop: Stop  # what it means
     value: Callable[[Sample], float]
+    # the same as an equation; None if it is none of single orbits
     condition: Condition | None = None
-    border: tuple[int, int] | None = None
+    border: tuple[int, int] | None = None  # image and code of the margin, if it is one
+    # derivative of the value along the curve; None if it is not known
     rate: Callable[[Sample], float] | None = None
-    name: str = ""
-    noise: float = 0.0
+    name: str = ""  # of one of a curve's own
+    noise: float = 0.0  # where both values are no larger, nothing is said to vanish
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SolutionCurve:
-    """A problem with one unknown left free, and what is looked at along it.
-
-    Attributes
-    ----------
-    map
-        The map that its orbits are of.
-    problem
-        Its equations.
-    settings
-        How it is followed.
-    ignored
-        Margins, by image and code, that vanish all along it.
-    tests
-        Which multipliers are looked at: of LP, PD, NS, BP.
-    own
-        Other functions that are looked at, ``SPECIAL`` where they vanish.
-    """
+    """A problem with one unknown left free, and the test functions along it."""
 
     map: PiecewiseMap
     problem: Problem
     settings: CurveSettings
+    # margins, by image and code, that vanish all along it
     ignored: frozenset[tuple[int, int]] = frozenset()
-    tests: tuple[Stop, ...] = MULTIPLIERS
-    own: tuple[TestFunction, ...] = ()
+    tests: tuple[Stop, ...] = MULTIPLIERS  # of multipliers: LP, PD, NS, BP
+    own: tuple[TestFunction, ...] = ()  # other functions, ``SPECIAL`` where they vanish
 
     def start(self, orbit: Orbit, along: Floats | None = None) -> Sample:
         """An orbit as a sample; its tangent points along a direction in scaled unknowns."""
         return Sample(orbit, *tangent(self.problem, orbit, along))
 
     def advance(self, last: Sample, distance: float, before: Sample | None = None) -> Sample | None:
-        """The sample at a distance; None if Newton's method leads to none.
-
-        It is predicted along the tangent, or along the cubic through the sample before, too.
-        """
+        """The sample at a distance; None if Newton's method finds none."""
         way = distance * last.tangent
         if before is not None:
             way = way + self._bend(before, last, distance)

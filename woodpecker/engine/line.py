@@ -2,7 +2,7 @@
 
 A map of the line need not know its germs. What it takes beside a point is *proposed* by its images
 at small distances, and *accepted* by the signs of margins and their derivatives at the point
-itself: which distance it was proposed at does not matter then.
+itself, so that it does not depend on the distances.
 """
 
 from __future__ import annotations
@@ -68,11 +68,11 @@ class PieceOfLine(OfLine, Protocol):
 
     @property
     def key(self) -> Hashable:
-        """The same for two pieces just if they are one."""
+        """Equal for two pieces just if they are one."""
 
     @property
     def word(self) -> str:
-        """Its name for people."""
+        """Its name, as people read it."""
 
     def cause(self, code: int) -> str:
         """A sentence on what happens where a margin vanishes."""
@@ -85,12 +85,12 @@ class LinePiece(NamedTuple):
 
     @property
     def key(self) -> Hashable:
-        """That of the piece."""
+        """Of the piece."""
         return self.own.key
 
     @property
     def word(self) -> str:
-        """That of the piece."""
+        """Of the piece."""
         return self.own.word
 
     def at(self, x: Floats, p: Floats) -> Image:
@@ -153,14 +153,7 @@ def proposed(
     """The image of a point (1,) under the piece that a map takes infinitesimally beside it.
 
     If no proposal is accepted the image has a reason: the map has no value right beside the point,
-    or its pieces accumulate there.
-
-    Parameters
-    ----------
-    map_, x, p, direction
-        As :meth:`woodpecker.engine.maps.PiecewiseMap.beside` has them.
-    scale
-        Lengths of x and of the k parameters that count as 1.
+    or its pieces accumulate there. ``scale`` holds the lengths of x and of the k parameters.
     """
     length = float(np.abs(direction / np.array(scale)).max())
     if length == 0.0:

@@ -1,8 +1,8 @@
 """Where cycles that come to a border end exactly, and what the map takes beyond it.
 
-Where an event time goes like a root, derivatives at the border are made of rounding, and its place
-is known to the root of rounding: the piece from inside, the piece beyond, or the limit of the root
-say more.
+Where an event time goes like a root, derivatives at the border are rounding, and its place is known
+to the root of rounding only. The piece from inside, the piece beyond, or the limit of the root tell
+more.
 """
 
 from __future__ import annotations
@@ -25,10 +25,7 @@ NEAR_INSIDE = 2.0**-22  # scaled: how far inside a piece is looked at that ends 
 
 
 def settled(arc: Arc) -> tuple[Arc, Image | None]:
-    """An arc with its end as both sides of the border say, and what lies beyond it.
-
-    There is something beyond just where cycles meet a border.
-    """
+    """An arc with its end as both sides of the border say; for cycles, also the image beyond it."""
     if arc.stop is not Stop.BORDER or arc.samples[-1].orbit.outer is not None:
         return arc, None
     assert arc.border is not None
@@ -50,7 +47,7 @@ def settled(arc: Arc) -> tuple[Arc, Image | None]:
 def _sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
     """An arc of cycles that ends at a border, with the derivatives right inside it at its end.
 
-    Where a time goes like a root of the distance those at the border are made of rounding.
+    Where a time goes like a root of the distance those at the border are rounding.
     """
     if len(arc.samples) < 2:
         return arc
@@ -86,9 +83,9 @@ def _is_steep(inner: Image, outer: Image) -> bool:
 
 
 def _moved_to(arc: Arc, i: int, outer: Image) -> tuple[Arc, Image]:
-    """An arc that ends at a root, with its end as the piece beyond locates it, and that one.
+    """An arc that ends at a root, with its end as the piece beyond locates it, and that piece.
 
-    It is not as steep. The map is continuous there: it is not rounding of the root that decides.
+    The piece beyond is less steep, and the map is continuous there: its rounding is smaller.
     """
     end, problem = arc.samples[-1], arc.curve.problem
     orbit = end.orbit
@@ -135,7 +132,7 @@ def _at_limit(arc: Arc, i: int, code: int) -> Arc:
 def _hugs(end: Orbit, there: Orbit, i: int) -> bool:
     """Whether a root is all rounding from one point on its border to another, and between them.
 
-    A branch that hugs a border comes closer to it than doubles tell, long before it meets it.
+    A branch may be closer to a border than doubles tell, long before it meets it.
     """
     x, p = 0.5 * (end.x[i] + there.x[i]), 0.5 * (end.p + there.p)
     between = end.images[i].piece.at(x, p)
