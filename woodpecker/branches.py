@@ -42,9 +42,8 @@ class OnBranch(NamedTuple):
 def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
     """The periodic solutions at a value of a diagram's parameter, each solved for.
 
-    A diagram lists samples of its branches, and :meth:`pwmap.Diagram.at` what lies on straight
-    lines between them; from there Newton's method finds the solutions themselves, for all points of
-    a cycle at once and with the pieces of a sample beside it: steep cycles too.
+    Newton's method starts from samples of the branches, for all points of a cycle at once and with
+    the pieces of a sample beside it, so that steep cycles are found too.
 
     Parameters
     ----------
@@ -89,9 +88,9 @@ def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
 
 
 def _solution(toy: Toy, map_: ToyPieces, diagram: Diagram, hit: Hit, value: float) -> PeriodicOrbit:
-    """The solution at a value from the samples on both sides, or from where a branch seems to be.
+    """The solution at a value, from the samples on both sides or from a guess between them.
 
-    The nearer sample first: its pieces are likelier those at the value.
+    The nearer sample is tried first: its pieces are likelier those at the value.
     """
     for k in _beside(hit, value):
         found = _led(map_, _cycle(map_, diagram, hit.branch, k), value)
@@ -131,10 +130,7 @@ def _led(map_: ToyPieces, start: Orbit, value: float) -> Orbit | None:
 
 
 def _cycle(map_: ToyPieces, diagram: Diagram, branch: Branch, k: int) -> Orbit:
-    """The cycle of a sample: its other points are samples of the branches that go round with it.
-
-    An orbit would be carried away by its rounding if it is steep.
-    """
+    """The cycle of a sample: its other points are samples of the branches that go round with it."""
     p = float(branch.parameter[k])
     others = [
         other
@@ -170,9 +166,8 @@ def known_observables(names: Iterable[str]) -> None:
 def observables(toy: Toy, diagram: Diagram, *names: str, **functions: Observable) -> Diagram:
     """The same diagram with what is observed along its branches: period, drop, or what you like.
 
-    The samples of fixed-point branches are periodic motions, and each is simulated, so values are
-    exact there; between samples they can be interpolated like x. Jumps are no motions: their values
-    are nan.
+    Each sample of a branch of fixed points is simulated, so values are exact there; between samples
+    they can be interpolated like x. Along jumps they are nan.
 
     Parameters
     ----------

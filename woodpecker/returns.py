@@ -115,9 +115,8 @@ def orbit_diagram(
     Parameters
     ----------
     source
-        The toy, or any map of the line with one parameter. Of its pieces nothing is asked but
-        values and slopes; a map that takes many points at once (``sweep``) gets all starts at all
-        parameters in one array.
+        The toy, or any map of the line with one parameter, of which only values and slopes are
+        asked; one that takes many points at once (``sweep``) gets all of them in one array.
     parameters, starts
         Values of the parameter, and first points, of shapes (n,) and (m,).
     window
@@ -128,7 +127,7 @@ def orbit_diagram(
         How many iterates are cut, and how many are kept after that.
     settings
         The unit of x: an orbit that repeats itself to 1e-6 of it after at most 64 points has that
-        period. By default in units of x.
+        period.
 
     Returns
     -------

@@ -118,7 +118,7 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
     Returns
     -------
     Diagram
-        What was finished; branches that are being followed are not in it.
+        Without the branches that are being followed.
 
     Raises
     ------

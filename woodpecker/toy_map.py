@@ -1,7 +1,7 @@
 """P_1 of the toy as a piecewise-smooth map of (phi_S, parameter): its pieces and their margins.
 
-The searching kernel finds the path of a return, and the path is followed: value, derivatives and
-margins are those of following, also beyond the set where the toy takes the path.
+The searching kernel finds the path of a return. Value, derivatives and margins are those of
+following it, also beyond the set where the toy takes it.
 """
 
 from __future__ import annotations
@@ -62,8 +62,7 @@ NO_VALUES: Values = ()
 class _ThreadRoom:
     """The kernel's numbers for some toys and their derivatives, and a follower: for one thread.
 
-    The toys differ in some parameters; ``rates`` say by how much these change in the direction of
-    the derivatives.
+    The toys differ in some parameters, which change by ``rates`` along the derivatives.
     """
 
     def __init__(self, toy: Toy, rates: Mapping[str, float]) -> None:
@@ -221,25 +220,10 @@ class ToyPieces(ToyMap):
         return _same, (self.toy, self.parameter, self._held)
 
     def holding(self, **values: float) -> ToyPieces:
-        """The map of a toy with other values of other parameters; it shares this one's tables.
+        """The map with other values of other parameters, in SI units; it shares this one's tables.
 
-        The values are looked at where the map is asked for an image: it has none if the toy cannot
-        have them.
-
-        Parameters
-        ----------
-        **values
-            Values of parameters by name, in SI units.
-
-        Returns
-        -------
-        ToyPieces
-            A new map.
-
-        Raises
-        ------
-        TypeError
-            If a parameter is unknown, or is the one that varies.
+        Values that the toy cannot have leave the map without images. TypeError if a parameter is
+        unknown, or is the one that varies.
         """
         for name in values:
             if known_parameter(name) == self.parameter:
@@ -259,18 +243,7 @@ class ToyPieces(ToyMap):
         return *self._held, (self.parameter, p)
 
     def taken(self, x: float, p: float) -> tuple[bytes, float]:
-        """The key of the piece that the toy takes there, and its image as the search finds it.
-
-        Parameters
-        ----------
-        x, p
-            phi_S [rad] at the start, and the value of the parameter, in its unit.
-
-        Returns
-        -------
-        key, image
-            The image in rad.
-        """
+        """The key of the piece that the toy takes at x [rad], and its image [rad] by the search."""
         x, p = _numbers(x, p)
         follower, obstacle = self.ready(x, p)
         if obstacle:
@@ -279,22 +252,10 @@ class ToyPieces(ToyMap):
         return (path.steps if status.success else NO_PATH).tobytes(), value
 
     def sweep(self, x: Floats, p: float | Floats) -> Sweep:
-        """Returns from many points (n,) [rad] at once, without pieces: images and slopes.
+        """Returns from many points (n,) [rad] at once, without pieces: images [rad] and slopes [-].
 
-        Parameters
-        ----------
-        x, p
-            Starts [rad] of shape (n,), and the parameter of each, or one for all, in its unit.
-
-        Returns
-        -------
-        Sweep
-            Images [rad] and slopes [-], shapes (n,); nan where the toy does not return.
-
-        Raises
-        ------
-        ValueError
-            If the toy cannot have this value of the parameter.
+        There is one parameter for all, or one for each. They are nan where the toy does not return;
+        ValueError if it cannot have this value of the parameter.
         """
         points = real_array("x", x).ravel()
         if np.ndim(p) == 0:
@@ -388,8 +349,8 @@ class Named(NamedTuple):
 def named(source: Toy | PiecewiseMap | PiecewiseLinearMap, parameter: str | None = None) -> Named:
     """The map of a toy over a parameter, by default eps_n1; a map of pwmap as one of pieces.
 
-    TypeError if it is neither a toy nor a map, or the parameter is none of the toy, or no text;
-    ValueError if an exact map has other parameters than one.
+    TypeError if it is neither a toy nor a map, or the parameter is none of the toy; ValueError if
+    an exact map has not one parameter.
     """
     if isinstance(source, Toy):
         name = "eps_n1" if parameter is None else parameter

@@ -1,19 +1,14 @@
-"""Impacts with friction at one or two contacts.
+"""Impacts with friction at one or two contacts: their index combinations, and what they do.
 
-Each phase, compression and expansion, is a contact problem
-(:mod:`woodpecker.mechanics.contact_problems`). Here it is found which index combinations an impact
-takes, and with these the impact is carried out: a smooth map of the state, with its derivatives.
-
-Two sticking contacts have four impulses for three equations: a compression that ends with the
-whole toy at rest fixes the velocities but leaves the normal impulses on a segment, and the
-expansion feeds on them. Such an impact is reported as indeterminate and continued from the middle
-of the segment, the one choice that prefers no contact.
+Two sticking contacts have four impulses for three equations: a compression that ends with the whole
+toy at rest leaves the normal impulses on a segment, and the expansion feeds on them. Such an impact
+is indeterminate and goes on from the middle of the segment, which prefers no contact.
 
 Energy. No impact adds any if the restitutions of its contacts are equal, at one contact always, nor
 without friction; mu and the law of expansion do not matter. With unequal restitutions the sum still
 adds none for the paper's friction (proved for equal mu up to 0.432, not seen up to mu = 8); contact
-by contact does where beak and upper edge strike at once: as searches say, above eps_N1 = 0.99 at
-mu = 0.3, above some 0.92 for mu up to 0.6. A body close to jamming can gain under both laws
+by contact does where beak and upper edge strike at once: as searches say, above eps_N1 = 0.99 at mu
+= 0.3, above some 0.92 for mu up to 0.6. A body close to jamming can gain under both laws
 (``tests/woodpecker/mechanics/test_impact_energy.py`` has the proof and the examples).
 """
 
@@ -250,10 +245,9 @@ def pair_change(
     model: Floats, change: Floats, along: int, contacts: Ints, table: int, index: int,
     coupling: float, impulse: Floats, pair: Pair,
 ) -> None:  # fmt: skip
-    """Derivatives of impulses and velocities of one phase, from those of free and floor.
+    """Derivatives of impulses and velocities of one phase, into ``pair.more`` and ``pair.middle``.
 
-    ``pair.free`` and ``pair.floor`` hold the latter, and ``impulse`` is that of the phase; output
-    are ``pair.more`` and ``pair.middle``.
+    They follow from those of free and floor, in ``pair.free`` and ``pair.floor``.
     """
     free, out, tau_0, tau_1 = pair.free, pair.more, 0.0, 0.0
     if along >= 0:

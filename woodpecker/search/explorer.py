@@ -1,8 +1,7 @@
 """Everything that is connected: branches are followed with all that hangs on their ends.
 
-Each branch is followed when its turn comes, one after the other. What is likely to be needed later
-is told to the scheduler, and what was found meanwhile decides whether it still is: so the result
-does not depend on who carries out tasks, or on how many do.
+Each branch is followed when its turn comes. The scheduler may begin likely tasks early, but what
+was found meanwhile decides whether they count: the result does not depend on the workers.
 """
 
 from __future__ import annotations
@@ -37,25 +36,19 @@ class Stage(NamedTuple):
     ----------
     parameter, order
         Where a branch of P_order was followed to.
-    slices
-        How many were taken; 0 if none are.
-    branches
-        How many are known.
+    slices, branches
+        How many slices were taken, and branches are known, so far.
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Search, Settings, from_sympy
-    >>> from woodpecker.search.diagrams import whole_diagram
-    >>> from woodpecker.search import Stage
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> seen = []
-    >>> settings = Settings(span=(-1, 2), window=(-3, 3))
-    >>> found = whole_diagram(lines, settings, search=Search(slices=4), progress=seen.append)
-    >>> seen[-1].branches, isinstance(seen[-1], Stage)
-    (3, True)
+    >>> from woodpecker import Search, bifurcation_diagram
+    >>> from woodpecker.examples import two_lines
+    >>> few, seen = Search(slices=4), []
+    >>> found = bifurcation_diagram(
+    ...     two_lines(), "p", (-1, 2), window=(-3, 3), search=few, progress=seen.append
+    ... )
+    >>> seen[-1].branches
+    3
     """
 
     parameter: float
@@ -89,14 +82,11 @@ class Seen(NamedTuple):
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Search, Settings, from_sympy
-    >>> from woodpecker.search.diagrams import whole_diagram
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> settings = Settings(span=(-1, 2), window=(-3, 3))
-    >>> found = whole_diagram(lines, settings, search=Search(slices=4))
+    >>> from woodpecker import Search
+    >>> from woodpecker.diagrams import bifurcation_search
+    >>> from woodpecker.examples import two_lines
+    >>> few = Search(slices=4)
+    >>> found = bifurcation_search(two_lines(), "p", (-1, 2), window=(-3, 3), search=few)
     >>> [(seen.p, seen.new, seen.unresolved) for seen in found.slices][:2]
     [(-0.99925, (1,), 0), (1.99925, (), 0)]
     """
@@ -119,24 +109,12 @@ class Kept:
 
 @dataclass(frozen=True, slots=True)
 class Finished:
-    """All that starts at a special point was followed.
+    """All that starts at a special point was followed."""
 
-    Attributes
-    ----------
-    p
-        Its parameter.
-    evaluations
-        How often the map was evaluated to know what starts there.
-    starts
-        How many branches do.
-    switches
-        Whether it is a flip or a branch point, where a cycle meets no border.
-    """
-
-    p: float
-    evaluations: int
-    starts: int = 0
-    switches: bool = False
+    p: float  # its parameter
+    evaluations: int  # of the map, to know what starts there
+    starts: int = 0  # how many branches start there
+    switches: bool = False  # a flip or a branch point, where a cycle meets no border
 
 
 Step = Kept | Finished
@@ -150,10 +128,7 @@ class Recorder(Protocol):
         """Keep the curves that a task has come to, and how often it evaluated the map."""
 
     def done(self, met: Collision | End, starts: int, evaluations: int) -> None:
-        """Keep that all that starts at the next special point was followed, and how much does.
-
-        And how often the map was evaluated to know that.
-        """
+        """Keep that what starts at the next special point was followed: how much, at what cost."""
 
     def seen(self, found: Seen) -> None:
         """Keep that all that a slice shows was followed."""
@@ -205,22 +180,9 @@ class _Candidate:
 
 
 class Explorer:
-    """Follows branches, and what starts at their ends.
+    """Follows branches, and what starts at their ends, with the tasks of a scheduler.
 
-    Parameters
-    ----------
-    map_
-        The map.
-    scheduler
-        Where tasks are carried out.
-    settings
-        Scales.
-    orders
-        Iterates whose branches are kept.
-    progress
-        Called with every branch, and before every slice.
-    recorder
-        Keeps what is finished, if anybody does.
+    The recorder, if there is one, keeps what is finished.
     """
 
     def __init__(
@@ -245,15 +207,9 @@ class Explorer:
         self._past = deque[Step]()
 
     def take_over(self, past: Iterable[Step]) -> None:
-        """What an interrupted run has followed already is taken over when its turn comes.
+        """What an interrupted run has followed since its last slice is taken over in its turn.
 
-        The search makes the same decisions in the same order as that run, with the same branches
-        known at each, and so comes to the same.
-
-        Parameters
-        ----------
-        past
-            What the run has kept since the last slice that was finished.
+        The search makes the same decisions in the same order, with the same branches known.
         """
         self._past.extend(past)
 
@@ -343,13 +299,7 @@ class Explorer:
     # --- In turn ----------------------------------------------------------------------------------
 
     def _follow_all(self, met: Collision | End) -> tuple[int, int]:
-        """Follow what starts at a special point; how many branches do.
-
-        Returns
-        -------
-        starts, evaluations
-            And how often the map was evaluated to know that.
-        """
+        """Follow what starts at a special point; how many branches, and what it took to know."""
         before = self.spent
         starts = self._value(*self._starts(met))
         cost, candidates = self.spent - before, list(self._inside(starts))
@@ -368,9 +318,9 @@ class Explorer:
         self._turns.remove(left)
 
     def _finish_one(self, queue: deque[Any]) -> None:
-        """Follow what starts at the first special point of a queue, and take it from there.
+        """Follow what starts at the first special point of a queue.
 
-        It stays there if that takes more evaluations than are allowed.
+        It stays in the queue if that takes more evaluations than are allowed.
         """
         self._met = met = queue[0]
         if not self._is_finished(met):
@@ -417,10 +367,10 @@ class Explorer:
         return True
 
     def _keep(self, task: Callable[..., Any], argument: object) -> None:
-        """Keep a branch and those that continue it beyond its ends, until one is known already.
+        """Keep a branch and those that continue it, until one is known already.
 
-        One that is known is followed to its end before that is seen: right beyond a sharp fold it
-        cannot be told from the branch that led there.
+        A known one is followed to its end first: right beyond a sharp fold it looks like the branch
+        that led there.
         """
         kept, points, before = list[BranchCurve](), list[BranchCurve](), self.spent
         todo = deque[Call]([(task, argument)])

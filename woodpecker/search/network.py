@@ -57,8 +57,8 @@ class Node:
     def take(self, end: End, x: float, order: int) -> None:
         """Take in another end that lies there: it names the point if it says more.
 
-        A collision says more than what it goes with; a cycle more than the same cycle passed twice,
-        to which its flip is a fold; and a fold more than a flip that cannot be told from it.
+        A collision says more than others; a cycle more than the same cycle passed twice, to which
+        its flip is a fold; a fold more than a flip that cannot be told from it.
         """
         self.flips = self.flips or end.kind is PointKind.PD
         collides = end.kind in COLLISIONS and self.end.kind not in COLLISIONS
@@ -80,10 +80,7 @@ class Node:
 class Network:
     """Branches, special points, and those of them at which something is left to follow.
 
-    Parameters
-    ----------
-    settings
-        Scales, within which two special points are one.
+    Special points within the scales of the settings are one.
     """
 
     def __init__(self, settings: Settings) -> None:
@@ -126,10 +123,7 @@ class Network:
         return names
 
     def has(self, curve: BranchCurve, points: Sequence[BranchCurve] = ()) -> bool:
-        """Whether a branch was kept before, or is one of some that are points.
-
-        One whose cycles go round others of smaller period is that of those.
-        """
+        """Whether a branch was kept before, goes round smaller cycles, or is one of some points."""
         return (
             self._goes_round(curve)
             or any(self._draws(known, curve) for known in self._by_low_end.near(_low_end(curve)))
@@ -156,9 +150,9 @@ class Network:
         )
 
     def add(self, curve: BranchCurve) -> None:
-        """Keep a branch, as many as its cycle has points; one that is a point is not kept.
+        """Keep a branch, once for each point of its cycle, unless it is a point.
 
-        If it is one of a chain without end, which has been seen at P_1 only, it ends in the limit.
+        A chain of fold-flip points without end, seen at P_1 only, ends in its limit.
         """
         if self.is_a_point(curve):
             self._pass_over(curve)
@@ -205,10 +199,7 @@ class Network:
                 node.branches.append(name)
 
     def _pass_over(self, curve: BranchCurve) -> None:
-        """Take the ends of a branch that is a point for the special point that it is.
-
-        Which of them a branch meets first is a matter of where it comes from, and of rounding.
-        """
+        """Make the ends of a branch that is a point one special point, whichever was met first."""
         columns = 1 if curve.kind is BranchKind.JUMP else curve.order
         for end in curve.ends:
             for x in end.x[:columns].tolist():
@@ -247,11 +238,11 @@ class Network:
         )
 
     def _goes_round(self, curve: BranchCurve) -> bool:
-        """Whether the cycles of a branch go round others of smaller period, or cannot be told from.
+        """Whether the cycles of a branch go round others of smaller period.
 
-        At an end they need not: there rounding may part points that are one, and a step may have
-        led from another branch. Then all others are one to rounding: on a branch that doubles they
-        part as it goes on.
+        Between the ends their points are one to rounding: where a branch doubles they part as it
+        goes on. At the ends rounding may part points that are one, or a step has come from another
+        branch.
         """
         if curve.kind is BranchKind.JUMP or curve.order == 1:
             return False
@@ -268,10 +259,10 @@ class Network:
         return False
 
     def _draws(self, known: BranchCurve, curve: BranchCurve) -> bool:
-        """Whether a branch has the ends of another, and lies on that in the same pieces in between.
+        """Whether a branch has the ends of another, and lies on it with the same pieces in between.
 
-        A cycle may be followed from another of its points. Where one of the two has passed over
-        pieces too thin to be seen they may differ: somewhere they agree if they are one.
+        The cycle may be followed from another of its points. Where one of the two has passed over
+        thin pieces their words differ, but somewhere they agree if they are one.
         """
         if (known.kind, known.order) != (curve.kind, curve.order):
             return False

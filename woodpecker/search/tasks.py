@@ -40,20 +40,12 @@ from woodpecker.slices.slices import Slice, slices_at
 
 @dataclass(frozen=True, slots=True)
 class Worker:
-    """Carries out the tasks of a search. It remembers nothing, and pickles if its map does.
-
-    Attributes
-    ----------
-    map, settings, stop
-        What is followed, how, and where else branches end.
-    whole
-        Whether all branches of a window are looked for, and not what is connected with one.
-    """
+    """Carries out the tasks of a search. It remembers nothing, and pickles if its map does."""
 
     map: PiecewiseMap
     settings: Settings
-    stop: StopRule | None = None
-    whole: bool = False
+    stop: StopRule | None = None  # where else branches end
+    whole: bool = False  # all branches of a window are looked for, not what is connected with one
 
     def __post_init__(self) -> None:
         if self.stop is not None and not callable(self.stop):

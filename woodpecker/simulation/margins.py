@@ -1,12 +1,10 @@
 """Margins of a return along a path: where it is admissible, with exact derivatives.
 
-A margin is positive where the toy does follow the path, and one of them vanishes at each border.
-What it watches is its code, 1000 * phase + 100 * kind + item. Guards are judged deflated
+A margin is positive where the toy follows the path, and one of them vanishes at each border. Its
+code is 1000 * phase + 100 * kind + item. Guards are judged deflated
 (:mod:`woodpecker.simulation.roots`), so that a phase that becomes infinitely short is left through
-one margin only, that of its start.
-
-Guards are linear in the state and in the numbers of the model: the derivative of a guard's jet
-along a tangent is a jet again. Zeros that an event makes exact have derivative zero.
+one margin only. Guards are linear in the state and the model: the derivative of a guard's jet along
+a tangent is a jet again.
 """
 
 from __future__ import annotations
@@ -316,9 +314,9 @@ def start_margins(
     """What keeps each resting contact in its state where a phase begins.
 
     It is the first derivative of a guard that the event has not made exactly zero. Where a contact
-    force or friction has just reached its bound, that is in proportion to how fast it was reached,
-    and where a contact closes again right after it has opened at rest, its force is in proportion
-    to the duration: then the margin is the quotient, which does not vanish with both.
+    force or friction has just reached its bound it is in proportion to the speed of that, and where
+    a contact closes right after it has opened at rest, to the duration: then the margin is the
+    quotient, which does not vanish with both.
     """
     states = route.states
     for i in range(3):
@@ -431,12 +429,12 @@ def _inflections(
 ) -> None:  # fmt: skip
     """That a contact at which a swinging gap closes leaves again from rest, or stays.
 
-    It leaves where the gap bends upwards, and stays where it bends downwards: the impact must be
-    between two times at which the gap falls most steeply and most slowly, and the gap there says
-    whether it is. These margins are smooth also where three roots meet because the gap hardly
-    falls: as after a flight that begins at rest, without acceleration, and lasts for a full swing.
-    The speed at the impact and its acceleration then go like powers 2/3 and 1/3 of the distance
-    from the border. Where the gap opens for a while its minimum before counts.
+    It leaves where the gap bends upwards, and stays where it bends downwards: the impact must lie
+    between the times at which the gap falls most steeply and most slowly, and the gap there says
+    whether it does. These margins are smooth also where three roots meet because the gap hardly
+    falls, as after a flight from rest for a full swing: speed and acceleration at the impact then
+    go like powers 2/3 and 1/3 of the distance from the border. Where the gap opens for a while its
+    minimum before counts.
     """
     jets, omega = route.jets, model[mode, OMEGA]
     f0, f1, f2, f3 = jets[0, 0], jets[0, 1], jets[0, 2], jets[0, 3]

@@ -80,8 +80,6 @@ class ReturnMap:
     --------
     >>> from woodpecker import Toy, return_map
     >>> found = return_map(Toy(), [-1.0, -0.8, -0.6])
-    >>> found.phi_s.round(9).tolist()
-    [-0.364324882, -0.491027576, -0.479415128]
     >>> [status.success for status in found.status], len(set(found.words))
     ([True, True, True], 3)
     """
@@ -160,7 +158,7 @@ def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
     -------
     Return
         Image P_j(phi_S) [rad], slope [-], period [s], drop [m], word and status. A toy that does
-        not return has the image nan, and its status says why: nothing is raised.
+        not return has the image nan, and its status says why.
 
     Raises
     ------
@@ -173,12 +171,9 @@ def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
     Examples
     --------
     >>> from woodpecker import Toy, first_return
-    >>> back = first_return(Toy(), -0.53)
-    >>> print(f"{back.phi_s:.12f} rad, slope {back.slope:.6f}, {back.word}")
-    -0.529030291969 rad, slope -0.833817, S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2
     >>> twice = first_return(Toy(), -0.53, order=2)
-    >>> print(f"{twice.phi_s:.9f} rad, {twice.slope:.6f}")
-    -0.529843646 rad, 0.703689
+    >>> print(f"{twice.phi_s:.9f} rad, slope {twice.slope:.6f}")
+    -0.529843646 rad, slope 0.703689
     """
     instance("toy", toy, Toy)
     start = np.array([number("phi_s", phi_s)])
@@ -195,10 +190,7 @@ def return_map(
 ) -> ReturnMap:
     """P_order of the toy at many starts, on all cores; see :func:`woodpecker.return_map`.
 
-    Raises
-    ------
-    TypeError, ValueError
-        As there.
+    It raises the same errors.
     """
     starts, order = checked_starts(toy, phi_s), whole("order", order, most=ORDER_MOST)
     chunk = chunk_of(order)

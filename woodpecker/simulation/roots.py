@@ -5,9 +5,9 @@ time that goes through zero with f_m, and there m + 1 roots of f meet. The *defl
 
     g(t) = f(t) / t^m,    m the number of leading derivatives that are exactly zero,
 
-has only that root, with g' != 0: Newton's method follows it to t = 0 and on to negative times.
-With s_k = t^k c_k, ds_k/dt = s_(k-1) and c_k = 1/k! + x c_(k+2), x = kappa t^2, all derivatives of
-g are sums of Stumpff's functions in which nothing is divided by t.
+has only that root, with g' != 0: Newton's method follows it to t = 0 and on to negative times. With
+s_k = t^k c_k, ds_k/dt = s_(k-1) and c_k = 1/k! + x c_(k+2), x = kappa t^2, all derivatives of g are
+sums of Stumpff's functions in which nothing is divided by t.
 """
 
 from __future__ import annotations

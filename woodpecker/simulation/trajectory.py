@@ -157,8 +157,6 @@ class Trajectory:
     --------
     >>> from woodpecker import Toy, simulate
     >>> motion = simulate(Toy(), -0.53, t_end=0.15)
-    >>> motion.word
-    'S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2'
     >>> q, u = motion.at(0.05)  # exact at any time
     >>> q.round(9).tolist()  # y, phi_M, phi_S
     [-0.002904165, 0.103448276, 0.107294589]
@@ -178,20 +176,17 @@ class Trajectory:
     def at(self, t: npt.ArrayLike, *, left: bool = False) -> tuple[Floats, Floats]:
         """Exact coordinates and velocities, shapes (..., 3), at times in [0, t_end].
 
-        At an event the velocities are those after it.
-
         Parameters
         ----------
         t
             Times [s], of any shape.
         left
-            Whether an event shows its velocities before it.
+            Whether an event shows its velocities before it, and not after it.
 
         Returns
         -------
         q, u
-            (y, phi_M, phi_S) [m, rad, rad] and their rates [m/s, rad/s, rad/s], each of shape (...,
-            3).
+            (y, phi_M, phi_S) [m, rad, rad] and their rates [m/s, rad/s, rad/s].
 
         Raises
         ------
@@ -295,8 +290,8 @@ def simulate(
     Returns
     -------
     Trajectory
-        The exact motion, its events and word. It ends before ``t_end`` where the toy falls off the
-        pole or the contact laws leave open what follows; the status says so.
+        It ends before ``t_end`` where the toy falls off the pole or the contact laws leave open
+        what follows; the status says so.
 
     Raises
     ------
@@ -370,8 +365,6 @@ class EnergyBalance:
     >>> from woodpecker import Toy, simulate
     >>> from woodpecker.simulation import energy_balance
     >>> balance = energy_balance(simulate(Toy(), -0.53, t_end=0.1))
-    >>> f"{1e6 * balance.friction:.4f} {1e6 * balance.impacts:.4f}"  # micro-joule, lost
-    '83.2612 125.1273'
     >>> abs(balance.residual) < 1e-12 * balance.largest
     True
     """
