@@ -1,9 +1,8 @@
 """A checkpoint: a text file that grows by one line of JSON with everything that is finished.
 
-Each line is handed to the system before a search goes on, so that a run that is interrupted, or
-killed, loses nothing but what was being done. The first line says what is searched, and how. Each
-ends with a digest of itself and of all lines before it, so that one that was changed, dropped or
-doubled is noticed; half a line at the end is what an interruption leaves, and is dropped.
+The first line says what is searched, and how. Each line is written through before the search goes
+on, and ends with a digest of itself and all lines before, so that a change is noticed; half a line
+at the end, as an interruption leaves it, is dropped.
 """
 
 from __future__ import annotations
@@ -30,9 +29,7 @@ WAIT = 3.0  # s: as long as the workers of a killed run may take to notice, and 
 
 
 class Checkpoint:
-    """Lines of JSON, each written through before the search goes on.
-
-    Nobody else can write the file meanwhile: the system locks it.
+    """Lines of JSON, each written through before the search goes on; the system locks the file.
 
     Parameters
     ----------
@@ -150,11 +147,8 @@ def read(
 ) -> tuple[Entry, list[Any]]:
     """What a checkpoint says of its run, and what its entries so far stand for.
 
-    Raises
-    ------
-    ValueError
-        If the file does not exist, or is not a checkpoint of this version from the first line to
-        the last that is complete.
+    ValueError if there is no such file, or it is no checkpoint of this version in all complete
+    lines.
     """
     path = _existing(Path(path))
     data = path.read_bytes()

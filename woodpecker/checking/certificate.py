@@ -43,10 +43,9 @@ NOT_MADE_SO = (
 
 
 def check_certificate(path: str | os.PathLike[str]) -> str:
-    """Verify a certificate of the toy, as :meth:`pwmap.proofs.Certificate.save` writes it.
+    """The statement of a certificate file, composed from what was verified.
 
-    Returns the statement, composed from what was verified. Rejected if the certificate does not
-    hold, or is none; OSError if the file cannot be read.
+    Rejected if the certificate does not hold, or is none; OSError if the file cannot be read.
     """
     raw = Path(path).read_bytes()
     if len(raw) > LONGEST:

@@ -1,9 +1,8 @@
 """Intervals and Taylor models in whole numbers: multiples of 2^-bits, rounded outwards.
 
-Python's integers are exact, so sums need no care and products one shift. Only cosines, sines and
-exponentials come from elsewhere: mpmath's library of intervals. A Taylor model is a polynomial in
-tau / half, |tau| <= half, with multiples of 2^-bits as coefficients, and a radius for the rest; all
-that is rounded goes to the rest.
+Sums are exact, products need one shift; cosines, sines and exponentials are those of mpmath's
+intervals. A Taylor model is a polynomial in tau / half, |tau| <= half, with multiples of 2^-bits as
+coefficients, and a radius for the rest, to which all that is rounded goes.
 """
 
 from __future__ import annotations

@@ -1,9 +1,8 @@
 """What a command does when it is asked to end, by Ctrl-C or by SIGTERM.
 
-It breaks off what it computes, writes what is finished as tables, and ends; where there is nothing
-to keep it ends at once. A request may be lost: some libraries drop every exception that reaches a
-function of theirs. So it is repeated until the command has heard it. While the kernel is compiled
-nothing of Python runs for many seconds: the process is ended by the system then.
+It breaks off, writes what is finished as tables, and ends. A request may be lost in libraries that
+drop exceptions: it is repeated until the command has heard it. While the kernel is compiled nothing
+of Python runs, and the system ends the process.
 """
 
 from __future__ import annotations

@@ -69,8 +69,7 @@ def _computed(
 ) -> tuple[ReturnMap, str]:
     """The map at the starts, as many as are finished at Ctrl-C, and the same as CSV.
 
-    The table grows with it: a million rows take many seconds to become text, which nobody who
-    wants the command to end would wait for.
+    The table grows with it: a million rows take many seconds to become text at the end.
     """
     from woodpecker import return_map
     from woodpecker.simulation.returns import chunk_of, joined

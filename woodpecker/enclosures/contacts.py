@@ -1,8 +1,8 @@
 """Contact problems over a box: one solution by strict inequalities, every other one refuted.
 
-The same problems as in :mod:`woodpecker.mechanics.contact_problems` and
-:mod:`woodpecker.motion.settling`, but the answer holds for every start and parameter of a box,
-or there is none.
+They are those of :mod:`woodpecker.mechanics.contact_problems` and
+:mod:`woodpecker.motion.settling`, but the answer holds for every start and parameter of a box, or
+there is none.
 """
 
 from __future__ import annotations
@@ -35,16 +35,11 @@ class BallPhase(NamedTuple):
 def impulses_of(
     model: BallToy, contacts: Sequence[int], free: Numbers, floors: Numbers | None, approaches: bool
 ) -> BallPhase:
-    """The compression (no floors) or the expansion of an impact.
+    """The compression (no floors) or the expansion of an impact at one contact, or beak and sleeve.
 
-    It is at one contact, or at the beak and one of the sleeve; ``free`` are (N, T) of each without
-    impulses. For one contact the first normal velocity may be known to be negative or zero
-    (``approaches``), though its range does not say so.
-
-    Raises
-    ------
-    NotProved
-        Unless one index combination holds strictly and each other one is violated strictly.
+    ``free`` are (N, T) of each without impulses. For one contact the first normal velocity may be
+    known to be negative or zero (``approaches``), though its range does not say so. NotProved
+    unless one index combination holds strictly and each other one is violated strictly.
     """
     low = floors if floors is not None else [ZERO] * len(contacts)
     if len(contacts) == 1:
@@ -71,10 +66,7 @@ def only(candidates: Iterable[tuple[bool | None, T]], what: str) -> T:
 
 
 def verdict(conditions: Iterable[Any]) -> bool | None:
-    """Whether all are positive; False if one is negative.
-
-    A condition is a number, or a sign that is known.
-    """
+    """Whether all conditions, numbers or known signs, are positive; False if one is negative."""
     open_ = False
     for condition in conditions:
         s = condition if isinstance(condition, int) else sign(condition)

@@ -5,9 +5,8 @@ are two ways, and a comparator, a form that is positive where the first one is t
 where the second one is:
 
 - two gaps close at once: the gap of the second contact when the first one strikes;
-- a contact that an impact without restitution has stopped only just stays or leaves: its force. If
-  it leaves it flies along t^2 h(t) with h(0) in proportion to the force, and lands where h
-  vanishes: at once where the force is zero. There both ways do the same;
+- a contact that an impact has just stopped stays or leaves: its force. If it leaves it flies along
+  t^2 h(t) with h(0) in proportion to the force, and lands where h vanishes;
 - a gap closes where its motion pauses (:mod:`woodpecker.enclosures.plateaus`), before the middle
   of the pause or after it.
 """
@@ -70,13 +69,9 @@ MOST_PARTS = 2**16  # of a phase in which the bird is shown not to turn: some te
 def follow(model: BallToy, frame: Frame, curve: Sequence[Any], plateaus: bool = False) -> list[Way]:
     """The ways of a return over a box, from the section at phi_S on a curve over p, plus s.
 
-    ``curve`` has coefficients of powers of p, the model is of the same frame. With ``plateaus``
-    landings near a plateau are taken together, once differentiable only.
-
-    Raises
-    ------
-    NotProved
-        If more than one decision is open over the box, or one of another kind.
+    ``curve`` has coefficients of powers of p. With ``plateaus`` landings near a plateau are taken
+    together, once differentiable only. NotProved if more than one decision is open over the box, or
+    one of another kind.
     """
     phi_s = start(frame, curve)
     if sign(model.limits[0] - phi_s) != 1:
@@ -200,8 +195,8 @@ def _meeting(
 ) -> list[BallState]:  # fmt: skip
     """Two gaps close nearly at once: both ways.
 
-    Both gaps are positive until then and fall while they close, so the second one is positive when
-    the first one closes if and only if it closes later.
+    Both fall while they close: the second one is positive when the first one closes just if it
+    closes later.
     """
     second = rivals[0]
     if len(rivals) > 1 or first.code >= NORMAL or second.code >= NORMAL:
@@ -395,8 +390,8 @@ def _settled(
 ) -> list[BallState]:
     """The contact problem on acceleration level: the mode that starts now, or two of them.
 
-    Every combination of states of the contacts that touch and stay is tried: each guard of theirs
-    must be positive right after now, by its first derivative that is not exactly zero.
+    Every combination of states is tried of contacts that touch and stay: each of their guards must
+    be positive right after now, by its first derivative that is not exactly zero.
     """
     slips = {i: 0 if i in motion.held else direction_of_slip(model, i, motion.u) for i in closed}
     options = [[OPEN] if i not in closed else _options(slips[i]) for i in range(3)]
@@ -415,8 +410,8 @@ def _stays_or_leaves(
 ) -> list[BallState]:
     """A contact without approach and with a force near zero: both ways.
 
-    The acceleration of its gap if it opens is minus the force if it stays, times the response
-    G = G_NN -+ mu G_NT > 0.
+    The acceleration of its gap if it opens is minus the force if it stays, times the response G =
+    G_NN -+ mu G_NT > 0.
     """
     stay, leave = sorted(trials, key=lambda trial: trial[i] == OPEN)
     n, t = 2 * i, 2 * i + 1

@@ -1,8 +1,7 @@
 """The numbers of the toy, exact: motion in its modes, and what impulses do.
 
-The parameters are the rationals that a person writes, 3/10000 for 0.0003. So everything that the
-equations of motion need is rational, but the frequencies. Only a restitution may move, which does
-not enter them.
+The parameters are the rationals that a person writes, 3/10000 for 0.0003, and so is all that the
+equations of motion need but the frequencies. Only a restitution may move.
 """
 
 from __future__ import annotations

@@ -84,8 +84,8 @@ class Plateau:
     def early(self, eta: Any) -> Landed:
         """The contact strikes before the middle, leaves, and lands again: eta = -s_3(sigma) <= 0.
 
-        In flight, h = sigma z after the impact, f = sigma^3 z^2 (c_1 c_2(h) - c z c_3(h)) with
-        c = s_0 - turn s_2 at sigma.
+        In flight, h = sigma z after the impact, f = sigma^3 z^2 (c_1 c_2(h) - c z c_3(h)) with c =
+        s_0 - turn s_2 at sigma.
         """
         sigma = self.sigma(-eta)
         whole = ZERO.union(sigma)

@@ -1,8 +1,8 @@
 """Taylor models: functions of the parameter as a polynomial and a ball that holds the rest.
 
-On |p - centre| <= half width a function is f(p) = c_0 + c_1 p + ... + c_(n-1) p^(n-1) + rest. The
-coefficients are thin, so what depends on p alike cancels as it does on paper, however long the
-computation; only the rest grows, and it starts at the size of p^n [Makino2003].
+On |p - centre| <= half width, f(p) = c_0 + c_1 p + ... + c_(n-1) p^(n-1) + rest. The coefficients
+are thin, so what depends on p alike cancels; only the rest grows, from the size of p^n
+[Makino2003].
 """
 
 from __future__ import annotations
@@ -38,17 +38,7 @@ def _even(p: Any, n: int) -> Any:
 
 
 class Taylor:
-    """A function over the interval of a frame.
-
-    Attributes
-    ----------
-    frame
-        Where.
-    poly, rest
-        f(p) is in poly(p) + rest.
-    head, box
-        Range of the polynomial, and of the function.
-    """
+    """A function over the interval of a frame: f(p) is in poly(p) + rest."""
 
     __slots__ = ("box", "frame", "head", "poly", "rest")
 

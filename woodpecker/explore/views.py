@@ -119,8 +119,7 @@ class MapView:
 class MotionView:
     """Time histories and a phase portrait, with the instant that the toy is drawn at.
 
-    The table ``motion`` is also what the toy is drawn from, in the browser (``toy.js``); ``now`` is
-    moved there, and nobody tells the server.
+    The table ``motion`` also draws the toy, in the browser (``toy.js``), which moves ``now``.
     """
 
     def __init__(self) -> None:

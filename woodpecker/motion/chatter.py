@@ -86,9 +86,8 @@ def _pair_at_rest(
 ) -> int:
     """The beak and a contact of the sleeve, as a mask, if their impacts have come to an end; or 0.
 
-    Impacts of two contacts can accumulate in turns. There is no series to sum, because their order
-    need not repeat, but what remains of them soon falls below rounding. The last ones are not
-    named in the word: their order changes less than is told apart anywhere.
+    Impacts of two contacts can accumulate in turns, in no fixed order: no series sums them, but
+    what remains of them soon falls below rounding, and is not named in the word.
     """
     sleeve = i if i > 0 else (1 if gaps[1] < gaps[2] else 2)
     swing = _remaining_swing(model, z, gaps, sleeve)
@@ -120,10 +119,7 @@ def _remaining_swing(model: Floats, z: Floats, gaps: Floats, sleeve: int) -> flo
 def _close_chatter(
     model: Floats, ratio: float, i: int, word: Codes, counts: Ints, events: Floats, room: Room
 ) -> int:
-    """Sum the accumulating impacts at contact i and close it.
-
-    In the word the run of equal impacts becomes the one symbol of the accumulation.
-    """
+    """Sum the accumulating impacts at contact i and close it: the run becomes one symbol."""
     sum_bounces(room.z, room.gaps, room.mark, ratio)
     last = word[counts[0] - 1]
     while counts[0] > 0 and word[counts[0] - 1] == last:
@@ -133,10 +129,9 @@ def _close_chatter(
 
 @part
 def sum_bounces(z: Floats, gaps: Floats, mark: Floats, ratio: float) -> None:
-    """The state in which bounces end, which shrink by a ratio.
+    """The state in which bounces end, which shrink by a ratio: z + (z - mark) ratio / (1 - ratio).
 
-    With ``mark`` after the bounce before and z after the last one, it is
-    z + (z - mark) ratio / (1 - ratio).
+    ``mark`` is the state after the bounce before, z after the last one.
     """
     rest = ratio / (1.0 - ratio)
     for k in range(3):
@@ -149,8 +144,7 @@ def sum_bounces(z: Floats, gaps: Floats, mark: Floats, ratio: float) -> None:
 def _close(model: Floats, mask: int, word: Codes, counts: Ints, events: Floats, room: Room) -> int:
     """Close the contacts of a mask at the end of their accumulating impacts, and decide the mode.
 
-    Tangential velocities that every one of the impacts has stopped, in either phase, are zero in
-    the limit, whatever rounding has left of them.
+    Tangential velocities that every one of the impacts has stopped are zero in the limit.
     """
     z, gaps, states, slips = room.z, room.gaps, room.states, room.slips
     closed, before = room.closed, room.before

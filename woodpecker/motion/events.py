@@ -154,7 +154,7 @@ def next_event(
 ) -> tuple[float, int]:  # fmt: skip
     """Time to the first guard that fires before the horizon, and which it is (-1: none).
 
-    ``before`` is the guard that began the phase; the guard ``ignored`` is not watched. The mode is
+    ``before`` is the guard that began the phase; ``ignored`` is not watched. The mode is
     admissible, so a guard that starts negative does so by rounding and counts as zero.
     """
     fired = -1

@@ -63,9 +63,8 @@ def stumpff_rates(
 ) -> tuple[float, float, float]:
     """Derivatives of t^2 c2, t^3 c3, t^4 c4 in kappa, from s_k = t^k c_k.
 
-    d s_k / d kappa = (t s_(k-1) - k s_k) / (2 kappa) = (t s_(k+1) - k s_(k+2)) / 2, by
-    2 x c_k'(x) = c_(k-1) - k c_k and c_k = 1/k! + x c_(k+2); the second form where the first
-    cancels.
+    d s_k / d kappa = (t s_(k-1) - k s_k) / (2 kappa) = (t s_(k+1) - k s_(k+2)) / 2, by 2 x c_k'(x)
+    = c_(k-1) - k c_k and c_k = 1/k! + x c_(k+2); the second form where the first cancels.
     """
     x = kappa * t * t
     if abs(x) < 1.0:

@@ -94,7 +94,7 @@ def prove(
 
 
 def check_certificate(path: str | os.PathLike[str]) -> str:
-    """Verify a certificate with other arithmetic and other code, and say what it proves.
+    """Verify a certificate with other arithmetic and other code.
 
     Parameters
     ----------
@@ -109,8 +109,7 @@ def check_certificate(path: str | os.PathLike[str]) -> str:
     Raises
     ------
     ValueError
-        If the certificate does not hold (``woodpecker.checking.pieces.Rejected``); the sentence
-        says why.
+        If the certificate does not hold (``woodpecker.checking.pieces.Rejected``), and why.
 
     Examples
     --------

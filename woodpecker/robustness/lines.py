@@ -1,9 +1,7 @@
 """P_1 of the toy along a straight line through the space of all its parameters.
 
-The kernel's numbers depend on the parameters analytically: a complex step in the direction of the
-line gives their derivatives along it, whatever its direction is. So a return along a line costs no
-more than one over a single parameter, and what follows branches over a parameter follows them over
-any change of the toy.
+The kernel's numbers depend on the parameters analytically: a complex step along the line gives
+their derivatives, so it costs no more than a single parameter.
 """
 
 from __future__ import annotations
@@ -20,8 +18,8 @@ from woodpecker.toy_map import PerThread, ToyMap, ToyPiece, Values
 class ToyLine(ToyMap):
     """P_1 of the toys on a line, as a piecewise-smooth map of (phi_S, distance along the line).
 
-    At distance 0 is the toy; ``rates`` say by how much parameters change per unit of distance, and
-    none of the others does. TypeError if one is unknown, ValueError for the length of the pole.
+    At distance 0 is the toy; parameters change by ``rates`` per unit of distance. TypeError if one
+    is unknown, ValueError for the length of the pole.
     """
 
     toy: Toy

@@ -1,8 +1,8 @@
 """The smallest change at which a condition holds.
 
-Along a straight line of changes the motion is followed exactly, so what it meets first is known to
-rounding. The gradient of what vanishes there gives the direction in which it is nearer, and so on,
-until change and gradient are parallel.
+Along a straight line of changes what the motion meets first is known to rounding. The gradient of
+what vanishes there gives the direction in which it is nearer, until change and gradient are
+parallel.
 """
 
 from __future__ import annotations
@@ -46,10 +46,10 @@ def _gradient(space: Space, u: Floats, orbit: Orbit, condition: Condition) -> Fl
 
 
 def nearest(space: Space, seed: MetOnLine, seen: dict[Key, MetOnLine]) -> tuple[MetOnLine, float]:
-    """The smallest change at which a condition holds, from one at which it does.
+    """The smallest change at which a condition holds, from another one at which it does.
 
-    What is met there, and the sine of the angle between change and gradient. Whatever else is met
-    on the way is kept in ``seen`` if it is nearer than what is known of it.
+    It gives also the sine of the angle between change and gradient. What else is met on the way is
+    kept in ``seen`` if it is nearer than what is known of it.
     """
     here = seed
     for _ in range(STEPS):
@@ -77,10 +77,7 @@ def _angle(space: Space, here: MetOnLine) -> tuple[float, Floats]:
 
 
 def _polished(space: Space, here: MetOnLine) -> Floats | None:
-    """The smallest change with the pieces and the condition of one that is nearly that.
-
-    Points of the cycle and parameters are the unknowns, so folds are no exception.
-    """
+    """The smallest change, near one, with its pieces and condition, in points and parameters."""
     if here.condition is None:
         return None
     n, size, condition = len(here.orbit.x), here.size, here.condition
@@ -140,7 +137,7 @@ def _turned(
     """The same condition at a smaller change, in the direction of the target or part of the way.
 
     Where the condition bends the target is too near or too far: twice and half of the way are
-    tried, too, and the smallest change counts.
+    tried.
     """
     tried = [_same(space, here, here.u + part * (target - here.u), seen) for part in PARTS]
     found = [each for each in tried if each is not None]

@@ -1,7 +1,7 @@
 """The smallest change of the toy's parameters that ends a periodic motion.
 
-A change counts each parameter as part of its own value, and one that is zero as part of the range 1
-of a restitution, upwards only.
+Changes are parts of each parameter's own value; of one that is zero, parts of the range 1 of a
+restitution, upwards only.
 """
 
 from __future__ import annotations
@@ -45,6 +45,9 @@ def smallest_changes(
 ) -> Robustness:
     """How far the parameters of a toy can be changed until a stable periodic motion ends.
 
+    A condition is looked for on straight lines from the toy; one that is nearer along a bent way
+    only is not found.
+
     Parameters
     ----------
     toy
@@ -59,11 +62,8 @@ def smallest_changes(
     Returns
     -------
     Robustness
-        What destroys or destabilises the motion at the smallest change of all of these parameters
-        together, what is confirmed by toys on both sides first; which borders only give it another
-        word or multiplier, or make it unstable in a spike; and how far each parameter alone can be
-        changed. Every row is the nearest place of its condition that straight lines
-        from the toy lead to; one that is nearer along a bent way only is not found.
+        What ends the motion at the smallest change of all of these parameters together, and how far
+        each alone can be changed.
 
     Raises
     ------
@@ -157,10 +157,7 @@ def _differ(one: MetOnLine, other: MetOnLine) -> bool:
 def _rows(
     orbit: PeriodicOrbit, space: Space, found: Sequence[tuple[MetOnLine, float]]
 ) -> Iterator[SmallestChange]:
-    """What is reported of places.
-
-    Borders of restitutions that are raised to ``FLOOR`` and that are none at zero do not count.
-    """
+    """The rows of places, without borders at ``FLOOR`` that are none at zero."""
     for met, angle in found:
         exact = _at_zero(orbit, space, met)
         if exact is not None:

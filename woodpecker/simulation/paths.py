@@ -144,7 +144,7 @@ class Follower:
         announce(calls.compute)
 
     def trace(self, phi_s: float) -> tuple[Status, Path, float]:
-        """Status, path and image of the return from the section at phi_S [rad]; the image may be nan."""
+        """Status, path and image (nan if lost) of the return from the section at phi_S [rad]."""
         z, counts = self._z, self._counts
         z[:], counts[:], self._states[:] = 0.0, 0, (0, 1, 0)
         z[1], z[2] = -self.numbers[CONTACT + 1, LIMIT], phi_s
@@ -190,7 +190,7 @@ class Follower:
 
 
 def _shortened(path: Path) -> Path:
-    """A path with only the first of equal bounces that accumulate: their number makes no other map."""
+    """A path with only the first of equal bounces that accumulate, of any number."""
     steps = path.steps
     kept = np.ones(len(steps), dtype=bool)
     same = (steps[1:] == steps[:-1]).all(axis=1)
