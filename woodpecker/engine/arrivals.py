@@ -71,11 +71,9 @@ def of_cycles(curve: SolutionCurve) -> SolutionCurve:
 def passed_over(
     begin: Beginning, arc: Arc, cause: str, outer: Image | None = None
 ) -> Arrival | Onward | None:
-    """The nearest continuation of the branch beyond a place where borders accumulate.
-
-    It is looked for along the tangent, ever farther, with the pieces that the map takes there. The
-    first that is found decides: if it lies too far away it is another branch.
-    """
+    """The nearest continuation of the branch beyond a place where borders accumulate."""
+    # It is looked for along the tangent, ever farther, with the pieces that the map takes there.
+    # The first that is found decides: if it lies too far away it is another branch.
     end, curve = arc.samples[-1], begin.curve
     if begin.is_crossing:
         return crossing_beyond(begin, arc, cause)
@@ -169,21 +167,17 @@ def crossing_beyond(
 
 
 def _has_ended(arc: Arc, sample: Sample) -> bool:
-    """Whether a crossing has the pieces of one that met a border, and goes on beyond it.
-
-    Rounding of a root allows that: it tells the border to the root of the margin's error only.
-    """
+    """Whether a crossing has the pieces of one that met a border, and goes on beyond it."""
+    # Rounding of a root allows that: it tells the border to the root of the margin's error only.
     if arc.border is None or sample.orbit.keys != arc.samples[-1].orbit.keys:
         return False
     return arc.curve.rate(sample, *arc.border) < 0.0
 
 
 def round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
-    """The jump crossing on another border that leaves the place where its own one ends.
-
-    Many steep margins may vanish there: it is looked for at a distance, ahead, and beside the
-    samples that led there, where the piece between two jumps has come to its end.
-    """
+    """The jump crossing on another border that leaves the place where its own one ends."""
+    # Many steep margins may vanish there: it is looked for at a distance, ahead, and beside the
+    # samples that led there, where the piece between two jumps has come to its end.
     end, problem = arc.samples[-1], begin.curve.problem
     (n, d), (column,) = end.orbit.x.shape, problem.free
     if d > 1 or end.tangent[n] == 0.0:
@@ -221,10 +215,8 @@ def _passing(begin: Beginning, end: Sample, to: float, low: float, high: float) 
 
 
 def _halved(map_: PiecewiseMap, p: Floats, order: int, low: float, high: float) -> Floats | None:
-    """The orbit (n, 1) from where P_order jumps past its point, up to the border; None if nowhere.
-
-    Halved down to neighbouring doubles: the border lies where their orbits part.
-    """
+    """The orbit (n, 1) from where P_order jumps past its point, up to the border, or None."""
+    # Halved down to neighbouring doubles: the border lies where their orbits part.
 
     def off(at: float) -> float:
         point = np.array([at])

@@ -160,10 +160,8 @@ def _crossed(curve: SolutionCurve, a: Sample, b: Sample, step: float, test: Test
 
 
 def _bounded(curve: SolutionCurve, a: Sample, b: Sample, step: float) -> ArcEnd | None:
-    """Where the first bound is passed of those that the second of two samples lies beyond.
-
-    The one that seems first is located, until none has been passed before it.
-    """
+    """Where the first bound is passed of those that the second of two samples lies beyond."""
+    # The one that seems first is located, until none has been passed before it.
     found = None
     for _ in range(MOST_BOUNDS):
         passed = [*_borders(curve, b), *_newly_beyond(curve, a, b)]
@@ -239,13 +237,11 @@ def _is_at(a: Sample, test: TestFunction, value: float) -> bool:
 def _look_for_dips(
     curve: SolutionCurve, a: Sample, b: Sample, step: float, *, starts: bool
 ) -> None:
-    """UnclearError if a margin that is positive at both ends may be negative in between.
-
-    It is taken for the cubic of its values and slopes at both ends; a margin of one end only is
-    taken for linear. At a start at a root, where slopes say nothing, the curve is looked at where
-    the cubic dips. A margin that falls at both ends, but by much less in between, is not the same
-    all the way.
-    """
+    """UnclearError if a margin that is positive at both ends may be negative in between."""
+    # It is taken for the cubic of its values and slopes at both ends; a margin of one end only is
+    # taken for linear. At a start at a root, where slopes say nothing, the curve is looked at where
+    # the cubic dips. A margin that falls at both ends, but by much less in between, is not the same
+    # all the way.
     if step < COARSE * curve.settings.min_step:
         return
     dips = dict[float, list[tuple[int, int, float]]]()
@@ -345,10 +341,8 @@ def _solved(
 
 
 def _guess(curve: SolutionCurve, a: Sample, b: Sample, test: TestFunction) -> Orbit:
-    """Where a test function may vanish, by its values and rates at two samples.
-
-    One that only the second has is taken for linear; if it is level, the search begins there.
-    """
+    """Where a test function may vanish, by its values and rates at two samples."""
+    # One that only the second has is taken for linear; if it is level, the search begins there.
     assert test.rate is not None
     before, after = test.value(a), test.value(b)
     if math.isnan(before):
@@ -384,10 +378,8 @@ def _is_neutral_saddle(sample: Sample) -> bool:
 
 
 def _least(a: float, b: float, da: float, db: float) -> tuple[float, float]:
-    """Where in (0, 1) a cubic with values a, b and slopes da < 0 < db is least, and its value.
-
-    The place is one of a few, so that several margins are looked at together.
-    """
+    """Where in (0, 1) a cubic with values a, b and slopes da < 0 < db is least, and its value."""
+    # The place is one of a few, so that several margins are looked at together.
     c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
     root = math.sqrt(max(0.0, c2 * c2 - 3.0 * c3 * da))
     s = -da / (c2 + root) if c2 + root > 0.0 else 1.0
@@ -396,10 +388,8 @@ def _least(a: float, b: float, da: float, db: float) -> tuple[float, float]:
 
 
 def _part(test: TestFunction, a: Sample, b: Sample) -> tuple[bool, float]:
-    """The part of the way between two samples at which a bound is passed, to compare.
-
-    One that has been passed and rises comes last: it has jumped beyond another border.
-    """
+    """The part of the way between two samples at which a bound is passed, to compare."""
+    # One that has been passed and rises comes last: it has jumped beyond another border.
     before, after = test.value(a), test.value(b)
     rises = test.rate is not None and test.rate(b) > 0.0
     return rises, math.inf if math.isnan(before) else before / (before - after)

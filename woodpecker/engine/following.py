@@ -67,11 +67,9 @@ class Arc:
         return max(known, self._left())
 
     def _left(self) -> float:
-        """The error of the parameter where the end is only close to a border that is steep there.
-
-        A steep slope is that of a square root, b / (2 sqrt(h)), and b sqrt(h) is left of it; twice
-        that of other roots.
-        """
+        """The error of the parameter where the end is only close to a steep border."""
+        # A steep slope is that of a square root, b / (2 sqrt(h)), and b sqrt(h) is left of it;
+        # twice that of other roots.
         if self.border is None:
             return 0.0
         orbit, problem = self.samples[-1].orbit, self.curve.problem
@@ -186,11 +184,9 @@ def _shorter(curve: SolutionCurve, step: float, part: float) -> float:
 
 
 def _strays(curve: SolutionCurve, a: Sample, b: Sample, bent: float) -> bool:
-    """Whether a sample lies on another curve, though its tangent is much the same.
-
-    It may be a shorter cycle, run through several times. A smooth curve follows the mean of its
-    tangents, within what their turn in this step, or the one before, allows.
-    """
+    """Whether a sample lies on another curve, though its tangent is much the same."""
+    # It may be a shorter cycle, run through several times. A smooth curve follows the mean of its
+    # tangents, within what their turn in this step, or the one before, allows.
     if a.orbit.outer is None and _comes_together(curve, a.orbit.x, b.orbit.x):
         return True
     chord = curve.problem.step_between(a.orbit, b.orbit)
@@ -243,10 +239,8 @@ def _takes(curve: SolutionCurve, x: Floats, p: Floats, piece: Piece) -> bool:
 
 
 def _is_taken(curve: SolutionCurve, x: Floats, p: Floats, image: Image) -> bool:
-    """Whether the map takes the piece of an image, and the same of its solutions.
-
-    A map whose margins decide is asked only where one of them vanishes but for rounding.
-    """
+    """Whether the map takes the piece of an image, and the same of its solutions."""
+    # A map whose margins decide is asked only where one of them vanishes but for rounding.
     if image.reason:
         return False
     if margins_decide(curve.map) and not image.tied(x, p).any():

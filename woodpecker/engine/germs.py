@@ -76,11 +76,9 @@ def paths(
     map_: PiecewiseMap, x: Floats, p: Floats, order: int, problem: Problem,
     points: Floats | None = None,
 ) -> list[GermPath]:  # fmt: skip
-    """All paths of P_order from a point (d,); none if there are more than ``PATHS``.
-
-    A path that returns to the point, or to one of the known points (m, d), is put right there: a
-    steep map would carry rounding errors off the border. Paths without an image are left out.
-    """
+    """All paths of P_order from a point (d,); none if there are more than ``PATHS``."""
+    # A path that returns to the point, or to one of the known points (m, d), is put right there: a
+    # steep map would carry rounding errors off the border. Paths without an image are left out.
     found, known = [GermPath(np.empty((0, len(x))), ())], x[None] if points is None else points
     for _ in range(order):
         longer = []
@@ -134,11 +132,9 @@ def lost_beyond(map_: PiecewiseMap, x: Floats, p: Floats, returns: int) -> str:
 
 
 def across(image: Image, code: int, x: Floats, p: Floats, lengths: Floats) -> Floats:
-    """The direction (d + k,) across a border where a margin vanishes, from inside of its piece.
-
-    Where other margins vanish too, it leads along the border to where they grow, and beyond it only
-    so far that they still do. Angles are those of scaled unknowns.
-    """
+    """The direction (d + k,) across a border where a margin vanishes, from inside of its piece."""
+    # Where other margins vanish too, it leads along the border to where they grow, and beyond it
+    # only so far that they still do. Angles are those of scaled unknowns.
     out = -image.gradients[image.place(code)] * lengths
     out /= np.linalg.norm(out)
     others = image.gradients[image.tied(x, p)] * lengths
@@ -157,10 +153,7 @@ def across(image: Image, code: int, x: Floats, p: Floats, lengths: Floats) -> Fl
 def shared(
     one: Image, other: Image, x: Floats, p: Floats, lengths: Floats
 ) -> tuple[list[int], list[int]] | None:
-    """The margins of two pieces that vanish along their common border; None if they have none.
-
-    Their gradients are opposite. The second piece may have no margin, and hold what no other does.
-    """
+    """The opposite margins of two pieces along their common border (one may have none), or None."""
     pieces = [(each, each.codes[each.tied(x, p)].tolist()) for each in (one, other)]
     for code in pieces[0][1]:
         normal = one.gradients[one.place(code)] * lengths
@@ -189,8 +182,8 @@ def beginnings(
 ) -> Iterator[Beginning]:
     """All curves of some orders that start where orbits from points (m, d) meet borders.
 
-    These are cycles, jump crossings with s = 0 or 1, and crossings that meet a second border. The
-    points are those of a cycle, or the first one of a crossing.
+    The points are those of a cycle, or the first one of a crossing. Curves are cycles, jump
+    crossings with s = 0 or 1, and crossings that meet a second border.
     """
     seen = set[Hashable]()
     for order in orders:
@@ -205,10 +198,8 @@ def beginnings(
 def _cycles(
     base: SolutionCurve, all_: Sequence[GermPath], points: Floats, x: Floats, p: Floats
 ) -> Iterator[Beginning]:
-    """Cycles along paths that return and repeat no shorter path.
-
-    Points of a cycle may be so close that only which of them is nearest tells them apart.
-    """
+    """Cycles along paths that return and repeat no shorter path."""
+    # Points of a cycle may be so close that only which of them is nearest tells them apart.
     scale = np.array(base.problem.x_scale)
 
     def nearest(to: Floats) -> int:
@@ -291,10 +282,8 @@ def _between(
 def _opening(
     base: SolutionCurve, one: GermPath, other: GermPath, head: int, p: Floats
 ) -> Beginning | None:
-    """The crossing in R^1 whose jump vanishes at its start; None if the map does not jump there.
-
-    Its share is the limit of s, from the rates at which the limits and the first point part.
-    """
+    """The crossing in R^1 whose jump vanishes at its start; None if the map does not jump there."""
+    # Its share is the limit of s, from the rates at which the limits and the first point part.
     if len(one.x[0]) > 1 or len(base.problem.free) > 1:
         return None
     sides = one.images[head - 1 :], other.images[head - 1 :]
@@ -314,10 +303,7 @@ def joined(
     base: SolutionCurve, heads: Sequence[Image], limits: tuple[Sequence[Image], Sequence[Image]],
     x: Floats, p: Floats, share: float,
 ) -> Beginning | None:  # fmt: skip
-    """The jump crossing between two limits, with no tangent yet; None if no border parts them.
-
-    ``heads`` are the images before the border; ``limits`` those from the border on, on each side.
-    """
+    """The jump crossing, without tangent, between limits with given images before and from a border."""
     border = shared(limits[0][0], limits[1][0], x[-1], p, base.problem.lengths)
     if border is None:
         return None
@@ -379,10 +365,7 @@ def _is_taken_ahead(curve: SolutionCurve, sample: Sample) -> bool:
 
 
 def is_inside(curve: SolutionCurve, sample: Sample) -> bool:
-    """Whether a curve leads from a sample into the pieces of its points.
-
-    Margins that vanish at the sample must grow; the others must be positive.
-    """
+    """Whether margins that vanish at a sample grow along the curve, and others are positive."""
     orbit = sample.orbit
     for i, image in enumerate(orbit.taken):
         zero = image.tied(orbit.x[orbit.place(i)], orbit.p)
@@ -430,12 +413,10 @@ def once(cycle: Orbit, base: Problem) -> Orbit:
 def judged(
     starts: Sequence[Beginning], cycle: Floats, i: int, problem: Problem
 ) -> tuple[PointKind, str]:
-    """Kind and note of a border collision at point i of a cycle, from the curves that start there.
-
-    Cycles of its own order lie on both sides of the parameter (persistence) or on one (fold). It is
-    a fold-flip where a cycle folds into a jump crossing and a crossing of twice the order starts at
-    the preimage of the jump.
-    """
+    """Kind and note of a border collision at point i of a cycle, by the curves that start there."""
+    # Cycles of its own order lie on both sides of the parameter (persistence) or on one (fold). It
+    # is a fold-flip where a cycle folds into a jump crossing and a crossing of twice the order
+    # starts at the preimage of the jump.
     own, order, twice = list[Beginning](), len(cycle), False
     for begin in starts:
         orbit = begin.sample.orbit

@@ -150,10 +150,10 @@ class Evaluated(Protocol):
 def proposed(
     map_: Evaluated, x: Floats, p: Floats, direction: Floats, scale: Sequence[float]
 ) -> Image:
-    """The image of a point (1,) under the piece that a map takes infinitesimally beside it.
+    """The image of a point (1,) under the piece infinitesimally beside it, or a reason why none.
 
-    If no proposal is accepted the image has a reason: the map has no value right beside the point,
-    or its pieces accumulate there. ``scale`` holds the lengths of x and of the k parameters.
+    The map has no value right beside the point, or its pieces accumulate there. ``scale`` holds the
+    lengths of x and of the k parameters.
     """
     length = float(np.abs(direction / np.array(scale)).max())
     if length == 0.0:

@@ -92,10 +92,7 @@ class PiecewiseMap(Protocol):
 
 
 def taken(map_: PiecewiseMap, x: Floats, p: Floats) -> tuple[Hashable, Floats]:
-    """The key of the piece that a map takes at a point, and its value (d,) there.
-
-    A map that can tell these for less than a whole image has a method of this name.
-    """
+    """The key of the piece at a point, and its value (d,); a map may have its own method."""
     own = getattr(map_, "taken", None)
     if own is None:
         image = map_.at(x, p)
@@ -105,19 +102,14 @@ def taken(map_: PiecewiseMap, x: Floats, p: Floats) -> tuple[Hashable, Floats]:
 
 
 def margins_decide(map_: PiecewiseMap) -> bool:
-    """Whether a map takes a piece just where all of its margins are positive.
-
-    A user's margins may be too few; a map that is sure of its own has an attribute of this name.
-    """
+    """Whether a map is sure that it takes a piece just where all of its margins are positive."""
     return getattr(map_, "margins_decide", False)
 
 
 def limit(near: Image, x: Floats, p: Floats, unit: Floats) -> Image:
-    """The one-sided limit at (x, p) of the piece of an image that lies a little away.
-
-    Where the piece has no value at the point, or derivatives there are rounding, those beside it
-    are taken. At a square root they grow without bound; their size then says that one is there.
-    """
+    """The one-sided limit at (x, p) of the piece of an image that lies a little away."""
+    # Where the piece has no value at the point, or derivatives there are rounding, those beside it
+    # are taken. At a square root they grow without bound; their size then says that one is there.
     there = near.piece.at(x, p)
     if not there.reason and _alike(there.jacobian, near.jacobian, SMOOTH):
         return there

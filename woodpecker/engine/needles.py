@@ -59,10 +59,7 @@ def rounded(arc: Arc) -> Arc | None:
 
 
 def _other_arm(curve: SolutionCurve, last: Sample, way: Floats) -> tuple[Sample, float] | None:
-    """A sample across a bend from which the curve can be followed, and how far across.
-
-    It is the nearest beyond a fold; if there is none, the nearest where the curve has turned.
-    """
+    """The nearest sample beyond a fold, or a turn, that leads on, and how far across it is."""
     along, nearest = last.tangent, None  # it turns by less than a right angle in between
     for doublings in range(DOUBLINGS):
         away = CLOSEST * 2.0**doublings

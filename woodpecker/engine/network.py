@@ -133,10 +133,7 @@ def connected(
 
 
 def cycle_near(map_: PiecewiseMap, x: Floats, p: Floats, problem: Problem) -> Orbit:
-    """The cycle near a guess (n, d), under the pieces that the map takes there.
-
-    ValueError if Newton's method finds none, or one of its points lies in another piece.
-    """
+    """The cycle near a guess (n, d), by Newton's method; ValueError if none, or of other pieces."""
     guess = orbit_of([map_.at(point, p).piece for point in x], x, p)
     held = [Held(x.size + k, float(p[k])) for k in problem.free]
     solution = solve(problem.with_(*held), guess)

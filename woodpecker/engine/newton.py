@@ -217,11 +217,9 @@ def newton_step(problem: Problem, orbit: Orbit) -> Floats:
 
 
 def _is_met(problem: Problem, orbit: Orbit, matrix: Floats, residual: Floats) -> bool:
-    """Whether nothing but rounding is left of the equations at an orbit.
-
-    The rounding of a margin may exceed what its derivatives say, since those of earlier events
-    cancel in them: a margin is zero where it counts as zero for a border.
-    """
+    """Whether nothing but rounding is left of the equations at an orbit."""
+    # The rounding of a margin may exceed what its derivatives say, since those of earlier events
+    # cancel in them: a margin is zero where it counts as zero for a border.
     left, first = np.abs(residual) > _noise(problem, orbit, matrix), 0
     for condition in problem.conditions if left.any() else ():
         count = len(condition.residual(orbit))
@@ -270,11 +268,9 @@ def tangent(problem: Problem, orbit: Orbit, along: Floats | None = None) -> tupl
 
 
 def directions(problem: Problem, orbit: Orbit) -> tuple[Floats, ...]:
-    """Unit tangents, in scaled unknowns, of the two curves through a branch point; none if none is.
-
-    There F is unchanged to first order in a plane. A curve leaves along v in it with
-    w F''(v, v) = 0, w orthogonal to all derivatives. Second derivatives are differences.
-    """
+    """Unit tangents, in scaled unknowns, of the two curves through a branch point, or none."""
+    # There F is unchanged to first order in a plane. A curve leaves along v in it with
+    # w F''(v, v) = 0, w orthogonal to all derivatives. Second derivatives are differences.
     left, _, right = np.linalg.svd(problem.matrix(orbit))
     w, plane = left[:, -1], right[-2:]
     bends = []
@@ -297,11 +293,9 @@ def other_direction(problem: Problem, orbit: Orbit, along: Floats) -> Floats | N
 
 
 def branch_point(problem: Problem, near: Orbit) -> Orbit | None:
-    """The branch point near an orbit, to rounding; None if it is not found.
-
-    With w orthogonal to all derivatives, F + m w = 0, F' w = 0, |w| = 1 are solved for the
-    unknowns, w and m: a regular system at a simple branch point, where m = 0.
-    """
+    """The branch point near an orbit, to rounding; None if it is not found."""
+    # With w orthogonal to all derivatives, F + m w = 0, F' w = 0, |w| = 1 are solved for the
+    # unknowns, w and m: a regular system at a simple branch point, where m = 0.
     matrix = problem.matrix(near)
     columns = matrix.shape[1]
 

@@ -272,11 +272,9 @@ class Multiplier:
         return row
 
     def _gradient(self, orbit: Orbit, i: int) -> Floats:
-        """Derivatives (d + k,) as one piece changes with its point and the parameters.
-
-        Differences are taken across the nearest border and along it: beside a root slopes change
-        fast across a border, and along it only with its curvature.
-        """
+        """Derivatives (d + k,) as one piece changes with its point and the parameters."""
+        # Differences are taken across the nearest border and along it: beside a root slopes change
+        # fast across a border, and along it only with its curvature.
         image, at = orbit.images[i], np.concatenate((orbit.x[i], orbit.p))
         scale = np.array(self.scale) if self.scale else np.maximum(1.0, np.abs(at))
         rows = image.gradients * scale
@@ -326,10 +324,8 @@ def _pairs(matrix: Floats) -> Floats:
 
 
 def pulled_inside(guess: Orbit, last: Orbit) -> Orbit:
-    """A guess whose points are moved, where pieces have no value, until margins are as they were.
-
-    Beside a square root a curve follows the end of its piece, and a guess may lie beyond the end.
-    """
+    """A guess whose points without a value are moved until margins are as they were."""
+    # Beside a square root a curve follows the end of its piece, and a guess may lie beyond the end.
     x, images, d = guess.x.copy(), list(guess.images), guess.x.shape[1]
     for i, before in enumerate(last.images[: len(images)]):
         for k in np.flatnonzero(images[i].margins < 0.0) if images[i].reason else ():

@@ -45,10 +45,8 @@ def settled(arc: Arc) -> tuple[Arc, Image | None]:
 
 
 def _sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
-    """An arc of cycles that ends at a border, with the derivatives right inside it at its end.
-
-    Where a time goes like a root of the distance those at the border are rounding.
-    """
+    """An arc of cycles that ends at a border, with the derivatives right inside it at its end."""
+    # Where a time goes like a root of the distance those at the border are rounding.
     if len(arc.samples) < 2:
         return arc
     (before, end), orbit = arc.samples[-2:], arc.samples[-1].orbit
@@ -83,10 +81,8 @@ def _is_steep(inner: Image, outer: Image) -> bool:
 
 
 def _moved_to(arc: Arc, i: int, outer: Image) -> tuple[Arc, Image]:
-    """An arc that ends at a root, with its end as the piece beyond locates it, and that piece.
-
-    The piece beyond is less steep, and the map is continuous there: its rounding is smaller.
-    """
+    """An arc that ends at a root, with its end as the piece beyond locates it, and that piece."""
+    # The piece beyond is less steep, and the map is continuous there: its rounding is smaller.
     end, problem = arc.samples[-1], arc.curve.problem
     orbit = end.orbit
     codes = outer.codes[outer.tied(orbit.x[i], orbit.p)].tolist()
@@ -106,11 +102,9 @@ def _moved_to(arc: Arc, i: int, outer: Image) -> tuple[Arc, Image]:
 
 
 def _at_limit(arc: Arc, i: int, code: int) -> Arc:
-    """An arc that ends at a root and a jump, with its end where the limit of the root closes.
-
-    There the value is a + b sqrt(h) of a margin h that is all rounding, and so is b sqrt(h): twice
-    the slope times the distance, by which a Newton step is corrected.
-    """
+    """An arc that ends at a root and a jump, with its end where the limit of the root closes."""
+    # There the value is a + b sqrt(h) of a margin h that is all rounding, and so is b sqrt(h):
+    # twice the slope times the distance, by which a Newton step is corrected.
     end, problem = arc.samples[-1], arc.curve.problem.with_(OnBorder(i, code))
     orbit, image = end.orbit, end.orbit.images[i]
     k = image.place(code)
@@ -130,10 +124,8 @@ def _at_limit(arc: Arc, i: int, code: int) -> Arc:
 
 
 def _hugs(end: Orbit, there: Orbit, i: int) -> bool:
-    """Whether a root is all rounding from one point on its border to another, and between them.
-
-    A branch may be closer to a border than doubles tell, long before it meets it.
-    """
+    """Whether a root is all rounding from one point on its border to another, and between them."""
+    # A branch may be closer to a border than doubles tell, long before it meets it.
     x, p = 0.5 * (end.x[i] + there.x[i]), 0.5 * (end.p + there.p)
     between = end.images[i].piece.at(x, p)
     if between.reason:  # rounding puts it beyond

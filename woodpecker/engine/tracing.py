@@ -161,10 +161,8 @@ def _at_multiplier(begin: Beginning, arc: Arc) -> Arrival:
 
 
 def _at_flip(begin: Beginning, arc: Arc) -> Arrival | None:
-    """The flip of the single cycle where the halves of a doubled one come together; None if not.
-
-    The single cycle is located to rounding, its double to the square root of that.
-    """
+    """The flip of the single cycle where the halves of a doubled one come together; None if not."""
+    # The single cycle is located to rounding, its double to the square root of that.
     orbit, problem = arc.samples[-1].orbit, arc.curve.problem
     n = len(orbit.x) // 2
     stops = arc.stop in (Stop.LP, Stop.BP, Stop.SHORT, Stop.OTHER_PIECE)
@@ -234,11 +232,9 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
 
 
 def _straight_on(begin: Beginning, arc: Arc, outer: Image, *, smooth: bool) -> Beginning | None:
-    """The cycles beyond a border where the map is continuous; None if none.
-
-    They lead to where the margin on this side is negative; where slopes are the same on both sides,
-    on as they came.
-    """
+    """The cycles beyond a border where the map is continuous; None if none leave it there."""
+    # They lead to where the margin on this side is negative; where slopes are the same on both
+    # sides, on as they came.
     assert arc.border is not None
     (i, code), orbit, curve = arc.border, arc.samples[-1].orbit, begin.curve
     if not curve.problem.same(orbit.images[i].value, outer.value, SAME):
@@ -256,10 +252,8 @@ def _straight_on(begin: Beginning, arc: Arc, outer: Image, *, smooth: bool) -> B
 
 
 def _hugging(begin: Beginning, arc: Arc, outer: Image) -> Beginning | None:
-    """The cycles beyond a border, from right beside it on; None if none are found there.
-
-    A piece that begins with a root holds them close to the border: only its margin tells how far.
-    """
+    """The cycles beyond a border, from right beside it on; None if none are found there."""
+    # A piece that begins with a root holds them close to the border: only its margin tells how far.
     assert arc.border is not None
     (i, _), at, curve = arc.border, arc.samples[-1].orbit, begin.curve
     codes = outer.codes[outer.tied(at.x[i], at.p)].tolist()
@@ -301,10 +295,7 @@ def _changes_stability(before: Floats, after: Floats) -> bool:
 
 
 def beside(begin: Beginning, distances: Sequence[float] = BESIDE) -> Beginning:
-    """A beginning with its first sample beside the point where it starts, if there is one.
-
-    It lies at a distance along the curve; where a piece begins with a root, at one from the border.
-    """
+    """A beginning with its first sample beside its point, along the curve or off a border."""
     best, curve, orbit = begin, begin.curve, begin.sample.orbit
     tied = list[tuple[int, int]]()
     if not begin.is_crossing:
@@ -359,10 +350,8 @@ def _at_nearest(arc: Arc) -> Arc:
 def _at_crossing(
     begin: Beginning, arc: Arc, orders: Sequence[int], *, dense: bool
 ) -> Arrival | Onward:
-    """Where a jump crossing closes as a cycle, or another of its points meets a border.
-
-    Where borders are dense some are passed over: its own border does not depend on them.
-    """
+    """Where a jump crossing closes as a cycle, or another of its points meets a border."""
+    # Where borders are dense some are passed over: its own border does not depend on them.
     orbit, curve, cause = arc.samples[-1].orbit, begin.curve, cause_of(arc)
     if arc.stop is Stop.SHARE:
         cycle = cycle_at_limit(orbit, curve.problem)
