@@ -88,10 +88,8 @@ def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
 
 
 def _solution(toy: Toy, map_: ToyPieces, diagram: Diagram, hit: Hit, value: float) -> PeriodicOrbit:
-    """The solution at a value, from the samples on both sides or from a guess between them.
-
-    The nearer sample is tried first: its pieces are likelier those at the value.
-    """
+    """The solution at a value, from the samples on both sides or from a guess between them."""
+    # The nearer sample is tried first: its pieces are likelier those at the value.
     for k in _beside(hit, value):
         found = _led(map_, _cycle(map_, diagram, hit.branch, k), value)
         if found is not None and is_inside(found):

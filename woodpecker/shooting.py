@@ -270,11 +270,9 @@ def _taken(mapped: Mapped, x: Floats) -> Orbit:
 
 
 def _corrected(mapped: Mapped, start: Orbit, settings: Settings) -> tuple[Orbit, bool]:
-    """Newton's method for a cycle, and whether one was found.
-
-    It keeps the pieces of the last iterate if the map takes them at its image; otherwise it makes
-    one step, after which the map is asked for its pieces again.
-    """
+    """Newton's method for a cycle, and whether one was found."""
+    # It keeps the pieces of the last iterate if the map takes them at its image; otherwise it makes
+    # one step, after which the map is asked for its pieces again.
     orbit = start
     for _ in range(STEPS):
         if not orbit.defined:

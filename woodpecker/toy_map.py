@@ -60,10 +60,7 @@ NO_VALUES: Values = ()
 
 
 class _ThreadRoom:
-    """The kernel's numbers for some toys and their derivatives, and a follower: for one thread.
-
-    The toys differ in some parameters, which change by ``rates`` along the derivatives.
-    """
+    """The kernel's numbers for some toys, with their rates, and a follower; for one thread."""
 
     def __init__(self, toy: Toy, rates: Mapping[str, float]) -> None:
         self._toy, self._values, self._limits = toy, NO_VALUES, (math.inf, -math.inf)
@@ -148,10 +145,7 @@ class ToyMap:
         raise NotImplementedError
 
     def at(self, x: float, p: float) -> Image:
-        """The return from phi_S = x [rad] along the path that the toy takes there, at p.
-
-        Without a return it carries the reason.
-        """
+        """The return from x [rad] along the path that the toy takes at p, or why none."""
         x, p = _numbers(x, p)
         follower, obstacle = self.ready(x, p)
         if obstacle:

@@ -45,8 +45,8 @@ _WHOLE, _PART = _options() if COMPILED else ({}, {})
 def jit(function: F) -> F:
     """``numba.njit`` with a cache on disk and without the GIL, or the function itself.
 
-    For what Python calls while it computes; all else is a :func:`part`. Infinity and nan are
-    results like others. Where no folder for the cache can be written a warning says so once.
+    For what Python calls while it computes; all else is a :func:`part`. Where no folder for the
+    cache can be written a warning says so once.
     """
     if not COMPILED:
         return np.errstate(all="ignore")(function)

@@ -117,11 +117,7 @@ class _Unpickler(pickle.Unpickler):
 
 
 class _Begun:
-    """A task that somebody is at, or has finished; its arguments are kept, and so their ids.
-
-    If its future fails ``again`` carries it out here: an error of the task is then raised once
-    more.
-    """
+    """A task that somebody is at, or has finished; its arguments are kept, and so their ids."""
 
     def __init__(
         self, call: Call, future: Future[Any], load: Callable[[Any], Done],
@@ -366,10 +362,8 @@ _BROKEN = (
 
 
 def start_method() -> str:
-    """How processes are made: copied where that is safe, otherwise started anew in a second or two.
-
-    A copy has one thread, and the locks that others held at the time stay locked in it.
-    """
+    """How processes are made: copied where that is safe, otherwise started anew, in a second."""
+    # A copy has one thread, and the locks that others held at the time stay locked in it.
     alone = threading.active_count() == 1
     return "fork" if sys.platform == "linux" and alone else "spawn"
 
@@ -382,10 +376,8 @@ def _begin() -> None:
 
 
 def _watch() -> None:
-    """End this process when its parent has gone: then the system closes what the parent has open.
-
-    Another copy of the parent may hold it open: so who the parent is is looked up, too.
-    """
+    """End this process when its parent has gone: the system closes what that has open."""
+    # Another copy of the parent may hold it open: so who the parent is is looked up, too.
     parent = multiprocessing.parent_process()
     assert parent is not None
     while not wait([parent.sentinel], WATCH) and os.getppid() == parent.pid:

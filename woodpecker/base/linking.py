@@ -24,10 +24,7 @@ sets this: it has nothing to keep then. In a notebook it would be the end of all
 
 
 def pipelines() -> tuple[Any, Any]:
-    """Compilers for functions that Python calls, and for those that only compiled code calls.
-
-    None and None if numba is not made as this file expects.
-    """
+    """Compilers for functions that Python calls, and for others; None if numba has changed."""
     try:
         return _pipelines()
     except (ImportError, AttributeError):

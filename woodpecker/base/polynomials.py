@@ -27,8 +27,7 @@ LOW, HIGH, GUESS, FALLS = range(4)  # columns of what isolates a root: 1.0 where
 def bernstein(size: int) -> Floats:
     """Matrices (3, size, size) that multiply coefficients (size,).
 
-    From power coefficients, lowest first, to Bernstein's over [0, 1]; from these to those of the
-    left and of the right half.
+    From power coefficients, lowest first, to Bernstein's over [0, 1], and to those of both halves.
     """
     n = size - 1
     whole = [[math.comb(j, k) / math.comb(n, k) for j in range(size)] for k in range(size)]
@@ -59,11 +58,9 @@ def _changes(b: Floats) -> int:
 
 @jit
 def _isolated(b: Floats, matrices: Floats, until_fall: bool) -> Floats:
-    """Intervals with one root each (roots, 4), ascending; as far as the first fall if asked.
-
-    Several changes of sign in the narrowest interval are a double root, which counts only if the
-    ends have different signs.
-    """
+    """Intervals with one root each (roots, 4), ascending; as far as the first fall if asked."""
+    # Several changes of sign in the narrowest interval are a double root, which counts only if the
+    # ends have different signs.
     size, count, top = len(b), 0, 1
     found = np.empty((size, 4))
     ends, stack = np.empty((HALVINGS + 2, 3)), np.empty((HALVINGS + 2, size))
@@ -147,10 +144,7 @@ def roots(c: Floats, b: Floats, matrices: Floats) -> Floats:
 
 @jit
 def scaled(rows: Floats, length: float, orders: Ints) -> Floats:
-    """Power series (count, size) over [0, length] as polynomials over [0, 1].
-
-    Each is divided by a power of its variable; the coefficients before, which are rounding, go.
-    """
+    """Power series (count, size) over [0, length], over powers of the variable, as polynomials."""
     count, size = rows.shape
     scales, c = np.ones(size), np.zeros((count, size))
     for j in range(1, size):

@@ -306,10 +306,8 @@ def inverse(f: T) -> T:
 
 
 def wave(kappa: I, t: I) -> list[I]:
-    """s_0 .. s_5, s_k = t^k c_k(kappa t^2).
-
-    By their series where it converges fast, else by s_(k+2) = (s_k - t^k/k!) / kappa from cosines.
-    """
+    """s_0 .. s_5, s_k = t^k c_k(kappa t^2)."""
+    # By series where they converge fast, else from cosines by s_(k+2) = (s_k - t^k/k!) / kappa.
     x = kappa * t.power(2)
     if x.size.less(I.of(1)):
         return [t.power(k) * c for k, c in enumerate(shapes(x, 5))]

@@ -40,11 +40,7 @@ class Sliding(NamedTuple):
 
 
 def pause(motion: Flight, i: int, late: bool, bracket: I, jet: Sequence[F | I]) -> Sliding:
-    """From where the sleeve has let go to the middle of a pause of the gap of contact i.
-
-    The bracket says which pause. Of the jet of the gap value and third derivative are used; the
-    others are exactly zero.
-    """
+    """From where the sleeve has let go to the middle of the pause, in the bracket, of contact i."""
     toy, free = motion.toy, motion.toy.mode((OPEN, OPEN, OPEN))
     start, fall, kappa = jet[0], jet[3], I.of(free.kappa)
     assert isinstance(start, F)

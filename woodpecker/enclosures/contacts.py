@@ -108,10 +108,7 @@ def _along(tangential: int, bound: Any, impulse: Any, velocity: Any) -> list[Any
 def _pair(
     model: BallToy, sleeve: int, free: Numbers, floors: Numbers, expands: bool
 ) -> Iterator[tuple[bool | None, BallPhase | None]]:
-    """The 36 combinations; ranges first, and forms for what these leave open.
-
-    None is rest with both contacts sticking, whose impulses are not unique.
-    """
+    """The 36 combinations, ranges first, then forms; None: both contacts stick at rest."""
     for first in range(6):
         for second in range(6):
             table = model.case(sleeve, first, second, expands)
@@ -170,10 +167,8 @@ def _momentum(model: BallToy, sleeve: int, free: Numbers) -> Numbers:
 def _rest_is_possible(
     model: BallToy, sleeve: int, load: Numbers, floors: Numbers, coupled: bool
 ) -> bool | None:
-    """Whether forces W lambda = load lie in both cones; four unknowns for three equations.
-
-    With s = lambda_T1 every condition is linear in s: constant + rate s >= 0.
-    """
+    """Whether forces W lambda = load lie in both cones; four unknowns for three equations."""
+    # With s = lambda_T1 every condition is linear in s: constant + rate s >= 0.
     side = int(SIGN[sleeve])
     (_, l_m, arm), (_, r_m, _) = model.tangents[0], model.tangents[sleeve]
     lever, height = model.levers[sleeve] * side, model.levers[0]

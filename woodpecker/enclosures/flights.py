@@ -24,11 +24,9 @@ PARTS = 16  # of a flight, over each of which the slope of h is enclosed
 
 
 def landing(guard: Guard, guess: float) -> ZeroCrossing | None:
-    """When a gap closes that has opened at rest; None if this is no short flight.
-
-    Around the result h falls from h(0) >= 0 through zero once: the gap is positive before, and
-    speed and acceleration of the landing vanish with the time only.
-    """
+    """When a gap closes that has opened at rest; None if this is no short flight."""
+    # Around the result h falls from h(0) >= 0 through zero once: the gap is positive before, and
+    # speed and acceleration of the landing vanish with the time only.
     f3, kappa = guard.jet[3], guard.kappa
     if not abs(kappa) * arb(guess) ** 2 < LONGEST or sign(f3) != -1:
         return None

@@ -193,11 +193,9 @@ def _meeting(
     model: BallToy, motion: BallState, first: Guard, fires: ZeroCrossing, rivals: list[Guard],
     guesses: dict[int, float],
 ) -> list[BallState]:  # fmt: skip
-    """Two gaps close nearly at once: both ways.
-
-    Both fall while they close: the second one is positive when the first one closes just if it
-    closes later.
-    """
+    """Two gaps close nearly at once: both ways."""
+    # Both fall while they close: the second one is positive when the first one closes just if it
+    # closes later.
     second = rivals[0]
     if len(rivals) > 1 or first.code >= NORMAL or second.code >= NORMAL:
         raise NotProved(f"{name_of(second.code)} may fire before {name_of(first.code)}")
@@ -251,10 +249,8 @@ def _fires(guard: Guard, guess: float) -> ZeroCrossing:
 
 
 def _survives(guard: Guard, end: Any, falling: Any = None) -> bool:
-    """Whether a guard does not fire in (0, end], or until it falls in a range of times.
-
-    That of the section fires where the bird's velocity rises through zero.
-    """
+    """Whether a guard does not fire in (0, end], or until it falls in a range of times."""
+    # That of the section fires where the bird's velocity rises through zero.
     if guard.code == SECTION:
         return not end > 0 or _no_turn(guard, end)
     if end > 0:
@@ -388,11 +384,9 @@ def _state(states: Iterable[int]) -> State:
 def _settled(
     model: BallToy, motion: BallState, closed: set[int], plastic: bool = False
 ) -> list[BallState]:
-    """The contact problem on acceleration level: the mode that starts now, or two of them.
-
-    Every combination of states is tried of contacts that touch and stay: each of their guards must
-    be positive right after now, by its first derivative that is not exactly zero.
-    """
+    """The contact problem on acceleration level: the mode that starts now, or two of them."""
+    # Every combination of states is tried of contacts that touch and stay: each of their guards
+    # must be positive right after now, by its first derivative that is not exactly zero.
     slips = {i: 0 if i in motion.held else direction_of_slip(model, i, motion.u) for i in closed}
     options = [[OPEN] if i not in closed else _options(slips[i]) for i in range(3)]
     trials = [_state(trial) for trial in product(*options) if _moves_as_one(trial)]
@@ -408,11 +402,9 @@ def _settled(
 def _stays_or_leaves(
     model: BallToy, motion: BallState, i: int, trials: list[State]
 ) -> list[BallState]:
-    """A contact without approach and with a force near zero: both ways.
-
-    The acceleration of its gap if it opens is minus the force if it stays, times the response G =
-    G_NN -+ mu G_NT > 0.
-    """
+    """A contact without approach and with a force near zero: both ways."""
+    # The acceleration of its gap if it opens is minus the force if it stays, times the response
+    # G = G_NN -+ mu G_NT > 0.
     stay, leave = sorted(trials, key=lambda trial: trial[i] == OPEN)
     n, t = 2 * i, 2 * i + 1
     mu = ball(model.equations.mu[i])

@@ -35,7 +35,10 @@ def precision(bits: int) -> Iterator[None]:
 
 
 class Form:
-    """A smooth function over a box."""
+    """A smooth function over a box.
+
+    Its parts are Taylor models of the value on the curve, and of derivatives in the box, to PP.
+    """
 
     __slots__ = ("box", "frame", "parts")
 

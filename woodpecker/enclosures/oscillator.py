@@ -230,11 +230,9 @@ def _nothing(frame: Any) -> Sequence[Taylor]:
 def _form(
     at: Callable[[Any], Derivatives], near: Form, residual: Form, slope: Any, reach: Any
 ) -> Form:
-    """The zero near a polynomial: its derivatives are those of an implicit function.
-
-    With f(t, s, p) = 0 there are t_i = -f_i / f_t and t_ij = -(f_ij + f_it t_j + f_jt t_i + f_tt
-    t_i t_j) / f_t.
-    """
+    """The zero near a polynomial: its derivatives are those of an implicit function."""
+    # With f(t, s, p) = 0 there are t_i = -f_i / f_t and
+    # t_ij = -(f_ij + f_it t_j + f_jt t_i + f_tt t_i t_j) / f_t.
     frame = near.frame
     there = near.parts[VALUE].widened(reach)  # the time, for all s
     fixed = Form(frame, [there, *_nothing(frame)])

@@ -44,8 +44,8 @@ class Taylor:
 
     def __init__(self, frame: Frame, poly: Any, rest: Any) -> None:
         self.frame, self.poly, self.rest = frame, poly, rest
-        self.head = poly(frame.p) if frame.terms > 1 else poly[0]
-        self.box = self.head + rest
+        self.head = poly(frame.p) if frame.terms > 1 else poly[0]  # range of the polynomial
+        self.box = self.head + rest  # range of the function
 
     def widened(self, ball: Any) -> Taylor:
         """The function plus something in a ball."""

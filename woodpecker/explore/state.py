@@ -76,10 +76,8 @@ class PageState:
 
 
 def home(state: PageState) -> Toy:
-    """The toy with the paper's value of the diagram's parameter, if it goes with the others.
-
-    A diagram begins there, so that it does not depend on where a slider stands.
-    """
+    """The toy with the paper's value of the diagram's parameter, if it goes with the others."""
+    # A diagram begins there, so that it does not depend on where a slider stands.
     try:
         return state.toy.replace(**{state.parameter: getattr(TOY, state.parameter)})
     except ValueError:

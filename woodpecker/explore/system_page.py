@@ -229,10 +229,7 @@ def make_page(document: Document, given: Explored) -> None:
 
 
 def run(path: str, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:
-    """Run a file, here and where jobs are forked from, and serve its page.
-
-    ValueError or TypeError if the file does not define what is needed.
-    """
+    """Run a file and serve its page; ValueError or TypeError if it lacks what is needed."""
     given = explored(path)
     os.environ["WOODPECKER_EXPLORED"] = path  # for the process that jobs are forked from
     warm_up(["woodpecker.explore.system_warm"])

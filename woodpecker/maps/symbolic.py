@@ -37,10 +37,7 @@ class Symbols(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SymbolicPiece:
-    """A smooth piece of a map, given by sympy's expressions.
-
-    All values and derivatives come from one compiled function, which a pickle compiles again.
-    """
+    """A smooth piece of a map, given by sympy's expressions, all compiled into one function."""
 
     word: str  # its name
     symbols: Symbols  # the variable and the parameter

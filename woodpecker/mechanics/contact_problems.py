@@ -187,11 +187,9 @@ def _violation(
     case: int, k: int, delassus: Floats, free: Floats, mu: float, coupling: float, floor: Floats,
     p: Floats, v: Floats,
 ) -> float:  # fmt: skip
-    """Largest violation of the inequalities of contact k (0 or 1); inf for no impulses at all.
-
-    Each is relative to the terms that rounding was made in, so that a slow impact of a contact that
-    slides fast is judged by its own velocities.
-    """
+    """Largest violation of the inequalities of contact k (0 or 1); inf for no impulses at all."""
+    # Each is relative to the terms that rounding was made in, so that a slow impact of a contact
+    # that slides fast is judged by its own velocities.
     n, t = 2 * k, 2 * k + 1
     if case // 3 == REST:
         normal = floor[k] - p[n]

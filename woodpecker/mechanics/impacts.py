@@ -285,10 +285,8 @@ def clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
 
 @part
 def clear_change(change: Floats, contacts: Ints, case: Ints, z: Floats, tangent: Floats) -> None:
-    """What a moving direction of sticking adds to the velocity of the sleeve that keeps it.
-
-    Of two contacts that stick the last one has set that velocity.
-    """
+    """What a moving direction of sticking adds to the velocity of the sleeve that keeps it."""
+    # Of two contacts that stick the last one has set that velocity.
     for k in range(len(contacts) - 1, -1, -1):
         if case[k] % 3 == HOLD:
             tangent[3] -= rates(change, contacts[k], z)[1]

@@ -188,10 +188,8 @@ def _checked(a: npt.ArrayLike, b: npt.ArrayLike) -> tuple[FloatArray, FloatArray
 
 
 def _equilibrate(a: FloatArray, b: FloatArray) -> _Equilibrated:
-    """Scale by powers of two, which rounds nothing, until all rows and columns reach up to 1.
-
-    Each sweep divides rows and columns by the root of their largest entry (Ruiz).
-    """
+    """Scale by powers of two, which rounds nothing, until all rows and columns reach up to 1."""
+    # Each sweep divides rows and columns by the root of their largest entry (Ruiz).
     row, column = np.ones(b.size), np.ones(b.size)
     for _ in range(_SWEEPS):
         size = row[:, None] * np.abs(a) * column
@@ -306,10 +304,8 @@ def _friction_matrix(mu: FloatArray, n: int) -> FloatArray:
 
 
 def _natural(problem: _Contacts) -> _Contacts:
-    """Rescale the problem to diag(G) = 1 and the largest of free and floor equal to 1.
-
-    Unit of gamma_i: v sqrt(G_ii), of Lambda_i: v / sqrt(G_ii), v the square root of an energy.
-    """
+    """Rescale the problem to diag(G) = 1 and the largest of free and floor equal to 1."""
+    # Unit of gamma_i: v sqrt(G_ii), of Lambda_i: v / sqrt(G_ii), v the square root of an energy.
     n = problem.floor.size
     root = np.sqrt(_positive(np.diag(problem.delassus)))
     sizes = np.append(np.abs(problem.free) / root, problem.floor * root[:n])

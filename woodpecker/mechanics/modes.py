@@ -232,10 +232,7 @@ to compile it."""
 
 @part
 def fill_pair(numbers: Floats, k: int, delassus: Floats, friction: Floats, system: Floats) -> None:
-    """Write the index combinations of an impact at the beak and contact k (0-based), if due.
-
-    ``delassus`` (4, 4), ``friction`` (2, 2) and ``system`` (4, 10) are room.
-    """
+    """Write the index combinations of an impact at the beak and contact k (0-based), if due."""
     if numbers[FORCE, DUE + k - 1] == 0.0:
         return
     for a in range(4):
@@ -265,10 +262,7 @@ def _mode(
     system: Complexes, scale: Floats, row: Complexes, beak: int, sleeve: int, mass: Any,
     constant: Any, elastic: Any, normal: Any, tangent: Any, mu: Any,
 ) -> float:  # fmt: skip
-    """One row of the table: M qdd - W lambda = h with the constraints of the closed contacts.
-
-    The smallest pivot is returned; the row is meaningless if it is zero.
-    """
+    """One row of the table, M qdd - W lambda = h with closed contacts; its smallest pivot, or 0."""
     state = (beak, sleeve if sleeve <= 3 else 0, sleeve - 3 if sleeve > 3 else 0)
     n = 3 + (2 if beak != OPEN else 0) + (2 if sleeve != 0 else 0)
     row[:] = 0.0

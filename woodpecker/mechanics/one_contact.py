@@ -107,10 +107,8 @@ def one_contact(
 def _tried(
     delassus: Floats, free: Floats, mu: float, floor: float, normal: int, tangential: int
 ) -> tuple[float, float, float, float]:
-    """Impulses and velocities in a case, normal ones first; nan where its equations are singular.
-
-    The impulses follow from the velocities, as the two directions are independent.
-    """
+    """Impulses and velocities in a case, normal ones first; nan if its equations are singular."""
+    # The impulses follow from the velocities, as the two directions are independent.
     g_nn, g_nt = float(delassus[0, 0]), float(delassus[0, 1])
     g_tn, g_tt = float(delassus[1, 0]), float(delassus[1, 1])
     f_n, f_t = float(free[0]), float(free[1])

@@ -60,10 +60,8 @@ def _chatters(
     model: Floats, z: Floats, gaps: Floats, states: Ints, to_section: bool, i: int, speed: float,
     lap: float, ratio: float,
 ) -> bool:  # fmt: skip
-    """Whether the bounces at contact i are so small that the rest is a geometric series.
-
-    No other event may fall into twice the time that is summed.
-    """
+    """Whether the bounces at contact i are so small that the rest is a geometric series."""
+    # No other event may fall into twice the time that is summed.
     mode = mode_of(states)
     _, _, f2, f3 = jet(model, mode, GAP + i, z, gaps, states)
     if f2 >= 0.0:
@@ -84,11 +82,9 @@ def _chatters(
 def _pair_at_rest(
     model: Floats, z: Floats, gaps: Floats, states: Ints, i: int, symbols: int, bounce: Ints
 ) -> int:
-    """The beak and a contact of the sleeve, as a mask, if their impacts have come to an end; or 0.
-
-    Impacts of two contacts can accumulate in turns, in no fixed order: no series sums them, but
-    what remains of them soon falls below rounding, and is not named in the word.
-    """
+    """Beak and a contact of the sleeve, as a mask, if their impacts have come to an end; or 0."""
+    # Impacts of two contacts can accumulate in turns, in no fixed order: no series sums them, but
+    # what remains of them soon falls below rounding, and is not named in the word.
     sleeve = i if i > 0 else (1 if gaps[1] < gaps[2] else 2)
     swing = _remaining_swing(model, z, gaps, sleeve)
     if swing > UNNAMED:
@@ -142,10 +138,8 @@ def sum_bounces(z: Floats, gaps: Floats, mark: Floats, ratio: float) -> None:
 
 @part
 def _close(model: Floats, mask: int, word: Codes, counts: Ints, events: Floats, room: Room) -> int:
-    """Close the contacts of a mask at the end of their accumulating impacts, and decide the mode.
-
-    Tangential velocities that every one of the impacts has stopped are zero in the limit.
-    """
+    """Close the contacts of a mask after their accumulating impacts, and decide the mode."""
+    # Tangential velocities that every one of the impacts has stopped are zero in the limit.
     z, gaps, states, slips = room.z, room.gaps, room.states, room.slips
     closed, before = room.closed, room.before
     for k in range(3):

@@ -117,10 +117,7 @@ def shut(model: Floats, mask: int, z: Floats, gaps: Floats) -> None:
 
 @jit
 def sample(model: Floats, phases: Floats, times: Floats, left: bool, out: Floats) -> None:
-    """States (n, 7) at given times from the phases of a trajectory.
-
-    At an event time the state after it, or before it if ``left``.
-    """
+    """States (n, 7) at given times; at an event time after it, or before it if ``left``."""
     starts = phases[:, 6]
     for n in range(len(times)):
         if left:

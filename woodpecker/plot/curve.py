@@ -78,8 +78,7 @@ def refined(
 ) -> Iterator[MapSamples]:
     """Refine samples (n,) of a map, x ascending; each curve is better than the one before.
 
-    ``bottom`` is the lower end of the picture, ``cost`` the returns that one value takes: its
-    order.
+    ``bottom`` is the lower end of the picture, ``cost`` the returns of one value: its order.
     """
     search = _Refinement(image, x, y, bottom, cost, detail if detail is not None else Detail())
     yield search.curve()

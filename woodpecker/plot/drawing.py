@@ -77,12 +77,10 @@ class Points(NamedTuple):
 
 
 def points(toy: Toy, q: npt.ArrayLike) -> Points:
-    """Where the drawing has its points at coordinates q = (y, phi_M, phi_S).
-
-    The sleeve moves by the linear kinematics (x, y) -> (x - phi_M y, y + phi_M x), half a percent
-    off a rotation at 0.1 rad. The bird is rotated about its end of the spring and moved across
-    until its beak is at the distance r_0 + g_N1.
-    """
+    """Where the drawing has its points at coordinates q = (y, phi_M, phi_S)."""
+    # The sleeve moves by the linear kinematics (x, y) -> (x - phi_M y, y + phi_M x), half a percent
+    # off a rotation at 0.1 rad. The bird is rotated about its end of the spring and moved across
+    # until its beak is at the distance r_0 + g_N1.
     y, phi_m, _ = np.asarray(q, dtype=float)
     r, h, outer = toy.r_m, toy.h_m, (1.0 + WALL) * toy.r_m
     right = np.array([(r, -h), (outer, -h), (outer, h), (r, h)])

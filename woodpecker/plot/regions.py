@@ -76,11 +76,9 @@ def plot_regions(
 
 
 def face(census: Census) -> dict[str, Any]:
-    """How what lives in a region fills it, as properties of a patch.
-
-    The colour is that of the shortest stable period, darker with more unstable cycles; further
-    stable cycles hatch it, in the colour of the next one's period.
-    """
+    """How what lives in a region fills it, as properties of a patch."""
+    # The colour is that of the shortest stable period, darker with more unstable cycles; further
+    # stable cycles hatch it, in the colour of the next one's period.
     stable = [each.period for each in census for _ in range(each.stable)]
     unstable = sum(each.unstable for each in census)
     base = of_period(stable[0]) if stable else NO_STABLE

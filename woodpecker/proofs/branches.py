@@ -86,10 +86,7 @@ def marched(
     toy: Toy, parameter: str, span: Fractions, points: Sequence[float],
     progress: Progress,
 ) -> ProvedBranch:  # fmt: skip
-    """Prove the branch over an interval, from a cycle at its low end as near as doubles are.
-
-    NotProved says at which value the branch could not be followed, and why.
-    """
+    """Prove the branch over an interval, from a cycle near its low end; or NotProved, and where."""
     walk = _Pieces(toy, parameter, span, [arb(x) for x in points])
     while walk.at < span.high:  # a part is proved or halved, or a gap grows until it is too long
         walk.go_on()

@@ -191,10 +191,8 @@ def around(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
 
 
 def _turn(tubes: Sequence[Tube], ways: Sequence[Way], slopes: Sequence[Any]) -> Any:
-    """Range of the derivative of the multiplier along the cycle.
-
-    The points move with s_i' = e_i' + slope_i s_i', and slope_i with f_sp + f_ss s_i'.
-    """
+    """Range of the derivative of the multiplier along the cycle."""
+    # The points move with s_i' = e_i' + slope_i s_i', and slope_i with f_sp + f_ss s_i'.
     misses = []
     for k, way in enumerate(ways):
         following = _line(way.image.frame, tubes[(k + 1) % len(tubes)], rate=True)
@@ -232,10 +230,8 @@ def curves_near(
     toy: Toy, parameter: str, line: Route, guesses: Sequence[Sequence[Any]], terms: int,
     plateaus: bool = False,
 ) -> list[tuple[Fraction, ...]]:  # fmt: skip
-    """Taylor polynomials of a cycle about the middle of a line: no proof.
-
-    By Newton's method on polynomials: each step doubles the number of right coefficients.
-    """
+    """Taylor polynomials of a cycle about the middle of a line: no proof."""
+    # By Newton's method on polynomials: each step doubles the number of right coefficients.
     frame, half = Frame(ZERO, ZERO, terms), number(line.half)
     model = BallToy.of(toy, parameter, frame, [number(c) for c in line.poly])
     curves = [arb_poly(list(guess)) for guess in guesses]

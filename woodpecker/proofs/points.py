@@ -35,10 +35,7 @@ DECIMALS = 40
 
 
 def proved_point(toy: Toy, parameter: str, p: float, x: float, digits: int) -> Certificate:
-    """Prove a border collision near a place.
-
-    NotProved if it is none at a jump where two gaps close at once, or something is open.
-    """
+    """Prove a border collision at a jump where two gaps close at once; or NotProved."""
     at_p, at_x, radius = Fraction(p), Fraction(x), FIRST
     while True:  # the box shrinks to the last one in a few steps
         ways, fork = _both(toy, parameter, at_p, at_x, radius)
@@ -71,11 +68,9 @@ def _both(
 
 
 def _krawczyk(image: Form, border: Form, x: Fraction, radius: Fraction) -> tuple[Any, Any]:
-    """Where in the box image = x and border = 0 may hold, as balls about its centre.
-
-    With f = (image - x - s, border) the operator is -C f(0) + (1 - C f') box, where C is near the
-    inverse of f' at the centre.
-    """
+    """Where in the box image = x and border = 0 may hold, as balls about its centre."""
+    # With f = (image - x - s, border) the operator is -C f(0) + (1 - C f') box, where C is near the
+    # inverse of f' at the centre.
     f = [image.mid - number(x), border.mid]
     jacobian = [
         [image.parts[S].box - 1, image.parts[P].box],

@@ -32,11 +32,9 @@ LEVEL = 1e-10  # relative: changes are as small as each other, to what rounding 
 
 
 def _gradient(space: Space, u: Floats, orbit: Orbit, condition: Condition) -> Floats:
-    """Gradient of a condition along the cycles, scaled; its length counts for nothing.
-
-    Cycle and condition are n + 1 equations for n points: the combination of them that does not
-    depend on the points is one for the parameters alone. It is regular at a fold too.
-    """
+    """Gradient of a condition along the cycles, scaled; its length counts for nothing."""
+    # Cycle and condition are n + 1 equations for n points: the combination of them that does not
+    # depend on the points is one for the parameters alone. It is regular at a fold too.
     rows = [_jacobian(each, condition) for each in _along_axes(space, u, orbit.x, orbit)]
     if not np.isfinite(rows).all():  # at a root of the map
         return np.full(len(u), math.nan)
@@ -134,11 +132,9 @@ def _target(space: Space, here: MetOnLine) -> Floats:
 def _turned(
     space: Space, here: MetOnLine, target: Floats, seen: dict[Key, MetOnLine]
 ) -> MetOnLine | None:
-    """The same condition at a smaller change, in the direction of the target or part of the way.
-
-    Where the condition bends the target is too near or too far: twice and half of the way are
-    tried.
-    """
+    """The same condition at a smaller change, in the direction of the target or part of the way."""
+    # Where the condition bends the target is too near or too far: twice and half of the way are
+    # tried.
     tried = [_same(space, here, here.u + part * (target - here.u), seen) for part in PARTS]
     found = [each for each in tried if each is not None]
     part = PARTS[-1]
@@ -152,10 +148,9 @@ def _turned(
 def _same(
     space: Space, here: MetOnLine, way: Floats, seen: dict[Key, MetOnLine]
 ) -> MetOnLine | None:
-    """The same condition in another direction, if the change is no larger there.
-
-    A line that ended right there could not tell a spike from what makes a motion unstable for good.
-    """
+    """The same condition in another direction, if the change is no larger there."""
+    # A line that ended right there could not tell a spike from what makes a motion unstable for
+    # good.
     most = here.size * (1.0 + LEVEL)
     found = met_along(space, np.clip(way, space.low, space.high), most * (1.0 + PAST * SPIKE))
     keep(found, seen)

@@ -68,11 +68,9 @@ def keys_of(jump: Jump) -> Keys:
 
 
 def stretches(curve: BranchCurve) -> tuple[Stretch, ...]:
-    """Stretches of a branch with one word, each with the cause of the change that begins it.
-
-    A sample at a border has the pieces before it. What has no mark is the orbit of a limit of a
-    jump that meets a border where borders accumulate.
-    """
+    """Stretches of a branch with one word, each with the cause of the change that begins it."""
+    # A sample at a border has the pieces before it. What has no mark is the orbit of a limit of a
+    # jump that meets a border where borders accumulate.
     causes = {mark.sample + 1: mark.cause for mark in curve.marks}
     unmarked = OF_A_LIMIT if curve.kind is BranchKind.JUMP else ""
     first, *others = curve.words
@@ -100,10 +98,8 @@ def from_point(values: tuple[T, ...], shift: int) -> tuple[T, ...]:
 
 
 def agree(one: Keys, other: Keys) -> bool:
-    """Whether two orbits take the same pieces; at a border one side is enough.
-
-    The piece on the other side of a jump may be so thin that rounding decides whether it is seen.
-    """
+    """Whether two orbits take the same pieces; at a border one side is enough."""
+    # The piece on the other side of a jump may be so thin that rounding decides whether it is seen.
     return len(one) == len(other) and all(
         not a.isdisjoint(b) if isinstance(a, frozenset) and isinstance(b, frozenset) else a == b
         for a, b in zip(one, other, strict=True)

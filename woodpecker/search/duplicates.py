@@ -70,10 +70,8 @@ class Known:
     def _curved(
         self, place: _SamplePlace, orbit: Orbit, closing: tuple[Condition, ...]
     ) -> Iterator[Floats]:
-        """A place on the cubic through both samples, with the tangents of the orbit's pieces.
-
-        Where orbits are steep the chord is too far off for Newton's method.
-        """
+        """A place on the cubic through both samples, with the tangents of the orbit's pieces."""
+        # Where orbits are steep the chord is too far off for Newton's method.
         number, k, shift = place.chord
         curve, problem = self.network.curves[number], problem_of(self.settings, *closing)
         one, other = (
@@ -118,10 +116,8 @@ class Known:
         return holds[place.chord]
 
     def _is_cycle(self, curve: BranchCurve, samples: Sequence[int], shift: int, x: Floats) -> bool:
-        """Whether a cycle near some points takes the pieces of a branch at one of its samples.
-
-        On a border the map may take others: then those at the other sample are as good.
-        """
+        """Whether a cycle near some points takes the pieces of a branch at one of its samples."""
+        # On a border the map may take others: then those at the other sample are as good.
         p, pieces = self._at.p, self._pieces(curve, samples)
         if not pieces:
             return True

@@ -180,10 +180,7 @@ class _Candidate:
 
 
 class Explorer:
-    """Follows branches, and what starts at their ends, with the tasks of a scheduler.
-
-    The recorder, if there is one, keeps what is finished.
-    """
+    """Follows branches, and what starts at their ends, with the tasks of a scheduler."""
 
     def __init__(
         self, map_: PiecewiseMap, scheduler: Scheduler, settings: Settings, orders: Sequence[int],
@@ -207,10 +204,8 @@ class Explorer:
         self._past = deque[Step]()
 
     def take_over(self, past: Iterable[Step]) -> None:
-        """What an interrupted run has followed since its last slice is taken over in its turn.
-
-        The search makes the same decisions in the same order, with the same branches known.
-        """
+        """What an interrupted run has followed since its last slice is taken over in its turn."""
+        # The search makes the same decisions in the same order, with the same branches known.
         self._past.extend(past)
 
     @property
@@ -262,10 +257,7 @@ class Explorer:
         self._switches = False
 
     def see(self, p: float) -> Seen:
-        """Take slices of all orders at a parameter; follow what they show and no branch explains.
-
-        The next ones are taken at the parameters in ``coming``.
-        """
+        """Take slices of all orders at a parameter; follow what no branch explains."""
         self._tell(p, max(self.orders))
         self.scheduler.expect(self._likely())
         done = self.scheduler.result(Tasks.slice, p, self.orders)
@@ -318,10 +310,7 @@ class Explorer:
         self._turns.remove(left)
 
     def _finish_one(self, queue: deque[Any]) -> None:
-        """Follow what starts at the first special point of a queue.
-
-        It stays in the queue if that takes more evaluations than are allowed.
-        """
+        """Follow what starts at the first point of a queue, unless evaluations run out."""
         self._met = met = queue[0]
         if not self._is_finished(met):
             ends_here = isinstance(met, End) and self.network.is_switched(met)
@@ -367,11 +356,9 @@ class Explorer:
         return True
 
     def _keep(self, task: Callable[..., Any], argument: object) -> None:
-        """Keep a branch and those that continue it, until one is known already.
-
-        A known one is followed to its end first: right beyond a sharp fold it looks like the branch
-        that led there.
-        """
+        """Keep a branch and those that continue it, until one is known already."""
+        # A known one is followed to its end first: right beyond a sharp fold it looks like the
+        # branch that led there.
         kept, points, before = list[BranchCurve](), list[BranchCurve](), self.spent
         todo = deque[Call]([(task, argument)])
         while todo and not self.is_spent:  # each leg is followed, and that is counted

@@ -55,11 +55,9 @@ class Node:
     branches: list[str] = field(default_factory=list)
 
     def take(self, end: End, x: float, order: int) -> None:
-        """Take in another end that lies there: it names the point if it says more.
-
-        A collision says more than others; a cycle more than the same cycle passed twice, to which
-        its flip is a fold; a fold more than a flip that cannot be told from it.
-        """
+        """Take in another end that lies there: it names the point if it says more."""
+        # A collision says more than others; a cycle more than the same cycle passed twice, to which
+        # its flip is a fold; a fold more than a flip that cannot be told from it.
         self.flips = self.flips or end.kind is PointKind.PD
         collides = end.kind in COLLISIONS and self.end.kind not in COLLISIONS
         folds = order == self.order and (end.kind, self.end.kind) == (PointKind.LP, PointKind.PD)
@@ -78,10 +76,7 @@ class Node:
 
 
 class Network:
-    """Branches, special points, and those of them at which something is left to follow.
-
-    Special points within the scales of the settings are one.
-    """
+    """Branches, special points (one within the scales), and where something is left to follow."""
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
@@ -150,10 +145,8 @@ class Network:
         )
 
     def add(self, curve: BranchCurve) -> None:
-        """Keep a branch, once for each point of its cycle, unless it is a point.
-
-        A chain of fold-flip points without end, seen at P_1 only, ends in its limit.
-        """
+        """Keep a branch, once for each point of its cycle, unless it is a point."""
+        # A chain of fold-flip points without end, seen at P_1 only, ends in its limit.
         if self.is_a_point(curve):
             self._pass_over(curve)
             return
@@ -238,12 +231,10 @@ class Network:
         )
 
     def _goes_round(self, curve: BranchCurve) -> bool:
-        """Whether the cycles of a branch go round others of smaller period.
-
-        Between the ends their points are one to rounding: where a branch doubles they part as it
-        goes on. At the ends rounding may part points that are one, or a step has come from another
-        branch.
-        """
+        """Whether the cycles of a branch go round others of smaller period."""
+        # Between the ends their points are one to rounding: where a branch doubles they part as it
+        # goes on. At the ends rounding may part points that are one, or a step has come from
+        # another branch.
         if curve.kind is BranchKind.JUMP or curve.order == 1:
             return False
         points = np.array(curve.points) / self.settings.x_scale
@@ -259,11 +250,9 @@ class Network:
         return False
 
     def _draws(self, known: BranchCurve, curve: BranchCurve) -> bool:
-        """Whether a branch has the ends of another, and lies on it with the same pieces in between.
-
-        The cycle may be followed from another of its points. Where one of the two has passed over
-        thin pieces their words differ, but somewhere they agree if they are one.
-        """
+        """Whether a branch has the ends of another and lies on it, with the same pieces."""
+        # The cycle may be followed from another of its points. Where one of the two has passed over
+        # thin pieces their words differ, but somewhere they agree if they are one.
         if (known.kind, known.order) != (curve.kind, curve.order):
             return False
         p, q = (sorted(each.parameter[[0, -1]].tolist()) for each in (known, curve))
@@ -298,10 +287,8 @@ class Network:
     def _passes(
         self, known: BranchCurve, shift: int, samples: Floats, curve: BranchCurve, k: int
     ) -> bool:
-        """Whether a known branch goes through what lies before sample k of another.
-
-        ``samples`` are those of the known one as the chosen point of its cycle sees them, scaled.
-        """
+        """Whether a branch of given scaled samples goes through another before sample k."""
+        # The samples are those of the known branch as the chosen point of its cycle sees them.
         units = np.array([self.settings.p_scale, self.settings.x_scale])
         middle = 0.5 * (_place(curve, k - 1) + _place(curve, k)) / units
         run = np.diff(samples, axis=0)

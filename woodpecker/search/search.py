@@ -141,9 +141,7 @@ class _Plan:
 
 
 def first_places(search: Search) -> list[float]:
-    """Where slices are taken first, as parts of the span: near both ends, then evenly.
-
-    Multiples of the golden ratio fill (0, 1) evenly, and hit no value of a map's formulas.
-    """
+    """Where slices are taken first, as parts of the span: near both ends, then evenly."""
+    # Multiples of the golden ratio fill (0, 1) evenly, and hit no value of a map's formulas.
     near = 0.5 * search.finest
     return [near, 1.0 - near, *((k * GOLDEN) % 1.0 for k in range(1, search.slices + 1))]

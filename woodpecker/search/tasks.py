@@ -172,10 +172,8 @@ class Tasks:
         return cycle if cycle.is_defined else None
 
     def _others(self, end: End, orders: Sequence[int]) -> Iterator[Beginning]:
-        """At a flip of P_n the branch of P_2n, or the other way round, if both are wanted.
-
-        At a branch point both branches both ways, for it is not known which one led there.
-        """
+        """At a flip of P_n the branch of P_2n, or vice versa; at a branch point both ways."""
+        # At a branch point it is not known which branch led there.
         base, p = self.base, np.array([end.p])
         cycle = self._cycle_at(end.x, p)
         if cycle is None:

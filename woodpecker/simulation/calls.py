@@ -147,10 +147,9 @@ def follow(
     model: Floats, change: Floats, path: Ints, times: Floats, phi_s: float, notes: Floats,
     work: Work,
 ) -> int:  # fmt: skip
-    """Follow the toy from the section at phi_S along a path until it returns.
+    """Follow a path from the section, see :func:`woodpecker.simulation.following.follow_path`.
 
-    As :func:`woodpecker.simulation.following.follow_path`; ``work`` (1,) is a WORK, whose route has
-    the seeds and takes the result.
+    ``work`` (1,) is a WORK, whose route has the seeds and takes the result.
     """
     return compute(
         FOLLOW, model, change, True, phi_s, NO_STARTS, NO_WORDS, NO_PHASES, path, times, NO_EVENTS,

@@ -181,11 +181,9 @@ def unpack(mode: int, states: Ints) -> None:
 
 @part
 def _find_orders(step: Ints, route: Route) -> None:
-    """How many derivatives of each gap an event makes zero; states are those of the phase before.
-
-    A gap that strikes and leaves begins with a speed, one that was closed or is closed now has
-    none, and at a detachment it has no acceleration either.
-    """
+    """How many derivatives of each gap an event makes zero; states are those before."""
+    # A gap that strikes and leaves begins with a speed, one that was closed or is closed now has
+    # none, and at a detachment it has no acceleration either.
     last = step[SECOND] if step[SECOND] != UNSOLVED else step[FIRST]
     struck, n = step[STRUCK], 0
     for i in range(3):
@@ -214,11 +212,9 @@ def _mode_after_rest(path: Ints, k: int) -> int:
 def _duration(
     model: Floats, step: Ints, mode: int, guard: int, near: float, again: bool, route: Route
 ) -> float:
-    """Duration of a phase, near that of a neighbour; nan if there is none.
-
-    Where Newton's method fails from there the guard fires with its first root, as on an admissible
-    path; so does a bounce that happens ``again``, of which no neighbour is known.
-    """
+    """Duration of a phase, near that of a neighbour; nan if there is none."""
+    # Where Newton's method fails from there the guard fires with its first root, as on an
+    # admissible path; so does a bounce that happens ``again``, of which no neighbour is known.
     kappa, omega = model[mode, KAPPA], model[mode, OMEGA]
     if guard == SECTION:
         t, swing = time_to_minimum(model, mode, route.z), TWO_PI / omega
@@ -381,11 +377,9 @@ def _change_flow(
     model: Floats, change: Floats, mode: int, z: Floats, t: float, s1: float, s2: float, s3: float,
     s4: float, v: Floats,
 ) -> None:  # fmt: skip
-    """Add to a tangent what the coefficients of the mode, which change, do in a time t.
-
-    qdd = A + B d, so q gains A t^2 / 2 + B (d integrated twice) and u gains A t + B (d integrated
-    once), and d = d_0 c_0 + d_1 s_1 + ... depends on alpha and kappa.
-    """
+    """Add to a tangent what the coefficients of the mode, which change, do in a time t."""
+    # qdd = A + B d, so q gains A t^2 / 2 + B (d integrated twice) and u gains A t + B (d integrated
+    # once), and d = d_0 c_0 + d_1 s_1 + ... depends on alpha and kappa.
     kappa = model[mode, KAPPA]
     d0, d1, d2 = spring(model, mode, z)
     once = d0 * t + d1 * s2 + d2 * s3

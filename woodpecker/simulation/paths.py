@@ -122,10 +122,7 @@ class Along(NamedTuple):
 
 
 class Follower:
-    """Room and numbers to trace returns of one toy and to follow their paths.
-
-    They are those of :func:`woodpecker.simulation.calls.sweep`; ``seed`` is (1, 3).
-    """
+    """Room and numbers, as of ``sweep``, to trace returns of one toy and to follow their paths."""
 
     def __init__(self, numbers: Floats, change: Floats = FIXED, seed: Floats | None = None) -> None:
         self.numbers, self.change = numbers, change
@@ -166,10 +163,7 @@ class Follower:
         return status(code), path, float(z[2]) if code == RETURNED else math.nan
 
     def follow(self, path: Path, phi_s: float, times: Floats | None = None) -> Along | None:
-        """The return from phi_S [rad] along a path; None if the path does not reach so far.
-
-        ``times`` are durations of the phases at a neighbouring start, by default those of the path.
-        """
+        """The return from phi_S [rad] along a path, or None; ``times`` are those of a neighbour."""
         self.evaluations += max(1, len(path.steps) // PHASES)
         times = (path.times if times is None else times).copy()
         if self._notes.shape[1] < margins.MOST * len(times):

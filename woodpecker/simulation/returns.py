@@ -188,10 +188,7 @@ def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
 def return_map(
     toy: Toy, phi_s: npt.ArrayLike, order: int = 1, *, executor: Executor | None = None
 ) -> ReturnMap:
-    """P_order of the toy at many starts, on all cores; see :func:`woodpecker.return_map`.
-
-    It raises the same errors.
-    """
+    """P_order of the toy at many starts, on all cores; see :func:`woodpecker.return_map`."""
     starts, order = checked_starts(toy, phi_s), whole("order", order, most=ORDER_MOST)
     chunk = chunk_of(order)
     parts = [starts[k : k + chunk] for k in range(0, len(starts), chunk)] or [starts]
@@ -271,10 +268,8 @@ def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
 
 
 def _differ_from_above(toy: Toy, starts: Floats, order: int, out: Floats, codes: Ints) -> None:
-    """Fill in derivatives in eps_N1 where it is zero and a larger one would make the beak bounce.
-
-    By a one-sided difference of second order: the bounces are not in the flow that is followed.
-    """
+    """Fill in derivatives in eps_N1 at zero, where a larger one would make the beak bounce."""
+    # By a one-sided difference of second order: the bounces are not in the flow that is followed.
     rows = np.flatnonzero((codes == RETURNED_NO_SLOPE) & np.isfinite(out[:, SLOPE]))
     if len(rows):
         here, steps = out[rows, 0], (RELATIVE_STEP, 2.0 * RELATIVE_STEP)
