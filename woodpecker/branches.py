@@ -47,10 +47,9 @@ def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
 
     Parameters
     ----------
-    toy
-        The toy of the diagram; its own value of the parameter does not matter.
-    diagram
-        From :func:`woodpecker.continuation` or :func:`woodpecker.bifurcation_diagram`.
+    toy, diagram
+        The diagram, of :func:`woodpecker.continuation` or :func:`woodpecker.bifurcation_diagram`,
+        and its toy, whose own value of the parameter does not matter.
     value
         The value of the parameter.
 
@@ -62,10 +61,9 @@ def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
 
     Raises
     ------
-    TypeError
-        If ``toy`` or ``diagram`` are none, or the diagram's parameter is none of the toy.
-    ValueError
-        If the value is no number, or the toy cannot have this value.
+    TypeError, ValueError
+        If ``toy`` or ``diagram`` are none, the diagram's parameter is none of the toy, or the toy
+        cannot have this value.
 
     Examples
     --------
@@ -179,15 +177,13 @@ def observables(toy: Toy, diagram: Diagram, *names: str, **functions: Observable
     Returns
     -------
     Diagram
-        Each branch has the values in :attr:`pwmap.Branch.columns`; files of results
-        (:func:`pwmap.diagrams.tables.write_results`) have a column for each.
+        Each branch has the values in :attr:`pwmap.Branch.columns`, as have files of results
+        (:func:`pwmap.diagrams.tables.write_results`).
 
     Raises
     ------
-    ValueError
-        If a name is unknown.
-    TypeError
-        If ``diagram`` is none, or its parameter is none of the toy.
+    ValueError, TypeError
+        If a name is unknown, ``diagram`` is none, or its parameter is none of the toy.
 
     Examples
     --------

@@ -123,10 +123,9 @@ def continuation(
         is located to rounding, the branch ends (EP, "stopped as asked").
     progress
         Called before the first branch, and with every one that is finished.
-    run
-        A file that keeps every finished branch, so that an interrupted run can go on.
-    resume
-        Go on with the run in that file, which does not keep ``stop``: give it again.
+    run, resume
+        A file that keeps every finished branch; and whether to go on with the run in it, which
+        keeps no ``stop``: give it again.
 
     Returns
     -------
@@ -153,11 +152,8 @@ def continuation(
     EP 0.450000000 -0.537769080 end of the parameter span
     PD 0.648549200 -0.518581245 the multiplier is -1
     EP 0.700000000 -0.515717105 end of the parameter span
-
-    A map of one's own:
-
-    >>> from woodpecker.examples import two_lines
-    >>> lines = two_lines()  # from_sympy(...)
+    >>> from woodpecker.examples import two_lines  # a map of one's own
+    >>> lines = two_lines()
     >>> diagram = continuation(lines, shoot(lines, -1.0, p=-0.5), "p", span=(-1, 2))
     >>> [(branch.id, branch.word, branch.ends) for branch in diagram.branches]
     [('F1', 'L', ('EP1', 'BC1')), ('J1', 'L / R', ('BC1', 'BC2')), ('F2', 'R', ('BC2', 'EP2'))]
@@ -284,16 +280,12 @@ def bifurcation_diagram(
     window
         Finite interval of phi_S [rad] or x, by default (-2.5, -0.24) rad for a toy, that of the
         settings for a map.
-    settings
-        Steps and tolerances.
-    search
-        How many slices.
+    settings, search
+        Steps and tolerances; how many slices.
     progress
         Called with every branch that is finished, and before every slice.
-    run
-        A file that keeps every finished branch, so that an interrupted run can go on.
-    resume
-        Go on with the run in that file.
+    run, resume
+        A file that keeps every finished branch; and whether to go on with the run in it.
     workers
         How many processes do the work, this one among them; by default one for each core, for a map
         this one alone. A map goes to others by cloudpickle, with lambdas in it too. The result does
@@ -324,10 +316,7 @@ def bifurcation_diagram(
     >>> top = bifurcation_diagram(Toy(), "eps_n1", (0.33, 0.4), (1,), (-1, -0.8), search=few)
     >>> sorted((round(p.parameter, 9), str(p.kind)) for p in top.points if p.kind.name != "EP")
     [(0.341923454, 'BC'), (0.388349589, 'FF')]
-
-    A map of one's own:
-
-    >>> from woodpecker.examples import two_lines
+    >>> from woodpecker.examples import two_lines  # a map of one's own
     >>> diagram = bifurcation_diagram(two_lines(), "p", (-1, 2), (1, 2), (-3, 3), search=few)
     >>> [(branch.id, branch.order) for branch in diagram.branches]
     [('F1', 1), ('J1', 1), ('J2', 2), ('F2', 1), ('J3', 2), ('F3', 2), ('F4', 2), ('J4', 2)]

@@ -202,11 +202,9 @@ def shoot(
 
     Raises
     ------
-    TypeError
-        If it is neither a toy nor a map, or the settings are none.
-    ValueError
-        If the guess or the order is out of range, a map has no ``p`` or a toy one, or doubles
-        cannot hold the equations of motion.
+    TypeError, ValueError
+        If it is neither a toy nor a map, the settings are none, the guess or the order is out of
+        range, a map has no ``p`` or a toy one, or doubles cannot hold the equations of motion.
 
     Examples
     --------
@@ -214,10 +212,7 @@ def shoot(
     >>> orbit = shoot(Toy(), -0.53)
     >>> print(f"{orbit.phi_s:.10f} rad, {orbit.period:.10f} s, {orbit.multiplier:.6f}")
     -0.5294719671 rad, 0.1459760651 s, -0.839156
-
-    A map of one's own:
-
-    >>> from woodpecker.examples import two_lines
+    >>> from woodpecker.examples import two_lines  # a map of one's own
     >>> shoot(two_lines(), -0.9, p=-0.5)
     PeriodicOrbit(order=1, x=-1, p=-0.5, multiplier=0.5, word='L')
     """

@@ -1,7 +1,6 @@
 """P_1 of the toy as a piecewise-smooth map of (phi_S, parameter): its pieces and their margins.
 
-The searching kernel finds the path of a return. Value, derivatives and margins are those of
-following it, also beyond the set where the toy takes it.
+The kernel finds the path of a return; following it gives value, derivatives and margins.
 """
 
 from __future__ import annotations
@@ -180,10 +179,8 @@ class ToyPieces(ToyMap):
 
     Parameters
     ----------
-    toy
-        The toy; its own value of the parameter does not matter.
-    parameter
-        The parameter of the toy that varies.
+    toy, parameter
+        The toy, and its parameter that varies, whose own value does not matter.
 
     Raises
     ------
@@ -193,12 +190,9 @@ class ToyPieces(ToyMap):
     Examples
     --------
     >>> from woodpecker import Toy, ToyPieces
-    >>> map_ = ToyPieces(Toy(), "eps_n1")
-    >>> image = map_.at(-0.53, 0.5)
+    >>> image = ToyPieces(Toy(), "eps_n1").at(-0.53, 0.5)
     >>> round(image.value, 9), round(image.slope, 6), round(image.d_parameter, 6)
     (-0.529030292, -0.833817, 0.250721)
-    >>> image.piece.word
-    'S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2'
     """
 
     toy: Toy

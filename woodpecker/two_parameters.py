@@ -79,10 +79,9 @@ def curve_in_two(
     --------
     >>> from woodpecker import continuation, curve_in_two, shoot
     >>> from woodpecker.examples import SETTINGS, paper_family
-    >>> family = paper_family()  # family_from_sympy(...), over r and a
-    >>> over_r = family.over(0, (0.0, 1.25))
+    >>> family = paper_family()  # over r and a
+    >>> over_r, spans = family.over(0, (0.0, 1.25)), ((-1, 1), (1.1, 2))
     >>> border = continuation(over_r, shoot(over_r, 0.2, p=0.45), settings=SETTINGS).points[0]
-    >>> spans = ((-1, 1), (1.1, 2))
     >>> curve = curve_in_two(family, border, ("r", "a"), spans, value=1.25, settings=SETTINGS)
     >>> str(curve.kind), curve.values[[0, -1]].round(9).tolist()  # r and a
     ('BC', [[0.0, 1.1], [0.0, 2.0]])

@@ -1,8 +1,7 @@
 """The kernel's cache on disk: a file that is damaged, or cannot be written, is no obstacle.
 
-Numba reads its cache as it finds it, and one wrong bit ends in a crash at every call. Here each
-file ends with a digest; what does not agree is compiled anew, with one warning that names the
-folder. This uses parts of numba that may change: if they do, the cache is as numba has made it.
+Each file ends with a digest: what does not agree is compiled anew. Where the parts of numba that
+this uses have changed the cache is as numba has made it.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
 """A checkpoint: a text file that grows by one line of JSON with everything that is finished.
 
-The first line says what is searched, and how. Each line is written through before the search goes
-on, and ends with a digest of itself and all lines before, so that a change is noticed; half a line
-at the end, as an interruption leaves it, is dropped.
+The first line says what is searched, and how. Each line ends with a digest of itself and all lines
+before; half a line at the end, as an interruption leaves it, is dropped.
 """
 
 from __future__ import annotations
@@ -31,24 +30,11 @@ WAIT = 3.0  # s: as long as the workers of a killed run may take to notice, and 
 class Checkpoint:
     """Lines of JSON, each written through before the search goes on; the system locks the file.
 
-    Parameters
-    ----------
-    path
-        The file. What is in it is kept as ``<name>.old`` unless the run is resumed.
-    run
-        What is searched, and how; a run can only be resumed with the same. Points to start from
-        are the same if they differ by 1e-9 at most: other machines round in other ways.
-    version
-        Of the lines; raised when older code would misread them.
-    parsed
-        What an entry stands for; an error of a lookup, a TypeError or a ValueError if nothing.
-    resume
-        Go on with the run in the file.
-
-    Raises
-    ------
-    ValueError
-        If there is nothing to resume, the run in the file is another one, or it is being written.
+    Unless the run is resumed, what is in it is kept as ``<name>.old``. Runs are the same if numbers
+    of their starts differ by 1e-9 at most; ``version`` is raised when older code would misread
+    lines; ``parsed`` makes of an entry what it stands for, or raises an error of a lookup, a
+    TypeError or a ValueError. ValueError if there is nothing to resume, the run is another one, or
+    it is being written.
     """
 
     def __init__(
@@ -145,11 +131,7 @@ def _taken_beside(_: TextIO, path: Path) -> Callable[[], object]:
 def read(
     path: str | os.PathLike[str], *, version: int, parsed: Callable[[Entry], Any]
 ) -> tuple[Entry, list[Any]]:
-    """What a checkpoint says of its run, and what its entries so far stand for.
-
-    ValueError if there is no such file, or it is no checkpoint of this version in all complete
-    lines.
-    """
+    """What a checkpoint says of its run, and its entries; ValueError if it is none of a version."""
     path = _existing(Path(path))
     data = path.read_bytes()
     lines = data[: _whole(data)].split(b"\n")[:-1]

@@ -8,10 +8,7 @@ from scipy.optimize import brentq
 
 
 def zero_of_cubic(before: float, after: float, rise: float, rise_there: float) -> float:
-    """Where the cubic with values of different signs and slopes at 0 and 1 vanishes between them.
-
-    If a slope is infinite, the straight line is taken.
-    """
+    """Where a cubic of given values and slopes at 0 and 1 vanishes; a line if one is infinite."""
     change = after - before
     cubic, square = rise + rise_there - 2.0 * change, 3.0 * change - 2.0 * rise - rise_there
     if not math.isfinite(cubic):

@@ -1,9 +1,7 @@
 """Where the tasks of a search are carried out: here, and by processes of its own or an executor.
 
 The calling thread does what is needed next; others begin what is likely to be needed later. A task
-depends on nothing but its arguments, so results and their order are those of one thread. Tasks
-travel as bytes made by cloudpickle; the map in them is sent once. No process inherits anything but
-code: so any executor will do, and where there is none a search works alone.
+depends on its arguments only, so results and their order are those of one thread.
 """
 
 from __future__ import annotations
@@ -247,27 +245,11 @@ def scheduler(
 ) -> Iterator[Scheduler]:
     """Where tasks are carried out, for the time of a search.
 
-    Parameters
-    ----------
-    work
-        What is to be done with the arguments of a task.
-    workers
-        How many processes work, this one among them; by default one for each core. It works alone
-        if it cannot make others, as in a :class:`multiprocessing.Pool`.
-    executor
-        Any executor of :mod:`concurrent.futures` that helps instead; it is not shut down.
-        ``workers`` then says how many tasks it does at once.
-    shared
-        A part of the work that tasks and results refer to, too.
-
-    Raises
-    ------
-    ValueError
-        If there is to be nobody, or the work cannot be sent to other processes.
-    TypeError
-        If the executor is none.
-    WorkerLostError
-        If a process ends before its task does.
+    ``workers`` processes, this one among them, by default one for each core; it works alone if it
+    cannot make others. Or an executor of :mod:`concurrent.futures` that helps, not shut down, with
+    so many tasks at once. ``shared`` is a part of the work that tasks refer to, too. ValueError if
+    there is to be nobody, or the work cannot be sent; TypeError if the executor is none;
+    WorkerLostError if a process ends before its task does.
     """
     count = worker_count(workers)
     if not (executor is None or hasattr(executor, "submit")):
@@ -326,8 +308,8 @@ def _received(sent: bytes) -> tuple[Work, Sender]:
 def processes(count: int) -> Iterator[ProcessPoolExecutor | None]:
     """Processes of this one's own, all started at once; None where none can be made.
 
-    Ctrl-C is left to this process. They end with the block, and never outlive this process.
-    WorkerLostError if one ends before its task does.
+    They end with the block or this process, and leave Ctrl-C to it. WorkerLostError if one ends
+    before.
     """
     if multiprocessing.current_process().daemon:  # such a process may have no children
         yield None

@@ -1,9 +1,8 @@
 """Compile a kernel of many functions as one piece, in half of numba's own time.
 
-Numba optimises each function together with all that it calls, so a nest of depth d is treated d
-times. Here functions that only compiled code calls are kept as written, and those that Python calls
-take all of them at once. This uses parts of numba that may change: :func:`pipelines` returns
-nothing if they are not as expected, and numba does its usual work.
+Numba optimises each function with all that it calls, so a nest of depth d is treated d times. Here
+functions that only compiled code calls are kept as written. Where the parts of numba that this uses
+have changed it does its usual work.
 """
 
 from __future__ import annotations

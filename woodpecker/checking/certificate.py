@@ -43,10 +43,7 @@ NOT_MADE_SO = (
 
 
 def check_certificate(path: str | os.PathLike[str]) -> str:
-    """The statement of a certificate file, composed from what was verified.
-
-    Rejected if the certificate does not hold, or is none; OSError if the file cannot be read.
-    """
+    """The verified statement of a certificate file; Rejected if it does not hold, or OSError."""
     raw = Path(path).read_bytes()
     if len(raw) > LONGEST:
         raise Rejected(f"a certificate has at most {LONGEST} characters, got {len(raw)}")

@@ -26,17 +26,14 @@ class Flight(NamedTuple):
 
 
 class Sliding(NamedTuple):
-    """Sliding where a pause has its middle, ``last`` before the contact has come to stay at most.
-
-    The contact lands late where ``level``, the gap without a landing, is positive, else early.
-    """
+    """Sliding from the middle of a pause."""
 
     q: list[F]
     u: list[F]
     states: tuple[int, int, int]
-    level: F
+    level: F  # the gap without a landing: late where it is positive, else early
     middle: I
-    last: I
+    last: I  # time after which the contact has come to stay
 
 
 def pause(motion: Flight, i: int, late: bool, bracket: I, jet: Sequence[F | I]) -> Sliding:

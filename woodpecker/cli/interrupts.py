@@ -1,8 +1,7 @@
 """What a command does when it is asked to end, by Ctrl-C or by SIGTERM.
 
-It breaks off, writes what is finished as tables, and ends. A request may be lost in libraries that
-drop exceptions: it is repeated until the command has heard it. While the kernel is compiled nothing
-of Python runs, and the system ends the process.
+It breaks off, writes what is finished as tables, and ends. Some libraries drop requests: they are
+repeated until heard. While the kernel is compiled the system ends the process.
 """
 
 from __future__ import annotations

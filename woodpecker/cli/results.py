@@ -1,7 +1,6 @@
 """The files of a command: tables first, then pictures, and the same end for all commands.
 
-Whatever ends a command, its files are named on the screen and in a record beside them. Ctrl-C and
-SIGTERM end it with status 130 and keep what is finished.
+Whatever ends a command, its files are named on the screen and in a record beside them.
 """
 
 from __future__ import annotations

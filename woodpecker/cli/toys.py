@@ -80,11 +80,7 @@ def toy_options() -> list[inspect.Parameter]:
 
 
 def toy_of(values: dict[str, Any]) -> Toy:
-    """Take what these options were given out of the values of a command: the toy they describe.
-
-    ValueError if the file holds no toy or a value is impossible; OSError if a file cannot be read
-    or written.
-    """
+    """The toy that options describe, taken out of a command's values; ValueError or OSError."""
     file, saved = values.pop(FILE), values.pop(SAVE)
     fields = {name: values.pop(name) for name in (*parameters(), LAW)}
     source = values.pop(CONTEXT).get_parameter_source

@@ -1,8 +1,6 @@
 """Contact problems over a box: one solution by strict inequalities, every other one refuted.
 
-They are those of :mod:`woodpecker.mechanics.contact_problems` and
-:mod:`woodpecker.motion.settling`, but the answer holds for every start and parameter of a box, or
-there is none.
+See :mod:`woodpecker.mechanics.contact_problems` and :mod:`woodpecker.motion.settling`.
 """
 
 from __future__ import annotations

@@ -143,8 +143,7 @@ class ZeroCrossing(NamedTuple):
     """The guard that ends a phase, the duration of the phase, and a bracket of it.
 
     In the bracket the guard crosses zero once from every start, with a derivative of one sign. At a
-    plateau the phase ends in its middle; the contact strikes after that (1) or before (-1), and has
-    come to stay within the bracket.
+    plateau the phase ends in its middle; the contact strikes after that (1) or before (-1).
     """
 
     guard: int  # its code

@@ -1,7 +1,6 @@
 """What a branch comes to, and how it passes places where borders accumulate.
 
-There a map takes ever thinner pieces and has no germ: what lies beyond is looked for at distances,
-the nearest first. So are crossings beyond a corner of their border.
+There a map has no germ: what lies beyond is looked for at distances, the nearest first.
 """
 
 from __future__ import annotations

@@ -1,8 +1,4 @@
-"""Curves of orbits: problems with one unknown left free, and steps along them.
-
-Cycles, jump crossings and special points in two parameters are all of this type, and
-:func:`woodpecker.engine.following.follow` follows each.
-"""
+"""Curves of orbits: problems with one unknown left free, and steps along them."""
 
 from __future__ import annotations
 

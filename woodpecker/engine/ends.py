@@ -1,7 +1,6 @@
 """What ends an arc between two samples of a curve: bounds, borders, multipliers, curves that cross.
 
-What changes its sign is located by Newton's method or a bracket. Where it is not clear what lies
-between two samples, UnclearError asks for a shorter step.
+Where it is not clear what lies between two samples, UnclearError asks for a shorter step.
 """
 
 from __future__ import annotations

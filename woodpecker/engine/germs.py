@@ -303,7 +303,7 @@ def joined(
     base: SolutionCurve, heads: Sequence[Image], limits: tuple[Sequence[Image], Sequence[Image]],
     x: Floats, p: Floats, share: float,
 ) -> Beginning | None:  # fmt: skip
-    """The jump crossing, without tangent, between limits with given images before and from a border."""
+    """The crossing, without tangent, between two limits, from images before and from the border."""
     border = shared(limits[0][0], limits[1][0], x[-1], p, base.problem.lengths)
     if border is None:
         return None

@@ -29,9 +29,7 @@ FINEST = 1e-15  # of the distance across: where a fold or a flip is
 def rounded(arc: Arc) -> Arc | None:
     """An arc that was given up in a bend, as one that leads round it; None if there is no bend.
 
-    It ends at the fold, or at the flip if there is no fold. If there is neither, it stays ``SHORT``
-    and ends beyond the bend, where steps can be longer again. A flip beside the fold is one point
-    with it.
+    It ends at the fold, or at the flip if there is no fold, or, ``SHORT`` still, beyond the bend.
     """
     curve, last = arc.curve, arc.samples[-1]
     way = _across(arc.samples, BENT * curve.settings.max_turn)

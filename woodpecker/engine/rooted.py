@@ -1,8 +1,7 @@
 """Where cycles that come to a border end exactly, and what the map takes beyond it.
 
 Where an event time goes like a root, derivatives at the border are rounding, and its place is known
-to the root of rounding only. The piece from inside, the piece beyond, or the limit of the root tell
-more.
+to the root of that only: the pieces on both sides, or the limit of the root, tell more.
 """
 
 from __future__ import annotations

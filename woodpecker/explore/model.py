@@ -1,7 +1,4 @@
-"""State -> arrays: what the views draw, without any browser. :class:`Model` is all they ask for.
-
-The toy is one model; any system of contacts (``system_model.py``) is another.
-"""
+"""State -> arrays: what the views draw, without any browser. :class:`Model` is all they ask for."""
 
 from __future__ import annotations
 

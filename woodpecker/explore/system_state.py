@@ -49,8 +49,7 @@ class Explored:
 def explored(path: str) -> Explored:
     """Run a file as a Python module, and read its ``map_``, ``start``, ``window`` and ``ranges``.
 
-    ValueError if there is no such file, a name (but for ranges) is missing or shapes do not fit;
-    TypeError if something is of another kind.
+    ValueError if it, or one of the first three, is missing, or shapes do not fit; else TypeError.
     """
     module = _module(path)
     for name in ("map_", "start", "window"):

@@ -117,10 +117,7 @@ class MapView:
 
 
 class MotionView:
-    """Time histories and a phase portrait, with the instant that the toy is drawn at.
-
-    The table ``motion`` also draws the toy, in the browser (``toy.js``), which moves ``now``.
-    """
+    """Time histories and a phase portrait, with the instant ``now`` that the browser moves."""
 
     def __init__(self) -> None:
         wide = Range1d(0, 1)

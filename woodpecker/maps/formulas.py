@@ -273,10 +273,8 @@ class FormulaMap:
 
     Raises
     ------
-    ValueError
-        If there is no piece, or two of one name.
-    TypeError
-        If something else is given than pieces.
+    ValueError, TypeError
+        If there is no piece, two have one name, or something is none.
 
     Examples
     --------
@@ -285,9 +283,8 @@ class FormulaMap:
     >>> left = FormulaPiece("L", low, {"x = 0": Smooth(lambda x, p: -x)})
     >>> right = FormulaPiece("R", high, {"x = 0": Smooth(lambda x, p: x)})
     >>> lines = FormulaMap([left, right])
-    >>> image = lines.at(-1.0, 0.25)
-    >>> image.value, image.piece.word, lines.at(3.0, 0.25).piece.word
-    (-0.25, 'L', 'R')
+    >>> lines.at(-1.0, 0.25).value, lines.at(3.0, 0.25).piece.word
+    (-0.25, 'R')
     """
 
     pieces: Sequence[BoundedPiece]

@@ -27,25 +27,20 @@ class Iterate:
 
     Parameters
     ----------
-    map
-        P_1.
-    order
-        How often it is applied.
+    map, order
+        P_1, and how often it is applied.
 
     Raises
     ------
-    ValueError
-        If the order is no whole number of at least 1.
-    TypeError
-        If the map has no pieces.
+    ValueError, TypeError
+        If the order is no whole number of at least 1, or the map has no pieces.
 
     Examples
     --------
     >>> from woodpecker.examples import two_lines
     >>> from woodpecker.maps import Iterate
-    >>> lines = two_lines()
-    >>> Iterate(lines, 2).at(-1.0, 0.25).value, lines.at(lines.at(-1.0, 0.25).value, 0.25).value
-    (0.125, 0.125)
+    >>> Iterate(two_lines(), 2).at(-1.0, 0.25).value
+    0.125
     """
 
     map: PiecewiseMap

@@ -21,14 +21,10 @@ class Image(NamedTuple):
 
     Attributes
     ----------
-    value
-        P(x, p); nan where the piece has no value.
-    slope, d_parameter
-        dP/dx and dP/dp.
-    margins
-        (m,) numbers h_k(x, p), positive where the map takes this piece.
-    gradients
-        (m, 2), their derivatives in x and p.
+    value, slope, d_parameter
+        P(x, p), nan where the piece has no value; dP/dx and dP/dp.
+    margins, gradients
+        (m,) numbers h_k(x, p), positive where the map takes this piece; (m, 2) their derivatives.
     causes
         (m,) ascending codes that tell the margins apart; a piece need not have the same ones at two
         points.

@@ -31,11 +31,10 @@ class Bound(NamedTuple):
 
 
 def bounds_of_pieces(conditions: Sequence[sympy.Basic]) -> list[tuple[Bound, ...] | None]:
-    """The margins of the pieces of a Piecewise, of which the first that holds counts.
+    """The margins of the pieces of a Piecewise, with complements of earlier ones; None if empty.
 
-    They are its relations and the complements of earlier ones; None if it holds nowhere. ValueError
-    for other conditions than relations joined by And, and for an overlap with an earlier condition
-    of several relations, whose complement is no such condition.
+    ValueError for other conditions than relations joined by And, and for an overlap with an earlier
+    condition of several relations, whose complement is no such condition.
     """
     found: list[tuple[Bound, ...] | None] = []
     earlier: list[tuple[Bound, ...]] = []

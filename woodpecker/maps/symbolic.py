@@ -340,10 +340,8 @@ def from_pwmap(map_: PiecewiseLinearMap, parameter: sympy.Symbol | str) -> Formu
 
     Raises
     ------
-    ValueError
-        If the map has other parameters than this one.
-    TypeError
-        If it is no map of pwmap.
+    ValueError, TypeError
+        If the map has other parameters than this one, or is none of pwmap.
 
     Examples
     --------

@@ -270,11 +270,9 @@ def rest_is_possible(model: Floats, k: int, d: float) -> bool:
 
 @part
 def rest_range(model: Floats, k: int, d: float) -> tuple[float, float]:
-    """The interval of lambda_T1 with which contacts 1 and k + 1 hold the toy at rest.
-
-    Equilibrium 0 = h + W lambda leaves one force free; with s = lambda_T1 every condition is linear
-    in s. Where there is none the lower end is above the upper one.
-    """
+    """The lambda_T1 with which contacts 1 and k + 1 hold the toy at rest; low > high if none do."""
+    # Equilibrium 0 = h + W lambda leaves one force free; with s = lambda_T1 every condition is
+    # linear in s.
     low, high = -math.inf, math.inf
     h_y = model[FORCE, 0] + model[FORCE, 3] * d
     h_m = model[FORCE, 1] + model[FORCE, 4] * d

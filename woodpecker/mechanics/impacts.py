@@ -95,10 +95,10 @@ def carry_out(
 ) -> None:
     """Change the velocities of z (7,) by impulses; those that are zero become exactly so.
 
-    ``case`` (2,) becomes the last index combination of each contact. Gap rates, in ``pair.after``,
-    are set without the rounding of the kicks: a bounce can be slower than the rounding of the
-    velocity that it reverses.
+    ``case`` (2,) becomes the last index combination of each contact.
     """
+    # Gap rates, in pair.after, are set without the rounding of the kicks: a bounce can be slower
+    # than the rounding of the velocity that it reverses.
     last = choice[2] if choice[2] != UNSOLVED else choice[0]
     case[0], case[1] = last % 6, last // 6
     for k in range(len(contacts)):
@@ -245,10 +245,7 @@ def pair_change(
     model: Floats, change: Floats, along: int, contacts: Ints, table: int, index: int,
     coupling: float, impulse: Floats, pair: Pair,
 ) -> None:  # fmt: skip
-    """Derivatives of impulses and velocities of one phase, into ``pair.more`` and ``pair.middle``.
-
-    They follow from those of free and floor, in ``pair.free`` and ``pair.floor``.
-    """
+    """Derivatives of impulses and velocities of one phase, from those of free and floor."""
     free, out, tau_0, tau_1 = pair.free, pair.more, 0.0, 0.0
     if along >= 0:
         for a in range(4):

@@ -1,9 +1,7 @@
 """Impacts of any system, compiled: what the contact problem is made of, and that of one contact.
 
-It is stated in the velocities at its c contacts, normal ones first: those without impulses, and the
-matrix W M^-1 W^T that makes velocities of impulses [Pfeiffer1996, ch. 8]. That of one contact is
-solved by trying all six combinations: gap rate zero or normal impulse at the floor, and stick or
-slide either way.
+It is stated in the velocities at its c contacts without impulses, normal ones first, and the matrix
+W M^-1 W^T that makes velocities of impulses [Pfeiffer1996, ch. 8].
 """
 
 from __future__ import annotations

@@ -125,10 +125,7 @@ def _close_chatter(
 
 @part
 def sum_bounces(z: Floats, gaps: Floats, mark: Floats, ratio: float) -> None:
-    """The state in which bounces end, which shrink by a ratio: z + (z - mark) ratio / (1 - ratio).
-
-    ``mark`` is the state after the bounce before, z after the last one.
-    """
+    """Where bounces end: z + (z - mark) ratio / (1 - ratio), with ``mark`` one bounce before z."""
     rest = ratio / (1.0 - ratio)
     for k in range(3):
         gaps[k] += SIGN[k] * (z[ANGLE[k]] - mark[ANGLE[k]]) * rest

@@ -114,10 +114,7 @@ def force_guard(model: Floats, mode: int, guard: int) -> tuple[float, float]:
 
 @part
 def guards_at_rest(i: int, state: int, still: bool) -> tuple[int, int]:
-    """Guards of a state that contact i may take where a phase begins; -1: no second one.
-
-    A contact that slides ``still`` has no slip yet.
-    """
+    """Guards of a state of contact i where a phase begins, ``still`` without slip; -1: none."""
     if state == OPEN:
         return GAP + i, -1
     if state == STICK:

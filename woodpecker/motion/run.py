@@ -1,8 +1,7 @@
 """The event loop of the toy [Leine2001, Fig. 1]: plain Python that numba compiles if it is there.
 
-Between events the state follows the closed form of its mode; the earliest guard root ends the mode;
-impacts and the contact problem on acceleration level decide the next one. Derivatives are those of
-the recorded path: :mod:`woodpecker.simulation.following`.
+Between events the state follows the closed form of its mode; the earliest guard root ends it;
+impacts and the contact problem on acceleration level decide the next one.
 """
 
 from __future__ import annotations

@@ -76,10 +76,7 @@ def refined(
     cost: int = 1,
     detail: Detail | None = None,
 ) -> Iterator[MapSamples]:
-    """Refine samples (n,) of a map, x ascending; each curve is better than the one before.
-
-    ``bottom`` is the lower end of the picture, ``cost`` the returns of one value: its order.
-    """
+    """Refine samples (n,) of a map, x ascending, each of ``cost`` returns: ever better curves."""
     search = _Refinement(image, x, y, bottom, cost, detail if detail is not None else Detail())
     yield search.curve()
     for step in (search.wide, search.narrow):

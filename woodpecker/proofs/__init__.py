@@ -1,7 +1,4 @@
-"""Proofs in ball arithmetic of what a computation has found; they need the extra ``proof``.
-
-A proof is a certificate, which other code with other arithmetic checks.
-"""
+"""Proofs in ball arithmetic of what a computation has found; they need the extra ``proof``."""
 
 import lazy_loader
 

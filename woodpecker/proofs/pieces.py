@@ -51,10 +51,9 @@ class Fractions(NamedTuple):
 
 
 class Route(NamedTuple):
-    """How the parameter runs along a piece: p = poly(tau) for |tau| <= half.
+    """How the parameter runs along a piece: p = poly(tau), |tau| <= half.
 
-    Most often tau is the distance from a centre; where a branch bends sharply, the duration of a
-    phase.
+    Most often tau is the distance from a centre; where a branch bends sharply, a duration.
     """
 
     poly: tuple[Fraction, ...]  # coefficients; it grows with tau

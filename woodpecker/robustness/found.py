@@ -38,16 +38,13 @@ class SmallestChange:
 
     Attributes
     ----------
-    effect
-        What becomes of the motion.
+    effect, cause
+        What becomes of the motion, and a sentence on what happens there.
     kind
         The code of the special point: LP, PD, BC, FF, FALL; ``word`` at a border that is none.
-    cause
-        A sentence on what happens there.
-    size
-        Euclidean length of the scaled change.
-    changes
-        Change of each parameter, in percent of its value (of 1 if that is zero).
+    size, changes
+        Euclidean length of the scaled change; change of each parameter, in percent of its value (of
+        1 if that is zero).
     toy, phi_s
         The toy there, and where its motion meets the section [rad].
     word
@@ -124,11 +121,9 @@ class Robustness:
     ----------
     orbit
         The motion.
-    critical
-        What destroys or destabilises it: what is confirmed first, and of that the nearest.
-    harmless
-        Borders on the way at which it only gets another word or multiplier, or is unstable in a
-        spike only, in the same order.
+    critical, harmless
+        What destroys or destabilises it, what is confirmed first, and of that the nearest; borders
+        at which it only gets another word or multiplier, or is unstable in a spike, likewise.
     limits
         Each parameter alone, down and up.
 

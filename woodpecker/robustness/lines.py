@@ -16,10 +16,9 @@ from woodpecker.toy_map import PerThread, ToyMap, ToyPiece, Values
 
 @dataclass(frozen=True, slots=True)
 class ToyLine(ToyMap):
-    """P_1 of the toys on a line, as a piecewise-smooth map of (phi_S, distance along the line).
+    """P_1 of the toys on a line, as a piecewise-smooth map of (phi_S, distance from the toy).
 
-    At distance 0 is the toy; parameters change by ``rates`` per unit of distance. TypeError if one
-    is unknown, ValueError for the length of the pole.
+    Parameters change by ``rates``. TypeError for unknown ones, ValueError for the pole's length.
     """
 
     toy: Toy

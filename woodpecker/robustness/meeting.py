@@ -58,9 +58,10 @@ def met_along(
 ) -> list[MetOnLine]:
     """Everything that a motion meets on a line, in order, until it is destroyed.
 
-    If ``past``, it is followed on beyond what only makes it unstable. At a grazing the multiplier
-    has no bound, and the motion flips right before: it is unstable in a spike only.
+    If ``past``, it is followed on beyond what only makes it unstable.
     """
+    # At a grazing the multiplier has no bound, and the motion flips right before: it is unstable in
+    # a spike only.
     direction = direction / np.linalg.norm(direction)
     reach = min(most, space.reach(direction))
     if not reach > 0.0:

@@ -44,10 +44,9 @@ def _gradient(space: Space, u: Floats, orbit: Orbit, condition: Condition) -> Fl
 
 
 def nearest(space: Space, seed: MetOnLine, seen: dict[Key, MetOnLine]) -> tuple[MetOnLine, float]:
-    """The smallest change at which a condition holds, from another one at which it does.
+    """The smallest change at which a condition holds, and the sine of its angle to the gradient.
 
-    It gives also the sine of the angle between change and gradient. What else is met on the way is
-    kept in ``seen`` if it is nearer than what is known of it.
+    What else is met on the way is kept in ``seen`` if it is nearer than what is known of it.
     """
     here = seed
     for _ in range(STEPS):

@@ -50,10 +50,8 @@ def smallest_changes(
 
     Parameters
     ----------
-    toy
-        The toy.
-    orbit
-        A stable periodic motion of it, from :func:`woodpecker.shoot`.
+    toy, orbit
+        The toy, and a stable periodic motion of it, from :func:`woodpecker.shoot`.
     names
         The parameters that change, by default all but the length of the pole.
     settings
@@ -67,11 +65,9 @@ def smallest_changes(
 
     Raises
     ------
-    ValueError
-        If the orbit did not converge, is not stable or is one of another toy, or no parameter is
-        named.
-    TypeError
-        If a parameter is unknown.
+    ValueError, TypeError
+        If the orbit did not converge, is not stable or is one of another toy, no parameter is
+        named, or one is unknown.
 
     Examples
     --------

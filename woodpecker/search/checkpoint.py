@@ -1,8 +1,8 @@
 """What the checkpoint of a run holds: curves, and which special points and slices are finished.
 
-Adding the same curves in the same order puts a network back where it was. A resumed run takes over
-whole slices first, and later steps where the search comes to them again: so it decides each with
-the same branches known as the interrupted run.
+Adding the same curves in the same order puts a network back where it was. What was followed after
+the last whole slice is taken over where the search comes to it again, so that each is decided with
+the same branches known.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Everything that is connected: branches are followed with all that hangs on their ends.
 
-Each branch is followed when its turn comes. The scheduler may begin likely tasks early, but what
-was found meanwhile decides whether they count: the result does not depend on the workers.
+The scheduler may begin likely tasks early, but branches are followed in turn: the result does not
+depend on the workers.
 """
 
 from __future__ import annotations
@@ -67,16 +67,14 @@ class Seen(NamedTuple):
 
     Attributes
     ----------
-    p
-        Where it was taken.
+    p, evaluations
+        Where it was taken, and how often the map was evaluated for it.
     new
         Orders of the branches that were found from it.
     unresolved
         Total length of intervals in which there are more pieces than were looked for.
     left
         (order, x) of what it shows and no branch goes through, though one was followed from there.
-    evaluations
-        How often the map was evaluated for it.
     then
         Where more slices were called for after it.
 

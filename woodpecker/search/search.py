@@ -1,10 +1,9 @@
 """Everything there is: slices show what no branch explains, until nothing is new.
 
-A slice lists all cycles and jumps at one parameter. First slices fill the span evenly. Where one
-shows something new two more are taken, halfway to its neighbours, and one in each gap with many
-special points, where islands begin and end: until nothing is new or the gaps are as small as was
-asked, which bounds the islands that stay unseen. Then branches are switched to at flips and branch
-points, where slices were too coarse.
+First slices fill the span evenly. Where one shows something new two more are taken, halfway to its
+neighbours, and one in each gap with many special points, where islands begin and end; the smallest
+gap bounds the islands that stay unseen. Then branches are switched to at flips and branch points,
+where slices were too coarse.
 """
 
 from __future__ import annotations
@@ -74,10 +73,7 @@ class Past(NamedTuple):
 def complete(
     explorer: Explorer, settings: Settings, search: Search, past: Past | None = None
 ) -> list[Seen]:
-    """Take slices until they show nothing new, and follow what they show: all slices.
-
-    The explorer's network is where an interrupted run was after its last slice.
-    """
+    """Take slices until they show nothing new, and follow what they show; all slices."""
     past = past or Past()
     plan, seen = _Plan(search, settings.span), list(past.slices)
     for each in seen:

@@ -147,10 +147,7 @@ def follow(
     model: Floats, change: Floats, path: Ints, times: Floats, phi_s: float, notes: Floats,
     work: Work,
 ) -> int:  # fmt: skip
-    """Follow a path from the section, see :func:`woodpecker.simulation.following.follow_path`.
-
-    ``work`` (1,) is a WORK, whose route has the seeds and takes the result.
-    """
+    """Follow a path from the section, see :func:`woodpecker.simulation.following.follow_path`."""
     return compute(
         FOLLOW, model, change, True, phi_s, NO_STARTS, NO_WORDS, NO_PHASES, path, times, NO_EVENTS,
         notes, work,

@@ -162,11 +162,9 @@ def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
 
     Raises
     ------
-    TypeError
-        If ``toy`` is none.
-    ValueError
-        If phi_s is not one number, not finite or beyond the beak's contact, the order is no whole
-        number from 1 to 100 000, or doubles cannot hold the equations of motion.
+    TypeError, ValueError
+        If ``toy`` is none, phi_s is not one finite number or lies beyond the beak's contact, the
+        order is no whole number from 1 to 100 000, or doubles cannot hold the equations of motion.
 
     Examples
     --------

@@ -142,14 +142,10 @@ class Trajectory:
     t, q, u
         Samples: times (n,), coordinates (n, 3) and velocities (n, 3). Event times occur twice,
         with the velocities before and after.
-    events
-        In order of time; events of one instant keep the order of cause and effect.
-    word
-        The symbols of the events.
-    status
-        Why the run ended.
-    t_end
-        Time at which it ended [s].
+    events, word
+        In order of time, those of one instant in the order of cause and effect; their symbols.
+    status, t_end
+        Why the run ended, and when [s].
     drop
         Distance fallen [m]; infinite if the toy falls for ever.
 
@@ -295,11 +291,9 @@ def simulate(
 
     Raises
     ------
-    TypeError
-        If ``toy`` is none.
-    ValueError
-        If the start is neither a number nor a state or penetrates a contact, t_end is not positive
-        and finite, or there are fewer than 2 samples or no events to be followed.
+    TypeError, ValueError
+        If ``toy`` is none, the start is neither a number nor a state or penetrates a contact, t_end
+        is not positive and finite, or there are fewer than 2 samples or no events to be followed.
 
     Examples
     --------
@@ -399,10 +393,9 @@ def energy_balance(trajectory: Trajectory) -> EnergyBalance:
 
     Raises
     ------
-    TypeError
-        If ``trajectory`` is none.
-    ValueError
-        If an energy overflows, or the spring swings too often while a contact slides.
+    TypeError, ValueError
+        If ``trajectory`` is none, an energy overflows, or the spring swings too often while a
+        contact slides.
 
     Examples
     --------
