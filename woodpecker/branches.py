@@ -209,7 +209,6 @@ def _observed(
     toy: Toy, diagram: Diagram, branch: Branch, names: tuple[str, ...],
     functions: dict[str, Observable],
 ) -> dict[str, Floats]:  # fmt: skip
-    """Columns of one branch."""
     found = {name: np.full(len(branch), math.nan) for name in (*names, *functions)}
     if branch.kind is not BranchKind.FIXED_POINT:
         return found

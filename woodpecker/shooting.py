@@ -141,7 +141,6 @@ class PeriodicOrbit:
         return abs(self.multiplier) < 1.0
 
     def __repr__(self) -> str:
-        """Its numbers, and the sentence of its status if it is none."""
         found = f"word={brief(self.word)!r}" if self.success else f"message={self.message!r}"
         where = f"x={self.x:.10g}, p={self.p:.10g}, "
         if isinstance(self.source, Toy):

@@ -309,7 +309,7 @@ def processes(count: int) -> Iterator[ProcessPoolExecutor | None]:
     """Processes of this one's own, all started at once; None where none can be made.
 
     They end with the block or this process, and leave Ctrl-C to it. WorkerLostError if one ends
-    before.
+    before its task does.
     """
     if multiprocessing.current_process().daemon:  # such a process may have no children
         yield None

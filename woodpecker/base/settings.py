@@ -47,33 +47,25 @@ class Settings:
         A branch ends (EP) after this many.
     max_evaluations
         Of P_1, of a whole search; n^2 times as many more for P_n. A branch takes at most three
-        fifths of its own each way and a slice a sixteenth: the longest branches of the toy need
-        290 000. What is left is said. A return of very many phases counts as several.
+        fifths of its own each way and a slice a sixteenth. What is left is said. A return of very
+        many phases counts as several.
     max_pieces
-        Of P_1 in a slice, and ten times as many of an iterate: the toy has some hundred. The rest
-        is reported as not resolved.
+        Of P_1 in a slice, and ten times as many of an iterate. The rest is reported as not
+        resolved.
     converged
-        A Newton step of this length is the last: 16 spacings of doubles at 1, what rounding of a
-        map leaves.
-    beside
-        Distance from a border at which the piece beyond is asked for first: far above rounding, far
-        below a step. A piece there that is thinner than a thousandth of it is passed over.
-    nearest
-        Smallest such distance, if there are other pieces in between: some hundred times
-        ``converged``, for rounding not to decide.
-    jump
-        Limits of a map closer than this are one value: far above what is left of a rounded
-        location at a steep slope, far below jumps that are worth drawing.
-    kink
-        Slopes that differ by a larger part than this differ.
-    finest
-        Pieces shorter than this part of the window are not looked for one by one. Where they
-        accumulate, their total length is reported.
-    coarse
-        The same for pieces that lead elsewhere: away from the diagonal if fixed points of P_1 are
-        looked for, out of the window if cycles of iterates are.
+        A Newton step of this length is the last.
+    beside, nearest
+        Distances from a border at which the piece beyond is asked for first, and at least if there
+        are other pieces in between. Pieces thinner than a thousandth of the first are passed over.
+    jump, kink
+        Limits of a map closer than the one are one value; slopes that differ by a larger part than
+        the other differ.
+    finest, coarse
+        Pieces shorter than the first part of the window are not looked for one by one, only their
+        total length is reported; nor those shorter than the other that lead elsewhere: away from
+        the diagonal for fixed points of P_1, out of the window for cycles of iterates.
     same
-        Orbits this close at one parameter are one: far above rounding, far below their distances.
+        Orbits this close at one parameter are one.
 
     Raises
     ------
@@ -97,19 +89,19 @@ class Settings:
     min_step: float = 1e-13
     max_turn: float = 0.1
     max_samples: int = 20_000
-    max_evaluations: int = 500_000
-    max_pieces: int = 10_000
-    converged: float = 2.0**-48
-    beside: float = 1e-6
-    nearest: float = 1e-12
+    max_evaluations: int = 500_000  # the longest branches of the toy need 290 000
+    max_pieces: int = 10_000  # the toy has some hundred
+    converged: float = 2.0**-48  # 16 spacings of doubles at 1, what rounding of a map leaves
+    beside: float = 1e-6  # far above rounding, far below a step
+    nearest: float = 1e-12  # some hundred times ``converged``, for rounding not to decide
+    # far above a rounded location at a steep slope, far below jumps worth drawing
     jump: float = 1e-7
     kink: float = 1e-6
     finest: float = 1e-6
     coarse: float = 1e-4
-    same: float = 1e-9
+    same: float = 1e-9  # far above rounding, far below distances of orbits
 
     def __repr__(self) -> str:
-        """The call that makes them: what differs from the default."""
         return changed(self)
 
     def __post_init__(self) -> None:

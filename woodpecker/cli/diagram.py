@@ -282,7 +282,6 @@ def places_of(text: str) -> dict[str, tuple[float, float] | str]:
 
 
 def _columns(text: str) -> tuple[str, ...]:
-    """Names of observables."""
     from woodpecker.branches import known_observables
 
     names = tuple(part.strip() for part in text.split(","))

@@ -233,7 +233,6 @@ def _guess(guard: Guard) -> float:
 
 
 def _fires(guard: Guard, guess: float) -> ZeroCrossing:
-    """When a guard fires."""
     if guard.code == SECTION:
         turns = crossing(guard, guess, falls=1)
         if not turns.bracket > 0:

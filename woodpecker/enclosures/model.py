@@ -192,7 +192,6 @@ class BallToy:
 
 
 def _balls(rows: Iterable[Numbers]) -> list[Numbers]:
-    """Rows of exact numbers as balls."""
     return [[ball(x) for x in row] for row in rows]
 
 

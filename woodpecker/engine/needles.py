@@ -92,7 +92,6 @@ def _passes(kind: str, one: Sample, other: Sample) -> bool:
 
 
 def _rate(sample: Sample) -> float:
-    """How fast the parameter grows."""
     return float(sample.tangent[sample.orbit.x.size])
 
 

@@ -48,7 +48,6 @@ class Connected:
     orbits: Mapping[str, Orbit]
 
     def __repr__(self) -> str:
-        """The diagram."""
         return f"Connected({self.diagram!r})"
 
 

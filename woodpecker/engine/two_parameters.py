@@ -36,7 +36,6 @@ class SpecialCurve:
     stops: tuple[Stop, Stop]
 
     def __repr__(self) -> str:
-        """What it is, between which places, and why it ends there."""
         first, last = (tuple(round(float(v), 6) for v in self.p[k]) for k in (0, -1))
         return (
             f"SpecialCurve({self.kind.value}, from {first} "

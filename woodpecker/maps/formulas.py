@@ -207,7 +207,6 @@ class FormulaPiece:
         return list(self.margins)[code]
 
     def __repr__(self) -> str:
-        """Its name and what happens at its borders."""
         return f"FormulaPiece({self.word!r}, borders: {', '.join(self.margins) or 'none'})"
 
 
@@ -315,7 +314,6 @@ class FormulaMap:
         )  # fmt: skip
 
     def __repr__(self) -> str:
-        """The names of its pieces."""
         return f"FormulaMap({', '.join(repr(piece.word) for piece in self.pieces)})"
 
     def _repr_html_(self) -> str:

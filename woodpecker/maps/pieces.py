@@ -51,7 +51,6 @@ class Image(NamedTuple):
     reason: str = ""
 
     def __repr__(self) -> str:
-        """The value with its derivatives, and how far the piece reaches."""
         if self.reason:
             return f"Image({self.reason!r})"
         least = f", least margin {self.margins.min():.6g}" if self.margins.size else ""

@@ -26,7 +26,6 @@ class Bound(NamedTuple):
         return sense(self.margin, 0, evaluate=False)
 
     def __str__(self) -> str:
-        """The relation."""
         return str(self.relation)
 
 

@@ -306,7 +306,6 @@ def _check(expression: sympy.Expr, symbols: tuple[sympy.Symbol, ...]) -> None:
 
 
 def _names(words: Sequence[str] | None, n: int) -> tuple[str, ...]:
-    """The names of n pieces."""
     if words is None:
         return tuple(
             ascii_uppercase[:n] if n <= len(ascii_uppercase) else (f"A{k + 1}" for k in range(n))

@@ -152,7 +152,6 @@ class Toy:
     expansion_friction: ExpansionFriction | Literal["summed", "separate"] = ExpansionFriction.SUMMED
 
     def __repr__(self) -> str:
-        """The call that makes it: what differs from the paper's data."""
         return changed(self)
 
     def __post_init__(self) -> None:

@@ -285,7 +285,6 @@ def _round(*values: Floats) -> list[Floats]:
 
 
 def _values(system: ContactSystem, motion: Motion, name: Any) -> Floats:
-    """Samples of a symbol of the state."""
     instance("system", system, ContactSystem)
     instance("motion", motion, Motion)
     known = [str(each) for each in system.state]
@@ -306,7 +305,6 @@ def _times(motion: Motion) -> dict[str, list[float]]:
 
 
 def _label(name: Any) -> str:
-    """A symbol as sympy writes it in formulas."""
     import sympy
 
     symbol = name if isinstance(name, sympy.Symbol) else sympy.Symbol(str(name))

@@ -143,7 +143,6 @@ class Robustness:
     limits: tuple[Limit, ...]
 
     def __repr__(self) -> str:
-        """What is nearest, how far, and how much more was found."""
         first = self.nearest
         what = (
             "nothing confirmed" if first is None else f"{first.kind} at {100.0 * first.size:.4g} %"

@@ -177,7 +177,6 @@ def _at_zero(orbit: PeriodicOrbit, space: Space, met: MetOnLine) -> tuple[Space,
 def _row(
     own: Space, there: MetOnLine, effect: Effect, angle: float, names: Sequence[str]
 ) -> SmallestChange:
-    """What is reported of a place."""
     confirmed, evidence = _evidence(own, there)
     percents = dict(zip(own.names, (PERCENT * there.u).tolist(), strict=True))
     return SmallestChange(

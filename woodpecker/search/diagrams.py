@@ -59,7 +59,6 @@ class Found:
     left: str = ""
 
     def __repr__(self) -> str:
-        """The diagram, and what it took to find it."""
         left = f",\n  {self.left}" if self.left else ""
         return (
             f"Found({self.diagram!r},\n  {len(self.slices)} slices, "

@@ -109,7 +109,6 @@ class Network:
         )  # fmt: skip
 
     def _names(self) -> dict[str, str]:
-        """Names of special points, by those that they were given when they were met."""
         counts: dict[PointKind, int] = {}
         names = {}
         for node in self.nodes:

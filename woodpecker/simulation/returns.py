@@ -97,7 +97,6 @@ class ReturnMap:
         return len(self.start)
 
     def __repr__(self) -> str:
-        """How many starts, where, with how many words, and what became of them."""
         where = f" from {span(self.start)}" if len(self) else ""
         outcomes = tally(reason.name.lower() for reason in self.status)
         return (

@@ -200,7 +200,6 @@ class Trajectory:
         return out[:, :3].reshape(shape), out[:, 3:6].reshape(shape)
 
     def __repr__(self) -> str:
-        """How long, how far, with which events, and why it ended."""
         return (
             f"Trajectory(t_end={self.t_end:.6g}, drop={self.drop:.6g}, "
             f"{counted(len(self.t), 'sample')}, {counted(len(self.events), 'event')} "
