@@ -224,7 +224,7 @@ def _pair(value: Any) -> Any:
 
 
 def nothing(_: object) -> None:
-    """Takes what nobody wants to know."""
+    """Ignores what it is told."""
 
 
 @contextmanager

@@ -277,7 +277,7 @@ class ToyPiece(NamedTuple):
 
     @property
     def key(self) -> bytes:
-        """The same for two pieces just if they are one."""
+        """Equal for two pieces just if they are one."""
         return self.path.steps.tobytes()
 
     def at(self, x: float, p: float) -> Image:

@@ -273,7 +273,7 @@ def scheduler(
 
 
 def worker_count(workers: int | None) -> int:
-    """The number, by default that of usable cores; ValueError if it is not whole or below 1."""
+    """How many workers, by default one for each usable core; ValueError unless 1, 2, ..."""
     if workers is None:
         allowed = getattr(os, "sched_getaffinity", None)  # Linux
         return len(allowed(0)) if allowed is not None else os.cpu_count() or 1

@@ -159,7 +159,7 @@ class Settings:
         return max(orders) ** 2 * self.max_evaluations // 16
 
     def of_search(self, orders: Sequence[int]) -> int:
-        """How many evaluations a search may take: for each order, its square of what is allowed."""
+        """How many evaluations a search may take: ``max_evaluations`` order^2 for each order."""
         return sum(order**2 for order in orders) * self.max_evaluations
 
 

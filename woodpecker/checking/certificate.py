@@ -63,7 +63,7 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def check(content: Any) -> str:
-    """The same for the content of a file."""
+    """The verified statement of a certificate's content."""
     try:
         return _checked(content)
     except NotSeparated as error:

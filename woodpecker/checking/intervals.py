@@ -172,7 +172,7 @@ class I:  # noqa: E742  (the name of intervals in the field)
         return I(-largest, largest)
 
     def less(self, other: I) -> bool:
-        """Whether all of it lies below all of another one."""
+        """Whether it lies below another one, all of it."""
         return self.b < other.a
 
     def __float__(self) -> float:

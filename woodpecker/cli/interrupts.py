@@ -36,14 +36,14 @@ def _interrupt(_: int, __: FrameType | None) -> NoReturn:
 
 
 def heard() -> None:
-    """The request is heard: what follows takes the time that it takes."""
+    """Stop repeating a request to end: the command has heard it."""
     if _REPEATS and signal.getsignal(signal.SIGALRM) is _interrupt:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
 @contextmanager
 def held() -> Iterator[None]:
-    """Around what is short and must be whole, as files are: a request is taken behind it."""
+    """A block that is short and must be whole, as files are: a request waits until it is done."""
     if signal.getsignal(signal.SIGTERM) is not _interrupt:
         yield
         return
@@ -60,7 +60,7 @@ def held() -> Iterator[None]:
 
 
 def finished() -> None:
-    """All is there, and is about to be told: requests come too late."""
+    """Ignore requests to end from now on: all results are there."""
     if signal.getsignal(signal.SIGTERM) is _interrupt:
         for number in REQUESTS:
             signal.signal(number, signal.SIG_IGN)

@@ -45,7 +45,7 @@ class Results:
 
     @contextmanager
     def tables(self, *names: str) -> Iterator[Path]:
-        """Around the writing of tables, which is short: a request to end is taken behind it."""
+        """A block that writes tables; a request to end waits until it is done."""
         with held():
             yield self.folder
             self.names += names
@@ -58,7 +58,7 @@ class Results:
         self.names.append(name)
 
     def stop(self, sentence: str, status: int = INTERRUPTED) -> None:
-        """What was broken off, heard and told: the rest of a command is left out."""
+        """Say why a command was broken off, and with which status it ends."""
         heard()
         self.stopped, self.status = sentence, status
 

@@ -58,7 +58,7 @@ class Form:
 
     @property
     def near(self) -> list[Taylor]:
-        """The same parts, that of the value for all s."""
+        """Its parts, with that of the value for all s."""
         value, *others = self.parts
         return [value.widened(others[0].box * self.frame.s), *others]
 

@@ -130,7 +130,7 @@ def _passed(cause: str) -> str:
 def crossing_beyond(
     begin: Beginning, arc: Arc, cause: str, distances: Sequence[float] = PASSED
 ) -> Arrival | Onward | None:
-    """The jump crossing beyond such a place: on the same border, between the limits there."""
+    """The crossing beyond where borders accumulate, on its border, between its limits there."""
     end, curve = arc.samples[-1], begin.curve
     problem, size = curve.problem, end.orbit.x.size
     (column,), rate = problem.free, end.tangent[size]

@@ -113,7 +113,7 @@ class Sample:
 
     @property
     def turned(self) -> Sample:
-        """The same with the curve the other way round."""
+        """The sample of the curve in the other direction."""
         return Sample(self.orbit, -self.tangent, -self.bordered)
 
 
@@ -197,12 +197,12 @@ class SolutionCurve:
         return np.asarray(distance * part * (square + part * cubic))
 
     def bounds(self, orbit: Orbit) -> tuple[Ints, Floats, Floats, list[Stop]]:
-        """Which unknowns of an orbit are bounded, by what, and what it is to pass that."""
+        """The bounded unknowns of an orbit, their lower and upper bounds, and the Stop of each."""
         n, share = len(orbit.x), -1 if orbit.outer is None else len(orbit.unknowns) - 1
         return _limits(self.settings, n, self.problem.free, share)
 
     def wide(self, sample: Sample) -> Floats:
-        """How all unknowns of an orbit change along the curve."""
+        """Derivatives of all unknowns of an orbit along the curve."""
         orbit, problem = sample.orbit, self.problem
         wide, columns = np.zeros(len(orbit.unknowns)), problem.columns(orbit)
         wide[columns] = sample.tangent * problem.scale(orbit)[columns]
@@ -211,27 +211,27 @@ class SolutionCurve:
         return wide
 
     def motion(self, sample: Sample, i: int) -> Floats:
-        """How a point of an orbit and the parameters (d + k,) change along the curve."""
+        """Derivatives (d + k,) of a point of an orbit and the parameters along the curve."""
         (n, d), k = sample.orbit.x.shape, len(sample.orbit.p)
         wide = self.wide(sample)
         return np.concatenate((wide[i * d : i * d + d], wide[n * d : n * d + k]))
 
     def rates(self, sample: Sample, i: int) -> Floats:
-        """How fast all margins of an image grow along the curve."""
+        """Derivatives of all margins of an image along the curve."""
         orbit = sample.orbit
         found: Floats = orbit.taken[i].gradients @ self.motion(sample, orbit.place(i))
         return found
 
     def rate(self, sample: Sample, i: int, code: int) -> float:
-        """How fast a margin grows along the curve."""
+        """The derivative of a margin along the curve."""
         return float(self.rates(sample, i)[sample.orbit.taken[i].place(code)])
 
     def rate_of_share(self, sample: Sample) -> float:
-        """How fast the share of a jump crossing grows along the curve."""
+        """The derivative of the share of a jump crossing along the curve."""
         return float(self.wide(sample)[-1])
 
     def limits(self, sample: Sample) -> tuple[float, float, float]:
-        """How fast both limits of a jump crossing in R^1, and its first point, grow along it."""
+        """Derivatives of both limits of a jump crossing in R^1, and its first point, along it."""
         orbit, motion = sample.orbit, self.wide(sample)
         last = motion[len(orbit.x) - 1 : -1]
         inner, outer = (float(each.jacobian[0] @ last) for each in orbit.taken[-2:])

@@ -208,7 +208,7 @@ def _comes_together(curve: SolutionCurve, a: Floats, b: Floats) -> bool:
 
 
 def agrees(curve: SolutionCurve, orbit: Orbit, end: ArcEnd | None = None) -> bool:
-    """Whether the map takes the pieces of an orbit, at points on borders aside."""
+    """Whether the map takes the pieces of an orbit; points on borders do not count."""
     at_border = {orbit.place(i) for i, _ in curve.ignored}
     if end is not None and end.test.border is not None:
         at_border.add(orbit.place(end.test.border[0]))

@@ -64,7 +64,7 @@ class OfLine(Protocol):
 
 
 class PieceOfLine(OfLine, Protocol):
-    """A piece of one, see :class:`woodpecker.maps.Piece`."""
+    """A piece of a map of the line, see :class:`woodpecker.maps.Piece`."""
 
     @property
     def key(self) -> Hashable:
@@ -123,7 +123,7 @@ class LineMap(NamedTuple):
 
     @property
     def margins_decide(self) -> bool:
-        """Whether those of its pieces say where it takes them."""
+        """Whether the margins of its pieces say where it takes them."""
         return getattr(self.own, "margins_decide", False)
 
     def taken(self, x: Floats, p: Floats) -> tuple[Hashable, Floats]:

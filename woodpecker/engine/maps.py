@@ -196,7 +196,7 @@ def length_of(image: Image) -> int:
 
 
 def links(image: Image, x: Floats, p: Floats) -> list[Image]:
-    """The images in turn that a chain is made of, from its first point on; of a piece its own."""
+    """The images that a chain is made of, in turn; of a single piece its own."""
     if not isinstance(image.piece, Chain):
         return [image]
     found = list[Image]()

@@ -53,17 +53,17 @@ class Problem:
         return _scale(len(orbit.x), self.x_scale, self.p_scale)
 
     def with_(self, *conditions: Condition) -> Problem:
-        """The same with more conditions."""
+        """The problem with more conditions."""
         every = (*self.conditions, *conditions)
         return Problem(every, self.free, self.x_scale, self.p_scale)
 
     def residual(self, orbit: Orbit) -> Floats:
-        """What is left of all equations."""
+        """The residuals of all equations."""
         found = [each.residual(orbit) for each in self.conditions]
         return found[0] if len(found) == 1 else np.concatenate(found)
 
     def matrix(self, orbit: Orbit) -> Floats:
-        """Their derivatives in the scaled unknowns that may move."""
+        """Derivatives of the residuals in the scaled unknowns that may move."""
         blocks = [each.rows(orbit) for each in self.conditions]
         columns = self.columns(orbit)
         rows = blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
@@ -211,7 +211,7 @@ def _largest(values: Floats) -> float:
 
 
 def newton_step(problem: Problem, orbit: Orbit) -> Floats:
-    """One step of it in scaled unknowns; nan where the equations are singular."""
+    """A step of Newton's method in scaled unknowns; nan where the equations are singular."""
     factors, _, step, _ = dgesv(problem.matrix(orbit), -problem.residual(orbit))
     return step if factors.diagonal().all() else np.full(len(step), math.nan)
 

@@ -347,7 +347,7 @@ def held_at(orbit: Orbit, column: int, value: float) -> Orbit:
 
 
 def placed(orbit: Orbit, unknowns: Floats) -> Orbit:
-    """Other points under the pieces of an orbit."""
+    """The orbit with other unknowns, under the same pieces."""
     (n, d), k = orbit.x.shape, len(orbit.p)
     x, p, share = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k], float(unknowns[-1])
     images = [image.piece.at(point, p) for image, point in zip(orbit.images, x, strict=True)]

@@ -79,7 +79,7 @@ class DrawnMotion:
 
 
 def settled(state: PageState) -> tuple[PageState, str]:
-    """The start goes with its periodic motion as long as that is near."""
+    """The state with its start on the periodic motion, if one is near, and what there is to say."""
     toy = state.toy
     if state.phi_s >= toy.phi_s_max:
         state = replace(state, phi_s=toy.phi_s_max - 0.01)

@@ -164,7 +164,7 @@ class SystemTab(Tab[SystemState]):
     # --- What a user may ask for ------------------------------------------------------------------
 
     def demands(self) -> Mapping[str, Demand]:
-        """What a wish can name besides what every tab knows."""
+        """Requests of the browser that only this tab answers, by name."""
         return {
             "set": self._set,
             "back": self._back,

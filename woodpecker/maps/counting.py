@@ -45,5 +45,5 @@ class Allowance:
 
     @property
     def spent(self) -> bool:
-        """Whether it was evaluated as often."""
+        """Whether the map was evaluated as often as allowed."""
         return self._map.evaluations >= self._last

@@ -93,11 +93,11 @@ class Piece(Protocol):
 
     @property
     def key(self) -> Hashable:
-        """The same for two pieces just if they are one."""
+        """Equal for two pieces just if they are one."""
 
     @property
     def word(self) -> str:
-        """Its name for people, such as a sequence of events."""
+        """Its name, as people read it, such as a sequence of events."""
 
     def at(self, x: float, p: float) -> Image:
         """The image of a point, also outside; without a value it carries the reason."""

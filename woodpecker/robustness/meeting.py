@@ -49,7 +49,7 @@ class MetOnLine:
 
     @property
     def key(self) -> Key:
-        """The same for the same condition."""
+        """Equal for places of the same condition."""
         return self.effect, self.kind, self.cause
 
 

@@ -93,7 +93,7 @@ def words_between(curve: BranchCurve, k: int) -> list[Word]:
 
 
 def from_point(values: tuple[T, ...], shift: int) -> tuple[T, ...]:
-    """The same from another point of a cycle."""
+    """Values along a cycle from another of its points on."""
     return (*values[shift:], *values[:shift])
 
 

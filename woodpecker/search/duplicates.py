@@ -188,7 +188,7 @@ class _Chords:
 
     @classmethod
     def of(cls, curve: BranchCurve, number: int) -> _Chords:
-        """Those of a branch."""
+        """The chords of a branch."""
         p, n = curve.parameter, len(curve.parameter) - 1
         shifts = 1 if curve.kind is BranchKind.JUMP else curve.order
         x = np.array([points[:shifts] for points in curve.points])
@@ -204,14 +204,14 @@ class _Chords:
 
     @classmethod
     def joined(cls, parts: list[_Chords]) -> _Chords:
-        """All of some."""
+        """The chords of several branches."""
         return cls(
             np.concatenate([np.empty((0, 4)), *(part.ends for part in parts)]),
             np.concatenate([np.empty((0, 3), dtype=np.int64), *(part.numbers for part in parts)]),
         )
 
     def around(self, p: float, slack: float) -> _Chords:
-        """Those between whose samples a parameter lies."""
+        """The chords that span a parameter."""
         p0, p1 = self.ends[:, 0], self.ends[:, 2]
         here = (np.minimum(p0, p1) - slack <= p) & (p <= np.maximum(p0, p1) + slack)
         return _Chords(self.ends[here], self.numbers[here])

@@ -44,7 +44,7 @@ class End:
     collision: Collision | None = None  # the cycle that meets a jump, if one does
 
     def at(self, x: float) -> End:
-        """The same as one of the points of its orbit sees it."""
+        """The end as one of the points of its orbit sees it: there the kind may be another one."""
         if self.collision is None:
             return self
         kind, note = self.collision.kind_at(x)

@@ -1,4 +1,4 @@
-"""Everything that is connected: branches are followed with all that hangs on their ends.
+"""Everything that is connected: branches are followed with all that starts at their ends.
 
 The scheduler may begin likely tasks early, but branches are followed in turn: the result does not
 depend on the workers.
@@ -229,7 +229,7 @@ class Explorer:
         return replace(found, about={**found.about, LEFT: self.left}) if self.left else found
 
     def follow(self, orbit: Orbit) -> None:
-        """Follow the branch through a cycle, and all that hangs on its ends."""
+        """Follow the branch through a cycle, and all that starts at its ends."""
         self.branch(orbit)
         self.finish()
 

@@ -65,7 +65,7 @@ class Node:
             self.end, self.x, self.order = end, x, min(order, self.order)
 
     def as_point(self, name: str) -> SpecialPoint:
-        """The same as a diagram keeps it."""
+        """The special point of a diagram."""
         end, away = self.end, self.end.precision
         return SpecialPoint(
             id=name, kind=end.kind, parameter=end.p, x=self.x, note=end.note, order=self.order,

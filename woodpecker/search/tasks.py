@@ -60,7 +60,7 @@ class Worker:
 
 
 class Tasks:
-    """The tasks."""
+    """The tasks of a search, one method each."""
 
     def __init__(
         self, map_: PiecewiseMap, settings: Settings, stop: StopRule | None = None, *,
