@@ -1,8 +1,8 @@
 """The Woodpecker Toy: exact events, return map, periodic solutions and their bifurcations.
 
-Here are the verbs, and what they take and return. What only some need is in rooms of its own, such
-as ``woodpecker.plane`` and ``woodpecker.proofs``. A name is loaded with what it needs when it is
-first used; ``__init__.pyi`` says where each is.
+Here are the verbs, and what they take and return. More is in rooms of its own, such as
+``woodpecker.plane`` and ``woodpecker.proofs``. A name is loaded with what it needs when it is first
+used; ``__init__.pyi`` of each package says where it is.
 """
 
 import warnings

@@ -42,16 +42,14 @@ class OnBranch(NamedTuple):
 def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
     """The periodic solutions at a value of a diagram's parameter, each solved for.
 
-    A diagram lists samples of its branches, and :meth:`pwmap.Diagram.at` what lies on straight
-    lines between them; from there Newton's method finds the solutions themselves, for all points of
-    a cycle at once and with the pieces of a sample beside it: steep cycles too.
+    Newton's method starts from samples of the branches, for all points of a cycle at once and with
+    the pieces of a sample beside it, so that steep cycles are found too.
 
     Parameters
     ----------
-    toy
-        The toy of the diagram; its own value of the parameter does not matter.
-    diagram
-        From :func:`woodpecker.continuation` or :func:`woodpecker.bifurcation_diagram`.
+    toy, diagram
+        The diagram, of :func:`woodpecker.continuation` or :func:`woodpecker.bifurcation_diagram`,
+        and its toy, whose own value of the parameter does not matter.
     value
         The value of the parameter.
 
@@ -63,10 +61,9 @@ def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
 
     Raises
     ------
-    TypeError
-        If ``toy`` or ``diagram`` are none, or the diagram's parameter is none of the toy.
-    ValueError
-        If the value is no number, or the toy cannot have this value.
+    TypeError, ValueError
+        If ``toy`` or ``diagram`` are none, the diagram's parameter is none of the toy, or the toy
+        cannot have this value.
 
     Examples
     --------
@@ -89,10 +86,8 @@ def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
 
 
 def _solution(toy: Toy, map_: ToyPieces, diagram: Diagram, hit: Hit, value: float) -> PeriodicOrbit:
-    """The solution at a value from the samples on both sides, or from where a branch seems to be.
-
-    The nearer sample first: its pieces are likelier those at the value.
-    """
+    """The solution at a value, from the samples on both sides or from a guess between them."""
+    # The nearer sample is tried first: its pieces are likelier those at the value.
     for k in _beside(hit, value):
         found = _led(map_, _cycle(map_, diagram, hit.branch, k), value)
         if found is not None and is_inside(found):
@@ -131,10 +126,7 @@ def _led(map_: ToyPieces, start: Orbit, value: float) -> Orbit | None:
 
 
 def _cycle(map_: ToyPieces, diagram: Diagram, branch: Branch, k: int) -> Orbit:
-    """The cycle of a sample: its other points are samples of the branches that go round with it.
-
-    An orbit would be carried away by its rounding if it is steep.
-    """
+    """The cycle of a sample: its other points are samples of the branches that go round with it."""
     p = float(branch.parameter[k])
     others = [
         other
@@ -170,9 +162,8 @@ def known_observables(names: Iterable[str]) -> None:
 def observables(toy: Toy, diagram: Diagram, *names: str, **functions: Observable) -> Diagram:
     """The same diagram with what is observed along its branches: period, drop, or what you like.
 
-    The samples of fixed-point branches are periodic motions, and each is simulated, so values are
-    exact there; between samples they can be interpolated like x. Jumps are no motions: their values
-    are nan.
+    Each sample of a branch of fixed points is simulated, so values are exact there; between samples
+    they can be interpolated like x. Along jumps they are nan.
 
     Parameters
     ----------
@@ -186,15 +177,13 @@ def observables(toy: Toy, diagram: Diagram, *names: str, **functions: Observable
     Returns
     -------
     Diagram
-        Each branch has the values in :attr:`pwmap.Branch.columns`; files of results
-        (:func:`pwmap.diagrams.tables.write_results`) have a column for each.
+        Each branch has the values in :attr:`pwmap.Branch.columns`, as have files of results
+        (:func:`pwmap.diagrams.tables.write_results`).
 
     Raises
     ------
-    ValueError
-        If a name is unknown.
-    TypeError
-        If ``diagram`` is none, or its parameter is none of the toy.
+    ValueError, TypeError
+        If a name is unknown, ``diagram`` is none, or its parameter is none of the toy.
 
     Examples
     --------
@@ -220,7 +209,6 @@ def _observed(
     toy: Toy, diagram: Diagram, branch: Branch, names: tuple[str, ...],
     functions: dict[str, Observable],
 ) -> dict[str, Floats]:  # fmt: skip
-    """Columns of one branch."""
     found = {name: np.full(len(branch), math.nan) for name in (*names, *functions)}
     if branch.kind is not BranchKind.FIXED_POINT:
         return found

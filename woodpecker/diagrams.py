@@ -93,16 +93,15 @@ def continuation(
 ) -> Diagram | Curve:
     """Follow a periodic solution both ways over a parameter, and every branch connected to it.
 
-    A special point of the toy with two parameters is handed to :func:`woodpecker.curve_in_two`,
-    which says what is followed then.
+    A special point of the toy with two parameters goes to :func:`woodpecker.curve_in_two`.
 
     Parameters
     ----------
     source
         The toy, or any piecewise-smooth map of the line with one parameter.
     orbit
-        A periodic solution of it, from :func:`woodpecker.shoot`. It is followed with its minimal
-        period, also where a multiple of that was shot for.
+        A periodic solution of it, from :func:`woodpecker.shoot`; it is followed with its minimal
+        period.
     parameter
         Parameter of the toy that varies, by default eps_n1; or what the diagram calls that of a
         map, by default p.
@@ -119,17 +118,14 @@ def continuation(
         Steps, window and tolerances. By default the window of a toy is (-2.5, -0.24) rad, and that
         of a map has no ends.
     stop
-        A rule that ends branches, such as ``lambda state: abs(state.multiplier) > 5``. It is asked
-        at every sample, with a :class:`woodpecker.search.BranchState`; where it comes to be true
-        the branch ends (EP, "stopped as asked"), a place that is bracketed to rounding, and nothing
-        that begins beyond is followed.
+        A rule that ends branches, such as ``lambda state: abs(state.multiplier) > 5``, asked at
+        every sample with a :class:`woodpecker.search.BranchState`. Where it comes to be true, which
+        is located to rounding, the branch ends (EP, "stopped as asked").
     progress
         Called before the first branch, and with every one that is finished.
-    run
-        A file that keeps every finished branch, so that an interrupted run can go on.
-    resume
-        Go on with the run in that file. It does not keep ``stop``: a rule that is wanted is given
-        again.
+    run, resume
+        A file that keeps every finished branch; and whether to go on with the run in it, which
+        keeps no ``stop``: give it again.
 
     Returns
     -------
@@ -156,14 +152,8 @@ def continuation(
     EP 0.450000000 -0.537769080 end of the parameter span
     PD 0.648549200 -0.518581245 the multiplier is -1
     EP 0.700000000 -0.515717105 end of the parameter span
-
-    A map of one's own:
-
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import from_sympy
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> from woodpecker.examples import two_lines  # a map of one's own
+    >>> lines = two_lines()
     >>> diagram = continuation(lines, shoot(lines, -1.0, p=-0.5), "p", span=(-1, 2))
     >>> [(branch.id, branch.word, branch.ends) for branch in diagram.branches]
     [('F1', 'L', ('EP1', 'BC1')), ('J1', 'L / R', ('BC1', 'BC2')), ('F2', 'R', ('BC2', 'EP2'))]
@@ -225,10 +215,7 @@ def _value(followed: Subject, orbit: PeriodicOrbit) -> float:
 
 
 def _start(followed: Subject, orbit: PeriodicOrbit) -> Orbit:
-    """The cycle from which everything is followed, with its minimal period.
-
-    Passed several times over it would hide its flips, and meet the same borders again and again.
-    """
+    """The cycle to follow, with its minimal period: several times over it would hide its flips."""
     if not orbit.success:
         raise ValueError(f"continuation needs a periodic solution, got one with: {orbit.message}")
     if orbit.source is not followed.source and orbit.source != followed.source:
@@ -293,20 +280,16 @@ def bifurcation_diagram(
     window
         Finite interval of phi_S [rad] or x, by default (-2.5, -0.24) rad for a toy, that of the
         settings for a map.
-    settings
-        Steps and tolerances.
-    search
-        How many slices.
+    settings, search
+        Steps and tolerances; how many slices.
     progress
         Called with every branch that is finished, and before every slice.
-    run
-        A file that keeps every finished branch, so that an interrupted run can go on.
-    resume
-        Go on with the run in that file.
+    run, resume
+        A file that keeps every finished branch; and whether to go on with the run in it.
     workers
-        How many processes do the work, this one among them, by default one for each core, for a map
-        this one alone; see :func:`woodpecker.base.executors.scheduler`. A map goes to others by
-        cloudpickle, with lambdas in it too. The result does not depend on it.
+        How many processes do the work, this one among them; by default one for each core, for a map
+        this one alone. A map goes to others by cloudpickle, with lambdas in it too. The result does
+        not depend on it.
     executor
         Any executor of :mod:`concurrent.futures` (threads, processes, dask, MPI) that helps
         instead; it is not shut down, and has as many tasks at once as ``workers`` says.
@@ -333,15 +316,8 @@ def bifurcation_diagram(
     >>> top = bifurcation_diagram(Toy(), "eps_n1", (0.33, 0.4), (1,), (-1, -0.8), search=few)
     >>> sorted((round(p.parameter, 9), str(p.kind)) for p in top.points if p.kind.name != "EP")
     [(0.341923454, 'BC'), (0.388349589, 'FF')]
-
-    A map of one's own:
-
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import from_sympy
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), (1, 2), (-3, 3), search=few)
+    >>> from woodpecker.examples import two_lines  # a map of one's own
+    >>> diagram = bifurcation_diagram(two_lines(), "p", (-1, 2), (1, 2), (-3, 3), search=few)
     >>> [(branch.id, branch.order) for branch in diagram.branches]
     [('F1', 1), ('J1', 1), ('J2', 2), ('F2', 1), ('J3', 2), ('F3', 2), ('F4', 2), ('J4', 2)]
     """

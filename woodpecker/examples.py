@@ -1,4 +1,4 @@
-"""The map of the paper's Section 4 over two parameters: what examples in docstrings are about."""
+"""What examples in docstrings are about: two lines, a ball, the map of the paper's Section 4."""
 
 from __future__ import annotations
 
@@ -6,14 +6,29 @@ from sympy import Piecewise, symbols
 
 from woodpecker.base.settings import Settings
 from woodpecker.diagrams import continuation
+from woodpecker.maps.formulas import FormulaMap
+from woodpecker.maps.symbolic import from_sympy
 from woodpecker.plane.curve import Curve
 from woodpecker.plane.families import SymbolicFamily, family_from_sympy
 from woodpecker.regions.regions import Regions, regions_of
 from woodpecker.regions.survey import Survey
 from woodpecker.shooting import shoot
+from woodpecker.systems import Contact, ContactSystem
 from woodpecker.two_parameters import curve_in_two
 
 SETTINGS = Settings(span=(-1, 1), window=(-4, 4))
+
+
+def two_lines() -> FormulaMap:
+    """Pieces L, x/2 + p for x < 0, and R, x/3 + p - 1 beyond."""
+    x, p = symbols("x p")
+    return from_sympy(Piecewise((x / 2 + p, x < 0), (x / 3 + p - 1, True)), x, p, words=["L", "R"])
+
+
+def bouncing_ball() -> ContactSystem:
+    """A point of unit mass at height y over a floor with eps_N = 0.5; g = 10 m/s^2."""
+    y, g = symbols("y g")
+    return ContactSystem([y], [[1]], [-g], [Contact(name="floor", gap=y, eps_n=0.5)], {g: 10.0})
 
 
 def paper_family() -> SymbolicFamily:

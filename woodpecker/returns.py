@@ -67,10 +67,8 @@ def return_map(
     --------
     >>> from woodpecker import Toy, return_map
     >>> found = return_map(Toy(), [-1.0, -0.8, -0.6])
-    >>> found.phi_s.round(9).tolist()
-    [-0.364324882, -0.491027576, -0.479415128]
-    >>> found.slope.round(6).tolist()
-    [-0.901261, -0.54036, -0.635028]
+    >>> found.phi_s.round(9).tolist(), found.slope.round(4).tolist()
+    ([-0.364324882, -0.491027576, -0.479415128], [-0.9013, -0.5404, -0.635])
     """
     if isinstance(source, Toy):
         value_of(source, p)
@@ -115,9 +113,8 @@ def orbit_diagram(
     Parameters
     ----------
     source
-        The toy, or any map of the line with one parameter. Of its pieces nothing is asked but
-        values and slopes; a map that takes many points at once (``sweep``) gets all starts at all
-        parameters in one array.
+        The toy, or any map of the line with one parameter, of which only values and slopes are
+        asked; one that takes many points at once (``sweep``) gets all of them in one array.
     parameters, starts
         Values of the parameter, and first points, of shapes (n,) and (m,).
     window
@@ -128,7 +125,7 @@ def orbit_diagram(
         How many iterates are cut, and how many are kept after that.
     settings
         The unit of x: an orbit that repeats itself to 1e-6 of it after at most 64 points has that
-        period. By default in units of x.
+        period.
 
     Returns
     -------
@@ -137,11 +134,9 @@ def orbit_diagram(
 
     Raises
     ------
-    TypeError
-        If it is neither a toy nor a map, or the parameter is unknown.
-    ValueError
-        If nothing is to be kept, the window is no two ascending numbers, or parameters or starts
-        are no real numbers.
+    TypeError, ValueError
+        If it is neither a toy nor a map, the parameter is unknown, nothing is to be kept, the
+        window does not ascend, or parameters or starts are no real numbers.
 
     Examples
     --------

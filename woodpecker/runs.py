@@ -118,7 +118,7 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
     Returns
     -------
     Diagram
-        What was finished; branches that are being followed are not in it.
+        Without the branches that are being followed.
 
     Raises
     ------
@@ -224,7 +224,7 @@ def _pair(value: Any) -> Any:
 
 
 def nothing(_: object) -> None:
-    """Takes what nobody wants to know."""
+    """Ignores what it is told."""
 
 
 @contextmanager

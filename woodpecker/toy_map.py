@@ -1,7 +1,6 @@
 """P_1 of the toy as a piecewise-smooth map of (phi_S, parameter): its pieces and their margins.
 
-The searching kernel finds the path of a return, and the path is followed: value, derivatives and
-margins are those of following, also beyond the set where the toy takes the path.
+The kernel finds the path of a return; following it gives value, derivatives and margins.
 """
 
 from __future__ import annotations
@@ -60,11 +59,7 @@ NO_VALUES: Values = ()
 
 
 class _ThreadRoom:
-    """The kernel's numbers for some toys and their derivatives, and a follower: for one thread.
-
-    The toys differ in some parameters; ``rates`` say by how much these change in the direction of
-    the derivatives.
-    """
+    """The kernel's numbers for some toys, with their rates, and a follower; for one thread."""
 
     def __init__(self, toy: Toy, rates: Mapping[str, float]) -> None:
         self._toy, self._values, self._limits = toy, NO_VALUES, (math.inf, -math.inf)
@@ -149,10 +144,7 @@ class ToyMap:
         raise NotImplementedError
 
     def at(self, x: float, p: float) -> Image:
-        """The return from phi_S = x [rad] along the path that the toy takes there, at p.
-
-        Without a return it carries the reason.
-        """
+        """The return from x [rad] along the path that the toy takes at p, or why none."""
         x, p = _numbers(x, p)
         follower, obstacle = self.ready(x, p)
         if obstacle:
@@ -187,10 +179,8 @@ class ToyPieces(ToyMap):
 
     Parameters
     ----------
-    toy
-        The toy; its own value of the parameter does not matter.
-    parameter
-        The parameter of the toy that varies.
+    toy, parameter
+        The toy, and its parameter that varies, whose own value does not matter.
 
     Raises
     ------
@@ -200,12 +190,9 @@ class ToyPieces(ToyMap):
     Examples
     --------
     >>> from woodpecker import Toy, ToyPieces
-    >>> map_ = ToyPieces(Toy(), "eps_n1")
-    >>> image = map_.at(-0.53, 0.5)
+    >>> image = ToyPieces(Toy(), "eps_n1").at(-0.53, 0.5)
     >>> round(image.value, 9), round(image.slope, 6), round(image.d_parameter, 6)
     (-0.529030292, -0.833817, 0.250721)
-    >>> image.piece.word
-    'S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2'
     """
 
     toy: Toy
@@ -221,25 +208,10 @@ class ToyPieces(ToyMap):
         return _same, (self.toy, self.parameter, self._held)
 
     def holding(self, **values: float) -> ToyPieces:
-        """The map of a toy with other values of other parameters; it shares this one's tables.
+        """The map with other values of other parameters, in SI units; it shares this one's tables.
 
-        The values are looked at where the map is asked for an image: it has none if the toy cannot
-        have them.
-
-        Parameters
-        ----------
-        **values
-            Values of parameters by name, in SI units.
-
-        Returns
-        -------
-        ToyPieces
-            A new map.
-
-        Raises
-        ------
-        TypeError
-            If a parameter is unknown, or is the one that varies.
+        Values that the toy cannot have leave the map without images. TypeError if a parameter is
+        unknown, or is the one that varies.
         """
         for name in values:
             if known_parameter(name) == self.parameter:
@@ -259,18 +231,7 @@ class ToyPieces(ToyMap):
         return *self._held, (self.parameter, p)
 
     def taken(self, x: float, p: float) -> tuple[bytes, float]:
-        """The key of the piece that the toy takes there, and its image as the search finds it.
-
-        Parameters
-        ----------
-        x, p
-            phi_S [rad] at the start, and the value of the parameter, in its unit.
-
-        Returns
-        -------
-        key, image
-            The image in rad.
-        """
+        """The key of the piece that the toy takes at x [rad], and its image [rad] by the search."""
         x, p = _numbers(x, p)
         follower, obstacle = self.ready(x, p)
         if obstacle:
@@ -279,22 +240,10 @@ class ToyPieces(ToyMap):
         return (path.steps if status.success else NO_PATH).tobytes(), value
 
     def sweep(self, x: Floats, p: float | Floats) -> Sweep:
-        """Returns from many points (n,) [rad] at once, without pieces: images and slopes.
+        """Returns from many points (n,) [rad] at once, without pieces: images [rad] and slopes [-].
 
-        Parameters
-        ----------
-        x, p
-            Starts [rad] of shape (n,), and the parameter of each, or one for all, in its unit.
-
-        Returns
-        -------
-        Sweep
-            Images [rad] and slopes [-], shapes (n,); nan where the toy does not return.
-
-        Raises
-        ------
-        ValueError
-            If the toy cannot have this value of the parameter.
+        There is one parameter for all, or one for each. They are nan where the toy does not return;
+        ValueError if it cannot have this value of the parameter.
         """
         points = real_array("x", x).ravel()
         if np.ndim(p) == 0:
@@ -328,7 +277,7 @@ class ToyPiece(NamedTuple):
 
     @property
     def key(self) -> bytes:
-        """The same for two pieces just if they are one."""
+        """Equal for two pieces just if they are one."""
         return self.path.steps.tobytes()
 
     def at(self, x: float, p: float) -> Image:
@@ -388,8 +337,8 @@ class Named(NamedTuple):
 def named(source: Toy | PiecewiseMap | PiecewiseLinearMap, parameter: str | None = None) -> Named:
     """The map of a toy over a parameter, by default eps_n1; a map of pwmap as one of pieces.
 
-    TypeError if it is neither a toy nor a map, or the parameter is none of the toy, or no text;
-    ValueError if an exact map has other parameters than one.
+    TypeError if it is neither a toy nor a map, or the parameter is none of the toy; ValueError if
+    an exact map has not one parameter.
     """
     if isinstance(source, Toy):
         name = "eps_n1" if parameter is None else parameter

@@ -77,16 +77,12 @@ def curve_in_two(
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, continuation, curve_in_two, shoot
-    >>> from woodpecker.plane import family_from_sympy
-    >>> x, a, r = symbols("x a r")
-    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
-    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
-    >>> over_r, settings = family.over(0, (0.0, 1.25)), Settings(span=(-1, 1), window=(-4, 4))
-    >>> diagram = continuation(over_r, shoot(over_r, 0.2, p=0.45), settings=settings)
-    >>> border, spans = diagram.points[0], ((-1, 1), (1.1, 2))
-    >>> curve = curve_in_two(family, border, ("r", "a"), spans, value=1.25, settings=settings)
+    >>> from woodpecker import continuation, curve_in_two, shoot
+    >>> from woodpecker.examples import SETTINGS, paper_family
+    >>> family = paper_family()  # over r and a
+    >>> over_r, spans = family.over(0, (0.0, 1.25)), ((-1, 1), (1.1, 2))
+    >>> border = continuation(over_r, shoot(over_r, 0.2, p=0.45), settings=SETTINGS).points[0]
+    >>> curve = curve_in_two(family, border, ("r", "a"), spans, value=1.25, settings=SETTINGS)
     >>> str(curve.kind), curve.values[[0, -1]].round(9).tolist()  # r and a
     ('BC', [[0.0, 1.1], [0.0, 2.0]])
     """

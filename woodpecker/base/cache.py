@@ -1,12 +1,7 @@
 """The kernel's cache on disk: a file that is damaged, or cannot be written, is no obstacle.
 
-Numba reads machine code from its cache as it finds it: a file with one wrong bit ends in an error
-or in a crash, at every call. Here each file ends with a digest. What does not agree is compiled
-anew and written again; where that fails the work goes on without. Either way a warning says so
-once, and names the folder.
-
-This uses parts of numba that may change: where they are not as expected the cache is as numba has
-made it.
+Each file ends with a digest: what does not agree is compiled anew. Where the parts of numba that
+this uses have changed the cache is as numba has made it.
 """
 
 from __future__ import annotations
@@ -22,13 +17,7 @@ SEAL = 16  # bytes of a digest
 
 
 def guard(dispatcher: Any) -> None:
-    """Let a compiled function read and write its cache with care.
-
-    Parameters
-    ----------
-    dispatcher
-        What numba made of a function.
-    """
+    """Let a compiled function read and write its cache with care."""
     own: Any = getattr(dispatcher, "_cache", None)
     try:
         file = own._cache_file

@@ -1,9 +1,7 @@
 """A checkpoint: a text file that grows by one line of JSON with everything that is finished.
 
-Each line is handed to the system before a search goes on, so that a run that is interrupted, or
-killed, loses nothing but what was being done. The first line says what is searched, and how. Each
-ends with a digest of itself and of all lines before it, so that one that was changed, dropped or
-doubled is noticed; half a line at the end is what an interruption leaves, and is dropped.
+The first line says what is searched, and how. Each line ends with a digest of itself and all lines
+before; half a line at the end, as an interruption leaves it, is dropped.
 """
 
 from __future__ import annotations
@@ -30,28 +28,13 @@ WAIT = 3.0  # s: as long as the workers of a killed run may take to notice, and 
 
 
 class Checkpoint:
-    """Lines of JSON, each written through before the search goes on.
+    """Lines of JSON, each written through before the search goes on; the system locks the file.
 
-    Nobody else can write the file meanwhile: the system locks it.
-
-    Parameters
-    ----------
-    path
-        The file. What is in it is kept as ``<name>.old`` unless the run is resumed.
-    run
-        What is searched, and how; a run can only be resumed with the same. Points to start from
-        are the same if they differ by 1e-9 at most: other machines round in other ways.
-    version
-        Of the lines; raised when older code would misread them.
-    parsed
-        What an entry stands for; an error of a lookup, a TypeError or a ValueError if nothing.
-    resume
-        Go on with the run in the file.
-
-    Raises
-    ------
-    ValueError
-        If there is nothing to resume, the run in the file is another one, or it is being written.
+    Unless the run is resumed, what is in it is kept as ``<name>.old``. Runs are the same if numbers
+    of their starts differ by 1e-9 at most; ``version`` is raised when older code would misread
+    lines; ``parsed`` makes of an entry what it stands for, or raises an error of a lookup, a
+    TypeError or a ValueError. ValueError if there is nothing to resume, the run is another one, or
+    it is being written.
     """
 
     def __init__(
@@ -148,14 +131,7 @@ def _taken_beside(_: TextIO, path: Path) -> Callable[[], object]:
 def read(
     path: str | os.PathLike[str], *, version: int, parsed: Callable[[Entry], Any]
 ) -> tuple[Entry, list[Any]]:
-    """What a checkpoint says of its run, and what its entries so far stand for.
-
-    Raises
-    ------
-    ValueError
-        If the file does not exist, or is not a checkpoint of this version from the first line to
-        the last that is complete.
-    """
+    """What a checkpoint says of its run, and its entries; ValueError if it is none of a version."""
     path = _existing(Path(path))
     data = path.read_bytes()
     lines = data[: _whole(data)].split(b"\n")[:-1]

@@ -45,10 +45,8 @@ _WHOLE, _PART = _options() if COMPILED else ({}, {})
 def jit(function: F) -> F:
     """``numba.njit`` with a cache on disk and without the GIL, or the function itself.
 
-    Either way infinity and nan are results like others, of which nothing is said.
-
-    For what Python calls while it computes; all else is a :func:`part` of such a function. Where no
-    folder for the cache can be written there is none, and a warning says so once.
+    For what Python calls while it computes; all else is a :func:`part`. Where no folder for the
+    cache can be written a warning says so once.
     """
     if not COMPILED:
         return np.errstate(all="ignore")(function)
@@ -64,11 +62,7 @@ def jit(function: F) -> F:
 
 
 def part(function: F) -> F:
-    """The function itself, which compiled functions may call: they compile it into themselves.
-
-    It has no door to Python, no file in the cache, no version of its own for arguments that are
-    literal numbers, and no machine code of its own: see :mod:`woodpecker.base.linking`.
-    """
+    """The function itself, for compiled functions to call: see :mod:`woodpecker.base.linking`."""
     if not COMPILED:
         return function
     from numba.extending import register_jitable
@@ -78,11 +72,7 @@ def part(function: F) -> F:
 
 
 def _stamp(dispatcher: Any) -> None:
-    """Make what is cached of a function as old as the whole package.
-
-    Compiled code has functions of other files inside, but numba looks at the time and size of the
-    function's own file only: after a change elsewhere it would go on with the old code.
-    """
+    """Make what is cached of a function as old as the package; numba looks at its own file only."""
     index: Any = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if hasattr(index, "_source_stamp"):
         index._source_stamp = (index._source_stamp, _fingerprint())

@@ -8,20 +8,7 @@ from scipy.optimize import brentq
 
 
 def zero_of_cubic(before: float, after: float, rise: float, rise_there: float) -> float:
-    """Where a cubic vanishes between 0 and 1.
-
-    Parameters
-    ----------
-    before, after
-        Its values at 0 and 1, of different signs.
-    rise, rise_there
-        Its slopes there; if one is infinite, the straight line is taken.
-
-    Returns
-    -------
-    float
-        A place between 0 and 1.
-    """
+    """Where a cubic of given values and slopes at 0 and 1 vanishes; a line if one is infinite."""
     change = after - before
     cubic, square = rise + rise_there - 2.0 * change, 3.0 * change - 2.0 * rise - rise_there
     if not math.isfinite(cubic):

@@ -1,13 +1,7 @@
 """Where the tasks of a search are carried out: here, and by processes of its own or an executor.
 
-The calling thread does what is needed next. Others begin what is likely to be needed later: what a
-task returns depends on nothing but its arguments, so results and their order are those of one
-thread alone.
-
-Tasks and results travel as bytes made by cloudpickle, which knows lambdas and what is defined in a
-script; the map in them is sent once, and is one object on each side. No process inherits anything
-but code: so any executor will do, several searches can run side by side in threads, and where the
-system cannot make processes a search works alone.
+The calling thread does what is needed next; others begin what is likely to be needed later. A task
+depends on its arguments only, so results and their order are those of one thread.
 """
 
 from __future__ import annotations
@@ -86,13 +80,7 @@ class Serial:
 
 
 class Sender:
-    """Makes bytes of tasks and results, and the other way; what both sides share stays at home.
-
-    Parameters
-    ----------
-    shared
-        What is not sent again.
-    """
+    """Makes bytes of tasks and results, and the other way; what is ``shared`` is not sent again."""
 
     def __init__(self, shared: object) -> None:
         self._shared = shared
@@ -127,11 +115,7 @@ class _Unpickler(pickle.Unpickler):
 
 
 class _Begun:
-    """A task that somebody is at, or has finished; its arguments are kept, and so their ids.
-
-    With ``again`` a task whose future fails is carried out here: a lost result is made anew, and an
-    error of the task itself is raised once more.
-    """
+    """A task that somebody is at, or has finished; its arguments are kept, and so their ids."""
 
     def __init__(
         self, call: Call, future: Future[Any], load: Callable[[Any], Done],
@@ -152,20 +136,9 @@ class _Begun:
 class Parallel:
     """The calling thread, and others that begin what is likely to be needed.
 
-    Parameters
-    ----------
-    work
-        What is to be done with the arguments of a task.
-    sent, sender
-        The same as bytes, none for threads; and what makes bytes of arguments.
-    start
-        Gives the executor of the others, or None if there is none.
-    workers
-        How many tasks they do at once.
-    patience
-        Time [s] after which they are started.
-    forgiving
-        Whether tasks are carried out here if the others fail.
+    ``start`` gives their executor, or None, after a ``patience`` [s]; they do as many tasks at once
+    as there are ``workers``. ``sent`` is the work as bytes, none for threads; if ``forgiving``,
+    tasks are carried out here where the others fail.
     """
 
     def __init__(
@@ -181,10 +154,7 @@ class Parallel:
         self._open, self._lock = set[Future[Any]](), threading.RLock()
 
     def result(self, *call: Any) -> Done:
-        """The result of a task: of those who have begun it, or carried out here.
-
-        Others are carried out while it is waited for.
-        """
+        """The result of a task, of others or carried out here; meanwhile others are done."""
         with self._lock:
             self._ready.pop(_key(call), None)
             begun = self._begun.pop(_key(call), None)
@@ -275,27 +245,11 @@ def scheduler(
 ) -> Iterator[Scheduler]:
     """Where tasks are carried out, for the time of a search.
 
-    Parameters
-    ----------
-    work
-        What is to be done with the arguments of a task.
-    workers
-        How many processes work, this one among them; by default one for each core. It works alone
-        if it cannot make others, as in a :class:`multiprocessing.Pool`.
-    executor
-        Any executor of :mod:`concurrent.futures` that helps instead; it is not shut down.
-        ``workers`` then says how many tasks it does at once.
-    shared
-        A part of the work that tasks and results refer to, too.
-
-    Raises
-    ------
-    ValueError
-        If there is to be nobody, or the work cannot be sent to other processes.
-    TypeError
-        If the executor is none.
-    WorkerLostError
-        If a process ends before its task does.
+    ``workers`` processes, this one among them, by default one for each core; it works alone if it
+    cannot make others. Or an executor of :mod:`concurrent.futures` that helps, not shut down, with
+    so many tasks at once. ``shared`` is a part of the work that tasks refer to, too. ValueError if
+    there is to be nobody, or the work cannot be sent; TypeError if the executor is none;
+    WorkerLostError if a process ends before its task does.
     """
     count = worker_count(workers)
     if not (executor is None or hasattr(executor, "submit")):
@@ -319,13 +273,7 @@ def scheduler(
 
 
 def worker_count(workers: int | None) -> int:
-    """The number itself, or that of the cores this process may use.
-
-    Raises
-    ------
-    ValueError
-        If it is not a whole number of at least 1.
-    """
+    """How many workers, by default one for each usable core; ValueError unless 1, 2, ..."""
     if workers is None:
         allowed = getattr(os, "sched_getaffinity", None)  # Linux
         return len(allowed(0)) if allowed is not None else os.cpu_count() or 1
@@ -360,13 +308,8 @@ def _received(sent: bytes) -> tuple[Work, Sender]:
 def processes(count: int) -> Iterator[ProcessPoolExecutor | None]:
     """Processes of this one's own, all started at once; None where none can be made.
 
-    Ctrl-C is left to this process. They end with the block, whatever they are at, and do not
-    outlive this process, however it ends.
-
-    Raises
-    ------
-    WorkerLostError
-        If one ends before its task does.
+    They end with the block or this process, and leave Ctrl-C to it. WorkerLostError if one ends
+    before its task does.
     """
     if multiprocessing.current_process().daemon:  # such a process may have no children
         yield None
@@ -401,11 +344,8 @@ _BROKEN = (
 
 
 def start_method() -> str:
-    """How processes are made: copied where that is safe and quick, otherwise started anew.
-
-    A copy has one thread, and the locks that others held at the time stay locked in it. Starting
-    anew takes the time of an import, one or two seconds.
-    """
+    """How processes are made: copied where that is safe, otherwise started anew, in a second."""
+    # A copy has one thread, and the locks that others held at the time stay locked in it.
     alone = threading.active_count() == 1
     return "fork" if sys.platform == "linux" and alone else "spawn"
 
@@ -418,12 +358,8 @@ def _begin() -> None:
 
 
 def _watch() -> None:
-    """End this process when its parent has gone.
-
-    The system closes what the parent has open when it ends, however it does; that wakes this
-    thread. Another copy of the parent that lives longer may hold it open: so who the parent is is
-    looked up, too.
-    """
+    """End this process when its parent has gone: the system closes what that has open."""
+    # Another copy of the parent may hold it open: so who the parent is is looked up, too.
     parent = multiprocessing.parent_process()
     assert parent is not None
     while not wait([parent.sentinel], WATCH) and os.getppid() == parent.pid:

@@ -1,12 +1,8 @@
 """Compile a kernel of many functions as one piece, in half of numba's own time.
 
-Numba optimises each function together with all that it calls, and makes machine code of it, before
-a caller does the same again: a nest of depth d is treated d times. Here the functions that only
-compiled code calls are kept as they are written down, and those that Python calls take all of them
-at once. What they compute does not change, and nothing changes for other functions.
-
-This uses parts of numba that may change: :func:`pipelines` returns nothing if they are not as
-expected, and then numba does its usual, slower, work.
+Numba optimises each function with all that it calls, so a nest of depth d is treated d times. Here
+functions that only compiled code calls are kept as written. Where the parts of numba that this uses
+have changed it does its usual work.
 """
 
 from __future__ import annotations
@@ -27,10 +23,7 @@ sets this: it has nothing to keep then. In a notebook it would be the end of all
 
 
 def pipelines() -> tuple[Any, Any]:
-    """Compilers for functions that Python calls, and for those that only compiled code calls.
-
-    None and None if numba is not made as this file expects.
-    """
+    """Compilers for functions that Python calls, and for others; None if numba has changed."""
     try:
         return _pipelines()
     except (ImportError, AttributeError):

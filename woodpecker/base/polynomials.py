@@ -1,8 +1,7 @@
 """Roots of polynomials over [0, 1], isolated by the signs of Bernstein coefficients.
 
-A polynomial has no more roots in an interval than its Bernstein coefficients there have changes of
-sign, and as many if there is one change or none. So intervals are halved until there is one change
-or none, and the root is found in its bracket.
+A polynomial has no more roots in an interval than its Bernstein coefficients have changes of sign,
+and as many if there is one change or none: intervals are halved until it is so.
 """
 
 from __future__ import annotations
@@ -26,10 +25,9 @@ LOW, HIGH, GUESS, FALLS = range(4)  # columns of what isolates a root: 1.0 where
 
 @lru_cache(maxsize=32)
 def bernstein(size: int) -> Floats:
-    """Matrices (3, size, size) with which coefficients (size,) are multiplied.
+    """Matrices (3, size, size) that multiply coefficients (size,).
 
-    The first makes of power coefficients, lowest first, those of Bernstein over [0, 1]; the others
-    make of Bernstein's those of the left and of the right half.
+    From power coefficients, lowest first, to Bernstein's over [0, 1], and to those of both halves.
     """
     n = size - 1
     whole = [[math.comb(j, k) / math.comb(n, k) for j in range(size)] for k in range(size)]
@@ -60,11 +58,9 @@ def _changes(b: Floats) -> int:
 
 @jit
 def _isolated(b: Floats, matrices: Floats, until_fall: bool) -> Floats:
-    """Intervals with one root each (roots, 4), ascending; as far as the first fall if asked.
-
-    Where there are several changes of sign in the narrowest interval there is a double root, which
-    counts only if the ends have different signs.
-    """
+    """Intervals with one root each (roots, 4), ascending; as far as the first fall if asked."""
+    # Several changes of sign in the narrowest interval are a double root, which counts only if the
+    # ends have different signs.
     size, count, top = len(b), 0, 1
     found = np.empty((size, 4))
     ends, stack = np.empty((HALVINGS + 2, 3)), np.empty((HALVINGS + 2, size))
@@ -122,15 +118,8 @@ def _solved(c: Floats, inside: Floats) -> float:
 def fall(c: Floats, b: Floats, at_once: bool, matrices: Floats) -> float:
     """The first place in [0, 1] at which a polynomial falls through zero; infinite if none.
 
-    Parameters
-    ----------
-    c, b
-        (size,) its coefficients, and Bernstein's.
-    at_once
-        Whether it falls at 0 already if it is zero or below and falls there; a root that rounding
-        has moved below 0 counts.
-    matrices
-        Those of :func:`bernstein` of its size.
+    ``c`` and ``b`` (size,) are its coefficients and Bernstein's. ``at_once``: it falls at 0 already
+    if it is zero or, by rounding, below, and falls there.
     """
     if b.min() > 0.0 or np.abs(b).max() <= FLAT:
         return math.inf
@@ -155,11 +144,7 @@ def roots(c: Floats, b: Floats, matrices: Floats) -> Floats:
 
 @jit
 def scaled(rows: Floats, length: float, orders: Ints) -> Floats:
-    """Power series (count, size) over [0, length] as polynomials over [0, 1].
-
-    Each is divided by a power of its variable; its first coefficients, which are zero but for
-    rounding, are left out.
-    """
+    """Power series (count, size) over [0, length], over powers of the variable, as polynomials."""
     count, size = rows.shape
     scales, c = np.ones(size), np.zeros((count, size))
     for j in range(1, size):
@@ -176,25 +161,9 @@ def first_fall(
 ) -> tuple[int, float, Floats]:
     """Which of some power series over [0, length] falls through zero first, and where.
 
-    Parameters
-    ----------
-    rows
-        (count, size) their coefficients.
-    length
-        How far they are looked at.
-    orders
-        (count,) the powers of their variable by which they are divided before.
-    before
-        (count,) a series for which this is positive falls at once, as :func:`fall` has it.
-    skipped
-        (count,) not zero for those that are passed over.
-    matrices
-        Those of :func:`bernstein` of their size.
-
-    Returns
-    -------
-    tuple
-        The series, -1 if there is none; the place; and (count,) their values at the end.
+    ``rows`` (count, size) are divided by powers of their variable (``orders``). One for which
+    ``before`` is positive falls at once, as :func:`fall` has it; those ``skipped`` are passed over.
+    It gives the series, -1 if there is none; the place; and all values at the end (count,).
     """
     c, ends = scaled(rows, length, orders), np.empty(len(rows))
     first, place = -1, math.inf

@@ -46,35 +46,26 @@ class Settings:
     max_samples
         A branch ends (EP) after this many.
     max_evaluations
-        Of P_1, of a whole search; where P_n is looked at, too, n^2 times as many more. A branch
-        takes at most three fifths of its own each way and a slice a sixteenth: the longest branches
-        of the toy need 290 000. What is left after that many is said. A return of very many phases
-        counts as several.
+        Of P_1, of a whole search; n^2 times as many more for P_n. A branch takes at most three
+        fifths of its own each way and a slice a sixteenth. What is left is said. A return of very
+        many phases counts as several.
     max_pieces
-        Of P_1 in a slice, and ten times as many of an iterate: the toy has some hundred. The rest
-        is reported as not resolved.
+        Of P_1 in a slice, and ten times as many of an iterate. The rest is reported as not
+        resolved.
     converged
-        A Newton step of this length is the last: 16 spacings of doubles at 1, what rounding of a
-        map leaves.
-    beside
-        Distance from a border at which the piece beyond is asked for first: far above rounding, far
-        below a step. A piece there that is thinner than a thousandth of it is passed over.
-    nearest
-        Smallest such distance, tried if there are other pieces in between: far enough from the
-        border, some hundred times ``converged``, for rounding not to decide.
-    jump
-        Limits of a map closer than this are one value: far above what is left of a rounded
-        location at a steep slope, far below jumps that are worth drawing.
-    kink
-        Slopes that differ by a larger part than this differ.
-    finest
-        Pieces shorter than this are not looked for one by one: a part of the window. Where they
-        accumulate, their total length is reported.
-    coarse
-        The same for pieces that lead elsewhere: if fixed points of P_1 are looked for, away from
-        the diagonal; if cycles of iterates are, out of the window.
+        A Newton step of this length is the last.
+    beside, nearest
+        Distances from a border at which the piece beyond is asked for first, and at least if there
+        are other pieces in between. Pieces thinner than a thousandth of the first are passed over.
+    jump, kink
+        Limits of a map closer than the one are one value; slopes that differ by a larger part than
+        the other differ.
+    finest, coarse
+        Pieces shorter than the first part of the window are not looked for one by one, only their
+        total length is reported; nor those shorter than the other that lead elsewhere: away from
+        the diagonal for fixed points of P_1, out of the window for cycles of iterates.
     same
-        Orbits this close at one parameter are one: far above rounding, far below their distances.
+        Orbits this close at one parameter are one.
 
     Raises
     ------
@@ -83,12 +74,9 @@ class Settings:
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, continuation, from_sympy, shoot
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> settings = Settings(span=(-1, 2), window=(-3, 3), max_step=0.2)
+    >>> from woodpecker import Settings, continuation, shoot
+    >>> from woodpecker.examples import two_lines
+    >>> lines, settings = two_lines(), Settings(span=(-1, 2), window=(-3, 3), max_step=0.2)
     >>> diagram = continuation(lines, shoot(lines, -1.0, p=-0.5), settings=settings)
     >>> [point.parameter for point in diagram.points]
     [-1.0, 0.0, 1.0, 2.0]
@@ -101,19 +89,19 @@ class Settings:
     min_step: float = 1e-13
     max_turn: float = 0.1
     max_samples: int = 20_000
-    max_evaluations: int = 500_000
-    max_pieces: int = 10_000
-    converged: float = 2.0**-48
-    beside: float = 1e-6
-    nearest: float = 1e-12
+    max_evaluations: int = 500_000  # the longest branches of the toy need 290 000
+    max_pieces: int = 10_000  # the toy has some hundred
+    converged: float = 2.0**-48  # 16 spacings of doubles at 1, what rounding of a map leaves
+    beside: float = 1e-6  # far above rounding, far below a step
+    nearest: float = 1e-12  # some hundred times ``converged``, for rounding not to decide
+    # far above a rounded location at a steep slope, far below jumps worth drawing
     jump: float = 1e-7
     kink: float = 1e-6
     finest: float = 1e-6
     coarse: float = 1e-4
-    same: float = 1e-9
+    same: float = 1e-9  # far above rounding, far below distances of orbits
 
     def __repr__(self) -> str:
-        """The call that makes them: what differs from the default."""
         return changed(self)
 
     def __post_init__(self) -> None:
@@ -156,8 +144,7 @@ class Settings:
         order
             Of the iterate to which it belongs.
         one_of_many
-            Whether all branches of a window are looked for: one that does not end is not to take
-            what the others need.
+            Whether all branches of a window are looked for, and one must not take what others need.
 
         Returns
         -------
@@ -168,33 +155,11 @@ class Settings:
         return allowed // 10 if one_of_many else allowed * 3 // 5
 
     def of_slice(self, orders: Sequence[int]) -> int:
-        """How many evaluations a slice may take.
-
-        Parameters
-        ----------
-        orders
-            Of the iterates that it shows.
-
-        Returns
-        -------
-        int
-            A part of ``max_evaluations``.
-        """
+        """How many evaluations a slice of iterates of some orders may take."""
         return max(orders) ** 2 * self.max_evaluations // 16
 
     def of_search(self, orders: Sequence[int]) -> int:
-        """How many evaluations a search may take.
-
-        Parameters
-        ----------
-        orders
-            Of the iterates whose branches are looked for.
-
-        Returns
-        -------
-        int
-            ``max_evaluations`` for each of them, times its square.
-        """
+        """How many evaluations a search may take: ``max_evaluations`` order^2 for each order."""
         return sum(order**2 for order in orders) * self.max_evaluations
 
 

@@ -1,4 +1,1 @@
-"""An independent checker of certificates: the standard library and mpmath's intervals, no more.
-
-It shares no code with what finds the proofs (:mod:`woodpecker.proofs`), nor with the kernel.
-"""
+"""An independent checker of certificates: the standard library and mpmath's intervals, no more."""

@@ -43,11 +43,7 @@ NOT_MADE_SO = (
 
 
 def check_certificate(path: str | os.PathLike[str]) -> str:
-    """Verify a certificate of the toy, as :meth:`pwmap.proofs.Certificate.save` writes it.
-
-    Returns the statement, composed from what was verified. Rejected if the certificate does not
-    hold, or is none; OSError if the file cannot be read.
-    """
+    """The verified statement of a certificate file; Rejected if it does not hold, or OSError."""
     raw = Path(path).read_bytes()
     if len(raw) > LONGEST:
         raise Rejected(f"a certificate has at most {LONGEST} characters, got {len(raw)}")
@@ -67,7 +63,7 @@ def _object(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
 
 
 def check(content: Any) -> str:
-    """The same for the content of a file."""
+    """The verified statement of a certificate's content."""
     try:
         return _checked(content)
     except NotSeparated as error:

@@ -1,7 +1,7 @@
-"""Functions of a start and a parameter over a box, with derivatives, as Taylor models.
+"""Functions of a start and a parameter over a box |s| <= radius, |tau| <= half, with derivatives.
 
-Over |s| <= radius, |tau| <= half a function is known by a Taylor model on s = 0 and by Taylor
-models of its derivatives for all s: along s, and where wanted along tau and of second order.
+They are Taylor models on s = 0, and of derivatives for all s: along s, and where wanted along tau
+and of second order.
 """
 
 from __future__ import annotations

@@ -100,10 +100,8 @@ class GuardValue:
         return root(self.at, self.over, bracket, self.box)
 
     def landing(self, bracket: I) -> F | None:
-        """When a flight that began at rest ends: f = t^2 h, h falls through zero; None if not so.
-
-        Then f' = t^2 h' and f'' = t (4 h' + t h'') are negative where it lands.
-        """
+        """When a flight from rest ends: f = t^2 h, h falls through zero; None if not so."""
+        # Then f' = t^2 h' and f'' = t (4 h' + t h'') are negative where it lands.
         jet, ranges = self.jet, self.ranges
         if ranges[3].sign() != -1:
             return None
@@ -190,11 +188,9 @@ def height(f: Sequence[Any], kappa: I, t: Any, order: int) -> F | I:
 
 
 def root(at: Callable[..., Any], range_: Callable[..., I], bracket: I, box: Box) -> F:
-    """The zero of a function that is monotone on a bracket, as a form inside it.
-
-    From a polynomial t near the zero it is at most |f(t) / f'| away, with f' over the bracket; if
-    all places so near are in the bracket, f changes its sign between them.
-    """
+    """The zero of a function that is monotone on a bracket, as a form inside it."""
+    # From a polynomial t near the zero it is at most |f(t) / f'| away, with f' over the bracket; if
+    # all places so near are in the bracket, f changes its sign between them.
     span = box.span
     t = constant(box, bracket.mid)
     for k in range(40):

@@ -1,9 +1,8 @@
 """Intervals and Taylor models in whole numbers: multiples of 2^-bits, rounded outwards.
 
-Python's integers are exact, so sums need no care and products one shift. Only cosines, sines and
-exponentials come from elsewhere: mpmath's library of intervals. A Taylor model is a polynomial in
-tau / half, |tau| <= half, with multiples of 2^-bits as coefficients, and a radius for the rest; all
-that is rounded goes to the rest.
+Sums are exact, products need one shift; cosines, sines and exponentials are those of mpmath's
+intervals. A Taylor model is a polynomial in tau / half, |tau| <= half, with multiples of 2^-bits as
+coefficients, and a radius for the rest, to which all that is rounded goes.
 """
 
 from __future__ import annotations
@@ -173,7 +172,7 @@ class I:  # noqa: E742  (the name of intervals in the field)
         return I(-largest, largest)
 
     def less(self, other: I) -> bool:
-        """Whether all of it lies below all of another one."""
+        """Whether it lies below another one, all of it."""
         return self.b < other.a
 
     def __float__(self) -> float:
@@ -307,10 +306,8 @@ def inverse(f: T) -> T:
 
 
 def wave(kappa: I, t: I) -> list[I]:
-    """s_0 .. s_5, s_k = t^k c_k(kappa t^2).
-
-    By their series where it converges fast, else by s_(k+2) = (s_k - t^k/k!) / kappa from cosines.
-    """
+    """s_0 .. s_5, s_k = t^k c_k(kappa t^2)."""
+    # By series where they converge fast, else from cosines by s_(k+2) = (s_k - t^k/k!) / kappa.
     x = kappa * t.power(2)
     if x.size.less(I.of(1)):
         return [t.power(k) * c for k, c in enumerate(shapes(x, 5))]

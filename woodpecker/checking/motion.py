@@ -1,9 +1,8 @@
 """A return along given guards, verified: every event, every contact problem, every guard between.
 
-A way names the guards that fire in turn, with intervals that hold the durations. Modes and impacts
-are derived here: each contact problem must have one solution by strict inequalities and none else.
-Where one decision has two outcomes over the box, the way says which it takes, and the fork is noted
-with its comparator, which is positive where this way is the one.
+A way names the guards that fire in turn, with intervals that hold the durations. Each contact
+problem must have one solution by strict inequalities and none else. Where one decision has two
+outcomes over the box, the way says which it takes, with a comparator that is positive there.
 """
 
 from __future__ import annotations
@@ -24,16 +23,13 @@ from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, STICK, UP, Coasting
 
 @dataclass
 class Choice:
-    """An open decision: its kind, the contacts, and a comparator positive on this way.
-
-    ``at`` counts the events before, ``leaves`` says whether a contact that may rest leaves.
-    """
+    """An open decision: its kind, the contacts, and a comparator positive on this way."""
 
     kind: str
     contacts: tuple[int, ...]
     comparator: F
-    at: int
-    leaves: bool = False
+    at: int  # counts the events before
+    leaves: bool = False  # whether a contact that may rest leaves
 
 
 @dataclass

@@ -26,25 +26,18 @@ class Flight(NamedTuple):
 
 
 class Sliding(NamedTuple):
-    """Sliding where a pause has its middle, ``last`` before the contact has come to stay at most.
-
-    The contact lands late where ``level``, the gap without a landing, is positive, else early.
-    """
+    """Sliding from the middle of a pause."""
 
     q: list[F]
     u: list[F]
     states: tuple[int, int, int]
-    level: F
+    level: F  # the gap without a landing: late where it is positive, else early
     middle: I
-    last: I
+    last: I  # time after which the contact has come to stay
 
 
 def pause(motion: Flight, i: int, late: bool, bracket: I, jet: Sequence[F | I]) -> Sliding:
-    """From where the sleeve has let go to the middle of a pause of the gap of contact i.
-
-    It lands late or early; the bracket lies near the middle and says which pause. Of the jet of the
-    gap value and third derivative are used; the others are exactly zero.
-    """
+    """From where the sleeve has let go to the middle of the pause, in the bracket, of contact i."""
     toy, free = motion.toy, motion.toy.mode((OPEN, OPEN, OPEN))
     start, fall, kappa = jet[0], jet[3], I.of(free.kappa)
     assert isinstance(start, F)

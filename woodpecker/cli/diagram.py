@@ -205,10 +205,7 @@ def _shown(bar: Bar, parameter: str) -> _Show:
 
 
 def _write(toy: Toy, found: Diagram, summary: str, shows: _Shows, results: Results) -> None:
-    """Tables and graphs, the special points on the screen too, then pictures.
-
-    Of a search that was broken off tables and graphs only, so that it ends at once.
-    """
+    """Tables and graphs, then pictures; of a search that was broken off tables and graphs only."""
     from pwmap.diagrams.tables import FILES, table_of_points, write_results
     from woodpecker import observables as observed
 
@@ -285,7 +282,6 @@ def places_of(text: str) -> dict[str, tuple[float, float] | str]:
 
 
 def _columns(text: str) -> tuple[str, ...]:
-    """Names of observables."""
     from woodpecker.branches import known_observables
 
     names = tuple(part.strip() for part in text.split(","))

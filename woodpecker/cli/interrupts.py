@@ -1,9 +1,7 @@
 """What a command does when it is asked to end, by Ctrl-C or by SIGTERM.
 
-It breaks off what it computes, writes what is finished as tables, and ends; where there is nothing
-to keep it ends at once. A request may be lost: some libraries drop every exception that reaches a
-function of theirs. So it is repeated until the command has heard it. While the kernel is compiled
-nothing of Python runs for many seconds: the process is ended by the system then.
+It breaks off, writes what is finished as tables, and ends. Some libraries drop requests: they are
+repeated until heard. While the kernel is compiled the system ends the process.
 """
 
 from __future__ import annotations
@@ -38,14 +36,14 @@ def _interrupt(_: int, __: FrameType | None) -> NoReturn:
 
 
 def heard() -> None:
-    """The request is heard: what follows takes the time that it takes."""
+    """Stop repeating a request to end: the command has heard it."""
     if _REPEATS and signal.getsignal(signal.SIGALRM) is _interrupt:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
 @contextmanager
 def held() -> Iterator[None]:
-    """Around what is short and must be whole, as files are: a request is taken behind it."""
+    """A block that is short and must be whole, as files are: a request waits until it is done."""
     if signal.getsignal(signal.SIGTERM) is not _interrupt:
         yield
         return
@@ -62,7 +60,7 @@ def held() -> Iterator[None]:
 
 
 def finished() -> None:
-    """All is there, and is about to be told: requests come too late."""
+    """Ignore requests to end from now on: all results are there."""
     if signal.getsignal(signal.SIGTERM) is _interrupt:
         for number in REQUESTS:
             signal.signal(number, signal.SIG_IGN)

@@ -67,11 +67,8 @@ def draw_map(
 def _computed(
     toy: Toy, order: int, starts: Floats, bar: Bar, results: Results
 ) -> tuple[ReturnMap, str]:
-    """The map at the starts, as many as are finished at Ctrl-C, and the same as CSV.
-
-    The table grows with it: a million rows take many seconds to become text, which nobody who
-    wants the command to end would wait for.
-    """
+    """The map at the starts, as many as are finished at Ctrl-C, and the same as CSV."""
+    # The table grows with it: a million rows take many seconds to become text at the end.
     from woodpecker import return_map
     from woodpecker.simulation.returns import chunk_of, joined
 

@@ -110,7 +110,6 @@ def _start_and_end(
 
 
 def _write_tables(trajectory: Trajectory, target: Path) -> None:
-    """Samples and events as CSV."""
     from pwmap.diagrams.files import write_table
 
     write_table(

@@ -48,9 +48,9 @@ Window = Annotated[tuple[float, float], option("Interval of phi_S [rad].")]
 
 
 def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
-    """Give a command one option for each field of the toy, and turn errors into sentences.
+    """Give a command, whose first argument is the toy, one option for each of its fields.
 
-    The command receives the toy as its first argument. Its files are recorded under its name.
+    Errors become sentences; its files are recorded under its name.
     """
     hints = get_type_hints(command, include_extras=True)
     own = [

@@ -90,7 +90,6 @@ def _branch(toy: Toy, orbit: PeriodicOrbit, span: tuple[float, float]) -> Certif
 
 
 def _point(diagram: Diagram, name: str) -> SpecialPoint:
-    """A point of the diagram by its name."""
     from pwmap import PointKind
 
     try:

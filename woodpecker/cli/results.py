@@ -1,7 +1,6 @@
 """The files of a command: tables first, then pictures, and the same end for all commands.
 
-Whatever ends a command, the files that are there are named on the screen and in a record beside
-them. Ctrl-C and SIGTERM end it with status 130 and keep what is finished.
+Whatever ends a command, its files are named on the screen and in a record beside them.
 """
 
 from __future__ import annotations
@@ -46,7 +45,7 @@ class Results:
 
     @contextmanager
     def tables(self, *names: str) -> Iterator[Path]:
-        """Around the writing of tables, which is short: a request to end is taken behind it."""
+        """A block that writes tables; a request to end waits until it is done."""
         with held():
             yield self.folder
             self.names += names
@@ -59,7 +58,7 @@ class Results:
         self.names.append(name)
 
     def stop(self, sentence: str, status: int = INTERRUPTED) -> None:
-        """What was broken off, heard and told: the rest of a command is left out."""
+        """Say why a command was broken off, and with which status it ends."""
         heard()
         self.stopped, self.status = sentence, status
 
@@ -68,9 +67,8 @@ class Results:
 def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Results]:
     """The folder for the results, made before anything long is computed.
 
-    The command writes ``files`` in any case, besides those its record names, and goes on with those
-    ``kept`` of an earlier run. Where it ends before it has written anything, what was made of the
-    folder is gone again.
+    The command writes ``files``, besides those its record names, and goes on with those ``kept`` of
+    an earlier run. Where it ends before it has written anything, a folder it made is gone again.
     """
     missing = [each for each in (out, *out.parents) if not each.exists()]
     out.mkdir(parents=True, exist_ok=True)
@@ -99,10 +97,7 @@ def _remove(folders: list[Path]) -> None:
 
 
 def _report(results: Results) -> None:
-    """Say which files were written, to the user and in a record that lies beside them.
-
-    What an earlier run of the command has left there, and this one did not write, is removed.
-    """
+    """Say which files were written, and record them; what an earlier run left beside is removed."""
     from pwmap.diagrams.record import keep_record, record_of
 
     finished()

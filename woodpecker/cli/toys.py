@@ -80,15 +80,7 @@ def toy_options() -> list[inspect.Parameter]:
 
 
 def toy_of(values: dict[str, Any]) -> Toy:
-    """Take what these options were given out of the values of a command: the toy they describe.
-
-    Raises
-    ------
-    ValueError
-        If the file holds no toy, or a value is none that the toy can have.
-    OSError
-        If a file cannot be read or written.
-    """
+    """The toy that options describe, taken out of a command's values; ValueError or OSError."""
     file, saved = values.pop(FILE), values.pop(SAVE)
     fields = {name: values.pop(name) for name in (*parameters(), LAW)}
     source = values.pop(CONTEXT).get_parameter_source
@@ -109,13 +101,7 @@ def write_toy(path: Path, toy: Toy) -> None:
 
 
 def read_toy(path: Path) -> Toy:
-    """A toy from the file of :func:`write_toy`, or from the record of a command.
-
-    Raises
-    ------
-    ValueError
-        In one sentence, if it holds no toy.
-    """
+    """A toy from the file of :func:`write_toy`, or the record of a command; ValueError if none."""
     try:
         values = json.loads(path.read_bytes())[TOY]
         unknown = sorted({*values} - {*parameters(), LAW})

@@ -1,8 +1,6 @@
 """Contact problems over a box: one solution by strict inequalities, every other one refuted.
 
-The same problems as in :mod:`woodpecker.mechanics.contact_problems` and
-:mod:`woodpecker.motion.settling`, but the answer holds for every start and parameter of a box,
-or there is none.
+See :mod:`woodpecker.mechanics.contact_problems` and :mod:`woodpecker.motion.settling`.
 """
 
 from __future__ import annotations
@@ -35,16 +33,11 @@ class BallPhase(NamedTuple):
 def impulses_of(
     model: BallToy, contacts: Sequence[int], free: Numbers, floors: Numbers | None, approaches: bool
 ) -> BallPhase:
-    """The compression (no floors) or the expansion of an impact.
+    """The compression (no floors) or the expansion of an impact at one contact, or beak and sleeve.
 
-    It is at one contact, or at the beak and one of the sleeve; ``free`` are (N, T) of each without
-    impulses. For one contact the first normal velocity may be known to be negative or zero
-    (``approaches``), though its range does not say so.
-
-    Raises
-    ------
-    NotProved
-        Unless one index combination holds strictly and each other one is violated strictly.
+    ``free`` are (N, T) of each without impulses. For one contact the first normal velocity may be
+    known to be negative or zero (``approaches``), though its range does not say so. NotProved
+    unless one index combination holds strictly and each other one is violated strictly.
     """
     low = floors if floors is not None else [ZERO] * len(contacts)
     if len(contacts) == 1:
@@ -71,10 +64,7 @@ def only(candidates: Iterable[tuple[bool | None, T]], what: str) -> T:
 
 
 def verdict(conditions: Iterable[Any]) -> bool | None:
-    """Whether all are positive; False if one is negative.
-
-    A condition is a number, or a sign that is known.
-    """
+    """Whether all conditions, numbers or known signs, are positive; False if one is negative."""
     open_ = False
     for condition in conditions:
         s = condition if isinstance(condition, int) else sign(condition)
@@ -116,10 +106,7 @@ def _along(tangential: int, bound: Any, impulse: Any, velocity: Any) -> list[Any
 def _pair(
     model: BallToy, sleeve: int, free: Numbers, floors: Numbers, expands: bool
 ) -> Iterator[tuple[bool | None, BallPhase | None]]:
-    """The 36 combinations; ranges first, and forms for what these leave open.
-
-    None is rest with both contacts sticking, whose impulses are not unique.
-    """
+    """The 36 combinations, ranges first, then forms; None: both contacts stick at rest."""
     for first in range(6):
         for second in range(6):
             table = model.case(sleeve, first, second, expands)
@@ -178,10 +165,8 @@ def _momentum(model: BallToy, sleeve: int, free: Numbers) -> Numbers:
 def _rest_is_possible(
     model: BallToy, sleeve: int, load: Numbers, floors: Numbers, coupled: bool
 ) -> bool | None:
-    """Whether forces W lambda = load lie in both cones; four unknowns for three equations.
-
-    With s = lambda_T1 every condition is linear in s: constant + rate s >= 0.
-    """
+    """Whether forces W lambda = load lie in both cones; four unknowns for three equations."""
+    # With s = lambda_T1 every condition is linear in s: constant + rate s >= 0.
     side = int(SIGN[sleeve])
     (_, l_m, arm), (_, r_m, _) = model.tangents[0], model.tangents[sleeve]
     lever, height = model.levers[sleeve] * side, model.levers[0]

@@ -1,8 +1,8 @@
 """Flights that begin at rest: f(t) = t^2 h(t), h(t) = f_2 c_2 + f_3 t c_3.
 
 A contact that is left at rest with a small acceleration f_2 lands after a time of its size. Where
-f_2 passes zero the flight vanishes, and with it the speed and the force of the landing; h does not:
-it falls with a rate near f_3 / 6, so everything is decided by quotients. At the landing h = 0,
+f_2 passes zero the flight, and the speed and force of the landing, vanish; h falls with a rate near
+f_3 / 6, so everything is decided by quotients. At the landing h = 0,
 
     f' = t^2 h',    f'' = t (4 h' + t h'').
 """
@@ -24,11 +24,9 @@ PARTS = 16  # of a flight, over each of which the slope of h is enclosed
 
 
 def landing(guard: Guard, guess: float) -> ZeroCrossing | None:
-    """When a gap closes that has opened at rest; None if this is no short flight.
-
-    Around the result h falls from h(0) >= 0 through zero once, so the gap is positive before, and
-    it closes with a speed and an acceleration that do not vanish but with the time.
-    """
+    """When a gap closes that has opened at rest; None if this is no short flight."""
+    # Around the result h falls from h(0) >= 0 through zero once: the gap is positive before, and
+    # speed and acceleration of the landing vanish with the time only.
     f3, kappa = guard.jet[3], guard.kappa
     if not abs(kappa) * arb(guess) ** 2 < LONGEST or sign(f3) != -1:
         return None

@@ -5,9 +5,8 @@ are two ways, and a comparator, a form that is positive where the first one is t
 where the second one is:
 
 - two gaps close at once: the gap of the second contact when the first one strikes;
-- a contact that an impact without restitution has stopped only just stays or leaves: its force. If
-  it leaves it flies along t^2 h(t) with h(0) in proportion to the force, and lands where h
-  vanishes: at once where the force is zero. There both ways do the same;
+- a contact that an impact has just stopped stays or leaves: its force. If it leaves it flies along
+  t^2 h(t) with h(0) in proportion to the force, and lands where h vanishes;
 - a gap closes where its motion pauses (:mod:`woodpecker.enclosures.plateaus`), before the middle
   of the pause or after it.
 """
@@ -70,13 +69,9 @@ MOST_PARTS = 2**16  # of a phase in which the bird is shown not to turn: some te
 def follow(model: BallToy, frame: Frame, curve: Sequence[Any], plateaus: bool = False) -> list[Way]:
     """The ways of a return over a box, from the section at phi_S on a curve over p, plus s.
 
-    ``curve`` has coefficients of powers of p, the model is of the same frame. With ``plateaus``
-    landings near a plateau are taken together, once differentiable only.
-
-    Raises
-    ------
-    NotProved
-        If more than one decision is open over the box, or one of another kind.
+    ``curve`` has coefficients of powers of p. With ``plateaus`` landings near a plateau are taken
+    together, once differentiable only. NotProved if more than one decision is open over the box, or
+    one of another kind.
     """
     phi_s = start(frame, curve)
     if sign(model.limits[0] - phi_s) != 1:
@@ -198,11 +193,9 @@ def _meeting(
     model: BallToy, motion: BallState, first: Guard, fires: ZeroCrossing, rivals: list[Guard],
     guesses: dict[int, float],
 ) -> list[BallState]:  # fmt: skip
-    """Two gaps close nearly at once: both ways.
-
-    Both gaps are positive until then and fall while they close, so the second one is positive when
-    the first one closes if and only if it closes later.
-    """
+    """Two gaps close nearly at once: both ways."""
+    # Both fall while they close: the second one is positive when the first one closes just if it
+    # closes later.
     second = rivals[0]
     if len(rivals) > 1 or first.code >= NORMAL or second.code >= NORMAL:
         raise NotProved(f"{name_of(second.code)} may fire before {name_of(first.code)}")
@@ -240,7 +233,6 @@ def _guess(guard: Guard) -> float:
 
 
 def _fires(guard: Guard, guess: float) -> ZeroCrossing:
-    """When a guard fires."""
     if guard.code == SECTION:
         turns = crossing(guard, guess, falls=1)
         if not turns.bracket > 0:
@@ -256,10 +248,8 @@ def _fires(guard: Guard, guess: float) -> ZeroCrossing:
 
 
 def _survives(guard: Guard, end: Any, falling: Any = None) -> bool:
-    """Whether a guard does not fire in (0, end], or until it falls in a range of times.
-
-    That of the section fires where the bird's velocity rises through zero.
-    """
+    """Whether a guard does not fire in (0, end], or until it falls in a range of times."""
+    # That of the section fires where the bird's velocity rises through zero.
     if guard.code == SECTION:
         return not end > 0 or _no_turn(guard, end)
     if end > 0:
@@ -393,11 +383,9 @@ def _state(states: Iterable[int]) -> State:
 def _settled(
     model: BallToy, motion: BallState, closed: set[int], plastic: bool = False
 ) -> list[BallState]:
-    """The contact problem on acceleration level: the mode that starts now, or two of them.
-
-    Every combination of states of the contacts that touch and stay is tried: each guard of theirs
-    must be positive right after now, by its first derivative that is not exactly zero.
-    """
+    """The contact problem on acceleration level: the mode that starts now, or two of them."""
+    # Every combination of states is tried of contacts that touch and stay: each of their guards
+    # must be positive right after now, by its first derivative that is not exactly zero.
     slips = {i: 0 if i in motion.held else direction_of_slip(model, i, motion.u) for i in closed}
     options = [[OPEN] if i not in closed else _options(slips[i]) for i in range(3)]
     trials = [_state(trial) for trial in product(*options) if _moves_as_one(trial)]
@@ -413,11 +401,9 @@ def _settled(
 def _stays_or_leaves(
     model: BallToy, motion: BallState, i: int, trials: list[State]
 ) -> list[BallState]:
-    """A contact without approach and with a force near zero: both ways.
-
-    The acceleration of its gap if it opens is minus the force if it stays, times the response
-    G = G_NN -+ mu G_NT > 0.
-    """
+    """A contact without approach and with a force near zero: both ways."""
+    # The acceleration of its gap if it opens is minus the force if it stays, times the response
+    # G = G_NN -+ mu G_NT > 0.
     stay, leave = sorted(trials, key=lambda trial: trial[i] == OPEN)
     n, t = 2 * i, 2 * i + 1
     mu = ball(model.equations.mu[i])

@@ -1,11 +1,9 @@
-"""Quantities over a box of starts and parameters, in ball arithmetic.
+"""Quantities over a box of starts and parameters, |s| <= radius, |p| <= half width, in balls.
 
-The box is |s| <= radius, |p| <= half width: s is how far the start is from a curve over p, and the
-toy's parameter is a polynomial in p, most often its distance from a centre. A *form* is a smooth
-function f(s, p) over the box: Taylor models of f on the curve s = 0, and of its derivatives for all
-s. So the range over the box is that on the curve and f_s s, and
-however long a computation is, ranges are too wide by s^2 and a power of p only. Numbers that do
-not vary are plain balls of Arb [Johansson2017].
+s is the distance of the start from a curve over p, and the toy's parameter a polynomial in p. A
+*form* is a smooth function f(s, p): Taylor models of f on the curve s = 0, and of its derivatives
+for all s. Its range is that on the curve and f_s s, so that ranges are too wide by s^2 and a power
+of p only, however long a computation is. What does not vary is a plain ball of Arb [Johansson2017].
 """
 
 from __future__ import annotations
@@ -39,15 +37,7 @@ def precision(bits: int) -> Iterator[None]:
 class Form:
     """A smooth function over a box.
 
-    Attributes
-    ----------
-    frame
-        The box.
-    parts
-        Taylor models of the function on the curve, and of its derivatives in the box, from
-        VALUE to PP.
-    box
-        Range of the value over the box.
+    Its parts are Taylor models of the value on the curve, and of derivatives in the box, to PP.
     """
 
     __slots__ = ("box", "frame", "parts")
@@ -68,7 +58,7 @@ class Form:
 
     @property
     def near(self) -> list[Taylor]:
-        """The same parts, that of the value for all s."""
+        """Its parts, with that of the value for all s."""
         value, *others = self.parts
         return [value.widened(others[0].box * self.frame.s), *others]
 

@@ -1,8 +1,7 @@
 """The numbers of the toy, exact: motion in its modes, and what impulses do.
 
-The parameters are the rationals that a person writes, 3/10000 for 0.0003. So everything that the
-equations of motion need is rational, but the frequencies. Only a restitution may move, which does
-not enter them.
+The parameters are the rationals that a person writes, 3/10000 for 0.0003, and so is all that the
+equations of motion need but the frequencies. Only a restitution may move.
 """
 
 from __future__ import annotations
@@ -193,7 +192,6 @@ class BallToy:
 
 
 def _balls(rows: Iterable[Numbers]) -> list[Numbers]:
-    """Rows of exact numbers as balls."""
     return [[ball(x) for x in row] for row in rows]
 
 

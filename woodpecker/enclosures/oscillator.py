@@ -142,9 +142,8 @@ def _value(
 class ZeroCrossing(NamedTuple):
     """The guard that ends a phase, the duration of the phase, and a bracket of it.
 
-    In the bracket the guard crosses zero once from every start of the box, and its derivative has
-    one sign. At a plateau the phase is taken to end in its middle; the contact strikes after that
-    (1) or before (-1), and has come to stay within the bracket.
+    In the bracket the guard crosses zero once from every start, with a derivative of one sign. At a
+    plateau the phase ends in its middle; the contact strikes after that (1) or before (-1).
     """
 
     guard: int  # its code
@@ -230,11 +229,9 @@ def _nothing(frame: Any) -> Sequence[Taylor]:
 def _form(
     at: Callable[[Any], Derivatives], near: Form, residual: Form, slope: Any, reach: Any
 ) -> Form:
-    """The zero near a polynomial: its derivatives are those of an implicit function.
-
-    With f(t, s, p) = 0 there are t_i = -f_i / f_t and
-    t_ij = -(f_ij + f_it t_j + f_jt t_i + f_tt t_i t_j) / f_t.
-    """
+    """The zero near a polynomial: its derivatives are those of an implicit function."""
+    # With f(t, s, p) = 0 there are t_i = -f_i / f_t and
+    # t_ij = -(f_ij + f_it t_j + f_jt t_i + f_tt t_i t_j) / f_t.
     frame = near.frame
     there = near.parts[VALUE].widened(reach)  # the time, for all s
     fixed = Form(frame, [there, *_nothing(frame)])

@@ -82,11 +82,9 @@ class Plateau:
         )
 
     def early(self, eta: Any) -> Landed:
-        """The contact strikes before the middle, leaves, and lands again: eta = -s_3(sigma) <= 0.
-
-        In flight, h = sigma z after the impact, f = sigma^3 z^2 (c_1 c_2(h) - c z c_3(h)) with
-        c = s_0 - turn s_2 at sigma.
-        """
+        """The contact strikes before the middle, leaves, lands again: eta = -s_3(sigma) <= 0."""
+        # In flight, h = sigma z after the impact, f = sigma^3 z^2 (c_1 c_2(h) - c z c_3(h)) with
+        # c = s_0 - turn s_2 at sigma.
         sigma = self.sigma(-eta)
         whole = ZERO.union(sigma)
         c0, c1, c2 = shape_balls(self.kappa * sigma**2, 2)
@@ -129,10 +127,8 @@ class Plateau:
         return shape_balls(self.sliding * ZERO.union(times) ** 2, 2)
 
     def _again(self, sigma: Any, c1: Any, c: Any) -> tuple[Any, Any]:
-        """The second landing, z and h = sigma z: the only zero of f / z^2, which falls.
-
-        There it strikes, and its acceleration is towards the pole.
-        """
+        """The second landing, z and h = sigma z: the only zero of f / z^2, which falls."""
+        # There it strikes, and its acceleration is towards the pole.
         reach = ZERO.union(AGAIN.upper())
         x = self.kappa * (sigma * reach) ** 2
         n = shape_balls(x, 5)
@@ -157,11 +153,9 @@ def _root(x: Any) -> Any:
 
 
 def _integral(powers: dict[int, Any], z: Any, factor: Any = 1, lever: bool = False) -> Any:
-    """The integral over [0, z] of a sum of powers with coefficients that vary in balls.
-
-    Each power is taken by itself, for these balls are no constants: so it is with a factor in a
-    ball, and with the lever z - 1.
-    """
+    """The integral over [0, z] of a sum of powers with coefficients that vary in balls."""
+    # Each power is taken by itself, for these balls are no constants: so it is with a factor in a
+    # ball, and with the lever z - 1.
     total = ZERO
     for n, c in powers.items():
         if lever:

@@ -1,8 +1,8 @@
 """Taylor models: functions of the parameter as a polynomial and a ball that holds the rest.
 
-On |p - centre| <= half width a function is f(p) = c_0 + c_1 p + ... + c_(n-1) p^(n-1) + rest. The
-coefficients are thin, so what depends on p alike cancels as it does on paper, however long the
-computation; only the rest grows, and it starts at the size of p^n [Makino2003].
+On |p - centre| <= half width, f(p) = c_0 + c_1 p + ... + c_(n-1) p^(n-1) + rest. The coefficients
+are thin, so what depends on p alike cancels; only the rest grows, from the size of p^n
+[Makino2003].
 """
 
 from __future__ import annotations
@@ -38,24 +38,14 @@ def _even(p: Any, n: int) -> Any:
 
 
 class Taylor:
-    """A function over the interval of a frame.
-
-    Attributes
-    ----------
-    frame
-        Where.
-    poly, rest
-        f(p) is in poly(p) + rest.
-    head, box
-        Range of the polynomial, and of the function.
-    """
+    """A function over the interval of a frame: f(p) is in poly(p) + rest."""
 
     __slots__ = ("box", "frame", "head", "poly", "rest")
 
     def __init__(self, frame: Frame, poly: Any, rest: Any) -> None:
         self.frame, self.poly, self.rest = frame, poly, rest
-        self.head = poly(frame.p) if frame.terms > 1 else poly[0]
-        self.box = self.head + rest
+        self.head = poly(frame.p) if frame.terms > 1 else poly[0]  # range of the polynomial
+        self.box = self.head + rest  # range of the function
 
     def widened(self, ball: Any) -> Taylor:
         """The function plus something in a ball."""

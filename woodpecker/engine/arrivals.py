@@ -1,7 +1,6 @@
 """What a branch comes to, and how it passes places where borders accumulate.
 
-At such a place a map takes ever thinner pieces, and has no germ: what lies beyond is looked for at
-distances, the nearest first. So are crossings beyond a corner of their border.
+There a map has no germ: what lies beyond is looked for at distances, the nearest first.
 """
 
 from __future__ import annotations
@@ -31,28 +30,16 @@ LIMIT_LOST = "a limit of the jump is lost"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Arrival:
-    """What a branch comes to.
-
-    Attributes
-    ----------
-    kind, note, cause, precision, status
-        As :class:`pwmap.diagrams.diagram.SpecialPoint` has them.
-    orbit
-        The orbit there; of a collision the cycle, run through once.
-    collides
-        Whether a cycle meets a border there, so that others start.
-    onward
-        Where the branch goes on; None if it does not.
-    """
+    """What a branch comes to, named as :class:`pwmap.diagrams.diagram.SpecialPoint` does."""
 
     kind: PointKind
-    orbit: Orbit
+    orbit: Orbit  # there; of a collision the cycle, run through once
     note: str = ""
     cause: str = ""
     precision: float = 0.0
     status: PointStatus = PointStatus.LOCATED
-    collides: bool = False
-    onward: Beginning | None = None
+    collides: bool = False  # a cycle meets a border there, so that others start
+    onward: Beginning | None = None  # where the branch goes on
 
 
 Onward = tuple[Beginning, str, bool]
@@ -75,7 +62,7 @@ def cause_of(arc: Arc) -> str:
 
 
 def of_cycles(curve: SolutionCurve) -> SolutionCurve:
-    """Curves of cycles, of the map whose jump crossings a curve is of."""
+    """The problem of cycles of the same map."""
     problem = replace(curve.problem, conditions=(Closed(),))
     return replace(curve, problem=problem, ignored=frozenset())
 
@@ -83,11 +70,9 @@ def of_cycles(curve: SolutionCurve) -> SolutionCurve:
 def passed_over(
     begin: Beginning, arc: Arc, cause: str, outer: Image | None = None
 ) -> Arrival | Onward | None:
-    """The branch beyond a place where borders accumulate, the nearest there is.
-
-    It is looked for along the tangent, ever farther, with the pieces that the map takes there. The
-    first that is found decides: if it lies too far away it is another one.
-    """
+    """The nearest continuation of the branch beyond a place where borders accumulate."""
+    # It is looked for along the tangent, ever farther, with the pieces that the map takes there.
+    # The first that is found decides: if it lies too far away it is another branch.
     end, curve = arc.samples[-1], begin.curve
     if begin.is_crossing:
         return crossing_beyond(begin, arc, cause)
@@ -145,7 +130,7 @@ def _passed(cause: str) -> str:
 def crossing_beyond(
     begin: Beginning, arc: Arc, cause: str, distances: Sequence[float] = PASSED
 ) -> Arrival | Onward | None:
-    """The jump crossing beyond such a place: on the same border, between the limits there."""
+    """The crossing beyond where borders accumulate, on its border, between its limits there."""
     end, curve = arc.samples[-1], begin.curve
     problem, size = curve.problem, end.orbit.x.size
     (column,), rate = problem.free, end.tangent[size]
@@ -181,21 +166,17 @@ def crossing_beyond(
 
 
 def _has_ended(arc: Arc, sample: Sample) -> bool:
-    """Whether a crossing has the pieces of one that met a border, and goes on beyond that border.
-
-    Rounding of a root lets it: there the border is known to the root of what a margin is.
-    """
+    """Whether a crossing has the pieces of one that met a border, and goes on beyond it."""
+    # Rounding of a root allows that: it tells the border to the root of the margin's error only.
     if arc.border is None or sample.orbit.keys != arc.samples[-1].orbit.keys:
         return False
     return arc.curve.rate(sample, *arc.border) < 0.0
 
 
 def round_corner(begin: Beginning, arc: Arc, cause: str) -> Onward | None:
-    """The jump crossing on another border that leaves the place where its own one ends.
-
-    Many margins may vanish there, and steep ones: it is looked for at a distance, ahead, and beside
-    the samples that led there, where the piece between two jumps has come to its end.
-    """
+    """The jump crossing on another border that leaves the place where its own one ends."""
+    # Many steep margins may vanish there: it is looked for at a distance, ahead, and beside the
+    # samples that led there, where the piece between two jumps has come to its end.
     end, problem = arc.samples[-1], begin.curve.problem
     (n, d), (column,) = end.orbit.x.shape, problem.free
     if d > 1 or end.tangent[n] == 0.0:
@@ -233,10 +214,8 @@ def _passing(begin: Beginning, end: Sample, to: float, low: float, high: float) 
 
 
 def _halved(map_: PiecewiseMap, p: Floats, order: int, low: float, high: float) -> Floats | None:
-    """The orbit (n, 1) from where P_order jumps past its point, up to the border; None if nowhere.
-
-    Halved down to neighbouring doubles: the border lies where their orbits part.
-    """
+    """The orbit (n, 1) from where P_order jumps past its point, up to the border, or None."""
+    # Halved down to neighbouring doubles: the border lies where their orbits part.
 
     def off(at: float) -> float:
         point = np.array([at])

@@ -1,8 +1,4 @@
-"""Curves of orbits: problems with one unknown left free, and steps along them.
-
-Every curve is one of these, whatever its conditions are: cycles, jump crossings, special points in
-two parameters. It is followed by :func:`woodpecker.engine.following.follow`.
-"""
+"""Curves of orbits: problems with one unknown left free, and steps along them."""
 
 from __future__ import annotations
 
@@ -102,20 +98,11 @@ class CurveSettings:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:
-    """An orbit of a curve, and which way the curve goes.
-
-    Attributes
-    ----------
-    orbit
-        It solves the equations.
-    tangent
-        Unit vector in scaled unknowns.
-    bordered
-        The determinant of the equations bordered with it; nan if it was not asked for.
-    """
+    """An orbit of a curve, and which way the curve goes."""
 
     orbit: Orbit
-    tangent: Floats
+    tangent: Floats  # unit vector in scaled unknowns
+    # determinant of the equations bordered with it; nan if not asked for
     bordered: float = math.nan
 
     @property
@@ -126,77 +113,43 @@ class Sample:
 
     @property
     def turned(self) -> Sample:
-        """The same with the curve the other way round."""
+        """The sample of the curve in the other direction."""
         return Sample(self.orbit, -self.tangent, -self.bordered)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class TestFunction:
-    """A function along a curve whose change of sign ends an arc.
+    """A function along a curve whose change of sign ends an arc."""
 
-    Attributes
-    ----------
-    stop
-        What it means.
-    value
-        Of a sample.
-    condition
-        The same as an equation, to solve it to rounding; None if it is none of single orbits.
-    border
-        The margin, if it is one.
-    rate
-        How fast the value grows along the curve, at a sample; None if it is not known.
-    name
-        What it is called, if it is one of a curve's own.
-    noise
-        Values that are no larger are made of rounding: if both are, nothing is said to vanish.
-    """
-
-    stop: Stop
+    stop: Stop  # what it means
     value: Callable[[Sample], float]
+    # the same as an equation; None if it is none of single orbits
     condition: Condition | None = None
-    border: tuple[int, int] | None = None
+    border: tuple[int, int] | None = None  # image and code of the margin, if it is one
+    # derivative of the value along the curve; None if it is not known
     rate: Callable[[Sample], float] | None = None
-    name: str = ""
-    noise: float = 0.0
+    name: str = ""  # of one of a curve's own
+    noise: float = 0.0  # where both values are no larger, nothing is said to vanish
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SolutionCurve:
-    """A problem with one unknown left free, and what is looked at along it.
-
-    Attributes
-    ----------
-    map
-        The map that its orbits are of.
-    problem
-        Its equations.
-    settings
-        How it is followed.
-    ignored
-        Margins, by image and code, that vanish all along it.
-    tests
-        Which multipliers are looked at: of LP, PD, NS, BP.
-    own
-        Other functions that are looked at, ``SPECIAL`` where they vanish.
-    """
+    """A problem with one unknown left free, and the test functions along it."""
 
     map: PiecewiseMap
     problem: Problem
     settings: CurveSettings
+    # margins, by image and code, that vanish all along it
     ignored: frozenset[tuple[int, int]] = frozenset()
-    tests: tuple[Stop, ...] = MULTIPLIERS
-    own: tuple[TestFunction, ...] = ()
+    tests: tuple[Stop, ...] = MULTIPLIERS  # of multipliers: LP, PD, NS, BP
+    own: tuple[TestFunction, ...] = ()  # other functions, ``SPECIAL`` where they vanish
 
     def start(self, orbit: Orbit, along: Floats | None = None) -> Sample:
         """An orbit as a sample; its tangent points along a direction in scaled unknowns."""
         return Sample(orbit, *tangent(self.problem, orbit, along))
 
     def advance(self, last: Sample, distance: float, before: Sample | None = None) -> Sample | None:
-        """The sample at a distance; None if Newton's method leads to none.
-
-        It is predicted along the tangent, or along the cubic through the sample before, too.
-        """
+        """The sample at a distance; None if Newton's method finds none."""
         way = distance * last.tangent
         if before is not None:
             way = way + self._bend(before, last, distance)
@@ -244,12 +197,12 @@ class SolutionCurve:
         return np.asarray(distance * part * (square + part * cubic))
 
     def bounds(self, orbit: Orbit) -> tuple[Ints, Floats, Floats, list[Stop]]:
-        """Which unknowns of an orbit are bounded, by what, and what it is to pass that."""
+        """The bounded unknowns of an orbit, their lower and upper bounds, and the Stop of each."""
         n, share = len(orbit.x), -1 if orbit.outer is None else len(orbit.unknowns) - 1
         return _limits(self.settings, n, self.problem.free, share)
 
     def wide(self, sample: Sample) -> Floats:
-        """How all unknowns of an orbit change along the curve."""
+        """Derivatives of all unknowns of an orbit along the curve."""
         orbit, problem = sample.orbit, self.problem
         wide, columns = np.zeros(len(orbit.unknowns)), problem.columns(orbit)
         wide[columns] = sample.tangent * problem.scale(orbit)[columns]
@@ -258,27 +211,27 @@ class SolutionCurve:
         return wide
 
     def motion(self, sample: Sample, i: int) -> Floats:
-        """How a point of an orbit and the parameters (d + k,) change along the curve."""
+        """Derivatives (d + k,) of a point of an orbit and the parameters along the curve."""
         (n, d), k = sample.orbit.x.shape, len(sample.orbit.p)
         wide = self.wide(sample)
         return np.concatenate((wide[i * d : i * d + d], wide[n * d : n * d + k]))
 
     def rates(self, sample: Sample, i: int) -> Floats:
-        """How fast all margins of an image grow along the curve."""
+        """Derivatives of all margins of an image along the curve."""
         orbit = sample.orbit
         found: Floats = orbit.taken[i].gradients @ self.motion(sample, orbit.place(i))
         return found
 
     def rate(self, sample: Sample, i: int, code: int) -> float:
-        """How fast a margin grows along the curve."""
+        """The derivative of a margin along the curve."""
         return float(self.rates(sample, i)[sample.orbit.taken[i].place(code)])
 
     def rate_of_share(self, sample: Sample) -> float:
-        """How fast the share of a jump crossing grows along the curve."""
+        """The derivative of the share of a jump crossing along the curve."""
         return float(self.wide(sample)[-1])
 
     def limits(self, sample: Sample) -> tuple[float, float, float]:
-        """How fast both limits of a jump crossing in R^1, and its first point, grow along it."""
+        """Derivatives of both limits of a jump crossing in R^1, and its first point, along it."""
         orbit, motion = sample.orbit, self.wide(sample)
         last = motion[len(orbit.x) - 1 : -1]
         inner, outer = (float(each.jacobian[0] @ last) for each in orbit.taken[-2:])

@@ -1,7 +1,6 @@
 """What ends an arc between two samples of a curve: bounds, borders, multipliers, curves that cross.
 
-Whatever changes its sign is located, by Newton's method or a bracket; where it is not clear what
-lies between two samples a shorter step is asked for.
+Where it is not clear what lies between two samples, UnclearError asks for a shorter step.
 """
 
 from __future__ import annotations
@@ -39,15 +38,12 @@ class UnclearError(Exception):
 
 
 class ArcEnd(NamedTuple):
-    """What may end an arc between two samples: at which distance from the first, and where.
-
-    ``width`` is how far the distance may be off.
-    """
+    """What may end an arc between two samples: at which distance from the first, and where."""
 
     distance: float
     test: TestFunction
     sample: Sample
-    width: float = 0.0
+    width: float = 0.0  # how far the distance may be off
 
 
 def ends_between(
@@ -72,7 +68,7 @@ def asked_before(
     ends: list[ArcEnd],
     asked: Callable[[Sample], bool],
 ) -> list[ArcEnd]:
-    """Those ends, and before them the place where the curve is asked to end."""
+    """The ends, and before them the place where the curve is asked to end."""
     last = ends[0].sample if ends else b
     if not asked(last):
         return ends
@@ -138,10 +134,7 @@ def _bordered(curve: SolutionCurve, sample: Sample) -> float:
 
 
 def _exact(test: TestFunction, a: Sample, b: Sample) -> TestFunction:
-    """A test function that is as exact as there is one.
-
-    Where a curve turns round is not known as well as where a multiplier is 1.
-    """
+    """The test, or at a fold its condition: multipliers are known better than tangents there."""
     if test.stop is Stop.LP and test.condition is not None:
         exact = replace(test, value=_of_condition(test.condition))
         if exact.value(a) * exact.value(b) < 0.0:
@@ -150,10 +143,7 @@ def _exact(test: TestFunction, a: Sample, b: Sample) -> TestFunction:
 
 
 def _crossed(curve: SolutionCurve, a: Sample, b: Sample, step: float, test: TestFunction) -> ArcEnd:
-    """Where another curve crosses between two samples; UnclearError if it is not found.
-
-    There the equations of the curve are singular, but those of the point are not.
-    """
+    """Where another curve crosses between two samples; UnclearError if it is not found."""
     before, after = test.value(a), test.value(b)
     way = curve.problem.step_between(a.orbit, b.orbit)
     guess = curve.problem.moved(a.orbit, before / (before - after) * way)
@@ -169,10 +159,8 @@ def _crossed(curve: SolutionCurve, a: Sample, b: Sample, step: float, test: Test
 
 
 def _bounded(curve: SolutionCurve, a: Sample, b: Sample, step: float) -> ArcEnd | None:
-    """Where the first bound is passed of those that the second of two samples lies beyond.
-
-    The one that seems first is located, until none has been passed before it.
-    """
+    """Where the first bound is passed of those that the second of two samples lies beyond."""
+    # The one that seems first is located, until none has been passed before it.
     found = None
     for _ in range(MOST_BOUNDS):
         passed = [*_borders(curve, b), *_newly_beyond(curve, a, b)]
@@ -210,10 +198,7 @@ def _borders(curve: SolutionCurve, sample: Sample) -> Iterator[TestFunction]:
 
 
 def _newly_beyond(curve: SolutionCurve, a: Sample, b: Sample) -> Iterator[TestFunction]:
-    """Those of the bounds that the second sample lies beyond which it has not begun beyond.
-
-    A point that is outside of the window at first may come in.
-    """
+    """Bounds that the second sample lies beyond; those of the window only if the first does not."""
     for test in _bounds(curve, b):
         if test.stop is not Stop.WINDOW or test.value(a) >= -ROUNDED_OFF:
             yield test
@@ -251,13 +236,11 @@ def _is_at(a: Sample, test: TestFunction, value: float) -> bool:
 def _look_for_dips(
     curve: SolutionCurve, a: Sample, b: Sample, step: float, *, starts: bool
 ) -> None:
-    """UnclearError if a margin that is positive at both ends may be negative in between.
-
-    It is taken for a cubic with the values and slopes of both ends. An arc may start at a root,
-    where slopes say nothing: if the cubic dips there, the curve is looked at in the dip. A margin
-    that only one end has is taken for linear. One that falls at both ends, but by much
-    less in between, is not the same all the way.
-    """
+    """UnclearError if a margin that is positive at both ends may be negative in between."""
+    # It is taken for the cubic of its values and slopes at both ends; a margin of one end only is
+    # taken for linear. At a start at a root, where slopes say nothing, the curve is looked at where
+    # the cubic dips. A margin that falls at both ends, but by much less in between, is not the same
+    # all the way.
     if step < COARSE * curve.settings.min_step:
         return
     dips = dict[float, list[tuple[int, int, float]]]()
@@ -333,7 +316,7 @@ def _located(
 def _solved(
     curve: SolutionCurve, a: Sample, b: Sample, step: float, test: TestFunction
 ) -> tuple[float, Sample] | None:
-    """The same by Newton's method, from where a cubic puts it; None unless it is in between."""
+    """The zero of a test by Newton's method from a cubic's guess; None unless it lies between."""
     if test.condition is None or test.rate is None:
         return None
     found = solve(curve.problem.with_(test.condition), _guess(curve, a, b, test))
@@ -357,11 +340,8 @@ def _solved(
 
 
 def _guess(curve: SolutionCurve, a: Sample, b: Sample, test: TestFunction) -> Orbit:
-    """Where a test function may vanish, by its values and rates at two samples.
-
-    One that there is at the second only is taken for linear there; if it is level, it predicts
-    nothing, and the second sample is where the search begins.
-    """
+    """Where a test function may vanish, by its values and rates at two samples."""
+    # One that only the second has is taken for linear; if it is level, the search begins there.
     assert test.rate is not None
     before, after = test.value(a), test.value(b)
     if math.isnan(before):
@@ -397,10 +377,8 @@ def _is_neutral_saddle(sample: Sample) -> bool:
 
 
 def _least(a: float, b: float, da: float, db: float) -> tuple[float, float]:
-    """Where in (0, 1) a cubic with values a, b and slopes da < 0 < db is least, and its value.
-
-    The place is one of a few, so that several margins are looked at together.
-    """
+    """Where in (0, 1) a cubic with values a, b and slopes da < 0 < db is least, and its value."""
+    # The place is one of a few, so that several margins are looked at together.
     c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
     root = math.sqrt(max(0.0, c2 * c2 - 3.0 * c3 * da))
     s = -da / (c2 + root) if c2 + root > 0.0 else 1.0
@@ -409,11 +387,8 @@ def _least(a: float, b: float, da: float, db: float) -> tuple[float, float]:
 
 
 def _part(test: TestFunction, a: Sample, b: Sample) -> tuple[bool, float]:
-    """About which part of the way from one sample to another a bound is passed, to compare.
-
-    One that has been passed and rises comes last: beyond another border its events may be others,
-    and it has jumped.
-    """
+    """The part of the way between two samples at which a bound is passed, to compare."""
+    # One that has been passed and rises comes last: it has jumped beyond another border.
     before, after = test.value(a), test.value(b)
     rises = test.rate is not None and test.rate(b) > 0.0
     return rises, math.inf if math.isnan(before) else before / (before - after)

@@ -1,7 +1,6 @@
-"""Follow a curve: predictor, corrector, step control, from a sample to what ends it.
+"""Follow a curve: predictor, corrector and step control, from a sample to what ends it.
 
-An *arc* is a part of a curve along which no piece changes and no test function vanishes. This is
-the one loop that follows curves.
+An *arc* is a part of a curve along which no piece changes and no test function vanishes.
 """
 
 from __future__ import annotations
@@ -31,51 +30,26 @@ TOGETHER = 2.0**-8  # of how far apart points of a cycle were a step before
 
 
 class Halt(NamedTuple):
-    """What ends a curve besides what lies on it.
+    """What ends a curve besides what lies on it."""
 
-    Attributes
-    ----------
-    spent
-        Whether the map was evaluated as often as allowed.
-    asked
-        Whether the curve is to end at a sample; None if nobody asks.
-    """
-
-    spent: Callable[[], bool] = lambda: False
+    spent: Callable[[], bool] = lambda: False  # whether the map was evaluated as often as allowed
+    # whether the curve is to end at a sample; None if nobody asks
     asked: Callable[[Sample], bool] | None = None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Arc:
-    """A curve from a sample on to what ends it.
+    """A curve from a sample to what ends it."""
 
-    Attributes
-    ----------
-    samples
-        The end included.
-    stop
-        What ended it.
-    curve
-        What it is an arc of.
-    border
-        Of BORDER: which image's margin vanishes, and its code.
-    beyond
-        The sample after the end, where the curve does not end there.
-    condition
-        The equation that its end obeys besides those of the curve; None if there is none.
-    test
-        The test function that vanishes at its end, if one does.
-    """
-
-    samples: tuple[Sample, ...]
+    samples: tuple[Sample, ...]  # the end included
     stop: Stop
     curve: SolutionCurve
-    border: tuple[int, int] | None = None
-    beyond: Sample | None = None
-    condition: Condition | None = None
+    border: tuple[int, int] | None = None  # of BORDER: image and code of the margin that vanishes
+    beyond: Sample | None = None  # the sample after the end, where the curve goes on
+    condition: Condition | None = None  # that its end obeys besides the equations of the curve
     step: float = math.inf
     width: float = 0.0
-    test: TestFunction | None = None
+    test: TestFunction | None = None  # that vanishes at its end
 
     @property
     def precision(self) -> float:
@@ -93,11 +67,9 @@ class Arc:
         return max(known, self._left())
 
     def _left(self) -> float:
-        """How far the parameter is off as the end is only close to a border that is steep there.
-
-        A steep slope is that of a square root, b / (2 sqrt(h)), and b sqrt(h) is left of it; twice
-        that of other roots.
-        """
+        """The error of the parameter where the end is only close to a steep border."""
+        # A steep slope is that of a square root, b / (2 sqrt(h)), and b sqrt(h) is left of it;
+        # twice that of other roots.
         if self.border is None:
             return 0.0
         orbit, problem = self.samples[-1].orbit, self.curve.problem
@@ -116,10 +88,8 @@ def follow(
 ) -> Arc:  # fmt: skip
     """Follow a curve from a sample to what ends it; the first step may be a shorter one.
 
-    It closes where it comes back to its origin: the start, if no other sample is given.
-
-    Each turn of the loop either keeps a sample, of which there are ``max_samples``, or shortens
-    the step, of which ``min_step`` is the end.
+    It closes where it comes back to its origin, by default the start. The loop is bounded: each
+    turn keeps one of ``max_samples`` or shortens the step, down to ``min_step``.
     """
     settings, samples, grows, bent = curve.settings, [start], True, 0.0
     step = min(first, settings.step)
@@ -214,12 +184,9 @@ def _shorter(curve: SolutionCurve, step: float, part: float) -> float:
 
 
 def _strays(curve: SolutionCurve, a: Sample, b: Sample, bent: float) -> bool:
-    """Whether a sample is one of another curve, though its tangent is much the same.
-
-    It may be that of a shorter cycle, run through several times. A smooth curve goes about
-    along the mean of its tangents; by how much not, they tell by how they turn, in this step
-    or in the one before.
-    """
+    """Whether a sample lies on another curve, though its tangent is much the same."""
+    # It may be a shorter cycle, run through several times. A smooth curve follows the mean of its
+    # tangents, within what their turn in this step, or the one before, allows.
     if a.orbit.outer is None and _comes_together(curve, a.orbit.x, b.orbit.x):
         return True
     chord = curve.problem.step_between(a.orbit, b.orbit)
@@ -241,7 +208,7 @@ def _comes_together(curve: SolutionCurve, a: Floats, b: Floats) -> bool:
 
 
 def agrees(curve: SolutionCurve, orbit: Orbit, end: ArcEnd | None = None) -> bool:
-    """Whether the map takes the pieces of an orbit, at points on borders aside."""
+    """Whether the map takes the pieces of an orbit; points on borders do not count."""
     at_border = {orbit.place(i) for i, _ in curve.ignored}
     if end is not None and end.test.border is not None:
         at_border.add(orbit.place(end.test.border[0]))
@@ -252,10 +219,7 @@ def agrees(curve: SolutionCurve, orbit: Orbit, end: ArcEnd | None = None) -> boo
 
 
 def _differs_between(curve: SolutionCurve, a: Sample, b: Sample) -> bool:
-    """Whether the map takes another piece halfway: a margin may vanish that no sample has.
-
-    A point between two samples is good enough where the map is not steep.
-    """
+    """Whether the map takes another piece halfway: a margin may vanish that no sample has."""
     x = 0.5 * (a.orbit.x + b.orbit.x)
     p = 0.5 * (a.orbit.p + b.orbit.p)
     at_border = {a.orbit.place(i) for i, _ in curve.ignored}
@@ -275,10 +239,8 @@ def _takes(curve: SolutionCurve, x: Floats, p: Floats, piece: Piece) -> bool:
 
 
 def _is_taken(curve: SolutionCurve, x: Floats, p: Floats, image: Image) -> bool:
-    """Whether the map takes the piece of an image, and the same of its solutions.
-
-    A map whose margins decide is asked only where one of them vanishes but for rounding.
-    """
+    """Whether the map takes the piece of an image, and the same of its solutions."""
+    # A map whose margins decide is asked only where one of them vanishes but for rounding.
     if image.reason:
         return False
     if margins_decide(curve.map) and not image.tied(x, p).any():

@@ -20,25 +20,13 @@ NOWHERE = "no piece of the map holds this point"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ExpressionPiece:
-    """A smooth piece, given by sympy's expressions; values and derivatives are compiled once.
+    """A smooth piece of sympy expressions; values and derivatives are compiled once."""
 
-    Parameters
-    ----------
-    word
-        Its name.
-    x, p
-        The d variables and the k parameters.
-    values
-        The d components of the image.
-    margins
-        Expressions that are positive inside, by the sentence that says what happens where they
-        vanish; none if the piece holds every point.
-    """
-
-    word: str
-    x: tuple[sympy.Symbol, ...]
-    p: tuple[sympy.Symbol, ...]
-    values: tuple[sympy.Expr, ...]
+    word: str  # its name
+    x: tuple[sympy.Symbol, ...]  # d variables
+    p: tuple[sympy.Symbol, ...]  # k parameters
+    values: tuple[sympy.Expr, ...]  # d components of the image
+    # expressions that are positive inside, by the sentence for where they vanish
     margins: Mapping[str, sympy.Expr] = field(default_factory=dict)
     _function: Callable[..., Any] = field(init=False, repr=False)
 
@@ -83,7 +71,7 @@ class ExpressionPiece:
 def _compiled(
     symbols: tuple[sympy.Symbol, ...], expressions: tuple[sympy.Expr, ...]
 ) -> Callable[..., Any]:
-    """A function of all symbols: each expression with its derivatives, one after the other."""
+    """A function of all symbols that gives each expression, followed by its derivatives."""
     rows = [[each, *(sympy.diff(each, symbol) for symbol in symbols)] for each in expressions]
     flat = [number for row in rows for number in row]
     function: Callable[..., Any] = sympy.lambdify(symbols, flat, modules="math", cse=True)
@@ -92,30 +80,9 @@ def _compiled(
 
 @dataclass(frozen=True, slots=True, eq=False)
 class ExpressionMap:
-    """A map of R^d of given pieces; where several hold a point, the first counts.
+    """A map of R^d of given pieces; where several hold a point, the first counts."""
 
-    Parameters
-    ----------
-    pieces
-        At least one, with one set of variables and parameters.
-
-    Examples
-    --------
-    >>> from sympy import symbols
-    >>> from woodpecker.engine.formulas import expression_map
-    >>> x, y, mu = symbols("x y mu")
-    >>> kinked = expression_map(
-    ...     (x, y), (mu,),
-    ...     {"L": (x/2 + y + mu, -x/3), "R": (-x + y + mu, x/4)},
-    ...     {"L": {"x = 0": -x}, "R": {"x = 0": x}},
-    ... )
-    >>> kinked.at(np.array([-1.0, 0.0]), np.array([0.5])).value.tolist()
-    [0.0, 0.3333333333333333]
-    >>> kinked.beside(np.zeros(2), np.zeros(1), np.array([1.0, 0.0, 0.0])).piece.word
-    'R'
-    """
-
-    pieces: tuple[ExpressionPiece, ...]
+    pieces: tuple[ExpressionPiece, ...]  # at least one, with the same variables and parameters
 
     def __post_init__(self) -> None:
         if not self.pieces:
@@ -170,6 +137,21 @@ def expression_map(
     ValueError
         If a piece has not d components, an expression has other symbols, or margins are given of a
         piece that is not there.
+
+    Examples
+    --------
+    >>> from sympy import symbols
+    >>> from woodpecker.engine.formulas import expression_map
+    >>> x, y, mu = symbols("x y mu")
+    >>> kinked = expression_map(
+    ...     (x, y), (mu,),
+    ...     {"L": (x/2 + y + mu, -x/3), "R": (-x + y + mu, x/4)},
+    ...     {"L": {"x = 0": -x}, "R": {"x = 0": x}},
+    ... )
+    >>> kinked.at(np.array([-1.0, 0.0]), np.array([0.5])).value.tolist()
+    [0.0, 0.3333333333333333]
+    >>> kinked.beside(np.zeros(2), np.zeros(1), np.array([1.0, 0.0, 0.0])).piece.word
+    'R'
     """
     margins = margins or {}
     for word in margins:

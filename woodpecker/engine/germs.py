@@ -1,10 +1,9 @@
-"""What starts where orbits meet borders, from the germ of the map there.
+"""Curves that start where an orbit meets a border, from the germ of the map there.
 
-At a border point the map has two pieces, and near it nothing else. So an orbit through border
-points has finitely many *paths*: sequences of pieces, one of the two at each such point. Curves
-that start there are cycles along a path that returns, and jump crossings between two paths that
-part at a border. Each is tried: its tangent says on which sides of the borders the points go, and
-these must be the sides of their pieces. No orbit is looked for at a distance.
+Near a border point the map has two pieces and no other. An orbit through border points therefore
+has finitely many *paths*: sequences of pieces, one of the two at each such point. The curves that
+start there are cycles along a path that returns, and jump crossings between two paths that part at
+a border. Each one is kept if its tangent leads every point to the side of its piece.
 """
 
 from __future__ import annotations
@@ -34,28 +33,16 @@ TILT = 0.5  # of the way at which a margin that grows along a border vanishes be
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Beginning:
-    """A curve that starts at a point, and its first sample.
+    """A curve that starts at a point, and its first sample."""
 
-    Attributes
-    ----------
-    order
-        The iterate that it belongs to: its cycles are mapped to themselves by P_order.
-    curve
-        The curve.
-    sample
-        The point, with the tangent along which it starts; or the first beside it.
-    before
-        The point, if the first sample lies beside it.
-    """
-
-    order: int
+    order: int  # its cycles are fixed points of P_order
     curve: SolutionCurve
-    sample: Sample
-    before: Sample | None = None
+    sample: Sample  # the point, with the tangent along which it starts; or the first beside it
+    before: Sample | None = None  # the point, if the first sample lies beside it
 
     @property
     def is_crossing(self) -> bool:
-        """Whether it is one of jump crossings."""
+        """Whether it is a curve of jump crossings."""
         return self.sample.orbit.outer is not None
 
     @property
@@ -65,10 +52,7 @@ class Beginning:
 
     @property
     def key(self) -> Hashable:
-        """What tells the curves that start at one point apart: their pieces.
-
-        Those of a cycle count from the least on.
-        """
+        """What tells curves that start at one point apart: their pieces, as the least rotation."""
         keys = self.sample.orbit.keys
         if self.is_crossing:
             return self.order, True, keys
@@ -77,18 +61,10 @@ class Beginning:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GermPath:
-    """A sequence of pieces that an orbit through border points may take.
+    """A sequence of pieces that an orbit through border points may take."""
 
-    Attributes
-    ----------
-    x
-        (n, d) its points.
-    images
-        What the pieces make of them.
-    """
-
-    x: Floats
-    images: tuple[Image, ...]
+    x: Floats  # (n, d) its points
+    images: tuple[Image, ...]  # of the points, under the pieces
 
     @property
     def end(self) -> Floats:
@@ -100,12 +76,9 @@ def paths(
     map_: PiecewiseMap, x: Floats, p: Floats, order: int, problem: Problem,
     points: Floats | None = None,
 ) -> list[GermPath]:  # fmt: skip
-    """All paths of P_order from a point; none if there are more than ``PATHS``.
-
-    Those that lead to where the map has no image are left out. One that comes to the point, or to
-    others (m, d) that are known, is just there: steep maps would carry the rounding of it off its
-    border. The problem says which lengths count as 1.
-    """
+    """All paths of P_order from a point (d,); none if there are more than ``PATHS``."""
+    # A path that returns to the point, or to one of the known points (m, d), is put right there: a
+    # steep map would carry rounding errors off the border. Paths without an image are left out.
     found, known = [GermPath(np.empty((0, len(x))), ())], x[None] if points is None else points
     for _ in range(order):
         longer = []
@@ -124,10 +97,7 @@ def paths(
 
 
 def sides(map_: PiecewiseMap, x: Floats, p: Floats, lengths: Floats) -> list[Image]:
-    """The images of a point under all pieces that hold points near it; none where it has none.
-
-    From each of them the map is asked for what lies beyond each of its borders there.
-    """
+    """The images of a point under all pieces that hold points near it; none where it has none."""
     first = map_.at(x, p)
     if first.reason:
         return []
@@ -162,11 +132,9 @@ def lost_beyond(map_: PiecewiseMap, x: Floats, p: Floats, returns: int) -> str:
 
 
 def across(image: Image, code: int, x: Floats, p: Floats, lengths: Floats) -> Floats:
-    """The direction (d + k,) across a border where a margin vanishes, from inside of its piece.
-
-    Where other margins vanish too it leads along the border to where they grow, and beyond it by
-    so little that they still do. Angles are those of scaled unknowns.
-    """
+    """The direction (d + k,) across a border where a margin vanishes, from inside of its piece."""
+    # Where other margins vanish too, it leads along the border to where they grow, and beyond it
+    # only so far that they still do. Angles are those of scaled unknowns.
     out = -image.gradients[image.place(code)] * lengths
     out /= np.linalg.norm(out)
     others = image.gradients[image.tied(x, p)] * lengths
@@ -185,11 +153,7 @@ def across(image: Image, code: int, x: Floats, p: Floats, lengths: Floats) -> Fl
 def shared(
     one: Image, other: Image, x: Floats, p: Floats, lengths: Floats
 ) -> tuple[list[int], list[int]] | None:
-    """The margins of two pieces that vanish along the border between them; None if there is none.
-
-    Their gradients are opposite. Where borders cross it is the first that both have. The second
-    piece may have none, and be taken wherever no other one is.
-    """
+    """The opposite margins of two pieces along their common border (one may have none), or None."""
     pieces = [(each, each.codes[each.tied(x, p)].tolist()) for each in (one, other)]
     for code in pieces[0][1]:
         normal = one.gradients[one.place(code)] * lengths
@@ -216,19 +180,10 @@ def _is_parallel(gradient: Floats, normal: Floats, lengths: Floats) -> bool:
 def beginnings(
     base: SolutionCurve, points: Floats, p: Floats, orders: Sequence[int]
 ) -> Iterator[Beginning]:
-    """All curves of some orders that start where orbits from some points meet borders.
+    """All curves of some orders that start where orbits from points (m, d) meet borders.
 
-    These are cycles, and crossings with s = 0 or 1, or those that meet a border besides the one
-    that they end at.
-
-    Parameters
-    ----------
-    base
-        Curves of cycles: the map, scales, how they are followed.
-    points, p
-        (m, d) first points: those of a cycle, or the first one of a crossing; and the parameters.
-    orders
-        Of cycles and of jump crossings.
+    The points are those of a cycle, or the first one of a crossing. Curves are cycles, jump
+    crossings with s = 0 or 1, and crossings that meet a second border.
     """
     seen = set[Hashable]()
     for order in orders:
@@ -243,10 +198,8 @@ def beginnings(
 def _cycles(
     base: SolutionCurve, all_: Sequence[GermPath], points: Floats, x: Floats, p: Floats
 ) -> Iterator[Beginning]:
-    """Those along paths that return, and that are no shorter ones run through several times.
-
-    The points of a cycle may be so close that only which of them is nearest tells them apart.
-    """
+    """Cycles along paths that return and repeat no shorter path."""
+    # Points of a cycle may be so close that only which of them is nearest tells them apart.
     scale = np.array(base.problem.x_scale)
 
     def nearest(to: Floats) -> int:
@@ -271,10 +224,7 @@ def _cycles(
 def _crossings(
     base: SolutionCurve, all_: Sequence[GermPath], x: Floats, p: Floats
 ) -> Iterator[Beginning]:
-    """Those between two paths that part at a jump and have the first point between their ends.
-
-    They begin here if they do so at one of the ends, or meet another border; others pass.
-    """
+    """Crossings between two paths that start at one of their limits or at a second border."""
     for begin in _between(base, all_, x, p):
         orbit = begin.sample.orbit
         inner, outer = orbit.taken[-2:]
@@ -285,17 +235,7 @@ def _crossings(
 
 
 def crossings_at(base: SolutionCurve, head: Floats, p: Floats, order: int) -> list[Beginning]:
-    """The jump crossings of P_order with some first points, as far as they pass there.
-
-    Parameters
-    ----------
-    base
-        Curves of cycles: the map, scales, how they are followed.
-    head, p
-        (n, d) points of an orbit of which the last one lies on a border, and parameters (k,).
-    order
-        The iterate.
-    """
+    """The jump crossings of P_order through points (n, d), the last of them on a border."""
     first = tuple(base.map.at(x, p) for x in head[:-1])
     all_ = [
         GermPath(np.vstack([head[:-1], path.x]), (*first, *path.images))
@@ -342,11 +282,8 @@ def _between(
 def _opening(
     base: SolutionCurve, one: GermPath, other: GermPath, head: int, p: Floats
 ) -> Beginning | None:
-    """The jump crossing whose jump vanishes right at its start; None if nothing jumps there.
-
-    In R^1: along the border the limits move away from each other, and from the first point. The
-    share has a limit, that of their rates.
-    """
+    """The crossing in R^1 whose jump vanishes at its start; None if the map does not jump there."""
+    # Its share is the limit of s, from the rates at which the limits and the first point part.
     if len(one.x[0]) > 1 or len(base.problem.free) > 1:
         return None
     sides = one.images[head - 1 :], other.images[head - 1 :]
@@ -366,19 +303,7 @@ def joined(
     base: SolutionCurve, heads: Sequence[Image], limits: tuple[Sequence[Image], Sequence[Image]],
     x: Floats, p: Floats, share: float,
 ) -> Beginning | None:  # fmt: skip
-    """The jump crossing between two limits, with no tangent yet; None if no border parts them.
-
-    Parameters
-    ----------
-    base
-        Curves of cycles: the map, scales, how they are followed.
-    heads
-        The images of its points before the border.
-    limits
-        Those that lead to its limits, in turn: of the border point first, as many of both.
-    x, p, share
-        (n, d) its points, parameters, and the share of the second limit.
-    """
+    """The crossing, without tangent, between two limits, from images before and from the border."""
     border = shared(limits[0][0], limits[1][0], x[-1], p, base.problem.lengths)
     if border is None:
         return None
@@ -395,10 +320,7 @@ def joined(
 
 
 def _locates_less(one: GermPath, other: GermPath, i: int, p: Floats) -> bool:
-    """Whether the border between two paths is better known from the second, or only from there.
-
-    Where a root ends at a jump the other side locates it.
-    """
+    """Whether the second path locates the border better, as it does where a root ends at a jump."""
     known, steepness = (
         [bool(path.images[i].tied(path.x[i], p).any()) for path in (one, other)],
         [float(np.abs(path.images[i].jacobian).max()) for path in (one, other)],
@@ -409,7 +331,7 @@ def _locates_less(one: GermPath, other: GermPath, i: int, p: Floats) -> bool:
 def _meets_another(
     orbit: Orbit, ignored: frozenset[tuple[int, int]], *, beyond: bool = False
 ) -> bool:
-    """Whether a margin vanishes that does not vanish all along; and is not positive, if asked."""
+    """Whether a margin that is not ignored vanishes, and with ``beyond`` is not positive."""
     for i, image in enumerate(orbit.taken):
         zero = image.tied(orbit.x[orbit.place(i)], orbit.p)
         if beyond:
@@ -443,10 +365,7 @@ def _is_taken_ahead(curve: SolutionCurve, sample: Sample) -> bool:
 
 
 def is_inside(curve: SolutionCurve, sample: Sample) -> bool:
-    """Whether a curve leads from a sample to where its points have the pieces that they have.
-
-    Margins that vanish at the sample must grow; those that do not must be positive.
-    """
+    """Whether margins that vanish at a sample grow along the curve, and others are positive."""
     orbit = sample.orbit
     for i, image in enumerate(orbit.taken):
         zero = image.tied(orbit.x[orbit.place(i)], orbit.p)
@@ -494,23 +413,10 @@ def once(cycle: Orbit, base: Problem) -> Orbit:
 def judged(
     starts: Sequence[Beginning], cycle: Floats, i: int, problem: Problem
 ) -> tuple[PointKind, str]:
-    """What a border collision is at one point of its cycle, from the curves that start there.
-
-    Those of the cycle's own order lie on both sides of the parameter (persistence), or on one
-    (fold). Where a cycle folds into a jump crossing, and a crossing of twice the order starts at
-    the preimage of the jump, it is a fold-flip.
-
-    Parameters
-    ----------
-    starts
-        All curves of the cycle's own order, and of twice that, that start at its points.
-    cycle
-        (n, d) its points.
-    i
-        Which of them.
-    problem
-        Cycles, with the scales.
-    """
+    """Kind and note of a border collision at point i of a cycle, by the curves that start there."""
+    # Cycles of its own order lie on both sides of the parameter (persistence) or on one (fold). It
+    # is a fold-flip where a cycle folds into a jump crossing and a crossing of twice the order
+    # starts at the preimage of the jump.
     own, order, twice = list[Beginning](), len(cycle), False
     for begin in starts:
         orbit = begin.sample.orbit

@@ -2,7 +2,7 @@
 
 A map of the line need not know its germs. What it takes beside a point is *proposed* by its images
 at small distances, and *accepted* by the signs of margins and their derivatives at the point
-itself: which distance it was proposed at does not matter then.
+itself, so that it does not depend on the distances.
 """
 
 from __future__ import annotations
@@ -64,15 +64,15 @@ class OfLine(Protocol):
 
 
 class PieceOfLine(OfLine, Protocol):
-    """A piece of one, see :class:`woodpecker.maps.Piece`."""
+    """A piece of a map of the line, see :class:`woodpecker.maps.Piece`."""
 
     @property
     def key(self) -> Hashable:
-        """The same for two pieces just if they are one."""
+        """Equal for two pieces just if they are one."""
 
     @property
     def word(self) -> str:
-        """Its name for people."""
+        """Its name, as people read it."""
 
     def cause(self, code: int) -> str:
         """A sentence on what happens where a margin vanishes."""
@@ -85,12 +85,12 @@ class LinePiece(NamedTuple):
 
     @property
     def key(self) -> Hashable:
-        """That of the piece."""
+        """Of the piece."""
         return self.own.key
 
     @property
     def word(self) -> str:
-        """That of the piece."""
+        """Of the piece."""
         return self.own.word
 
     def at(self, x: Floats, p: Floats) -> Image:
@@ -123,7 +123,7 @@ class LineMap(NamedTuple):
 
     @property
     def margins_decide(self) -> bool:
-        """Whether those of its pieces say where it takes them."""
+        """Whether the margins of its pieces say where it takes them."""
         return getattr(self.own, "margins_decide", False)
 
     def taken(self, x: Floats, p: Floats) -> tuple[Hashable, Floats]:
@@ -150,17 +150,10 @@ class Evaluated(Protocol):
 def proposed(
     map_: Evaluated, x: Floats, p: Floats, direction: Floats, scale: Sequence[float]
 ) -> Image:
-    """The image of a point (1,) under the piece that a map takes infinitesimally beside it.
+    """The image of a point (1,) under the piece infinitesimally beside it, or a reason why none.
 
-    If no proposal is accepted the image has a reason: the map has no value right beside the point,
-    or its pieces accumulate there.
-
-    Parameters
-    ----------
-    map_, x, p, direction
-        As :meth:`woodpecker.engine.maps.PiecewiseMap.beside` has them.
-    scale
-        Lengths of x and of the k parameters that count as 1.
+    The map has no value right beside the point, or its pieces accumulate there. ``scale`` holds the
+    lengths of x and of the k parameters.
     """
     length = float(np.abs(direction / np.array(scale)).max())
     if length == 0.0:

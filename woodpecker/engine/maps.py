@@ -1,9 +1,8 @@
 """A piecewise-smooth map of R^d with k parameters: smooth pieces, each with margins that bound it.
 
-A piece is a smooth map P(x, p) that exists beyond the set where the map takes it. Where it does is
-decided by margins h_j(x, p): all are positive inside, and one of them vanishes at a border. What
-the map takes infinitesimally beyond a border is asked for at the border itself: see
-:meth:`PiecewiseMap.beside`.
+A piece is a smooth map P(x, p) that exists beyond the set where the map takes it. Its margins
+h_j(x, p) are positive inside, and one of them vanishes at a border. What the map takes
+infinitesimally beyond a border is asked for at the border: :meth:`PiecewiseMap.beside`.
 """
 
 from __future__ import annotations
@@ -30,34 +29,15 @@ ROOT = 4.0  # times steeper at that distance, or times as high as that slope say
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Image:
-    """What a piece makes of a point.
+    """The image of a point under a piece."""
 
-    Attributes
-    ----------
-    value
-        (d,) P(x, p).
-    jacobian
-        (d, d + k), its derivatives in x and p.
-    margins
-        (m,) numbers h_j(x, p), positive where the map takes this piece.
-    gradients
-        (m, d + k), their derivatives.
-    codes
-        (m,) ascending numbers that tell the margins apart; a piece need not have the same ones at
-        two points.
-    piece
-        The piece, ready to be continued from this point.
-    reason
-        Why there is no value; empty if there is one.
-    """
-
-    value: Floats
-    jacobian: Floats
-    margins: Floats
-    gradients: Floats
-    codes: Ints
-    piece: Piece
-    reason: str = ""
+    value: Floats  # (d,) P(x, p)
+    jacobian: Floats  # (d, d + k) derivatives in x and p
+    margins: Floats  # (m,) h_j(x, p), positive where the map takes this piece
+    gradients: Floats  # (m, d + k) derivatives of the margins
+    codes: Ints  # (m,) ascending, of the margins; a piece need not have the same ones at two points
+    piece: Piece  # ready to be continued from this point
+    reason: str = ""  # why there is no value; empty if there is one
 
     def tied(self, x: Floats, p: Floats) -> Bools:
         """Which margins (m,) vanish at its point (x, p), but for rounding."""
@@ -84,11 +64,11 @@ class Piece(Protocol):
 
     @property
     def key(self) -> Hashable:
-        """The same for two pieces just if they are one."""
+        """Equal for two pieces just if they are one."""
 
     @property
     def word(self) -> str:
-        """Its name for people, such as a sequence of events."""
+        """Its name, as people read it, such as a sequence of events."""
 
     def at(self, x: Floats, p: Floats) -> Image:
         """Its image of a point, also where the map takes another piece."""
@@ -104,23 +84,15 @@ class PiecewiseMap(Protocol):
         """The image of a point under the piece that the map takes there."""
 
     def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
-        """The image of a point under the piece that the map takes infinitesimally beside it.
+        """The image under the piece that the map takes infinitesimally beside a point.
 
-        Parameters
-        ----------
-        x, p
-            A point (d,), as a rule at a border, and parameters (k,).
-        direction
-            (d + k,) which way to go from there. Margins that vanish at the point count by the
-            signs of their derivatives in this direction: no distance is looked at.
+        The direction is (d + k,). Margins that vanish at the point count by the signs of their
+        derivatives along it; no distance is looked at.
         """
 
 
 def taken(map_: PiecewiseMap, x: Floats, p: Floats) -> tuple[Hashable, Floats]:
-    """The key of the piece that a map takes at a point, and its value (d,) there.
-
-    A map that can say so for less than the whole image costs has a method of this name.
-    """
+    """The key of the piece at a point, and its value (d,); a map may have its own method."""
     own = getattr(map_, "taken", None)
     if own is None:
         image = map_.at(x, p)
@@ -130,22 +102,14 @@ def taken(map_: PiecewiseMap, x: Floats, p: Floats) -> tuple[Hashable, Floats]:
 
 
 def margins_decide(map_: PiecewiseMap) -> bool:
-    """Whether a map takes a piece just where all of its margins are positive.
-
-    That is what margins are for; but a user's may be too few, or only some of a piece's. A map that
-    is sure of its own says so by an attribute of this name.
-    """
+    """Whether a map is sure that it takes a piece just where all of its margins are positive."""
     return getattr(map_, "margins_decide", False)
 
 
 def limit(near: Image, x: Floats, p: Floats, unit: Floats) -> Image:
-    """The one-sided limit at (x, p) of the piece of an image that lies a little away.
-
-    Where a time goes like a root of the distance the piece may have no value right at the point, or
-    derivatives there are made of rounding: they are those beside it then. If those grow without
-    bound, as the inverse of the root, the image has a square root there: its derivatives are those
-    beside it, and it says so by its size.
-    """
+    """The one-sided limit at (x, p) of the piece of an image that lies a little away."""
+    # Where the piece has no value at the point, or derivatives there are rounding, those beside it
+    # are taken. At a square root they grow without bound; their size then says that one is there.
     there = near.piece.at(x, p)
     if not there.reason and _alike(there.jacobian, near.jacobian, SMOOTH):
         return there
@@ -166,7 +130,7 @@ def limit(near: Image, x: Floats, p: Floats, unit: Floats) -> Image:
 
 
 def _comes_to(one: Floats, closer: Floats, there: Floats) -> bool:
-    """Whether derivatives at a point are what those ever closer to it come to."""
+    """Whether derivatives at a point are the limit of those ever closer to it."""
     return bool(np.abs(closer - there).max() <= 0.5 * np.abs(one - there).max())
 
 
@@ -177,17 +141,9 @@ def _alike(one: Floats, other: Floats, within: float) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class Chain:
-    """Several pieces in turn, as one: what the last of them makes of what the first ones make.
+    """Several pieces in turn, as one; its margins, all of theirs, depend on the first point."""
 
-    Its margins are those of all its pieces, as functions of the first point.
-
-    Attributes
-    ----------
-    pieces
-        At least one.
-    """
-
-    pieces: tuple[Piece, ...]
+    pieces: tuple[Piece, ...]  # at least one
 
     @property
     def key(self) -> Hashable:
@@ -210,13 +166,13 @@ class Chain:
         return chained(images)
 
     def cause(self, code: int) -> str:
-        """That of the piece whose margin it is."""
+        """The sentence of the piece that has the margin."""
         rest, i = divmod(code, len(self.pieces))
         return self.pieces[i].cause(rest)
 
 
 def chained(images: Sequence[Image]) -> Image:
-    """The last of several images in turn, of which each has a value, as one of the first point."""
+    """Several images in turn as one: the last, with derivatives in the first point."""
     if len(images) == 1:
         return images[0]
     (d, columns), n = images[0].jacobian.shape, len(images)
@@ -240,7 +196,7 @@ def length_of(image: Image) -> int:
 
 
 def links(image: Image, x: Floats, p: Floats) -> list[Image]:
-    """The images in turn that a chain is made of, from its first point on; of a piece its own."""
+    """The images that a chain is made of, in turn; of a single piece its own."""
     if not isinstance(image.piece, Chain):
         return [image]
     found = list[Image]()

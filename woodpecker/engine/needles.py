@@ -1,9 +1,8 @@
-"""Bends that are too sharp to be followed round.
+"""Sharp folds, which steps along a curve do not lead round.
 
-Where a piece is a very steep function of one combination u of x and p, and that function has an
-extremum, cycles turn round in a needle whose tip is rounder than the smallest step only over a
-shorter way. Both arms run along u = const, so arclength does not lead from one to the other. The
-coordinate across the arms does: there the curve is a graph, and the equations are regular.
+Where a piece is a very steep function of one combination u of x and p, and u has an extremum along
+the curve, both arms of a fold run along u = const, and its tip is shorter than the smallest step.
+In the coordinate across the arms the curve is a graph, and the equations are regular.
 """
 
 from __future__ import annotations
@@ -30,9 +29,7 @@ FINEST = 1e-15  # of the distance across: where a fold or a flip is
 def rounded(arc: Arc) -> Arc | None:
     """An arc that was given up in a bend, as one that leads round it; None if there is no bend.
 
-    It ends at the fold in it; or at the flip, if there is no fold; or else beyond, where steps need
-    not become shorter: it is ``SHORT`` still, and goes on. A flip beside the fold is one point with
-    it.
+    It ends at the fold, or at the flip if there is no fold, or, ``SHORT`` still, beyond the bend.
     """
     curve, last = arc.curve, arc.samples[-1]
     way = _across(arc.samples, BENT * curve.settings.max_turn)
@@ -60,10 +57,7 @@ def rounded(arc: Arc) -> Arc | None:
 
 
 def _other_arm(curve: SolutionCurve, last: Sample, way: Floats) -> tuple[Sample, float] | None:
-    """A sample across a bend from which the curve can be followed, and how far across.
-
-    It is the nearest beyond a fold; if there is none, the nearest where the curve has turned.
-    """
+    """The nearest sample beyond a fold, or a turn, that leads on, and how far across it is."""
     along, nearest = last.tangent, None  # it turns by less than a right angle in between
     for doublings in range(DOUBLINGS):
         away = CLOSEST * 2.0**doublings
@@ -98,7 +92,6 @@ def _passes(kind: str, one: Sample, other: Sample) -> bool:
 
 
 def _rate(sample: Sample) -> float:
-    """How fast the parameter grows."""
     return float(sample.tangent[sample.orbit.x.size])
 
 
@@ -134,10 +127,7 @@ def _located(
     curve: SolutionCurve, last: Sample, way: Floats, other: Sample, away: float,
     test: Callable[[Sample], float],
 ) -> Sample:  # fmt: skip
-    """Where a test vanishes between two samples, of which the second lies a distance across.
-
-    Or next to it, where rounding ends.
-    """
+    """Where a test vanishes between two samples, the second a distance across, but for rounding."""
     found = [last]
 
     def value(distance: float) -> float:

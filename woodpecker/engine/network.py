@@ -34,21 +34,20 @@ ALONG = 0.9  # cosine of the angle within which two curves leave a point the sam
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Connected:
-    """What is connected with a cycle.
+    """All branches that are connected with a cycle.
 
     Attributes
     ----------
     diagram
-        Branches and special points: of a cycle one branch, and one point, for each of its points.
+        A branch of cycles, and a special point, stands once for each point of the cycle.
     orbits
-        By the id of a special point, the orbit there: from it a curve in two parameters starts.
+        By the id of a special point, the orbit there: a curve in two parameters starts from it.
     """
 
     diagram: Diagram
     orbits: Mapping[str, Orbit]
 
     def __repr__(self) -> str:
-        """The diagram."""
         return f"Connected({self.diagram!r})"
 
 
@@ -60,8 +59,8 @@ def connected(
 ) -> Connected:  # fmt: skip
     """The branch through a cycle, and all branches that are connected with it.
 
-    Cycles and jump crossings start where a cycle meets a border, and go on from there; cycles of
-    twice the period start at flips, others at branch points.
+    Cycles and jump crossings start where a cycle meets a border, cycles of twice the period at
+    flips, others at branch points.
 
     Parameters
     ----------
@@ -86,8 +85,7 @@ def connected(
     Returns
     -------
     Connected
-        Diagram and orbits. The multiplier of a branch is its largest one, of a complex pair the
-        modulus.
+        The multiplier of a branch is its largest one, of a complex pair the modulus.
 
     Raises
     ------
@@ -134,13 +132,7 @@ def connected(
 
 
 def cycle_near(map_: PiecewiseMap, x: Floats, p: Floats, problem: Problem) -> Orbit:
-    """The cycle near a guess (n, d) of its points, under the pieces that the map takes there.
-
-    Raises
-    ------
-    ValueError
-        If Newton's method finds none, or one of its points lies in another piece.
-    """
+    """The cycle near a guess (n, d), by Newton's method; ValueError if none, or of other pieces."""
     guess = orbit_of([map_.at(point, p).piece for point in x], x, p)
     held = [Held(x.size + k, float(p[k])) for k in problem.free]
     solution = solve(problem.with_(*held), guess)
@@ -154,17 +146,7 @@ def cycle_near(map_: PiecewiseMap, x: Floats, p: Floats, problem: Problem) -> Or
 
 @dataclass(eq=False)
 class _Vertex:
-    """A special point under construction.
-
-    Attributes
-    ----------
-    kind, orbit, order, note, cause, precision, status
-        As :class:`pwmap.diagrams.diagram.SpecialPoint` has them.
-    starts
-        At a border: all curves that start there.
-    waiting
-        Those that are still to be followed.
-    """
+    """A :class:`pwmap.diagrams.diagram.SpecialPoint` under construction."""
 
     kind: PointKind
     orbit: Orbit
@@ -173,8 +155,8 @@ class _Vertex:
     cause: str = ""
     precision: float = math.inf
     status: PointStatus = PointStatus.LOCATED
-    starts: tuple[Beginning, ...] = ()
-    waiting: list[Beginning] = field(default_factory=list)
+    starts: tuple[Beginning, ...] = ()  # at a border: all curves that start there
+    waiting: list[Beginning] = field(default_factory=list)  # those that are still to be followed
 
 
 class _Component:
@@ -188,10 +170,7 @@ class _Component:
         self.todo: deque[tuple[_Vertex, Beginning]] = deque()
 
     def explore(self, start: Orbit) -> None:
-        """Follow the branch through a cycle, and what starts at its ends.
-
-        It is followed one way to a special point, and from there as any other.
-        """
+        """Follow the branch through a cycle to a special point, then what starts at its ends."""
         first = self.base.start(start)
         ahead = trace(Beginning(len(start.x), self.base, first), self.orders)
         end = self._arrive(ahead)

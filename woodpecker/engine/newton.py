@@ -31,28 +31,15 @@ HALF = 2.0**-22  # its square root: Newton's next step is made of rounding
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """What an orbit is to obey, and in which parameters it may move.
+    """Equations of an orbit, and the parameters that may move."""
 
-    Parameters
-    ----------
-    conditions
-        Equations.
-    free
-        Which of the k parameters are unknowns.
-    x_scale, p_scale
-        d and k lengths that count as 1.
-    """
-
-    conditions: tuple[Condition, ...]
-    free: tuple[int, ...]
-    x_scale: tuple[float, ...]
-    p_scale: tuple[float, ...]
+    conditions: tuple[Condition, ...]  # equations
+    free: tuple[int, ...]  # which of the k parameters are unknowns
+    x_scale: tuple[float, ...]  # d lengths that count as 1
+    p_scale: tuple[float, ...]  # k lengths that count as 1
 
     def columns(self, orbit: Orbit) -> slice | Ints:
-        """Which of an orbit's unknowns may move: its points, free parameters, and the share.
-
-        In R^1 the share is none: it follows from where the border is.
-        """
+        """The unknowns that may move: points, free parameters, the share (in R^1 x decides it)."""
         shares = orbit.outer is not None and orbit.x.shape[1] > 1
         return _columns(orbit.x.size, len(orbit.p), self.free, shares)
 
@@ -66,17 +53,17 @@ class Problem:
         return _scale(len(orbit.x), self.x_scale, self.p_scale)
 
     def with_(self, *conditions: Condition) -> Problem:
-        """The same with more conditions."""
+        """The problem with more conditions."""
         every = (*self.conditions, *conditions)
         return Problem(every, self.free, self.x_scale, self.p_scale)
 
     def residual(self, orbit: Orbit) -> Floats:
-        """What is left of all equations."""
+        """The residuals of all equations."""
         found = [each.residual(orbit) for each in self.conditions]
         return found[0] if len(found) == 1 else np.concatenate(found)
 
     def matrix(self, orbit: Orbit) -> Floats:
-        """Their derivatives in the scaled unknowns that may move."""
+        """Derivatives of the residuals in the scaled unknowns that may move."""
         blocks = [each.rows(orbit) for each in self.conditions]
         columns = self.columns(orbit)
         rows = blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
@@ -86,10 +73,7 @@ class Problem:
         return found
 
     def _along_borders(self, rows: Floats, counts: list[int]) -> None:
-        """Take from steep equations what changes across a border on which the orbit stays.
-
-        There a square root is infinitely steep; along it is not.
-        """
+        """Take from equations what changes across a border: there a root is infinitely steep."""
         if _largest(rows.ravel()) <= STEEP:
             return
         first = 0
@@ -118,7 +102,7 @@ class Problem:
         return found
 
     def period(self, x: Floats, within: float) -> int:
-        """After how many of the points (n, d) of a cycle they are the same, within a distance."""
+        """After how many points those of a cycle (n, d) repeat, within a distance."""
         n = len(x)
         divisors = (k for k in range(1, n) if n % k == 0)
         return next((k for k in divisors if self.same(np.roll(x, -k, axis=0), x, within)), n)
@@ -133,7 +117,7 @@ class Problem:
 
 
 def _stays_on(condition: Condition) -> bool:
-    """Whether orbits are to stay on a border: right beside it slopes are those of their pieces."""
+    """Whether a condition holds orbits on a border; slopes beside it are those of their pieces."""
     return isinstance(condition, OnBorder) and not condition.value
 
 
@@ -156,43 +140,23 @@ def _scale(n: int, x_scale: tuple[float, ...], p_scale: tuple[float, ...]) -> Fl
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Solution:
-    """What Newton's method has come to.
-
-    Attributes
-    ----------
-    orbit
-        Its last iterate.
-    converged
-        Whether this solves the equations to rounding.
-    steps
-        How many steps were taken.
-    """
+    """The last iterate of Newton's method."""
 
     orbit: Orbit
-    converged: bool
-    steps: int
+    converged: bool  # the equations are solved to rounding
+    steps: int  # that were taken
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Across:
-    """A distance along a direction, from an orbit: the equation of pseudo-arclength continuation.
+    """A distance along a direction from an orbit: the equation of pseudo-arclength continuation."""
 
-    Attributes
-    ----------
-    row
-        (n d + k + 1,) the direction: derivatives of the distance in the unknowns of orbits.
-    start
-        The unknowns of the orbit.
-    distance
-        In scaled unknowns.
-    """
-
-    row: Floats
-    start: Floats
-    distance: float
+    row: Floats  # (n d + k + 1,) derivatives of the distance in the unknowns of orbits
+    start: Floats  # the unknowns of the orbit
+    distance: float  # in scaled unknowns
 
     def residual(self, orbit: Orbit) -> Floats:
-        """(1,) how far the orbit lies too far."""
+        """(1,) by how much the orbit lies too far."""
         return np.array([(orbit.unknowns - self.start) @ self.row - self.distance])
 
     def rows(self, orbit: Orbit) -> Floats:
@@ -208,11 +172,10 @@ def across(problem: Problem, start: Orbit, direction: Floats, distance: float) -
 
 
 def solve(problem: Problem, start: Orbit) -> Solution:
-    """Newton's method from an orbit, with its pieces.
+    """Newton's method from an orbit, with its pieces, in at most ``STEPS`` steps.
 
-    It is solved where the next step would be as short as rounding makes it, by the derivatives of
-    the last one, or where steps stop becoming shorter below the square root of that; and if
-    rounding is all that is left of the equations. At most ``STEPS`` are taken.
+    It has converged if the next step would be as short as rounding, or steps stop becoming shorter
+    below the square root of that, and nothing but rounding is left of the equations.
     """
     orbit, residual, before = start, problem.residual(start), math.inf
     for count in range(1, STEPS + 1):
@@ -248,17 +211,15 @@ def _largest(values: Floats) -> float:
 
 
 def newton_step(problem: Problem, orbit: Orbit) -> Floats:
-    """One step of it in scaled unknowns; nan where the equations are singular."""
+    """A step of Newton's method in scaled unknowns; nan where the equations are singular."""
     factors, _, step, _ = dgesv(problem.matrix(orbit), -problem.residual(orbit))
     return step if factors.diagonal().all() else np.full(len(step), math.nan)
 
 
 def _is_met(problem: Problem, orbit: Orbit, matrix: Floats, residual: Floats) -> bool:
-    """Whether nothing is left of the equations at an orbit but rounding.
-
-    Of a margin that may be more than its own derivatives say: those of events before, which cancel
-    in them, are steeper. It is zero here where it is zero for a border.
-    """
+    """Whether nothing but rounding is left of the equations at an orbit."""
+    # The rounding of a margin may exceed what its derivatives say, since those of earlier events
+    # cancel in them: a margin is zero where it counts as zero for a border.
     left, first = np.abs(residual) > _noise(problem, orbit, matrix), 0
     for condition in problem.conditions if left.any() else ():
         count = len(condition.residual(orbit))
@@ -269,10 +230,7 @@ def _is_met(problem: Problem, orbit: Orbit, matrix: Floats, residual: Floats) ->
 
 
 def _towards(problem: Problem, orbit: Orbit, step: Floats) -> tuple[Orbit, bool]:
-    """An orbit after a step, halved as long as a piece has no value there, and whether it was.
-
-    Beside the end of a square root Newton's steps lead beyond it.
-    """
+    """The orbit after a step, halved while a piece has no value there, and whether it was."""
     for halvings in range(HALVINGS):
         found = problem.moved(orbit, step * 0.5**halvings)
         if found.is_defined:
@@ -291,18 +249,9 @@ def _linear(matrix: Floats, right: Floats) -> tuple[Floats, float]:
 def tangent(problem: Problem, orbit: Orbit, along: Floats | None = None) -> tuple[Floats, float]:
     """Unit tangent, in scaled unknowns, of the curve through an orbit, and how it is oriented.
 
-    Parameters
-    ----------
-    problem, orbit
-        The equations, and where they hold.
-    along
-        A direction that it should not be orthogonal to: it points like it. By default the sign
-        makes the determinant positive.
-
-    Returns
-    -------
-    The tangent, nan if there is none, and the determinant of the equations bordered with it. It has
-    one sign all along a curve, round folds too, unless a branch point lies between.
+    It points along a direction ``along``, or makes the determinant positive; nan if there is none.
+    The second value is the determinant of the equations bordered with the tangent: its sign changes
+    along a curve at branch points only, and not at folds.
     """
     matrix = problem.matrix(orbit)
     if along is None and not np.isfinite(matrix).all():
@@ -319,12 +268,9 @@ def tangent(problem: Problem, orbit: Orbit, along: Floats | None = None) -> tupl
 
 
 def directions(problem: Problem, orbit: Orbit) -> tuple[Floats, ...]:
-    """Unit tangents, in scaled unknowns, of the two curves through a branch point; none if none is.
-
-    There the equations F are unchanged to first order in a plane; with w orthogonal to all their
-    derivatives, a curve leaves along v in it with w F''(v, v) = 0. Second derivatives are
-    differences.
-    """
+    """Unit tangents, in scaled unknowns, of the two curves through a branch point, or none."""
+    # There F is unchanged to first order in a plane. A curve leaves along v in it with
+    # w F''(v, v) = 0, w orthogonal to all derivatives. Second derivatives are differences.
     left, _, right = np.linalg.svd(problem.matrix(orbit))
     w, plane = left[:, -1], right[-2:]
     bends = []
@@ -341,25 +287,15 @@ def directions(problem: Problem, orbit: Orbit) -> tuple[Floats, ...]:
 
 
 def other_direction(problem: Problem, orbit: Orbit, along: Floats) -> Floats | None:
-    """The unit tangent of the second curve through a branch point; None if there is none.
-
-    Parameters
-    ----------
-    problem, orbit
-        At the point.
-    along
-        The tangent of the first.
-    """
+    """The unit tangent of the second curve through a branch point; None if there is none."""
     along = along / norm(along)
     return min(directions(problem, orbit), key=lambda way: abs(float(way @ along)), default=None)
 
 
 def branch_point(problem: Problem, near: Orbit) -> Orbit | None:
-    """The branch point near an orbit, to rounding; None if it is not found.
-
-    With w orthogonal to all derivatives, it solves F + m w = 0, F' w = 0, |w| = 1 for the unknowns,
-    w and m: a regular system at a simple branch point, where m is zero.
-    """
+    """The branch point near an orbit, to rounding; None if it is not found."""
+    # With w orthogonal to all derivatives, F + m w = 0, F' w = 0, |w| = 1 are solved for the
+    # unknowns, w and m: a regular system at a simple branch point, where m = 0.
     matrix = problem.matrix(near)
     columns = matrix.shape[1]
 
@@ -391,10 +327,7 @@ def uncertainty(problem: Problem, orbit: Orbit) -> float:
 
 
 def uncertainties(problem: Problem, orbit: Orbit) -> Floats:
-    """How far all free parameters of a solution may be off, by rounding of the map.
-
-    Infinite where derivatives do not tell.
-    """
+    """The rounding error of each free parameter; infinite where derivatives do not tell."""
     matrix, first, count = problem.matrix(orbit), orbit.x.size, len(problem.free)
     noise = _noise(problem, orbit, matrix, BLUR)
     try:

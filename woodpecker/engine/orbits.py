@@ -1,10 +1,8 @@
-"""Orbits, and the equations that are asked of them.
+"""Orbits x_0 .. x_(n-1) in R^d at parameters p in R^k, P_i(x_i, p) = x_(i+1), and their equations.
 
-An orbit is x_0 .. x_(n-1) in R^d at parameters p in R^k, each point with its piece:
-P_i(x_i, p) = x_(i+1). *Conditions* close it. A cycle returns to x_0. A *jump crossing* ends at a
-border point, where the map, filled in at its jumps, takes the whole segment between its two limits:
-x_0 = (1 - s) P(x_(n-1)) + s P'(x_(n-1)) with 0 < s < 1, P and P' the pieces on both sides. At s = 0
-and s = 1 it is a cycle that meets the border.
+*Conditions* close an orbit. A cycle returns to x_0. A *jump crossing* ends at a border point, where
+the map takes the whole segment between its two limits: x_0 = (1 - s) P(x_(n-1)) + s P'(x_(n-1))
+with 0 < s < 1, P and P' the pieces on both sides. At s = 0 and s = 1 it is a cycle at the border.
 """
 
 from __future__ import annotations
@@ -28,27 +26,13 @@ SHORTEST = 2.0**-40  # of such a difference: rounding of an orbit is some 2**-50
 
 @dataclass(frozen=True, eq=False)
 class Orbit:
-    """Points of a map, each with its image under a piece.
+    """Points of a map, each with its image under a piece."""
 
-    Attributes
-    ----------
-    x
-        (n, d) points.
-    p
-        (k,) parameters.
-    share
-        The share s of the outer limit in a jump crossing; 0 for a cycle.
-    images
-        What the pieces make of the points, n of them.
-    outer
-        What the piece on the other side of the border makes of the last point; None for a cycle.
-    """
-
-    x: Floats
-    p: Floats
-    share: float
-    images: tuple[Image, ...]
-    outer: Image | None = None
+    x: Floats  # (n, d) points
+    p: Floats  # (k,) parameters
+    share: float  # s of the outer limit in a jump crossing; 0 for a cycle
+    images: tuple[Image, ...]  # of the points, n of them
+    outer: Image | None = None  # image of the last point beyond the border; None for a cycle
 
     @cached_property
     def unknowns(self) -> Floats:
@@ -200,21 +184,11 @@ class Chained:
 
 @dataclass(frozen=True, slots=True)
 class OnBorder:
-    """A margin vanishes, or has another value.
+    """A margin vanishes, or has another value."""
 
-    Attributes
-    ----------
-    image
-        Of which image: 0 .. n - 1, or n for the outer one.
-    code
-        Which of its margins.
-    value
-        What it is to be: right beside a border a little more than zero.
-    """
-
-    image: int
-    code: int
-    value: float = 0.0
+    image: int  # 0 .. n - 1, or n for the outer one
+    code: int  # which of its margins
+    value: float = 0.0  # of the margin: right beside a border a little more than zero
 
     def residual(self, orbit: Orbit) -> Floats:
         """(1,) the margin less that; nan if the piece does not have it here."""
@@ -233,15 +207,9 @@ class OnBorder:
 
 @dataclass(frozen=True, slots=True)
 class AtLimit:
-    """The first point of a jump crossing in R^1 is one of the two limits: s is 0 or 1.
+    """The first point of a jump crossing in R^1 is one of the two limits: s is 0 or 1."""
 
-    Attributes
-    ----------
-    outer
-        Whether it is the outer one.
-    """
-
-    outer: bool
+    outer: bool  # at the outer limit, s = 1
 
     def residual(self, orbit: Orbit) -> Floats:
         """(1,) the limit less the point."""
@@ -257,21 +225,13 @@ class AtLimit:
 
 @dataclass(frozen=True, slots=True)
 class Held:
-    """An unknown has a value.
+    """An unknown has a value."""
 
-    Attributes
-    ----------
-    column
-        Which one, of :attr:`Orbit.unknowns`.
-    value
-        Its value.
-    """
-
-    column: int
+    column: int  # of :attr:`Orbit.unknowns`
     value: float
 
     def residual(self, orbit: Orbit) -> Floats:
-        """(1,) what it has too much."""
+        """(1,) the excess of the unknown."""
         return np.array([orbit.unknowns[self.column] - self.value])
 
     def rows(self, orbit: Orbit) -> Floats:
@@ -283,18 +243,10 @@ class Held:
 
 @dataclass(frozen=True, slots=True)
 class Multiplier:
-    """A cycle has the multiplier 1 (LP) or -1 (PD), or a pair of product 1 (NS).
+    """A cycle has the multiplier 1 (LP) or -1 (PD), or a pair of product 1 (NS)."""
 
-    Attributes
-    ----------
-    kind
-        "LP", "PD" or "NS".
-    scale
-        d + k lengths of a point and of the parameters that count as 1; by default how large they
-        are, and at least 1.
-    """
-
-    kind: str
+    kind: str  # "LP", "PD" or "NS"
+    # d + k lengths of a point and the parameters; by default their size, at least 1
     scale: tuple[float, ...] = ()
 
     def value(self, orbit: Orbit) -> float:
@@ -309,7 +261,7 @@ class Multiplier:
         return float(np.linalg.det(monodromy + sign * np.eye(d)))
 
     def residual(self, orbit: Orbit) -> Floats:
-        """(1,) that."""
+        """(1,) the value."""
         return np.array([self.value(orbit)])
 
     def rows(self, orbit: Orbit) -> Floats:
@@ -320,11 +272,9 @@ class Multiplier:
         return row
 
     def _gradient(self, orbit: Orbit, i: int) -> Floats:
-        """Its derivatives (d + k,) as one piece changes with its point and the parameters.
-
-        Differences are taken across the nearest border and along it. Beside a root slopes change
-        fast across a border, and along it only as its curvature changes how far away it is.
-        """
+        """Derivatives (d + k,) as one piece changes with its point and the parameters."""
+        # Differences are taken across the nearest border and along it: beside a root slopes change
+        # fast across a border, and along it only with its curvature.
         image, at = orbit.images[i], np.concatenate((orbit.x[i], orbit.p))
         scale = np.array(self.scale) if self.scale else np.maximum(1.0, np.abs(at))
         rows = image.gradients * scale
@@ -345,10 +295,7 @@ class Multiplier:
         return found
 
     def _difference(self, orbit: Orbit, i: int, step: Floats) -> float:
-        """By how much it changes as one piece does in a step (d + k,) of its point and parameters.
-
-        Where the piece has an end the difference is taken to the other side of it.
-        """
+        """Its change as a piece takes a step (d + k,); the step is reversed if the piece ends."""
         image, at = orbit.images[i], np.concatenate((orbit.x[i], orbit.p))
         d = orbit.x.shape[1]
 
@@ -377,11 +324,8 @@ def _pairs(matrix: Floats) -> Floats:
 
 
 def pulled_inside(guess: Orbit, last: Orbit) -> Orbit:
-    """A guess whose points have been moved, where pieces have no value, to margins as they were.
-
-    Right beside a square root a curve follows the end of its piece: a guess that misses it by less
-    than its own error lies beyond.
-    """
+    """A guess whose points without a value are moved until margins are as they were."""
+    # Beside a square root a curve follows the end of its piece, and a guess may lie beyond the end.
     x, images, d = guess.x.copy(), list(guess.images), guess.x.shape[1]
     for i, before in enumerate(last.images[: len(images)]):
         for k in np.flatnonzero(images[i].margins < 0.0) if images[i].reason else ():
@@ -403,7 +347,7 @@ def held_at(orbit: Orbit, column: int, value: float) -> Orbit:
 
 
 def placed(orbit: Orbit, unknowns: Floats) -> Orbit:
-    """Other points under the pieces of an orbit."""
+    """The orbit with other unknowns, under the same pieces."""
     (n, d), k = orbit.x.shape, len(orbit.p)
     x, p, share = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k], float(unknowns[-1])
     images = [image.piece.at(point, p) for image, point in zip(orbit.images, x, strict=True)]

@@ -1,8 +1,7 @@
 """Where cycles that come to a border end exactly, and what the map takes beyond it.
 
-Where an event time goes like a root, derivatives at the border are made of rounding, and its place
-is known to the root of rounding: the piece from inside, the piece beyond, or the limit of the root
-say more.
+Where an event time goes like a root, derivatives at the border are rounding, and its place is known
+to the root of that only: the pieces on both sides, or the limit of the root, tell more.
 """
 
 from __future__ import annotations
@@ -25,10 +24,7 @@ NEAR_INSIDE = 2.0**-22  # scaled: how far inside a piece is looked at that ends 
 
 
 def settled(arc: Arc) -> tuple[Arc, Image | None]:
-    """An arc with its end as both sides of the border say, and what lies beyond it.
-
-    There is something beyond just where cycles meet a border.
-    """
+    """An arc with its end as both sides of the border say; for cycles, also the image beyond it."""
     if arc.stop is not Stop.BORDER or arc.samples[-1].orbit.outer is not None:
         return arc, None
     assert arc.border is not None
@@ -48,10 +44,8 @@ def settled(arc: Arc) -> tuple[Arc, Image | None]:
 
 
 def _sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
-    """An arc of cycles that ends at a border, with the derivatives right inside it at its end.
-
-    Where a time goes like a root of the distance those at the border are made of rounding.
-    """
+    """An arc of cycles that ends at a border, with the derivatives right inside it at its end."""
+    # Where a time goes like a root of the distance those at the border are rounding.
     if len(arc.samples) < 2:
         return arc
     (before, end), orbit = arc.samples[-2:], arc.samples[-1].orbit
@@ -86,10 +80,8 @@ def _is_steep(inner: Image, outer: Image) -> bool:
 
 
 def _moved_to(arc: Arc, i: int, outer: Image) -> tuple[Arc, Image]:
-    """An arc that ends at a root, with its end as the piece beyond locates it, and that one.
-
-    It is not as steep. The map is continuous there: it is not rounding of the root that decides.
-    """
+    """An arc that ends at a root, with its end as the piece beyond locates it, and that piece."""
+    # The piece beyond is less steep, and the map is continuous there: its rounding is smaller.
     end, problem = arc.samples[-1], arc.curve.problem
     orbit = end.orbit
     codes = outer.codes[outer.tied(orbit.x[i], orbit.p)].tolist()
@@ -109,11 +101,9 @@ def _moved_to(arc: Arc, i: int, outer: Image) -> tuple[Arc, Image]:
 
 
 def _at_limit(arc: Arc, i: int, code: int) -> Arc:
-    """An arc that ends at a root and a jump, with its end where the limit of the root closes.
-
-    There the value is a + b sqrt(h) of a margin h that is all rounding, and so is b sqrt(h): twice
-    the slope times the distance, by which a Newton step is corrected.
-    """
+    """An arc that ends at a root and a jump, with its end where the limit of the root closes."""
+    # There the value is a + b sqrt(h) of a margin h that is all rounding, and so is b sqrt(h):
+    # twice the slope times the distance, by which a Newton step is corrected.
     end, problem = arc.samples[-1], arc.curve.problem.with_(OnBorder(i, code))
     orbit, image = end.orbit, end.orbit.images[i]
     k = image.place(code)
@@ -133,10 +123,8 @@ def _at_limit(arc: Arc, i: int, code: int) -> Arc:
 
 
 def _hugs(end: Orbit, there: Orbit, i: int) -> bool:
-    """Whether a root is all rounding from one point on its border to another, and between them.
-
-    A branch that hugs a border comes closer to it than doubles tell, long before it meets it.
-    """
+    """Whether a root is all rounding from one point on its border to another, and between them."""
+    # A branch may be closer to a border than doubles tell, long before it meets it.
     x, p = 0.5 * (end.x[i] + there.x[i]), 0.5 * (end.p + there.p)
     between = end.images[i].piece.at(x, p)
     if between.reason:  # rounding puts it beyond

@@ -59,68 +59,34 @@ MOST_ARCS = 2000  # of one branch
 
 
 class Change(NamedTuple):
-    """A change of word on a branch that is no special point.
+    """A change of word on a branch that is no special point."""
 
-    Attributes
-    ----------
-    sample
-        The word changes after this one, as an index; it or the next lies at the border.
-    cause
-        A sentence on what happens there.
-    smooth
-        Whether the derivatives of the map are the same on both sides.
-    """
-
-    sample: int
-    cause: str
-    smooth: bool
+    sample: int  # index of the last one before it; it or the next lies at the border
+    cause: str  # a sentence on what happens there
+    smooth: bool  # the derivatives of the map are the same on both sides
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Trace:
-    """A branch from its beginning to a special point.
-
-    Attributes
-    ----------
-    begin
-        Where it begins.
-    samples
-        All of its samples; one at a border has the pieces before it.
-    changes
-        Where its word changes.
-    arrival
-        The special point.
-    stop
-        What ended it.
-    arrived
-        Its last part, as something that starts at its end.
-    """
+    """A branch from its beginning to a special point."""
 
     begin: Beginning
-    samples: tuple[Sample, ...]
-    changes: tuple[Change, ...]
-    arrival: Arrival
+    samples: tuple[Sample, ...]  # one at a border has the pieces before it
+    changes: tuple[Change, ...]  # of the word
+    arrival: Arrival  # the special point
     stop: Stop
-    arrived: Beginning
+    arrived: Beginning  # its last part, as a curve that starts at its end
 
     @property
     def curve(self) -> SolutionCurve:
-        """What the last part of it is a curve of."""
+        """The curve of its last part."""
         return self.arrived.curve
 
 
 def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> Trace:
     """Follow a curve to a special point, through borders where only its word changes.
 
-    Parameters
-    ----------
-    begin
-        Where it begins.
-    orders
-        Periods of the cycles that are wanted: a jump crossing ends where one of them meets its
-        border, and passes by others.
-    halt
-        What else ends it.
+    A jump crossing ends where a cycle of one of the orders meets its border, and passes others.
     """
     samples = [] if begin.before is None else [begin.before]
     samples.append(begin.sample)
@@ -195,10 +161,8 @@ def _at_multiplier(begin: Beginning, arc: Arc) -> Arrival:
 
 
 def _at_flip(begin: Beginning, arc: Arc) -> Arrival | None:
-    """Where a doubled cycle ends as its halves come together: the single one flips; None if not.
-
-    The single one is found to rounding, its double to the root of that.
-    """
+    """The flip of the single cycle where the halves of a doubled one come together; None if not."""
+    # The single cycle is located to rounding, its double to the square root of that.
     orbit, problem = arc.samples[-1].orbit, arc.curve.problem
     n = len(orbit.x) // 2
     stops = arc.stop in (Stop.LP, Stop.BP, Stop.SHORT, Stop.OTHER_PIECE)
@@ -223,7 +187,7 @@ def _at_flip(begin: Beginning, arc: Arc) -> Arrival | None:
 
 
 def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
-    """What cycles come to at a border, with what the map takes beyond it."""
+    """What cycles come to at a border; ``outer`` is the image that the map has beyond it."""
     orbit, curve = arc.samples[-1].orbit, begin.curve
     cause = cause_of(arc)
     cycle = once(orbit, curve.problem)
@@ -268,11 +232,9 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
 
 
 def _straight_on(begin: Beginning, arc: Arc, outer: Image, *, smooth: bool) -> Beginning | None:
-    """The cycles of the piece beyond a border across which the map is continuous; None if none.
-
-    They lead to where the margin on this side is negative; where slopes are the same on both sides,
-    on as they came.
-    """
+    """The cycles beyond a border where the map is continuous; None if none leave it there."""
+    # They lead to where the margin on this side is negative; where slopes are the same on both
+    # sides, on as they came.
     assert arc.border is not None
     (i, code), orbit, curve = arc.border, arc.samples[-1].orbit, begin.curve
     if not curve.problem.same(orbit.images[i].value, outer.value, SAME):
@@ -290,11 +252,8 @@ def _straight_on(begin: Beginning, arc: Arc, outer: Image, *, smooth: bool) -> B
 
 
 def _hugging(begin: Beginning, arc: Arc, outer: Image) -> Beginning | None:
-    """The cycles beyond a border, from right beside it on; None if none are found there.
-
-    Where the piece beyond begins with a root they hug the border, and only its margin tells how far
-    they have come.
-    """
+    """The cycles beyond a border, from right beside it on; None if none are found there."""
+    # A piece that begins with a root holds them close to the border: only its margin tells how far.
     assert arc.border is not None
     (i, _), at, curve = arc.border, arc.samples[-1].orbit, begin.curve
     codes = outer.codes[outer.tied(at.x[i], at.p)].tolist()
@@ -311,10 +270,7 @@ def _hugging(begin: Beginning, arc: Arc, outer: Image) -> Beginning | None:
 def _off_border(
     curve: SolutionCurve, at: Orbit, i: int, code: int, distance: float
 ) -> Sample | None:
-    """The cycle beside one at a border that has come as far from it as a point at a distance.
-
-    The distance is scaled. None if there is no such cycle.
-    """
+    """The cycle with the margin of a point at a scaled distance from the border; None if none."""
     problem, d = curve.problem, at.x.shape[1]
     inward = at.images[i].gradients[at.images[i].place(code), :d]
     x = at.x.copy()
@@ -339,11 +295,7 @@ def _changes_stability(before: Floats, after: Floats) -> bool:
 
 
 def beside(begin: Beginning, distances: Sequence[float] = BESIDE) -> Beginning:
-    """A beginning with its first sample beside the point where it starts, if there is one.
-
-    It lies at a distance along the curve, or of a cycle at a border from that: where a piece
-    begins with a root only that leads off.
-    """
+    """A beginning with its first sample beside its point, along the curve or off a border."""
     best, curve, orbit = begin, begin.curve, begin.sample.orbit
     tied = list[tuple[int, int]]()
     if not begin.is_crossing:
@@ -398,11 +350,8 @@ def _at_nearest(arc: Arc) -> Arc:
 def _at_crossing(
     begin: Beginning, arc: Arc, orders: Sequence[int], *, dense: bool
 ) -> Arrival | Onward:
-    """Where a jump crossing closes as a cycle, or another of its points meets a border.
-
-    Where its limits change their words again and again within a short way some are passed over:
-    where the border is does not depend on them.
-    """
+    """Where a jump crossing closes as a cycle, or another of its points meets a border."""
+    # Where borders are dense some are passed over: its own border does not depend on them.
     orbit, curve, cause = arc.samples[-1].orbit, begin.curve, cause_of(arc)
     if arc.stop is Stop.SHARE:
         cycle = cycle_at_limit(orbit, curve.problem)
@@ -430,10 +379,7 @@ def _at_crossing(
 
 
 def _one_side_beyond(begin: Beginning, arc: Arc) -> Beginning | None:
-    """The crossing beyond a border at which one of its two limits only changes its word.
-
-    None unless the limit is continuous there, and the crossing goes on.
-    """
+    """The crossing beyond a border if only one limit changes its word, continuously; else None."""
     sample, curve = arc.samples[-1], begin.curve
     orbit, (i, code) = sample.orbit, arc.border or (-1, 0)
     last = len(orbit.x) - 1
@@ -466,7 +412,7 @@ def _one_side_beyond(begin: Beginning, arc: Arc) -> Beginning | None:
 def _arriving(
     curve: SolutionCurve, sample: Sample, before: Sequence[Image]
 ) -> tuple[Floats, Floats]:
-    """Where the orbit of a limit comes to after some images, and how that moves (d + k,)."""
+    """The point that a limit comes to after some images, and its motion along the curve."""
     orbit = sample.orbit
     point, d = orbit.x[-1], orbit.x.shape[1]
     way = curve.motion(sample, len(orbit.x) - 1)

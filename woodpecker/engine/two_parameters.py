@@ -1,8 +1,4 @@
-"""Special points in two parameters: a cycle with one condition and one parameter more.
-
-There is nothing else to it: the curve is a problem like any other, and the loop that follows cycles
-follows it.
-"""
+"""Special points in two parameters: a cycle with one condition and one parameter more."""
 
 from __future__ import annotations
 
@@ -28,10 +24,8 @@ class SpecialCurve:
     ----------
     kind
         What it is.
-    p
-        (m, 2) the two parameters.
-    x
-        (m, n, d) the points of the cycle.
+    p, x
+        (m, 2) the parameters, and (m, n, d) the points of the cycle.
     stops
         What ends it where it begins and at its end.
     """
@@ -42,7 +36,6 @@ class SpecialCurve:
     stops: tuple[Stop, Stop]
 
     def __repr__(self) -> str:
-        """What it is, between which places, and why it ends there."""
         first, last = (tuple(round(float(v), 6) for v in self.p[k]) for k in (0, -1))
         return (
             f"SpecialCurve({self.kind.value}, from {first} "
@@ -93,15 +86,12 @@ def special_curve(
     >>> x, y, a, b = symbols("x y a b")
     >>> henon = expression_map((x, y), (a, b), {"H": (1 - a * x**2 + y, b * x)})
     >>> window = ((-4, 4), (-4, 4))
-    >>> found = connected(
-    ...     henon, [0.6, 0.2], [0.1, 0.3], CurveSettings(spans=((-1, 1),), window=window),
-    ...     orders=(1,),
-    ... )
+    >>> one = CurveSettings(spans=((-1, 1),), window=window)
+    >>> found = connected(henon, [0.6, 0.2], [0.1, 0.3], one, orders=(1,))
     >>> both = CurveSettings(spans=((-1, 1), (-0.5, 0.5)), window=window)
     >>> special_curve(henon, found.orbits["PD1"], PointKind.PD, (0, 1), both)
-    SpecialCurve(PD, from (0.1875, 0.5) (end of the parameter span) to (1.0, -0.154701) \
-(end of the parameter span))
-    """
+    SpecialCurve(PD, from (0.1875, 0.5) (end of the parameter span) to (1.0, -0.154701) (end of the parameter span))
+    """  # noqa: E501
     if len(settings.spans) != 2:
         raise ValueError(f"expected a span of each of two parameters, got {len(settings.spans)}")
     d, k = orbit.x.shape[1], len(orbit.p)

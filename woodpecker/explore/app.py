@@ -83,7 +83,7 @@ def shapes() -> dict[str, Any]:
 
 
 def site(initial: PageState) -> Site:
-    """What is served."""
+    """The application that is served."""
 
     def prepared(name: str, query: str) -> tuple[Any, ...]:
         state = from_query(query)

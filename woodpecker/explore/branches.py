@@ -59,21 +59,11 @@ def key_of(state: PageState) -> Key:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DiagramProgress:
-    """A diagram on its way.
+    """A diagram on its way."""
 
-    Parameters
-    ----------
-    shown
-        What was found so far.
-    stage
-        A phrase on how far it has come.
-    done
-        Whether that is all.
-    """
-
-    shown: Shown
-    stage: str
-    done: bool = False
+    shown: Shown  # what was found so far
+    stage: str  # a phrase on how far it has come
+    done: bool = False  # that is all
 
 
 def diagram(state: PageState) -> Iterator[DiagramProgress]:
@@ -119,13 +109,7 @@ def _find(state: PageState, run: Path, stages: list[str], ended: list[Any]) -> N
 
 
 def start(state: PageState) -> PeriodicOrbit:
-    """A periodic motion to follow: the paper's at home, the page's own, or any in the span.
-
-    Raises
-    ------
-    ValueError
-        If none is found.
-    """
+    """A periodic motion to follow: the paper's, the page's own, or any; ValueError if none."""
     own, usual = (state.toy, state.phi_s), (home(state), GUESS)
     for toy, guess in (usual, own) if state.order == 1 else (own, usual):
         orbit = _orbit(state, toy, guess)

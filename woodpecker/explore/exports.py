@@ -28,17 +28,7 @@ FILES = {
 
 
 def export(name: str, query: str, known: Diagram | None) -> Iterator[tuple[str, bytes]]:
-    """A job that makes one file.
-
-    Parameters
-    ----------
-    name
-        One of :data:`FILES`.
-    query
-        The state.
-    known
-        Its diagram, if it was found already.
-    """
+    """A job that makes one of :data:`FILES` for a state, with its diagram if that is known."""
     what, form = parts(name, FILES)
     state = from_query(query)
     if name in OF_DIAGRAM:

@@ -1,7 +1,4 @@
-"""State -> arrays: what the views draw, without any browser. :class:`Model` is all they ask for.
-
-The toy is one model; any system of contacts (``system_model.py``) is another.
-"""
+"""State -> arrays: what the views draw, without any browser. :class:`Model` is all they ask for."""
 
 from __future__ import annotations
 
@@ -43,26 +40,15 @@ ON_IT = 1e-9  # rad: centres lie so close to the diagonal that their sides are r
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapCurve:
-    """A map as it is drawn.
+    """A map as it is drawn."""
 
-    Parameters
-    ----------
-    x, y
-        The curve (n,), with nan where it is not joined.
-    jumps, crossings, steep
-        Lines (m, 4) from (x, y) to (x, y): jumps, those that cross the diagonal, and what was not
-        resolved.
-    fixed, stable
-        Fixed points (k,), and whether they attract.
-    """
-
-    x: Floats
+    x: Floats  # (n,) the curve, with nan where it is not joined
     y: Floats
-    jumps: Floats
-    crossings: Floats
-    steep: Floats
-    fixed: Floats
-    stable: npt.NDArray[np.bool_]
+    jumps: Floats  # (m, 4) lines from (x, y) to (x, y)
+    crossings: Floats  # jumps that cross the diagonal
+    steep: Floats  # what was not resolved
+    fixed: Floats  # (k,) fixed points
+    stable: npt.NDArray[np.bool_]  # whether they attract
 
 
 class Mark(NamedTuple):
@@ -78,36 +64,22 @@ class Mark(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DrawnMotion:
-    """A motion as it is drawn; times of events come twice, before and after them.
+    """A motion as it is drawn; times of events come twice, before and after them."""
 
-    Parameters
-    ----------
-    t, q, u
-        Times (n,) [s], coordinates and velocities (n, 3).
-    closed
-        Contacts that are closed from each time on, as bits (n,): 1, 2 and 4.
-    marks
-        The events.
-    numbers
-        What is told of the motion, by its name: period, drop, multiplier, ...
-    message
-        What there is to say, empty if all is well.
-    """
-
-    t: Floats
-    q: Floats
-    u: Floats
-    closed: Ints
-    marks: tuple[Mark, ...]
-    numbers: dict[str, float]
-    message: str
+    t: Floats  # (n,) [s]
+    q: Floats  # (n, 3) coordinates
+    u: Floats  # (n, 3) velocities
+    closed: Ints  # (n,) contacts that are closed from each time on, as bits 1, 2 and 4
+    marks: tuple[Mark, ...]  # the events
+    numbers: dict[str, float]  # period, drop, multiplier, ...
+    message: str  # empty if all is well
 
 
 # --- The toy --------------------------------------------------------------------------------------
 
 
 def settled(state: PageState) -> tuple[PageState, str]:
-    """The start goes with its periodic motion as long as that is near."""
+    """The state with its start on the periodic motion, if one is near, and what there is to say."""
     toy = state.toy
     if state.phi_s >= toy.phi_s_max:
         state = replace(state, phi_s=toy.phi_s_max - 0.01)

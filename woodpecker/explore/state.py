@@ -24,50 +24,22 @@ TOY = Toy()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PageState:
-    """What all views of a page share.
+    """What all views of a page share."""
 
-    Parameters
-    ----------
-    toy
-        The toy, all of its parameters in SI units.
-    phi_s
-        The start on the section [rad]: a point of a periodic motion, or any.
-    periodic
-        Whether the start follows a periodic motion when parameters change.
-    order
-        Number of returns j, of the map P_j and of the motion.
-    steps
-        Steps of the cobweb.
-    window
-        Interval of phi_S of the map [rad].
-    parameter, span
-        Over which parameter the diagram is drawn, and over which interval.
-    every
-        Iterates of which every branch is looked for; by default what is connected with the
-        motion is followed.
-    orbits
-        Whether the diagram has the orbit diagram under it.
-    portrait
-        Which phase portrait: ``phi_s``, ``phi_m`` or ``fall``.
-    tour
-        Step of the guided tour, 0 for none.
-    focus
-        The view that is shown large, none if empty.
-    """
-
-    toy: Toy = TOY
-    phi_s: float = GUESS
-    periodic: bool = True
-    order: int = 1
-    steps: int = 20
-    window: tuple[float, float] = WINDOW
-    parameter: str = "eps_n1"
+    toy: Toy = TOY  # all of its parameters in SI units
+    phi_s: float = GUESS  # start on the section [rad]: a point of a periodic motion, or any
+    periodic: bool = True  # the start follows a periodic motion when parameters change
+    order: int = 1  # returns j of the map P_j and of the motion
+    steps: int = 20  # of the cobweb
+    window: tuple[float, float] = WINDOW  # of phi_S of the map [rad]
+    parameter: str = "eps_n1"  # over which the diagram is drawn
     span: tuple[float, float] = (0.0, 1.0)
+    # iterates of which every branch is looked for; by default what is connected
     every: tuple[int, ...] = ()
-    orbits: bool = False
-    portrait: str = "phi_s"
-    tour: int = 0
-    focus: str = ""
+    orbits: bool = False  # the diagram has the orbit diagram under it
+    portrait: str = "phi_s"  # ``phi_s``, ``phi_m`` or ``fall``
+    tour: int = 0  # step of the guided tour, 0 for none
+    focus: str = ""  # the view that is shown large, none if empty
 
     def __post_init__(self) -> None:
         known_parameter(self.parameter)
@@ -104,10 +76,8 @@ class PageState:
 
 
 def home(state: PageState) -> Toy:
-    """The toy with the paper's value of the diagram's parameter, if it goes with the others.
-
-    A diagram begins there, so that it does not depend on where a slider stands.
-    """
+    """The toy with the paper's value of the diagram's parameter, if it goes with the others."""
+    # A diagram begins there, so that it does not depend on where a slider stands.
     try:
         return state.toy.replace(**{state.parameter: getattr(TOY, state.parameter)})
     except ValueError:
@@ -158,13 +128,7 @@ def to_query(state: PageState) -> str:
 
 
 def from_query(query: str) -> PageState:
-    """The state of a link.
-
-    Raises
-    ------
-    ValueError
-        If a name is unknown or a value impossible; the sentence names it.
-    """
+    """The state of a link; ValueError names an unknown name or an impossible value."""
     if len(query) > QUERY_MOST:
         raise ValueError(f"a link has at most {QUERY_MOST} characters, got {len(query)}")
     toy: dict[str, object] = {}

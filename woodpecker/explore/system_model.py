@@ -47,7 +47,7 @@ class SystemModel:
     given: Explored
 
     def settled(self, state: SystemState) -> tuple[SystemState, str]:
-        """The start goes with its periodic motion as long as that is near."""
+        """The state with its start on a periodic motion near by, and what there is to say."""
         if not state.periodic:
             return state, ""
         near = shoot(self._map(state), state.x, order=state.order)

@@ -91,10 +91,7 @@ class SystemTab(Tab[SystemState]):
         return tuple(rest.items()), state.parameter, state.span, state.order
 
     def tick(self) -> None:
-        """Begin what is due, and show what has come.
-
-        A newer state waits until the motion of the last one was drawn, so that a drag shows it.
-        """
+        """Begin what is due, and show what has come; a drag shows each motion before the next."""
         if not is_warm():
             return
         if self._due and (self._told or not self.is_running("answers")):
@@ -167,7 +164,7 @@ class SystemTab(Tab[SystemState]):
     # --- What a user may ask for ------------------------------------------------------------------
 
     def demands(self) -> Mapping[str, Demand]:
-        """What a wish can name besides what every tab knows."""
+        """Requests of the browser that only this tab answers, by name."""
         return {
             "set": self._set,
             "back": self._back,
@@ -232,13 +229,7 @@ def make_page(document: Document, given: Explored) -> None:
 
 
 def run(path: str, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:
-    """Run a file, here and where jobs are forked from, and serve its page.
-
-    Raises
-    ------
-    ValueError, TypeError
-        If the file does not define what is needed.
-    """
+    """Run a file and serve its page; ValueError or TypeError if it lacks what is needed."""
     given = explored(path)
     os.environ["WOODPECKER_EXPLORED"] = path  # for the process that jobs are forked from
     warm_up(["woodpecker.explore.system_warm"])

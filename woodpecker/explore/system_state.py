@@ -25,27 +25,14 @@ VIEWS = ("", "map", "diagram", "motion", "portrait", "word", "graph")
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Explored:
-    """What a file says of its system.
-
-    Parameters
-    ----------
-    path
-        The file.
-    map_
-        The return map; its system has the values that the page begins with.
-    start
-        (d,) numbers near a periodic motion.
-    window
-        (d, 2) ends of the coordinates that are shown and searched.
-    ranges
-        Ends of the slider of each parameter.
-    """
+    """What a file says of its system."""
 
     path: str
-    map_: SystemMap
-    start: tuple[float, ...]
+    map_: SystemMap  # the return map; its system has the values that the page begins with
+    start: tuple[float, ...]  # (d,) numbers near a periodic motion
+    # (d, 2) ends of the coordinates that are shown and searched
     window: tuple[tuple[float, float], ...]
-    ranges: Mapping[str, tuple[float, float]]
+    ranges: Mapping[str, tuple[float, float]]  # ends of the slider of each parameter
 
     @property
     def values(self) -> dict[str, float]:
@@ -60,19 +47,9 @@ class Explored:
 
 @lru_cache(maxsize=1)
 def explored(path: str) -> Explored:
-    """Run a file as a Python module, and read what it defines.
+    """Run a file as a Python module, and read its ``map_``, ``start``, ``window`` and ``ranges``.
 
-    Parameters
-    ----------
-    path
-        A file with ``map_``, ``start`` and ``window``, and ``ranges`` if it likes.
-
-    Raises
-    ------
-    ValueError
-        If there is no such file, a name is missing or shapes do not fit.
-    TypeError
-        If something is of another kind.
+    ValueError if it, or one of the first three, is missing, or shapes do not fit; else TypeError.
     """
     module = _module(path)
     for name in ("map_", "start", "window"):
@@ -121,38 +98,18 @@ def _usual(value: float) -> tuple[float, float]:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SystemState:
-    """What all views of a system share.
+    """What all views of a system share."""
 
-    Parameters
-    ----------
-    values
-        Values of all parameters, by name.
-    x
-        (d,) the start on the section.
-    window
-        (d, 2) ends of its coordinates.
-    parameter, span
-        Over which the diagram is drawn, and where.
-    periodic
-        Whether the start follows a periodic motion when parameters change.
-    order, steps
-        Returns of the map and of the motion, and steps of the cobweb.
-    coordinate
-        Number of the coordinate of which the history and the portrait are shown.
-    focus
-        The view that is shown large, none if empty.
-    """
-
-    values: tuple[tuple[str, float], ...]
-    x: tuple[float, ...]
-    window: tuple[tuple[float, float], ...]
-    parameter: str
+    values: tuple[tuple[str, float], ...]  # of all parameters, by name
+    x: tuple[float, ...]  # (d,) the start on the section
+    window: tuple[tuple[float, float], ...]  # (d, 2) ends of its coordinates
+    parameter: str  # over which the diagram is drawn
     span: tuple[float, float]
-    periodic: bool = True
-    order: int = 1
-    steps: int = 20
-    coordinate: int = 0
-    focus: str = ""
+    periodic: bool = True  # the start follows a periodic motion when parameters change
+    order: int = 1  # returns of the map and of the motion
+    steps: int = 20  # of the cobweb
+    coordinate: int = 0  # number of the one whose history and portrait are shown
+    focus: str = ""  # the view that is shown large, none if empty
     names: tuple[str, ...] = field(default=())
 
     def __post_init__(self) -> None:

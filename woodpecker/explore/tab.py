@@ -241,7 +241,7 @@ class ToyTab(Tab[PageState]):
     # --- What a user may ask for ------------------------------------------------------------------
 
     def demands(self) -> Mapping[str, Demand]:
-        """What a wish can name besides what every tab knows."""
+        """Requests of the browser that only this tab answers, by name."""
         return {
             "set": self._set,
             "back": lambda wish: self._default(str(wish["name"])),
@@ -287,7 +287,7 @@ class ToyTab(Tab[PageState]):
         self.map.look(self.state.window)
 
     def go_to(self, branch: str, sample: int | None = None) -> None:
-        """Bring everything to a branch."""
+        """Go to a sample of a branch."""
         super().go_to(branch, sample)
         if self.branch and not self.state.periodic:
             self.message = f"{branch} is a jump crossing: no motion repeats here, the map jumps"

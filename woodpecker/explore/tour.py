@@ -13,27 +13,13 @@ STABLE = -0.5294719671  # rad, of the stable motion at eps_N1 = 0.5
 
 @dataclass(frozen=True, slots=True)
 class TourStep:
-    """One step.
+    """One step of the guided tour."""
 
-    Parameters
-    ----------
-    title
-        A few words.
-    figure
-        The paper's figure.
-    text
-        Two sentences.
-    views
-        Views that are lit.
-    state
-        What is shown.
-    """
-
-    title: str
-    figure: str
-    text: str
-    views: tuple[str, ...]
-    state: PageState
+    title: str  # a few words
+    figure: str  # the paper's figure
+    text: str  # two sentences
+    views: tuple[str, ...]  # that are lit
+    state: PageState  # what is shown
 
 
 def _of(title: str, figure: str, text: str, views: tuple[str, ...], **changes: Any) -> TourStep:

@@ -117,11 +117,7 @@ class MapView:
 
 
 class MotionView:
-    """Time histories and a phase portrait, with the instant that the toy is drawn at.
-
-    The table ``motion`` is also what the toy is drawn from, in the browser (``toy.js``); ``now`` is
-    moved there, and nobody tells the server.
-    """
+    """Time histories and a phase portrait, with the instant ``now`` that the browser moves."""
 
     def __init__(self) -> None:
         wide = Range1d(0, 1)

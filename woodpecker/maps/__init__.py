@@ -1,10 +1,8 @@
 """Maps of the line, made of smooth pieces: formulas of your own, of sympy and of pwmap.
 
 A map says at each point which piece it takes, with value, derivatives, and margins: functions that
-are positive inside of the piece, and of which one vanishes at its border (its distance, if x is
-measured along it). Whatever has a method ``at(x, p)`` that returns an :class:`Image` is a map.
-
-A name is loaded with what it needs when it is first used; ``__init__.pyi`` says where each is.
+are positive inside of the piece, and of which one vanishes at its border. Whatever has a method
+``at(x, p)`` that returns an :class:`Image` is a map.
 """
 
 import lazy_loader

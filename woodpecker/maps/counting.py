@@ -1,8 +1,7 @@
 """How often a map is evaluated: counted, and bounded.
 
-Every search ends, and on every machine with the same result: what bounds it is no time but a count
-of evaluations. It is looked at where work is begun (a step along a branch, a piece of a slice, the
-next branch of a network); what is begun is finished, and what is left then is said.
+A search is bounded by a count of evaluations, not by time, so that it ends with the same result on
+every machine. The count is looked at where work is begun; what is left then is said.
 """
 
 from __future__ import annotations
@@ -39,20 +38,12 @@ def as_counting(map_: PiecewiseMap) -> Counting:
 
 
 class Allowance:
-    """How often a map may be evaluated from now on.
-
-    Parameters
-    ----------
-    map_
-        The map.
-    most
-        How often.
-    """
+    """How often a map may be evaluated from now on: at most ``most`` times."""
 
     def __init__(self, map_: Counting, most: int) -> None:
         self._map, self._last = map_, map_.evaluations + most
 
     @property
     def spent(self) -> bool:
-        """Whether it was evaluated as often."""
+        """Whether the map was evaluated as often as allowed."""
         return self._map.evaluations >= self._last

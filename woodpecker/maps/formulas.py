@@ -30,8 +30,8 @@ NOT_REAL = (ValueError, ZeroDivisionError, OverflowError)  # math's words for no
 class Smooth:
     """A smooth function of (x, p) with its derivatives; differences of values if none are given.
 
-    Differences are good to about ten digits where the function is smooth on the scale of 1; next
-    to a square root they are not, so give the derivatives of such a function.
+    Differences are good to about ten digits where the function is smooth on the scale of 1, but not
+    next to a square root: give the derivatives there.
 
     Parameters
     ----------
@@ -67,18 +67,7 @@ class Smooth:
                 raise TypeError(f"{name} must be a function of x and p, got {given!r}")
 
     def at(self, x: float, p: float) -> tuple[float, float, float]:
-        """Value and derivatives in x and p; nan where there is no real value.
-
-        Parameters
-        ----------
-        x, p
-            The point and the parameter.
-
-        Returns
-        -------
-        value, d_x, d_p
-            Three floats.
-        """
+        """Value and derivatives in x and p, three floats; nan where there is no real value."""
         if self.dx is not None and self.dp is not None:
             try:
                 return float(self.value(x, p)), float(self.dx(x, p)), float(self.dp(x, p))
@@ -110,13 +99,7 @@ def _takes_two(formula: object) -> bool:
 
 
 def real(formula: Formula, x: float, p: float) -> float:
-    """The value of a formula; nan if it is not real.
-
-    Raises
-    ------
-    TypeError
-        If the formula returns no number.
-    """
+    """The value of a formula; nan if it is not real; TypeError if it is no number."""
     try:
         value = formula(x, p)
     except NOT_REAL:
@@ -131,10 +114,7 @@ def real(formula: Formula, x: float, p: float) -> float:
 
 
 def difference(function: Callable[[float], float], at: float, value: float) -> float:
-    """The derivative of a function by differences: central, or to one side at its domain's end.
-
-    ``value`` is that of the function at this place.
-    """
+    """The derivative of a function by differences: central, or one-sided at its domain's end."""
     h = STEP * max(1.0, abs(at))
     above, below = function(at + h), function(at - h)
     if not (math.isnan(above) or math.isnan(below)):
@@ -199,18 +179,7 @@ class FormulaPiece:
         return self.word
 
     def at(self, x: float, p: float) -> Image:
-        """The image of a point, also outside.
-
-        Parameters
-        ----------
-        x, p
-            The point and the parameter.
-
-        Returns
-        -------
-        Image
-            Value, derivatives and margins; without a value it carries the reason.
-        """
+        """The image of a point, also outside; without a value it carries the reason."""
         value, slope, d_parameter = self.map.at(x, p)
         flat = [number for margin in self.margins.values() for number in margin.at(x, p)]
         rows = np.array(flat).reshape(-1, 3)
@@ -220,69 +189,24 @@ class FormulaPiece:
         )  # fmt: skip
 
     def holds(self, x: float, p: float) -> bool:
-        """Whether no margin is negative.
-
-        Parameters
-        ----------
-        x, p
-            The point and the parameter.
-
-        Returns
-        -------
-        bool
-            Whether it holds the point.
-        """
+        """Whether no margin is negative at a point."""
         return all(real(margin.value, x, p) >= 0.0 for margin in self.margins.values())
 
     def values(self, x: Floats, p: float) -> Floats:
-        """The images of many points, of any shape, also outside.
-
-        Parameters
-        ----------
-        x, p
-            Points, of any shape, and the parameter.
-
-        Returns
-        -------
-        array of the shape of x
-            The images; nan where there is none.
-        """
+        """The images of many points, of any shape, also outside; nan where there is none."""
         flat = [real(self.map.value, each, p) for each in x.ravel().tolist()]
         return np.array(flat, dtype=float).reshape(x.shape)
 
     def holding(self, x: Floats, p: float) -> Bools:
-        """Which of many points it holds.
-
-        Parameters
-        ----------
-        x, p
-            Points, of any shape, and the parameter.
-
-        Returns
-        -------
-        array of bool of the shape of x
-            Whether it holds each point.
-        """
+        """Which of many points, of any shape, it holds."""
         flat = [self.holds(each, p) for each in x.ravel().tolist()]
         return np.array(flat, dtype=bool).reshape(x.shape)
 
     def cause(self, code: int) -> str:
-        """What happens where a margin vanishes.
-
-        Parameters
-        ----------
-        code
-            Which margin, from 0 on.
-
-        Returns
-        -------
-        str
-            The name that the margin was given.
-        """
+        """What happens where the margin with a code, from 0 on, vanishes: the name it was given."""
         return list(self.margins)[code]
 
     def __repr__(self) -> str:
-        """Its name and what happens at its borders."""
         return f"FormulaPiece({self.word!r}, borders: {', '.join(self.margins) or 'none'})"
 
 
@@ -314,59 +238,22 @@ class BoundedPiece(Piece, Protocol):
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import from_sympy
+    >>> from woodpecker.examples import two_lines
     >>> from woodpecker.maps import BoundedPiece
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
     >>> def left_of(piece: BoundedPiece, p: float) -> bool:
     ...     return piece.holds(-1.0, p)
-    >>> [left_of(piece, 0.5) for piece in lines.pieces]
+    >>> [left_of(piece, 0.5) for piece in two_lines().pieces]
     [True, False]
     """
 
     def holds(self, x: float, p: float) -> bool:
-        """Whether the map takes this piece at a point, unless an earlier one holds it too.
-
-        Parameters
-        ----------
-        x, p
-            The point and the parameter.
-
-        Returns
-        -------
-        bool
-            Whether it holds the point.
-        """
+        """Whether the map takes this piece at a point, unless an earlier one holds it too."""
 
     def values(self, x: Floats, p: float) -> Floats:
-        """The images of many points, also outside.
-
-        Parameters
-        ----------
-        x, p
-            Points, of any shape, and the parameter.
-
-        Returns
-        -------
-        array of the shape of x
-            The images; nan where there is none.
-        """
+        """The images of many points, of any shape, also outside; nan where there is none."""
 
     def holding(self, x: Floats, p: float) -> Bools:
-        """Which of many points it holds.
-
-        Parameters
-        ----------
-        x, p
-            Points, of any shape, and the parameter.
-
-        Returns
-        -------
-        array of bool of the shape of x
-            Whether it holds each point.
-        """
+        """Which of many points, of any shape, it holds."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -375,9 +262,8 @@ class FormulaMap:
 
     Borders are where margins vanish: where an earlier piece begins within a later one, a margin of
     the later one should say so too. A branch is not followed across a jump that none of its margins
-    expresses: it ends there (EP, open, "the map takes another piece"). Slices see borders only.
-
-    It pickles if its functions do: those written by hand must be defined at the top of a module.
+    expresses: it ends there (EP, open, "the map takes another piece"). Slices see borders only. It
+    pickles if its functions do: those written by hand must be defined at the top of a module.
 
     Parameters
     ----------
@@ -386,10 +272,8 @@ class FormulaMap:
 
     Raises
     ------
-    ValueError
-        If there is no piece, or two of one name.
-    TypeError
-        If something else is given than pieces.
+    ValueError, TypeError
+        If there is no piece, two have one name, or something is none.
 
     Examples
     --------
@@ -398,9 +282,8 @@ class FormulaMap:
     >>> left = FormulaPiece("L", low, {"x = 0": Smooth(lambda x, p: -x)})
     >>> right = FormulaPiece("R", high, {"x = 0": Smooth(lambda x, p: x)})
     >>> lines = FormulaMap([left, right])
-    >>> image = lines.at(-1.0, 0.25)
-    >>> image.value, image.piece.word, lines.at(3.0, 0.25).piece.word
-    (-0.25, 'L', 'R')
+    >>> lines.at(-1.0, 0.25).value, lines.at(3.0, 0.25).piece.word
+    (-0.25, 'R')
     """
 
     pieces: Sequence[BoundedPiece]
@@ -420,18 +303,7 @@ class FormulaMap:
         object.__setattr__(self, "pieces", tuple(self.pieces))
 
     def at(self, x: float, p: float) -> Image:
-        """The image of a point under the piece that holds it.
-
-        Parameters
-        ----------
-        x, p
-            The point and the parameter.
-
-        Returns
-        -------
-        Image
-            Value, derivatives and margins; without a value it carries the reason.
-        """
+        """The image of a point under the piece that holds it, or the reason why there is none."""
         for piece in self.pieces:
             if piece.holds(x, p):
                 return piece.at(x, p)
@@ -442,7 +314,6 @@ class FormulaMap:
         )  # fmt: skip
 
     def __repr__(self) -> str:
-        """The names of its pieces."""
         return f"FormulaMap({', '.join(repr(piece.word) for piece in self.pieces)})"
 
     def _repr_html_(self) -> str:
@@ -453,23 +324,7 @@ class FormulaMap:
         return table(f"Map of {len(rows)} pieces", ("piece", "its borders"), rows)
 
     def piece(self, word: str) -> BoundedPiece:
-        """The piece of a name; KeyError if there is none.
-
-        Parameters
-        ----------
-        word
-            Its name.
-
-        Returns
-        -------
-        BoundedPiece
-            The piece.
-
-        Raises
-        ------
-        KeyError
-            If there is none.
-        """
+        """The piece of a name; KeyError if there is none."""
         for piece in self.pieces:
             if piece.word == word:
                 return piece
@@ -479,22 +334,7 @@ class FormulaMap:
         """The images of many points, of any shape; nan where there is none.
 
         Pieces made from sympy are evaluated by numpy, whose functions may differ in the last bit
-        from those of :mod:`math` that :meth:`at` uses.
-
-        Parameters
-        ----------
-        x, p
-            Points, of any shape, and the parameter.
-
-        Returns
-        -------
-        array of the shape of x
-            The images.
-
-        Raises
-        ------
-        ValueError
-            If the points or the parameter are no real numbers.
+        from those of :mod:`math` that :meth:`at` uses. ValueError if they are no real numbers.
         """
         points, p = real_array("x", x), number("p", p)
         images = np.full(points.shape, math.nan)
@@ -507,25 +347,10 @@ class FormulaMap:
         return images
 
     def sweep(self, x: npt.ArrayLike, p: npt.ArrayLike) -> Sweep:
-        """Images and slopes of many points, each with a parameter of its own.
+        """Images and slopes (n,) of many points, each with a parameter of its own or one for all.
 
-        A map whose pieces all come from sympy or pwmap is evaluated by numpy in one go; one with a
-        piece that is written by hand, point by point.
-
-        Parameters
-        ----------
-        x, p
-            Points of shape (n,), and the parameter of each, or one for all.
-
-        Returns
-        -------
-        Sweep
-            Images and slopes, shapes (n,); nan where there is no image.
-
-        Raises
-        ------
-        ValueError
-            If the points or the parameters are no real numbers.
+        They are nan where there is no image. Pieces from sympy or pwmap are evaluated by numpy in
+        one go, one that is written by hand point by point. ValueError if they are no real numbers.
         """
         points = real_array("x", x).ravel()
         values = np.broadcast_to(real_array("p", p), points.shape)

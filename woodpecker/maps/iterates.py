@@ -1,7 +1,7 @@
 """Iterates of a piecewise-smooth map, as piecewise-smooth maps of their own.
 
 A piece of P_n is a sequence of n pieces of P_1, and its margins are theirs, as functions of the
-first point. So whatever is asked of a map can be asked of its iterates.
+first point.
 """
 
 from __future__ import annotations
@@ -22,34 +22,25 @@ RETURN = 2**32  # between the codes of margins of successive returns; those of a
 class Iterate:
     """P_order of a map; it pickles if the map does.
 
-    Where P_1 is steep its iterates have pieces too thin to be met one by one, and some are stepped
-    over: all cycles of a window are found by :func:`woodpecker.slices.slices.slices_at`, which
-    pulls the pieces of P_1 back.
+    Where P_1 is steep its iterates have pieces too thin to be met one by one. All cycles of a
+    window are found by :func:`woodpecker.slices.slices.slices_at`, which pulls pieces of P_1 back.
 
     Parameters
     ----------
-    map
-        P_1.
-    order
-        How often it is applied.
+    map, order
+        P_1, and how often it is applied.
 
     Raises
     ------
-    ValueError
-        If the order is no whole number of at least 1.
-    TypeError
-        If the map has no pieces.
+    ValueError, TypeError
+        If the order is no whole number of at least 1, or the map has no pieces.
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import from_sympy
+    >>> from woodpecker.examples import two_lines
     >>> from woodpecker.maps import Iterate
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> Iterate(lines, 2).at(-1.0, 0.25).value, lines.at(lines.at(-1.0, 0.25).value, 0.25).value
-    (0.125, 0.125)
+    >>> Iterate(two_lines(), 2).at(-1.0, 0.25).value
+    0.125
     """
 
     map: PiecewiseMap
@@ -60,18 +51,7 @@ class Iterate:
         object.__setattr__(self, "order", whole("order", self.order))
 
     def at(self, x: float, p: float) -> Image:
-        """The image of a point; it has none if one of the returns has none.
-
-        Parameters
-        ----------
-        x, p
-            The point and the parameter.
-
-        Returns
-        -------
-        Image
-            Value, derivatives by the chain rule, and margins of all returns.
-        """
+        """The image of a point, with derivatives by the chain rule, if every return has one."""
         return _composed([lambda x: self.map.at(x, p)] * self.order, x)
 
 

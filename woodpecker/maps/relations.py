@@ -9,21 +9,11 @@ import sympy
 
 
 class Bound(NamedTuple):
-    """A relation as a margin.
+    """A relation as a margin."""
 
-    Attributes
-    ----------
-    margin
-        Positive where the relation holds.
-    closed
-        Whether it also holds where the margin vanishes.
-    cause
-        A sentence on what happens there.
-    """
-
-    margin: sympy.Expr
-    closed: bool
-    cause: str
+    margin: sympy.Expr  # positive where the relation holds
+    closed: bool  # it also holds where the margin vanishes
+    cause: str  # a sentence on what happens there
 
     def complement(self) -> Bound:
         """The bound of all other points."""
@@ -36,23 +26,14 @@ class Bound(NamedTuple):
         return sense(self.margin, 0, evaluate=False)
 
     def __str__(self) -> str:
-        """The relation."""
         return str(self.relation)
 
 
 def bounds_of_pieces(conditions: Sequence[sympy.Basic]) -> list[tuple[Bound, ...] | None]:
-    """The margins of the pieces of a Piecewise, of which the first that holds counts.
+    """The margins of the pieces of a Piecewise, with complements of earlier ones; None if empty.
 
-    Returns
-    -------
-    For each condition its own relations and the complements of earlier ones; None if it holds
-    nowhere.
-
-    Raises
-    ------
-    ValueError
-        For conditions other than relations joined by And, and for an overlap with an earlier
-        condition of several relations, whose complement is no such condition.
+    ValueError for other conditions than relations joined by And, and for an overlap with an earlier
+    condition of several relations, whose complement is no such condition.
     """
     found: list[tuple[Bound, ...] | None] = []
     earlier: list[tuple[Bound, ...]] = []
@@ -66,13 +47,7 @@ def bounds_of_pieces(conditions: Sequence[sympy.Basic]) -> list[tuple[Bound, ...
 
 
 def bounds_of(condition: sympy.Basic) -> tuple[Bound, ...] | None:
-    """The relations of a condition, none twice; None if it is false.
-
-    Raises
-    ------
-    ValueError
-        If it is made of anything else.
-    """
+    """The relations of a condition, none twice; None if it is false. ValueError for others."""
     if condition is sympy.false:
         return None
     bounds: list[Bound] = []

@@ -16,12 +16,9 @@ class Sweep(NamedTuple):
 
     Examples
     --------
-    >>> import numpy as np
-    >>> from woodpecker.maps import Sweep
-    >>> x = np.array([-1.0, 2.0])
-    >>> found = Sweep(value=abs(x), slope=np.sign(x))
-    >>> found.slope.tolist()
-    [-1.0, 1.0]
+    >>> from woodpecker.examples import two_lines
+    >>> two_lines().sweep([-1.0, 2.0], 0.25).value.round(9).tolist()
+    [-0.25, -0.083333333]
     """
 
     value: Floats

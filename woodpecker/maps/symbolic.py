@@ -37,30 +37,13 @@ class Symbols(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SymbolicPiece:
-    """A smooth piece of a map, given by sympy's expressions.
+    """A smooth piece of a map, given by sympy's expressions, all compiled into one function."""
 
-    Values, margins and all derivatives come from one compiled function. A pickle holds the
-    expressions; they are compiled again where it is read.
-
-    Parameters
-    ----------
-    word
-        Its name.
-    symbols
-        The variable and the parameter.
-    value
-        The formula.
-    bounds
-        Its margins, each with its sentence.
-    held
-        Other symbols, each with its value.
-    """
-
-    word: str
-    symbols: Symbols
-    value: sympy.Expr
-    bounds: tuple[Bound, ...] = ()
-    held: tuple[tuple[sympy.Symbol, float], ...] = ()
+    word: str  # its name
+    symbols: Symbols  # the variable and the parameter
+    value: sympy.Expr  # the formula
+    bounds: tuple[Bound, ...] = ()  # its margins
+    held: tuple[tuple[sympy.Symbol, float], ...] = ()  # other symbols, each with its value
     _functions: _Functions = field(init=False, repr=False)
     _values: tuple[float, ...] = field(init=False, repr=False)
 
@@ -141,25 +124,14 @@ class SymbolicPiece:
 
 
 class _Functions(NamedTuple):
-    """What is compiled of a piece.
+    """What is compiled of a piece."""
 
-    Attributes
-    ----------
-    arguments
-        Of all functions: x, p, and symbols that are held.
-    expressions
-        Value and derivatives; the margins; their derivatives in x and p.
-    everything, inside
-        The expressions; whether the relations hold.
-    causes
-        The codes of the margins.
-    """
-
-    arguments: tuple[sympy.Symbol, ...]
+    arguments: tuple[sympy.Symbol, ...]  # of all functions: x, p, and symbols that are held
+    # value and derivatives; the margins; their derivatives in x and p
     expressions: tuple[sympy.Expr, ...]
-    everything: Compiled
-    inside: Compiled
-    causes: Ints
+    everything: Compiled  # the expressions
+    inside: Compiled  # whether the relations hold
+    causes: Ints  # the codes of the margins
 
 
 @lru_cache(maxsize=1024)
@@ -202,8 +174,8 @@ def from_sympy(
     A condition is a relation (<, <=, >, >=) of smooth expressions, or several joined by And; each
     relation becomes a margin. As the first condition that holds counts, a piece also gets the
     complements of earlier conditions it overlaps with. A formula must be smooth: Abs, Min, Max,
-    sign and the like are refused, not rewritten, for only who wrote them knows what happens where
-    they have a corner. A root is taken to have no value, not a complex one, beyond its end.
+    sign and the like are refused, for what happens at their corners must be written as pieces. A
+    root has no value, not a complex one, beyond its end.
 
     Parameters
     ----------
@@ -334,7 +306,6 @@ def _check(expression: sympy.Expr, symbols: tuple[sympy.Symbol, ...]) -> None:
 
 
 def _names(words: Sequence[str] | None, n: int) -> tuple[str, ...]:
-    """The names of n pieces."""
     if words is None:
         return tuple(
             ascii_uppercase[:n] if n <= len(ascii_uppercase) else (f"A{k + 1}" for k in range(n))
@@ -351,8 +322,8 @@ def from_pwmap(map_: PiecewiseLinearMap, parameter: sympy.Symbol | str) -> Formu
     """A map from an exact piecewise-linear one with a single symbolic parameter.
 
     Its pieces keep their names; their margins are distances to the breaks, x - break(p). Pieces
-    that are a single point are left out: no orbit of a branch meets them but by accident. The order
-    of the breaks is known just where the assumptions of the map hold, and so is the new map.
+    that are a single point are left out. The new map is valid where the assumptions of the exact
+    one hold, which fix the order of the breaks.
 
     Parameters
     ----------
@@ -368,10 +339,8 @@ def from_pwmap(map_: PiecewiseLinearMap, parameter: sympy.Symbol | str) -> Formu
 
     Raises
     ------
-    ValueError
-        If the map has other parameters than this one.
-    TypeError
-        If it is no map of pwmap.
+    ValueError, TypeError
+        If the map has other parameters than this one, or is none of pwmap.
 
     Examples
     --------

@@ -1,8 +1,6 @@
 """The toy: its data, its equations of motion, and what is known in closed form.
 
 [Leine2001, Eqs. 1-11]; what the paper misprints or leaves out is said where it is corrected.
-
-A name is loaded with what it needs when it is first used; ``__init__.pyi`` says where each is.
 """
 
 import lazy_loader

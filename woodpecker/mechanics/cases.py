@@ -6,12 +6,9 @@ them the impulses are linear in the velocities ``free`` without impulses and in 
 
     Lambda = table[c_1 + 6 c_2] (free, floor),
 
-and the coefficients depend on masses, geometry and friction only. So they are found once, by
-elimination, and an impact multiplies.
-
-Friction is bounded by |Lambda_T| <= F Lambda_N with a matrix F, equality where a contact slides.
-Coulomb's law contact by contact has F = diag(mu); in the expansion the paper's law has
-F = mu (1, 1), the sum of both normal impulses
+with coefficients of masses, geometry and friction only, found once by elimination. Friction is
+bounded by |Lambda_T| <= F Lambda_N, equality where a contact slides: F = diag(mu) is Coulomb's law
+contact by contact, F = mu (1, 1) the paper's in the expansion
 (:class:`woodpecker.mechanics.toy.ExpansionFriction`).
 """
 
@@ -37,8 +34,8 @@ def fill_cases(delassus: Floats, friction: Floats, table: Floats, system: Floats
 
     Row c_1 + 6 c_2 holds the (4, 6) coefficients of the combination c of each contact, row after
     row; nan if it is rank-deficient. ``delassus`` (4, 4) has (N, T) of each contact in turn,
-    ``friction`` (2, 2) is the matrix F, and ``system`` (4, 10) room for the equations: Lambda on
-    one side, (free, floor) on the other.
+    ``friction`` (2, 2) is F, and ``system`` (4, 10) room for Lambda on one side, (free, floor) on
+    the other.
     """
     for index in range(36):
         write_case(index, delassus, friction, system)
@@ -106,10 +103,7 @@ def _eliminate(system: Floats) -> bool:
 
 @part
 def impulse_of(table: Floats, row: int, free: Floats, floor: Floats, impulse: Floats) -> None:
-    """Impulses (4,) of the index combination in a row of a table.
-
-    They are linear in (free, floor), so derivatives come from the same function.
-    """
+    """Impulses (4,) of the index combination in a row of a table, linear in (free, floor)."""
     for i in range(4):
         total = 0.0
         for j in range(4):

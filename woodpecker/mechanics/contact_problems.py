@@ -1,20 +1,16 @@
 """Contact problems of impacts with friction, solved directly.
 
-Compression and expansion [Leine2001, Eqs. 2-5; Pfeiffer1996] are one problem: find impulses
-Lambda with
+Compression and expansion [Leine2001, Eqs. 2-5; Pfeiffer1996] are one problem: find impulses Lambda
+with
 
     (g_N, g_T) = G Lambda + free,    G = W^T M^-1 W,
     0 <= g_N  perp  Lambda_N - floor >= 0      (floor = 0, or eps_N Lambda_NC in expansion),
     |Lambda_T| <= mu Lambda_N,  Lambda_T = -mu Lambda_N sign(g_T) where g_T != 0.
 
-In the expansion of an impact at two contacts the paper's law bounds |Lambda_T| by mu times the sum
-of both normal impulses, Coulomb's law contact by contact does not
-(:class:`woodpecker.mechanics.toy.ExpansionFriction`).
-
-With one contact the six index combinations have closed forms; with two, all 36 are tried from a
-table of :mod:`woodpecker.mechanics.cases`. Either way a missing solution or a second one is seen.
-:mod:`woodpecker.mechanics.lcp` solves the same problem by Lemke's method for any number of contacts
-and is what this file is tested against.
+In the expansion at two contacts the paper's law bounds |Lambda_T| by mu times the sum of both
+normal impulses (:class:`woodpecker.mechanics.toy.ExpansionFriction`). One contact has closed forms
+for its six index combinations; for two, all 36 of a table are tried (``cases``). Either way a
+missing solution or a second one is seen. :mod:`woodpecker.mechanics.lcp` is the test's reference.
 """
 
 from __future__ import annotations
@@ -136,11 +132,11 @@ def two_contacts(
     """Try every index combination of two contacts.
 
     ``table`` has their impulses from row ``first`` on (:mod:`woodpecker.mechanics.cases`), made for
-    ``coupling``: what the other contact's normal impulse adds to the bound of friction, in units
-    of mu, 0 or 1. Shapes: delassus (4, 4) and free (4,), (N, T) of each contact in turn; mu, floor
-    and feeds (2,), the last nonzero where a normal impulse feeds the expansion. Output: ``cases``
-    (2, 2), the index combination twice, or both ends of a segment; ``impulse`` (4,), or the middle
-    of the segment.
+    ``coupling``, 0 or 1: what the other contact's normal impulse adds to the bound of friction, in
+    units of mu. delassus (4, 4) and free (4,) have (N, T) of each contact in turn; mu, floor and
+    feeds are (2,), feeds nonzero where a normal impulse feeds the expansion. Output: ``cases`` (2,
+    2), the index combination twice, or both ends of a segment; ``impulse`` (4,), or the middle of
+    the segment.
 
     SOLVED, NO_SOLUTION, AMBIGUOUS if two combinations give different velocities, INDETERMINATE if
     they give the same velocities but different normal impulses where these matter.
@@ -191,11 +187,9 @@ def _violation(
     case: int, k: int, delassus: Floats, free: Floats, mu: float, coupling: float, floor: Floats,
     p: Floats, v: Floats,
 ) -> float:  # fmt: skip
-    """Largest violation of the inequalities of contact k (0 or 1); inf for no impulses at all.
-
-    Each is relative to the terms that rounding was made in, so that a slow impact of a contact
-    that slides fast is judged by its own velocities.
-    """
+    """Largest violation of the inequalities of contact k (0 or 1); inf for no impulses at all."""
+    # Each is relative to the terms that rounding was made in, so that a slow impact of a contact
+    # that slides fast is judged by its own velocities.
     n, t = 2 * k, 2 * k + 1
     if case // 3 == REST:
         normal = floor[k] - p[n]
@@ -276,11 +270,9 @@ def rest_is_possible(model: Floats, k: int, d: float) -> bool:
 
 @part
 def rest_range(model: Floats, k: int, d: float) -> tuple[float, float]:
-    """The interval of lambda_T1 with which contacts 1 and k + 1 hold the toy at rest.
-
-    Equilibrium 0 = h + W lambda leaves one force free; with s = lambda_T1 every condition is
-    linear in s. Where there is none the lower end is above the upper one.
-    """
+    """The lambda_T1 with which contacts 1 and k + 1 hold the toy at rest; low > high if none do."""
+    # Equilibrium 0 = h + W lambda leaves one force free; with s = lambda_T1 every condition is
+    # linear in s.
     low, high = -math.inf, math.inf
     h_y = model[FORCE, 0] + model[FORCE, 3] * d
     h_m = model[FORCE, 1] + model[FORCE, 4] * d

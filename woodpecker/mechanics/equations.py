@@ -1,9 +1,8 @@
 """Mass matrix, forces and contact directions [Leine2001, Eqs. 6-10], once for every backend.
 
-Every function uses only ``+ - * /`` on the attributes of ``toy`` and returns nested tuples, so it
-serves floats, numpy, sympy symbols and mpmath alike. Coordinates are q = (y, phi_M, phi_S).
-Two misprints of the paper are corrected: entry (2, 2) of the mass matrix has J_M, not J_S, and
-the first row of h carries g.
+Functions use only ``+ - * /`` on the attributes of ``toy`` and return nested tuples: they serve
+floats, numpy, sympy and mpmath alike. Coordinates are q = (y, phi_M, phi_S). Two misprints of the
+paper are corrected: entry (2, 2) of the mass matrix has J_M, and the first row of h carries g.
 """
 
 from __future__ import annotations
@@ -104,10 +103,8 @@ def equilibrium(toy: Toy) -> Equilibrium:
 
     Raises
     ------
-    TypeError
-        If ``toy`` is none.
-    ValueError
-        If they overflow.
+    TypeError, ValueError
+        If ``toy`` is none, or they overflow.
 
     Examples
     --------
@@ -140,10 +137,8 @@ def jam_limit(toy: Toy) -> float:
 
     Raises
     ------
-    TypeError
-        If ``toy`` is none.
-    ValueError
-        If the contact forces overflow.
+    TypeError, ValueError
+        If ``toy`` is none, or the contact forces overflow.
 
     Examples
     --------
@@ -176,10 +171,8 @@ def free_frequency(toy: Toy) -> float:
 
     Raises
     ------
-    TypeError
-        If ``toy`` is none.
-    ValueError
-        If it overflows.
+    TypeError, ValueError
+        If ``toy`` is none, or it overflows.
 
     Examples
     --------
@@ -217,10 +210,8 @@ def energy(toy: Toy, q: Any, u: Any) -> tuple[Any, Any]:
 
     Raises
     ------
-    TypeError
-        If ``toy`` is none.
-    ValueError
-        If q or u are not finite, or of another shape, or an energy overflows.
+    TypeError, ValueError
+        If ``toy`` is none, q or u are not finite or of another shape, or an energy overflows.
 
     Examples
     --------

@@ -1,19 +1,14 @@
-"""Impacts with friction at one or two contacts.
+"""Impacts with friction at one or two contacts: their index combinations, and what they do.
 
-Each phase, compression and expansion, is a contact problem
-(:mod:`woodpecker.mechanics.contact_problems`). Here it is found which index combinations an impact
-takes, and with these the impact is carried out: a smooth map of the state, with its derivatives.
-
-Two sticking contacts have four impulses for three equations: a compression that ends with the
-whole toy at rest fixes the velocities but leaves the normal impulses on a segment, and the
-expansion feeds on them. Such an impact is reported as indeterminate and continued from the middle
-of the segment, the one choice that prefers no contact.
+Two sticking contacts have four impulses for three equations: a compression that ends with the whole
+toy at rest leaves the normal impulses on a segment, and the expansion feeds on them. Such an impact
+is indeterminate and goes on from the middle of the segment, which prefers no contact.
 
 Energy. No impact adds any if the restitutions of its contacts are equal, at one contact always, nor
 without friction; mu and the law of expansion do not matter. With unequal restitutions the sum still
 adds none for the paper's friction (proved for equal mu up to 0.432, not seen up to mu = 8); contact
-by contact does where beak and upper edge strike at once: as searches say, above eps_N1 = 0.99 at
-mu = 0.3, above some 0.92 for mu up to 0.6. A body close to jamming can gain under both laws
+by contact does where beak and upper edge strike at once: as searches say, above eps_N1 = 0.99 at mu
+= 0.3, above some 0.92 for mu up to 0.6. A body close to jamming can gain under both laws
 (``tests/woodpecker/mechanics/test_impact_energy.py`` has the proof and the examples).
 """
 
@@ -100,10 +95,10 @@ def carry_out(
 ) -> None:
     """Change the velocities of z (7,) by impulses; those that are zero become exactly so.
 
-    ``case`` (2,) becomes the last index combination of each contact. Gap rates, in ``pair.after``,
-    are set without the rounding of the kicks: a bounce can be slower than the rounding of the
-    velocity that it reverses.
+    ``case`` (2,) becomes the last index combination of each contact.
     """
+    # Gap rates, in pair.after, are set without the rounding of the kicks: a bounce can be slower
+    # than the rounding of the velocity that it reverses.
     last = choice[2] if choice[2] != UNSOLVED else choice[0]
     case[0], case[1] = last % 6, last // 6
     for k in range(len(contacts)):
@@ -250,11 +245,7 @@ def pair_change(
     model: Floats, change: Floats, along: int, contacts: Ints, table: int, index: int,
     coupling: float, impulse: Floats, pair: Pair,
 ) -> None:  # fmt: skip
-    """Derivatives of impulses and velocities of one phase, from those of free and floor.
-
-    ``pair.free`` and ``pair.floor`` hold the latter, and ``impulse`` is that of the phase; output
-    are ``pair.more`` and ``pair.middle``.
-    """
+    """Derivatives of impulses and velocities of one phase, from those of free and floor."""
     free, out, tau_0, tau_1 = pair.free, pair.more, 0.0, 0.0
     if along >= 0:
         for a in range(4):
@@ -291,10 +282,8 @@ def clear(model: Floats, contacts: Ints, case: Ints, z: Floats) -> None:
 
 @part
 def clear_change(change: Floats, contacts: Ints, case: Ints, z: Floats, tangent: Floats) -> None:
-    """What a moving direction of sticking adds to the velocity of the sleeve that keeps it.
-
-    Of two contacts that stick the last one has set that velocity.
-    """
+    """What a moving direction of sticking adds to the velocity of the sleeve that keeps it."""
+    # Of two contacts that stick the last one has set that velocity.
     for k in range(len(contacts) - 1, -1, -1):
         if case[k] % 3 == HOLD:
             tangent[3] -= rates(change, contacts[k], z)[1]

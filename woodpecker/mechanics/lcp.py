@@ -1,10 +1,8 @@
 """Linear complementarity problems, and the contact problems of the paper written as one.
 
 Lemke's path solves y = A x + b, x, y >= 0, x.y = 0 [Leine2001, Eqs. 4-5] for any number of
-unknowns. Impact in compression, impact
-in expansion and the choice of accelerations share one form, :func:`contact_lcp`, after
-F. Pfeiffer, C. Glocker, Multibody Dynamics with Unilateral Contacts, Wiley 1996
-[Pfeiffer1996, chs. 6-8].
+unknowns. Impact and the choice of accelerations share one form, :func:`contact_lcp` [Pfeiffer1996,
+chs. 6-8].
 """
 
 from __future__ import annotations
@@ -59,22 +57,16 @@ def lemke(
 ) -> LcpResult:
     """Solve y = A x + b, x >= 0, y >= 0, x.y = 0 by Lemke's method [Leine2001, Eqs. 4-5].
 
-    The problem is relaxed to y = A x + z d + b with a covering variable z >= 0, feasible for
-    large z. The path starts at x = 0 with the smallest such z and exchanges complementary
-    variables until z leaves the basis. The leaving row is the lexicographic minimum of
-    B^-1 [b, I] over the entering column, so that no basis recurs however many ratios tie.
-    Rows and columns are scaled by powers of two first: units do not matter. A ray proves that
-    there is no solution if A is positive semidefinite, not in general.
+    The problem is relaxed to y = A x + z d + b with a covering variable z >= 0. The path starts at
+    x = 0 with the smallest feasible z and exchanges complementary variables until z leaves the
+    basis. The leaving row is the lexicographic minimum of B^-1 [b, I] over the entering column, so
+    that no basis recurs however many ratios tie. Rows and columns are scaled by powers of two
+    first: units do not matter. A ray proves that there is no solution if A is positive
+    semidefinite, not in general.
 
-    Parameters
-    ----------
-    a, b
-        Matrix A (n, n) and vector b (n,); ValueError for other shapes and what is not finite.
-    cover
-        Covering vector d >= 0 in units of b, positive wherever b is negative; by default ones in
-        the scaled problem.
-    max_pivots
-        Pivots after which to give up; the longest paths grow like 2^n.
+    ``cover`` is d >= 0 (n,) in units of b, positive wherever b is negative; by default ones in the
+    scaled problem. The longest paths grow like 2^n pivots. ValueError for other shapes than (n, n)
+    and (n,), and for what is not finite.
     """
     problem = _equilibrate(*_checked(a, b))
     n = problem.b.size
@@ -140,15 +132,9 @@ def solve_contact_lcp(
     - |Lambda_T| <= B; gamma_T > 0 => Lambda_T = -B and gamma_T < 0 => Lambda_T = +B; if it
       slides already: Lambda_T = -s B.
 
-    Coulomb's law contact by contact has F = diag(mu); a full F bounds friction at one contact by
-    normal impulses of others too (:class:`woodpecker.mechanics.toy.ExpansionFriction`).
-
-    Compression: free = velocities before the impact, floor 0. Expansion: free = velocities
-    after compression, floor = eps_N Lambda_NC. Acceleration level: free = accelerations without
-    contact forces, floor 0, s = sign of the sliding velocity [Pfeiffer1996, chs. 6-8].
-
-    Velocities are small or large compared with the largest of free and floor only; for a body
-    at rest pass exact zeros, not their roundings.
+    Compression: free = velocities before the impact, floor 0. Expansion: free = velocities after
+    compression, floor = eps_N Lambda_NC. Acceleration level: free = accelerations without contact
+    forces, floor 0, s = sign of the sliding velocity [Pfeiffer1996, chs. 6-8].
 
     If no sliding direction is given and ``free`` comes from a motion (free = W^T u), there is at
     least one solution, whatever F, and the path leads to one of them. There may be several, also
@@ -160,9 +146,11 @@ def solve_contact_lcp(
     delassus
         G = [[G_NN, G_NT], [G_TN, G_TT]] = W^T M^-1 W, shape (2n, 2n), normals first [1/kg].
     free
-        Relative velocities [m/s] (or accelerations [m/s^2]) at Lambda = 0, shape (2n,).
+        Relative velocities [m/s] (or accelerations [m/s^2]) at Lambda = 0, shape (2n,); of a body
+        at rest exact zeros, for they are small or large compared with free and floor only.
     mu
-        Friction coefficients [-] >= 0: F (n, n); or its diagonal, (n,) or a scalar.
+        Friction coefficients [-] >= 0: F (n, n), or its diagonal, (n,) or a scalar. A full F bounds
+        friction by normal impulses of other contacts too.
     floor
         Smallest normal impulses [N s] >= 0, scalar or (n,).
     sliding
@@ -200,10 +188,8 @@ def _checked(a: npt.ArrayLike, b: npt.ArrayLike) -> tuple[FloatArray, FloatArray
 
 
 def _equilibrate(a: FloatArray, b: FloatArray) -> _Equilibrated:
-    """Scale by powers of two, which rounds nothing, until all rows and columns reach up to 1.
-
-    Each sweep divides rows and columns by the root of their largest entry (Ruiz).
-    """
+    """Scale by powers of two, which rounds nothing, until all rows and columns reach up to 1."""
+    # Each sweep divides rows and columns by the root of their largest entry (Ruiz).
     row, column = np.ones(b.size), np.ones(b.size)
     for _ in range(_SWEEPS):
         size = row[:, None] * np.abs(a) * column
@@ -318,10 +304,8 @@ def _friction_matrix(mu: FloatArray, n: int) -> FloatArray:
 
 
 def _natural(problem: _Contacts) -> _Contacts:
-    """Rescale the problem to diag(G) = 1 and the largest of free and floor equal to 1.
-
-    Unit of gamma_i: v sqrt(G_ii), of Lambda_i: v / sqrt(G_ii), v the square root of an energy.
-    """
+    """Rescale the problem to diag(G) = 1 and the largest of free and floor equal to 1."""
+    # Unit of gamma_i: v sqrt(G_ii), of Lambda_i: v / sqrt(G_ii), v the square root of an energy.
     n = problem.floor.size
     root = np.sqrt(_positive(np.diag(problem.delassus)))
     sizes = np.append(np.abs(problem.free) / root, problem.floor * root[:n])

@@ -6,14 +6,10 @@ M qdd = h_0 + h_1 d + W lambda [Leine2001, Eqs. 1-3, 6-10] gives
 
     qdd = A + B d,    lambda = p + r d,    ddd = alpha + kappa d,    d = phi_S - phi_M,
 
-so one scalar oscillator carries everything: trigonometric for kappa < 0, hyperbolic for
-kappa > 0, polynomial for kappa = 0. Restitution does not enter; one table serves a whole
-continuation run in eps_N.
-
-Along any other parameter p the table changes, and its derivative is wanted too. Every entry is a
-rational function of the parameters, so the table is computed for p + i h with h = 1e-150: the
-imaginary part over h is the derivative, as exact as the real part (Squire and Trapp's complex step
-[Squire1998]; h^2 is below the smallest double, so nothing is neglected).
+one scalar oscillator: trigonometric for kappa < 0, hyperbolic for kappa > 0, polynomial for kappa =
+0. Restitution does not enter; one table serves a whole continuation run in eps_N. Along any other
+parameter p the table is computed for p + i h with h = 1e-150: the imaginary part over h is the
+derivative, as exact as the real part (complex step [Squire1998]; h^2 underflows).
 """
 
 from __future__ import annotations
@@ -124,11 +120,7 @@ def model(toy: Toy) -> Floats:
     """All numbers the kernel needs, shape SHAPE; a copy, to be changed at will.
 
     Index combinations of pairs are due: the kernel writes them where it needs them first.
-
-    Raises
-    ------
-    ValueError
-        If doubles cannot hold the equations of motion.
+    ValueError if doubles cannot hold the equations of motion.
     """
     numbers = table(toy)
     if not numbers[FORCE, SOUND]:
@@ -170,9 +162,9 @@ def fill(parameters: Complexes | list[complex], numbers: Floats, rates: Floats) 
     """Write the table (SHAPE) of the modes and all else that depends on the parameters, and rates.
 
     ``parameters`` (16,) are in the order of :class:`Numbers`, with imaginary parts STEP times their
-    rates; ``rates`` (CHANGE) are derivatives along these. Index combinations of pairs become due.
-    A mode in which something slides may be singular (the paradox of Painleve): then its row is nan,
-    and the toy never takes it. If anything else is, or overflows, the table is not SOUND.
+    rates; ``rates`` (CHANGE) are derivatives along these. Index combinations of pairs become due. A
+    sliding mode may be singular (the paradox of Painleve): then its row is nan, and the toy never
+    takes it. If anything else is, or overflows, the table is not SOUND.
     """
     p = parameters
     toy = Numbers(
@@ -240,10 +232,7 @@ to compile it."""
 
 @part
 def fill_pair(numbers: Floats, k: int, delassus: Floats, friction: Floats, system: Floats) -> None:
-    """Write the index combinations of an impact at the beak and contact k (0-based), if due.
-
-    ``delassus`` (4, 4), ``friction`` (2, 2) and ``system`` (4, 10) are room.
-    """
+    """Write the index combinations of an impact at the beak and contact k (0-based), if due."""
     if numbers[FORCE, DUE + k - 1] == 0.0:
         return
     for a in range(4):
@@ -273,10 +262,7 @@ def _mode(
     system: Complexes, scale: Floats, row: Complexes, beak: int, sleeve: int, mass: Any,
     constant: Any, elastic: Any, normal: Any, tangent: Any, mu: Any,
 ) -> float:  # fmt: skip
-    """One row of the table: M qdd - W lambda = h with the constraints of the closed contacts.
-
-    Returns the smallest pivot; the row is meaningless if it is zero.
-    """
+    """One row of the table, M qdd - W lambda = h with closed contacts; its smallest pivot, or 0."""
     state = (beak, sleeve if sleeve <= 3 else 0, sleeve - 3 if sleeve > 3 else 0)
     n = 3 + (2 if beak != OPEN else 0) + (2 if sleeve != 0 else 0)
     row[:] = 0.0
@@ -354,8 +340,8 @@ def _quotient(a: complex, b: complex) -> complex:
 def _solve(system: Complexes, n: int, right: int, scale: Floats) -> float:
     """Solve for the columns right of the first n, in place; scaled, so that no unit is preferred.
 
-    Scales and pivots are chosen by real parts: they do not change the solution. Returns the
-    smallest pivot of rows scaled to 1; if it is zero nothing is solved.
+    Scales and pivots are chosen by real parts, which do not change the solution. The smallest pivot
+    of rows scaled to 1 is returned; if it is zero nothing is solved.
     """
     least = 1.0
     for j in range(n):

@@ -1,10 +1,7 @@
 """Impacts of any system, compiled: what the contact problem is made of, and that of one contact.
 
-A contact problem of an impact is stated in the velocities at its c contacts, normal ones first:
-those that would be left without impulses, and the matrix W M^-1 W^T that makes velocities of
-impulses [Pfeiffer1996, ch. 8]. That of one contact is solved by trying all six combinations of what
-the contact may do: its gap rate is zero or its normal impulse at the floor, and it sticks or slides
-one way or the other.
+It is stated in the velocities at its c contacts without impulses, normal ones first, and the matrix
+W M^-1 W^T that makes velocities of impulses [Pfeiffer1996, ch. 8].
 """
 
 from __future__ import annotations
@@ -29,25 +26,11 @@ def stated(
     mass: Floats, w_n: Floats, w_t: Floats, rates: Floats, slips: Floats, mu: Floats, eps: Floats,
     contacts: Ints, still: Ints,
 ) -> tuple[Floats, Floats, Floats, Floats, Floats]:  # fmt: skip
-    """The contact problem of an impact.
+    """The contact problem of an impact of c of m contacts.
 
-    Parameters
-    ----------
-    mass
-        (n, n).
-    w_n, w_t
-        (m, n) directions of all contacts.
-    rates, slips, mu, eps
-        (m,) their velocities, friction coefficients and restitutions.
-    contacts
-        (c,) those that take part.
-    still
-        (2c,) not zero for velocities that are exactly zero.
-
-    Returns
-    -------
-    tuple
-        W M^-1 W^T (2c, 2c), M^-1 W^T (n, 2c), velocities (2c,), and mu and eps (c,).
+    Of mass (n, n), directions w_n and w_t (m, n), rates, slips, mu and eps (m,); ``still`` (2c,) is
+    not zero where a velocity is exactly zero. It is W M^-1 W^T (2c, 2c), M^-1 W^T (n, 2c),
+    velocities (2c,), and mu and eps (c,).
     """
     n, c = len(mass), len(contacts)
     w, free, both = np.empty((2 * c, n)), np.zeros(2 * c), np.empty((2, c))
@@ -68,27 +51,11 @@ def given(
     delassus: Floats, response: Floats, free: Floats, u: Floats, impulse: Floats, feeds: Floats,
     contacts: Ints, into: Floats,
 ) -> tuple[Floats, Floats, Floats]:  # fmt: skip
-    """What impulses (2c,) of an impact do.
+    """What impulses (2c,) of an impact do; delassus, response and free are those of :func:`stated`.
 
-    Parameters
-    ----------
-    delassus, response, free
-        As :func:`stated` gives them.
-    u
-        (n,) velocities before.
-    impulse
-        (2c,) normal impulses, then tangential ones.
-    feeds
-        (c,) which part of the normal impulses is given back later.
-    contacts
-        (c,) those that take part.
-    into
-        (2, m) where the impulses are entered.
-
-    Returns
-    -------
-    tuple
-        Velocities afterwards of coordinates (n,) and at contacts (2c,); impulses given back (c,).
+    It gives the velocities afterwards of coordinates (n,) and at contacts (2c,), and the impulses
+    given back in expansion (c,), the part ``feeds`` of the normal ones, which come first. The
+    impulses are entered ``into`` (2, m).
     """
     c = len(contacts)
     floor = np.empty(c)
@@ -102,25 +69,11 @@ def given(
 def one_contact(
     delassus: Floats, free: Floats, mu: float, floor: float, rubs: bool
 ) -> tuple[int, int, float, float]:
-    """The contact problem of an impact at one contact.
+    """The contact problem of an impact at one contact, delassus (2, 2) and free (2,) from `stated`.
 
-    Parameters
-    ----------
-    delassus, free
-        (2, 2) and (2,), as :func:`stated` gives them.
-    mu
-        The friction coefficient.
-    floor
-        The least normal impulse.
-    rubs
-        Whether there is friction.
-
-    Returns
-    -------
-    tuple
-        Whether it is solved, the case, and the normal and the tangential impulse. Of several cases
-        with the same velocities the one with the least violation counts; of several that are exact
-        but for rounding the first: to rest, and to stick.
+    Whether it is solved, the case, and the normal and the tangential impulse. Of several cases with
+    the same velocities the one with the least violation counts; of several that are exact but for
+    rounding the first: to rest, and to stick.
     """
     kept, count = np.empty((6, 6)), 0
     for normal in (REST, FREE):
@@ -152,10 +105,8 @@ def one_contact(
 def _tried(
     delassus: Floats, free: Floats, mu: float, floor: float, normal: int, tangential: int
 ) -> tuple[float, float, float, float]:
-    """Impulses and velocities in a case, normal ones first; nan where its equations are singular.
-
-    The impulses follow from the velocities, as the two directions are independent.
-    """
+    """Impulses and velocities in a case, normal ones first; nan if its equations are singular."""
+    # The impulses follow from the velocities, as the two directions are independent.
     g_nn, g_nt = float(delassus[0, 0]), float(delassus[0, 1])
     g_tn, g_tt = float(delassus[1, 0]), float(delassus[1, 1])
     f_n, f_t = float(free[0]), float(free[1])

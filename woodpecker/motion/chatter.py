@@ -60,10 +60,8 @@ def _chatters(
     model: Floats, z: Floats, gaps: Floats, states: Ints, to_section: bool, i: int, speed: float,
     lap: float, ratio: float,
 ) -> bool:  # fmt: skip
-    """Whether the bounces at contact i are so small that the rest is a geometric series.
-
-    No other event may fall into twice the time that is summed.
-    """
+    """Whether the bounces at contact i are so small that the rest is a geometric series."""
+    # No other event may fall into twice the time that is summed.
     mode = mode_of(states)
     _, _, f2, f3 = jet(model, mode, GAP + i, z, gaps, states)
     if f2 >= 0.0:
@@ -84,12 +82,9 @@ def _chatters(
 def _pair_at_rest(
     model: Floats, z: Floats, gaps: Floats, states: Ints, i: int, symbols: int, bounce: Ints
 ) -> int:
-    """The beak and a contact of the sleeve, as a mask, if their impacts have come to an end; or 0.
-
-    Impacts of two contacts can accumulate in turns. There is no series to sum, because their order
-    need not repeat, but what remains of them soon falls below rounding. The last ones are not
-    named in the word: their order changes less than is told apart anywhere.
-    """
+    """Beak and a contact of the sleeve, as a mask, if their impacts have come to an end; or 0."""
+    # Impacts of two contacts can accumulate in turns, in no fixed order: no series sums them, but
+    # what remains of them soon falls below rounding, and is not named in the word.
     sleeve = i if i > 0 else (1 if gaps[1] < gaps[2] else 2)
     swing = _remaining_swing(model, z, gaps, sleeve)
     if swing > UNNAMED:
@@ -120,10 +115,7 @@ def _remaining_swing(model: Floats, z: Floats, gaps: Floats, sleeve: int) -> flo
 def _close_chatter(
     model: Floats, ratio: float, i: int, word: Codes, counts: Ints, events: Floats, room: Room
 ) -> int:
-    """Sum the accumulating impacts at contact i and close it.
-
-    In the word the run of equal impacts becomes the one symbol of the accumulation.
-    """
+    """Sum the accumulating impacts at contact i and close it: the run becomes one symbol."""
     sum_bounces(room.z, room.gaps, room.mark, ratio)
     last = word[counts[0] - 1]
     while counts[0] > 0 and word[counts[0] - 1] == last:
@@ -133,11 +125,7 @@ def _close_chatter(
 
 @part
 def sum_bounces(z: Floats, gaps: Floats, mark: Floats, ratio: float) -> None:
-    """The state in which bounces end, which shrink by a ratio.
-
-    With ``mark`` after the bounce before and z after the last one, it is
-    z + (z - mark) ratio / (1 - ratio).
-    """
+    """Where bounces end: z + (z - mark) ratio / (1 - ratio), with ``mark`` one bounce before z."""
     rest = ratio / (1.0 - ratio)
     for k in range(3):
         gaps[k] += SIGN[k] * (z[ANGLE[k]] - mark[ANGLE[k]]) * rest
@@ -147,11 +135,8 @@ def sum_bounces(z: Floats, gaps: Floats, mark: Floats, ratio: float) -> None:
 
 @part
 def _close(model: Floats, mask: int, word: Codes, counts: Ints, events: Floats, room: Room) -> int:
-    """Close the contacts of a mask at the end of their accumulating impacts, and decide the mode.
-
-    Tangential velocities that every one of the impacts has stopped, in either phase, are zero in
-    the limit, whatever rounding has left of them.
-    """
+    """Close the contacts of a mask after their accumulating impacts, and decide the mode."""
+    # Tangential velocities that every one of the impacts has stopped are zero in the limit.
     z, gaps, states, slips = room.z, room.gaps, room.states, room.slips
     closed, before = room.closed, room.before
     for k in range(3):

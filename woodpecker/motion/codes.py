@@ -73,6 +73,6 @@ Room = np.record  # of ROOM
 
 
 def make_room() -> Room:
-    """Room for a run, for those who arrive at an event from outside."""
+    """Room for a run."""
     room: Room = np.zeros(1, dtype=ROOM)[0]
     return room

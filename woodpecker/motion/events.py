@@ -82,11 +82,9 @@ def jet(
 def starting_jet(
     model: Floats, mode: int, guard: int, z: Floats, gaps: Floats, states: Ints, fired: int
 ) -> tuple[float, float, float, float]:
-    """Jet of a guard right after ``fired``, whose zero it shares: exact zeros, not rounding.
-
-    At a detachment the gap has no acceleration yet; at a slip start the slip has none, because
-    lambda_T = +mu lambda_N at the edge of the cone is just the force of negative slip.
-    """
+    """Jet of a guard right after ``fired``, whose zero it shares: exact zeros, not rounding."""
+    # At a detachment the gap has no acceleration yet; at a slip start the slip has none, because
+    # lambda_T = +mu lambda_N at the edge of the cone is just the force of negative slip.
     f0, f1, f2, f3 = jet(model, mode, guard, z, gaps, states)
     if guard == fired:
         return 0.0, f1, f2, f3
@@ -116,10 +114,7 @@ def force_guard(model: Floats, mode: int, guard: int) -> tuple[float, float]:
 
 @part
 def guards_at_rest(i: int, state: int, still: bool) -> tuple[int, int]:
-    """Guards that say whether contact i takes a state where a phase begins; -1: no second one.
-
-    A contact that slides ``still`` has no slip yet.
-    """
+    """Guards of a state of contact i where a phase begins, ``still`` without slip; -1: none."""
     if state == OPEN:
         return GAP + i, -1
     if state == STICK:
@@ -138,11 +133,9 @@ def time_to_minimum(model: Floats, mode: int, z: Floats) -> float:
 
 @part
 def never_jams(model: Floats) -> bool:
-    """Whether there is no angle at which a jammed sleeve could hold the woodpecker as it turns.
-
-    A return ends at a minimum of phi_S, where d lies below its equilibrium on the jammed sleeve.
-    There mu_2 lambda_N2 - lambda_T2 must not be negative, and it is linear in d.
-    """
+    """Whether there is no angle at which a jammed sleeve could hold the woodpecker as it turns."""
+    # A return ends at a minimum of phi_S, where d lies below its equilibrium on the jammed sleeve.
+    # There mu_2 lambda_N2 - lambda_T2 must not be negative, and it is linear in d.
     p, r = force_guard(model, JAMMED, CONE_POSITIVE + 1)
     return bool(r >= 0.0 and p - r * model[JAMMED, ALPHA] / model[JAMMED, KAPPA] < 0.0)
 
@@ -154,7 +147,7 @@ def next_event(
 ) -> tuple[float, int]:  # fmt: skip
     """Time to the first guard that fires before the horizon, and which it is (-1: none).
 
-    ``before`` is the guard that began the phase; the guard ``ignored`` is not watched. The mode is
+    ``before`` is the guard that began the phase; ``ignored`` is not watched. The mode is
     admissible, so a guard that starts negative does so by rounding and counts as zero.
     """
     fired = -1

@@ -67,11 +67,7 @@ def measure(model: Floats, z: Floats, gaps: Floats) -> None:
 
 @part
 def advance(model: Floats, mode: int, t: float, z: Floats, gaps: Floats, work: Floats) -> None:
-    """Move the state to time t.
-
-    Gaps are moved by displacements, so that a small one has no rounding of the large angle that it
-    is a difference of.
-    """
+    """Move the state to time t; gaps by displacements, free of the rounding of large angles."""
     _, s1, s2, s3, s4 = stumpff(model[mode, KAPPA], model[mode, OMEGA], t)
     displace(model, mode, z, t, s1, s2, s3, s4, work)
     for i in range(3):
@@ -121,10 +117,7 @@ def shut(model: Floats, mask: int, z: Floats, gaps: Floats) -> None:
 
 @jit
 def sample(model: Floats, phases: Floats, times: Floats, left: bool, out: Floats) -> None:
-    """States (n, 7) at given times from the phases of a trajectory.
-
-    At an event time the state after it, or before it if ``left``.
-    """
+    """States (n, 7) at given times; at an event time after it, or before it if ``left``."""
     starts = phases[:, 6]
     for n in range(len(times)):
         if left:

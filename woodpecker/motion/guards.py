@@ -32,11 +32,8 @@ SERIES_6 = tuple(1.0 / math.factorial(2 * n + 6) for n in reversed(range(TERMS))
 
 @part
 def stumpff(kappa: float, omega: float, t: float) -> tuple[float, float, float, float, float]:
-    """c0, t c1, t^2 c2, t^3 c3, t^4 c4 at kappa t^2; omega = sqrt(|kappa|).
-
-    Each is the integral over t of the one before it. The series serves |kappa| t^2 < 1, where the
-    closed forms cancel.
-    """
+    """c0, t c1, t^2 c2, t^3 c3, t^4 c4 at kappa t^2, each the integral of the one before."""
+    # The series serves |kappa| t^2 < 1, where the closed forms cancel.
     x = kappa * t * t
     if abs(x) < 1.0:
         c3, c4 = SERIES_3[0], SERIES_4[0]
@@ -61,12 +58,9 @@ def stumpff(kappa: float, omega: float, t: float) -> tuple[float, float, float, 
 def stumpff_rates(
     kappa: float, t: float, s1: float, s2: float, s3: float, s4: float
 ) -> tuple[float, float, float]:
-    """Derivatives of t^2 c2, t^3 c3, t^4 c4 in kappa, from s_k = t^k c_k.
-
-    d s_k / d kappa = (t s_(k-1) - k s_k) / (2 kappa) = (t s_(k+1) - k s_(k+2)) / 2, by
-    2 x c_k'(x) = c_(k-1) - k c_k and c_k = 1/k! + x c_(k+2); the second form where the first
-    cancels.
-    """
+    """Derivatives of t^2 c2, t^3 c3, t^4 c4 in kappa, from s_k = t^k c_k."""
+    # d s_k / d kappa = (t s_(k-1) - k s_k) / (2 kappa) = (t s_(k+1) - k s_(k+2)) / 2, by
+    # 2 x c_k'(x) = c_(k-1) - k c_k and c_k = 1/k! + x c_(k+2); the second where the first cancels.
     x = kappa * t * t
     if abs(x) < 1.0:
         c5, c6 = SERIES_5[0], SERIES_6[0]
@@ -92,10 +86,8 @@ def value(
 def bracketed(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, low: float, high: float
 ) -> float:
-    """Root of f in (low, high], f > 0 right of low, f <= 0 at high; Newton kept inside by halving.
-
-    A zero of f at low itself is not the root: it is where the guard has just fired.
-    """
+    """Root of f in (low, high], f > 0 right of low, f <= 0 at high: Newton, kept by halving."""
+    # A zero of f at low itself is not the root: it is where the guard has just fired.
     t, previous = 0.5 * (low + high), 0.0
     for _ in range(200):
         f, slope = value(f0, f1, f2, f3, kappa, omega, t)
@@ -134,10 +126,8 @@ def first_root(
 def _first_root_trigonometric(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, horizon: float
 ) -> float:
-    """Swinging guard f = mean + drift t - a cos(omega t) - b sin(omega t), kappa < 0.
-
-    Its minima repeat with the drift, so the swing that first reaches zero is known at once.
-    """
+    """Swinging guard f = mean + drift t - a cos(omega t) - b sin(omega t), kappa < 0."""
+    # Its minima repeat with the drift, so the swing that first reaches zero is known at once.
     a, b = -f2 / kappa, -f3 / (kappa * omega)
     mean, drift, radius = f0 + a, f1 - f3 / kappa, math.hypot(a, b)
     if abs(drift) <= 4.0 * EPSILON * (abs(f1) + abs(f3 / kappa)):
@@ -205,10 +195,8 @@ def _first_root_monotone_pieces(
 def _critical_points(
     f1: float, f2: float, f3: float, kappa: float, omega: float
 ) -> tuple[float, float]:
-    """Positive roots of f' in ascending order, inf where there are fewer than two.
-
-    With s = (2/omega) tanh(omega t/2), or s = t for kappa = 0, they are roots of a quadratic.
-    """
+    """Positive roots of f' in ascending order, inf where there are fewer than two."""
+    # With s = (2/omega) tanh(omega t/2), or s = t for kappa = 0, they are roots of a quadratic.
     a, root_1, root_2 = 0.5 * f3 - 0.25 * kappa * f1, math.inf, math.inf
     discriminant = f2 * f2 - 4.0 * a * f1
     if a == 0.0:
@@ -263,10 +251,8 @@ def time_of_lowest(
 def _time_of_lowest_trigonometric(
     f1: float, f2: float, f3: float, kappa: float, omega: float, end: float
 ) -> float:
-    """The same for kappa < 0: minima repeat, so the first or the last one is the lowest.
-
-    A guard that begins with a zero derivative has its first minimum there, where it is none.
-    """
+    """The same for kappa < 0: minima repeat, so the first or the last one is the lowest."""
+    # A guard that begins with a zero derivative has its first minimum there, where it is none.
     a, b = -f2 / kappa, -f3 / (kappa * omega)
     drift, fastest = f1 - f3 / kappa, omega * math.hypot(a, b)
     if end <= 0.0 or abs(drift) >= fastest * (1.0 - 8.0 * EPSILON):

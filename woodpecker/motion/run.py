@@ -1,9 +1,7 @@
 """The event loop of the toy [Leine2001, Fig. 1]: plain Python that numba compiles if it is there.
 
-Between events the state follows the closed form of its mode; the earliest guard root ends the mode;
-impacts and the contact problem on acceleration level decide the next one. What happened is recorded
-as a path; derivatives are those of the map along it, see
-:mod:`woodpecker.simulation.following`.
+Between events the state follows the closed form of its mode; the earliest guard root ends it;
+impacts and the contact problem on acceleration level decide the next one.
 """
 
 from __future__ import annotations
@@ -41,10 +39,7 @@ def search(
     model: Floats, to_section: bool, t_end: float, word: Codes, phases: Floats, path: Ints,
     events: Floats, room: Room,
 ) -> int:  # fmt: skip
-    """From event to event, see :func:`woodpecker.simulation.calls.run`.
-
-    State, contact states and counts are those of the room.
-    """
+    """From event to event in a room, see :func:`woodpecker.simulation.calls.run`."""
     counts = room.counts
     z, gaps, states = room.z, room.gaps, room.states
     if to_section and never_jams(model):

@@ -113,10 +113,7 @@ def _weight(model: Floats, mode: int, i: int, z: Floats) -> float:
 
 @part
 def _positive(f0: float, f1: float, f2: float, f3: float, weight: float, strict: bool) -> bool:
-    """Sign right after 0 by the first non-zero derivative; f identically zero counts as inside.
-
-    If not strict, a value within rounding of zero is passed over.
-    """
+    """Sign right after 0 by the first derivative that is not zero; if not strict, to rounding."""
     if f0 != 0.0 and (strict or abs(f0) > 1e-12 * weight):
         return f0 > 0.0
     if f1 != 0.0:

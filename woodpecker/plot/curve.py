@@ -1,15 +1,11 @@
 """A discontinuous map as a picture shows it: samples where it is steep, jumps told from flanks.
 
-Wherever neighbouring samples lie apart by more than shows, the interval between them is halved
-until it is narrower than a pixel: what happens within one pixel no picture can show. One question
-is left there, whether the map jumps or is only steep. Of both halves the one that differs more is
-followed, down to neighbouring doubles; what still differs there, and not less and less on the way,
-is a jump. The steep flank of a dip has no bottom and falls by a quarter of a radian for each
-decade, so no wider interval would tell. (A dip narrower than a pixel can be deeper than is drawn.)
-
-An iterate P_j has more steep places than anyone can look at: their number grows like the product of
-the slopes. So there is a budget. The largest differences come first, and what the budget leaves
-open is kept apart, to be drawn otherwise and counted.
+Where neighbouring samples differ by more than shows, their interval is halved until it is narrower
+than a pixel. To tell a jump from a flank, the half that differs more is followed down to
+neighbouring doubles: what still differs there, and not less and less on the way, is a jump. (The
+flank of a dip falls by a quarter of a radian for each decade; dips narrower than a pixel can be
+deeper than is drawn.) An iterate has too many steep places for all of them: a budget of returns
+takes the largest differences first, and what it leaves open is drawn otherwise and counted.
 """
 
 from __future__ import annotations
@@ -31,24 +27,15 @@ NEAREST = 1e-3  # next to zero doubles are finer than rounding: spacings are not
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Detail:
-    """How closely a picture looks.
+    """How closely a picture looks."""
 
-    Parameters
-    ----------
-    seen
-        Smallest step that shows, as a part of the height: 7 of the 920 pixels of a picture.
-    pixel
-        Width of what is looked into, as a part of the width: half of one of its 1400 pixels.
-    finest
-        Spacings of doubles below which no interval is halved: rounding blurs the place of a jump.
-    budget
-        How many returns of the toy may be spent on steep places: a few seconds for any order at
-        the 12 us of a compiled return, where each order alone would need its own multiple of it.
-    """
-
+    # smallest step that shows, as a part of the height: 7 of the 920 pixels of a picture
     seen: float = 1.0 / 128.0
+    # width of what is looked into, as a part of the width: half of one of its 1400 pixels
     pixel: float = 1.0 / 2800.0
+    # spacings of doubles below which no interval is halved: rounding blurs the place of a jump
     finest: float = 64.0
+    # returns of the toy to spend on steep places: seconds at 12 us of a compiled return
     budget: int = 150_000
 
 
@@ -89,11 +76,7 @@ def refined(
     cost: int = 1,
     detail: Detail | None = None,
 ) -> Iterator[MapSamples]:
-    """Refine samples (n,) of a map, x ascending; each curve is better than the one before.
-
-    ``bottom`` is the lower end of the picture, ``cost`` what one value takes of the budget: the
-    order of an iterate.
-    """
+    """Refine samples (n,) of a map, x ascending, each of ``cost`` returns: ever better curves."""
     search = _Refinement(image, x, y, bottom, cost, detail if detail is not None else Detail())
     yield search.curve()
     for step in (search.wide, search.narrow):
@@ -102,16 +85,13 @@ def refined(
 
 
 class _Refinement:
-    """A curve under construction.
-
-    ``told`` (n,) says what the interval right of each sample is; OPEN if nobody has looked.
-    """
+    """A curve under construction."""
 
     def __init__(
         self, image: Image, x: Floats, y: Floats, bottom: float, cost: int, detail: Detail
     ) -> None:
         self.image, self.x, self.y, self.detail = image, x, y, detail
-        self.told = np.full(len(x), Link.OPEN, dtype=np.int64)
+        self.told = np.full(len(x), Link.OPEN, dtype=np.int64)  # of the intervals right of x
         self.left, self.evaluations = detail.budget // cost, 0
         self.bottom, self.top = bottom, float(y[np.isfinite(y)].max(initial=bottom))
         self.height = max(self.top - bottom, math.ulp(bottom))

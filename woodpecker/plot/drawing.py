@@ -1,9 +1,8 @@
 """Drawings of the toy: one position, the frames of a motion [Leine2001, Fig. 7], an animation.
 
-The drawing keeps the model's linear kinematics where it matters: the beak and both edges of the
-sleeve are exactly as far from the pole as the gaps g_N1, g_N2, g_N3 say [Leine2001, Eq. 8]. The
-sleeve is cut open along its axis. The bird's proportions follow from l_G, l_S and h_S; its looks
-are free. Lengths are in metres and not exaggerated.
+The drawing keeps the linear kinematics of the model where it matters: beak and edges of the sleeve
+are as far from the pole as g_N1, g_N2, g_N3 say [Leine2001, Eq. 8]. The sleeve is cut open along
+its axis; the bird has l_G, l_S and h_S. Lengths are in metres and not exaggerated.
 """
 
 from __future__ import annotations
@@ -78,13 +77,10 @@ class Points(NamedTuple):
 
 
 def points(toy: Toy, q: npt.ArrayLike) -> Points:
-    """Where the drawing has its points at coordinates q = (y, phi_M, phi_S).
-
-    The sleeve is moved by the linear kinematics of the model, (x, y) -> (x - phi_M y, y + phi_M x),
-    which on the way of its 0.1 rad is a rotation but for half a percent. The bird, which turns
-    further, is rotated rigidly about its end of the spring and moved across until its beak is at
-    the distance r_0 + g_N1.
-    """
+    """Where the drawing has its points at coordinates q = (y, phi_M, phi_S)."""
+    # The sleeve moves by the linear kinematics (x, y) -> (x - phi_M y, y + phi_M x), half a percent
+    # off a rotation at 0.1 rad. The bird is rotated about its end of the spring and moved across
+    # until its beak is at the distance r_0 + g_N1.
     y, phi_m, _ = np.asarray(q, dtype=float)
     r, h, outer = toy.r_m, toy.h_m, (1.0 + WALL) * toy.r_m
     right = np.array([(r, -h), (outer, -h), (outer, h), (r, h)])
@@ -142,7 +138,7 @@ def draw_toy(
     toy, q
         The toy and its coordinates, shape (3,).
     ax
-        Axes to draw on, in metres; a new figure by default, which holds the whole toy. The caller
+        Axes to draw on, in metres; by default of a new figure that holds the whole toy. The caller
         sets the limits of other axes.
     closed
         Contacts to mark: 1 beak, 2 lower edge of the sleeve, 3 upper edge. The edge across, which
@@ -153,10 +149,8 @@ def draw_toy(
 
     Raises
     ------
-    TypeError
-        If that is no toy, or not drawn on axes.
-    ValueError
-        If there is no such contact.
+    TypeError, ValueError
+        If that is no toy, not drawn on axes, or there is no such contact.
 
     Examples
     --------
@@ -296,10 +290,8 @@ def draw_frames(
 
     Raises
     ------
-    TypeError
-        If it is no trajectory.
-    ValueError
-        If there is not one label for each time, or none at all.
+    TypeError, ValueError
+        If it is no trajectory, or there is not one label for each time, or none at all.
 
     Examples
     --------
@@ -373,10 +365,8 @@ def animate(
 
     Raises
     ------
-    TypeError
-        If it is no trajectory.
-    ValueError
-        If ``slow`` or ``fps`` is not positive, or the suffix is another.
+    TypeError, ValueError
+        If it is no trajectory, ``slow`` or ``fps`` is not positive, or the suffix is another.
     FileNotFoundError
         If there is no ffmpeg for an MP4, or no such folder.
 

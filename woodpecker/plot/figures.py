@@ -103,11 +103,8 @@ def plot_curve(
 ) -> Drawn:
     """P_order with the diagonal; jumps are dotted, and what was not resolved is pale.
 
-    Fixed points are marked, filled if they attract, and jumps that cross the diagonal are told from
-    others.
-
-    Where the toy falls for ever the picture is hatched. Triangles at the lower edge say that the
-    map goes on below.
+    Fixed points are marked, filled if they attract, and so are jumps across the diagonal. Where the
+    toy falls for ever the picture is hatched; triangles at the lower edge: the map goes on below.
 
     Parameters
     ----------
@@ -119,17 +116,13 @@ def plot_curve(
         The order of the map.
     returns
         Starts that may fall, with their status; by default none is marked.
-    legend
-        Whether to explain lines and marks.
-    styles
-        Properties of matplotlib by the names in the legend.
+    legend, styles
+        Whether to explain lines and marks; properties of matplotlib by the names in the legend.
 
     Raises
     ------
-    TypeError
-        If that is no curve, or not drawn on axes.
-    ValueError
-        If there is no part of the name of a style.
+    TypeError, ValueError
+        If that is no curve, not drawn on axes, or no part has the name of a style.
 
     Examples
     --------
@@ -190,10 +183,7 @@ def _lost(ax: Axes, returns: ReturnMap) -> Artists:
 
 
 def _below(ax: Axes, curve: MapSamples) -> Artists:
-    """Triangles where the map leaves the picture through its lower edge, or ends on a flank.
-
-    Next to free fall it goes down without end, faster than samples can follow.
-    """
+    """Triangles where the map leaves the picture through its lower edge, or ends on a flank."""
     with np.errstate(invalid="ignore"):
         under = curve.y < ax.get_ylim()[0]
     places: list[float] = []
@@ -290,8 +280,8 @@ def plot_local(
 ) -> Drawn:
     """A diagram next to a border collision, beside what its local model predicts.
 
-    Both panels have the same axes. The predicted lines of those iterates that the diagram holds are
-    also drawn behind it, in grey; those of others, which nobody has followed, are thin and pale.
+    Both panels have the same axes. Predicted lines of iterates that the diagram holds are also
+    drawn behind it, in grey; those of others are thin and pale.
 
     Parameters
     ----------
@@ -303,31 +293,24 @@ def plot_local(
         Where to draw; a new one by default.
     reach
         How far the parameter goes from the collision; by default a fortieth of the shortest
-        branch of the diagram that starts there: over its length a branch bends, and the model is
-        of first order.
+        branch of the diagram that starts there, for the model is of first order.
     styles
         Properties of matplotlib by the names in the legends, and ``"prediction"`` for what lies
         behind the diagram.
 
     Raises
     ------
-    TypeError
-        If that is no model or diagram, or not drawn on axes.
-    ValueError
-        If there is no part of the name of a style.
+    TypeError, ValueError
+        If that is no model or diagram, not drawn on axes, or no part has the name of a style.
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
     >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
     >>> from woodpecker import local_model
-    >>> from woodpecker.plane import family_from_sympy
+    >>> from woodpecker.examples import paper_family
     >>> from woodpecker.plot.figures import plot_local
-    >>> x, a, r = symbols("x a r")
-    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
-    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
-    >>> model = local_model(family.over(0, (0.0, 1.25)), 0.0, 0.0)
-    >>> exact = PiecewiseLinearMap.from_sympy(p1, x).at({a: "5/4"})
+    >>> model = local_model(paper_family().over(0, (0.0, 1.25)), 0.0, 0.0)
+    >>> exact = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
     >>> drawn = plot_local(model, bifurcation_diagram(exact, "r", (-1, 1), orders=(1, 2)))
     >>> [ax.get_title() for ax in drawn.axes]
     ['the toy, with the prediction in grey', 'its local model, solved exactly']
@@ -460,10 +443,7 @@ def _of_order(line: _Prediction, several: bool) -> dict[str, Any]:
 
 
 def spread(at: Floats, apart: float) -> Floats:
-    """Ascending places (n,), moved by as little as can be until neighbours are so far apart.
-
-    In the mean of squares: those that would overlap are moved together, about their mean.
-    """
+    """Ascending places (n,), moved least in the mean of squares to lie so far apart."""
     groups: list[list[float]] = []
     for value in (at - apart * np.arange(len(at))).tolist():
         groups.append([value])

@@ -88,10 +88,8 @@ def plot_time_history(
 
     Raises
     ------
-    TypeError
-        If that is no trajectory, or not drawn on axes.
-    ValueError
-        If there is no part of the name of a style.
+    TypeError, ValueError
+        If that is no trajectory, not drawn on axes, or no part has the name of a style.
 
     Examples
     --------
@@ -173,17 +171,14 @@ def plot_phase_portrait(
         Names of quantities: y, phi_m, phi_s, dy, dphi_m or dphi_s.
     ax
         Axes to draw on; new ones by default.
-    legend
-        Whether to explain lines and marks.
-    styles
-        Properties of matplotlib by ``"motion"`` and the names in the legend.
+    legend, styles
+        Whether to explain lines and marks; properties of matplotlib by ``"motion"`` and the names
+        in the legend.
 
     Raises
     ------
-    TypeError
-        If that is no trajectory, or not drawn on axes.
-    ValueError
-        If there is no such quantity.
+    TypeError, ValueError
+        If that is no trajectory, not drawn on axes, or there is no such quantity.
 
     Examples
     --------
@@ -273,19 +268,15 @@ def plot_phase_portraits(
 
     Parameters
     ----------
-    trajectory, styles
+    trajectory, legend, styles
         As for :func:`plot_phase_portrait`.
     axes
         Three axes; a new figure by default.
-    legend
-        Whether to explain lines and marks, below all three.
 
     Raises
     ------
-    TypeError
-        If that is no trajectory, or not drawn on axes.
-    ValueError
-        If there is no part of the name of a style.
+    TypeError, ValueError
+        If that is no trajectory, not drawn on axes, or no part has the name of a style.
 
     Examples
     --------

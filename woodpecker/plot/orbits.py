@@ -31,20 +31,15 @@ def plot_orbits(
         Axes to draw on, with whatever is there; new ones by default.
     size
         Of a dot [pt].
-    legend
-        Whether to explain all that is on the axes.
-    styles
-        Properties of matplotlib by the names in the legend.
+    legend, styles
+        Whether to explain all that is on the axes; properties of matplotlib by the names there.
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import orbit_diagram, from_sympy
+    >>> from woodpecker import orbit_diagram
+    >>> from woodpecker.examples import two_lines
     >>> from woodpecker.plot.orbits import plot_orbits
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> found = orbit_diagram(lines, [-0.5, 0.5], [0.3], (-3, 3), transient=100, keep=8)
+    >>> found = orbit_diagram(two_lines(), [-0.5, 0.5], [0.3], (-3, 3), transient=100, keep=8)
     >>> list(plot_orbits(found).artists)
     ['period 1', 'period 2']
     """

@@ -76,10 +76,8 @@ def plot_curves(
 
     Raises
     ------
-    TypeError
-        If that is no mapping of curves, or not drawn on axes.
-    ValueError
-        If there is no curve, or they are over different parameters.
+    TypeError, ValueError
+        If that is no mapping of curves over the same parameters, or not drawn on axes.
 
     Examples
     --------

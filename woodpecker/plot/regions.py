@@ -44,17 +44,14 @@ def plot_regions(
 
     Raises
     ------
-    TypeError
-        If that is no plane of regions, or not drawn on axes.
-    ValueError
-        If there is no part of the name of a style.
+    TypeError, ValueError
+        If that is no plane of regions, not drawn on axes, or no part has the name of a style.
 
     Examples
     --------
     >>> from woodpecker.examples import paper_regions
     >>> from woodpecker.plot.regions import plot_regions
-    >>> found = paper_regions()
-    >>> list(plot_regions(found).artists)
+    >>> list(plot_regions(paper_regions()).artists)
     ['curves', 'open', 'period 1: 1 stable, 1 unstable', 'period 1: 1 stable']
     """
     instance("regions", regions, Regions)
@@ -79,11 +76,9 @@ def plot_regions(
 
 
 def face(census: Census) -> dict[str, Any]:
-    """How what lives in a region fills it, as properties of a patch.
-
-    The colour is that of the shortest period that is stable, darker the more unstable cycles there
-    are; further stable cycles hatch it, in the colour of the next one's period.
-    """
+    """How what lives in a region fills it, as properties of a patch."""
+    # The colour is that of the shortest stable period, darker with more unstable cycles; further
+    # stable cycles hatch it, in the colour of the next one's period.
     stable = [each.period for each in census for _ in range(each.stable)]
     unstable = sum(each.unstable for each in census)
     base = of_period(stable[0]) if stable else NO_STABLE

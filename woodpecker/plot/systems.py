@@ -55,26 +55,20 @@ def plot_system_motion(
         Symbols of the state, or their names; by default all coordinates.
     axes
         As many axes; a new figure by default.
-    legend
-        Whether to explain the marks.
-    styles
-        Properties of matplotlib by ``"motion"`` and the names in the legend.
+    legend, styles
+        Whether to explain the marks; properties of matplotlib by ``"motion"`` and their names.
 
     Raises
     ------
-    TypeError
-        If it is no system or no motion.
-    ValueError
-        If a name is no symbol of the state.
+    TypeError, ValueError
+        If it is no system or no motion, or a name is no symbol of the state.
 
     Examples
     --------
-    >>> from sympy import symbols
+    >>> from woodpecker.examples import bouncing_ball
     >>> from woodpecker.plot.systems import plot_system_motion
-    >>> from woodpecker.systems import Contact, ContactSystem, simulate
-    >>> y, g = symbols("y g")
-    >>> floor = Contact(name="floor", gap=y, eps_n=0.5)
-    >>> ball = ContactSystem([y], [[1]], [-g], [floor], {g: 10.0})
+    >>> from woodpecker.systems import simulate
+    >>> ball = bouncing_ball()
     >>> drawn = plot_system_motion(ball, simulate(ball, {"y": 5.0}, 1.5), ["y", "u_y"])
     >>> sorted(drawn.artists)
     ['impact', 'motion']
@@ -109,30 +103,24 @@ def plot_system_portrait(
 
     Parameters
     ----------
-    system, motion, styles
+    system, motion, legend, styles
         As for :func:`plot_system_motion`.
     x, y
         Symbols of the state, or their names.
     ax
         Axes to draw on; new ones by default.
-    legend
-        Whether to explain the marks.
 
     Raises
     ------
-    TypeError
-        If it is no system or no motion.
-    ValueError
-        If a name is no symbol of the state.
+    TypeError, ValueError
+        If it is no system or no motion, or a name is no symbol of the state.
 
     Examples
     --------
-    >>> from sympy import symbols
+    >>> from woodpecker.examples import bouncing_ball
     >>> from woodpecker.plot.systems import plot_system_portrait
-    >>> from woodpecker.systems import Contact, ContactSystem, simulate
-    >>> y, g = symbols("y g")
-    >>> floor = Contact(name="floor", gap=y, eps_n=0.5)
-    >>> ball = ContactSystem([y], [[1]], [-g], [floor], {g: 10.0})
+    >>> from woodpecker.systems import simulate
+    >>> ball = bouncing_ball()
     >>> drawn = plot_system_portrait(ball, simulate(ball, {"y": 5.0}, 1.5), "y", "u_y")
     >>> sorted(drawn.artists)
     ['impact', 'motion', 'start']
@@ -186,21 +174,16 @@ def plot_system_map(
 
     Raises
     ------
-    TypeError
-        If ``map_`` is no return map.
-    ValueError
-        If it has more than one dimension.
+    TypeError, ValueError
+        If ``map_`` is no return map, or has more than one dimension.
 
     Examples
     --------
-    >>> from sympy import symbols
+    >>> from woodpecker.examples import bouncing_ball
     >>> from woodpecker.plot.systems import plot_system_map
-    >>> from woodpecker.systems import Contact, ContactSystem, Section, SystemMap
-    >>> y, v, g = symbols("y u_y g")
-    >>> floor = Contact(name="floor", gap=y, eps_n=0.5)
-    >>> ball = ContactSystem([y], [[1]], [-g], [floor], {g: 10.0})
-    >>> drawn = plot_system_map(SystemMap(ball, Section(when="floor", free=[v])), [1, 2, 3])
-    >>> sorted(drawn.artists)
+    >>> from woodpecker.systems import Section, SystemMap
+    >>> bounces = SystemMap(bouncing_ball(), Section(when="floor", free=["u_y"]))
+    >>> sorted(plot_system_map(bounces, [1, 2, 3]).artists)
     ['$P_{1}$', 'diagonal']
     """
     instance("map_", map_, SystemMap)
@@ -251,10 +234,8 @@ def plot_basins(
 
     Raises
     ------
-    TypeError
-        If ``map_`` is no return map, or a cycle none.
-    ValueError
-        If a coordinate is unknown, or not two are given.
+    TypeError, ValueError
+        If ``map_`` is no return map, a cycle none, or there are not two known coordinates.
     """
     instance("map_", map_, SystemMap)
     free = [str(each) for each in map_.section.free]
@@ -304,7 +285,6 @@ def _round(*values: Floats) -> list[Floats]:
 
 
 def _values(system: ContactSystem, motion: Motion, name: Any) -> Floats:
-    """Samples of a symbol of the state."""
     instance("system", system, ContactSystem)
     instance("motion", motion, Motion)
     known = [str(each) for each in system.state]
@@ -325,7 +305,6 @@ def _times(motion: Motion) -> dict[str, list[float]]:
 
 
 def _label(name: Any) -> str:
-    """A symbol as sympy writes it in formulas."""
     import sympy
 
     symbol = name if isinstance(name, sympy.Symbol) else sympy.Symbol(str(name))

@@ -1,9 +1,4 @@
-"""Proofs in ball arithmetic of what a computation has found; they need the extra ``proof``.
-
-A proof is a certificate, which other code with other arithmetic checks.
-
-A name is loaded with what it needs when it is first used; ``__init__.pyi`` says where each is.
-"""
+"""Proofs in ball arithmetic of what a computation has found; they need the extra ``proof``."""
 
 import lazy_loader
 

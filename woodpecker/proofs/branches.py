@@ -1,15 +1,13 @@
 """A branch proved over an interval of the parameter: pieces that join, from the low end on.
 
 Each piece has exactly one cycle in its tubes for every parameter (:mod:`woodpecker.proofs.pieces`).
-Where two pieces meet, what was found in one lies in the tubes of the other: so it is the same cycle
-there, and the branch has no gap. A flip is a piece along which the multiplier is monotone, between
-one where it is above -1 and one where it is below.
+Where two pieces meet, what was found in one lies in the tubes of the other: it is the same cycle. A
+flip is a piece along which the multiplier is monotone, between one above -1 and one below.
 
-Pieces are as long as Taylor polynomials reach. Where the sleeve all but grazes the pole, durations
-of phases, and with them all else, bend within 1e-8 of the parameter; but over such a duration
-itself the branch is as smooth as elsewhere. So the parameter runs as the polynomial of the duration
-that bends most, the reversion of the duration's own series. Where a contact lands at a plateau
-(:mod:`woodpecker.enclosures.plateaus`) series do not help, and pieces take both sides at once.
+Pieces are as long as Taylor polynomials reach. Where the sleeve all but grazes the pole, all else
+bends within 1e-8 of the parameter, but not over the duration of the phase: so the parameter runs as
+the polynomial of the duration that bends most, the reversion of its series. Where a contact lands
+at a plateau series do not help, and pieces take both sides at once.
 """
 
 from __future__ import annotations
@@ -88,11 +86,7 @@ def marched(
     toy: Toy, parameter: str, span: Fractions, points: Sequence[float],
     progress: Progress,
 ) -> ProvedBranch:  # fmt: skip
-    """Prove the branch over an interval, from a cycle at its low end as near as doubles are.
-
-    ``progress`` is called with the part that is done. NotProved says at which value the branch
-    could not be followed, and why.
-    """
+    """Prove the branch over an interval, from a cycle near its low end; or NotProved, and where."""
     walk = _Pieces(toy, parameter, span, [arb(x) for x in points])
     while walk.at < span.high:  # a part is proved or halved, or a gap grows until it is too long
         walk.go_on()
@@ -375,10 +369,7 @@ def end_of(piece: Tubes, side: int) -> PieceEnd:
 
 
 def joined(first: PieceEnd, second: PieceEnd) -> bool:
-    """Whether two pieces hold the same cycle where they meet.
-
-    It is so if what was found in one of them lies in the tubes of the other.
-    """
+    """Whether two pieces hold the same cycle where they meet: one's lies in the other's tubes."""
     return first.p == second.p and (_holds(first, second) or _holds(second, first))
 
 

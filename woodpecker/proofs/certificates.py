@@ -1,7 +1,7 @@
 """Certificates: what is proved, as JSON that :mod:`woodpecker.checking` verifies from scratch.
 
-Nothing of how a proof was found is in a certificate, only boxes, the guards that fire in turn with
-brackets of the durations, and claims. All numbers are text: exact decimals or quotients.
+They hold boxes, the guards that fire in turn with brackets of the durations, and claims. All
+numbers are text: exact decimals or quotients.
 """
 
 from __future__ import annotations

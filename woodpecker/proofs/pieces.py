@@ -1,11 +1,11 @@
 """Boxes in which there is exactly one cycle for every value of the parameter.
 
-A cycle x_0 .. x_(n-1) of returns is looked for in tubes |x_i - curve_i(p)| <= radius_i. With
-s_i = x_i - curve_i(p) the equations are s_(i+1) = e_i(p) + slope_i s_i, where e_i(p) is how far the
-return from the curve misses the next curve and slope_i holds all derivatives in the tube. If what
-follows from these for s lies inside the tubes, there is one cycle in them and no other one: the
-interval Newton operator on the equations of multiple shooting [Neumaier1990; Tucker2011]. It holds
-for Lipschitz maps as well, with all slopes of both ways where a word changes.
+A cycle x_0 .. x_(n-1) of returns is looked for in tubes |x_i - curve_i(p)| <= radius_i. With s_i =
+x_i - curve_i(p) the equations are s_(i+1) = e_i(p) + slope_i s_i, where e_i(p) is how far the
+return from the curve misses the next one and slope_i holds all derivatives in the tube. If what
+follows for s lies inside the tubes, there is exactly one cycle in them: the interval Newton
+operator of multiple shooting [Neumaier1990; Tucker2011]. It holds for Lipschitz maps as well, with
+all slopes of both ways where a word changes.
 """
 
 from __future__ import annotations
@@ -51,10 +51,9 @@ class Fractions(NamedTuple):
 
 
 class Route(NamedTuple):
-    """How the parameter runs along a piece: p = poly(tau) for |tau| <= half.
+    """How the parameter runs along a piece: p = poly(tau), |tau| <= half.
 
-    Most often tau is the distance from a centre. Where a branch bends sharply over the parameter it
-    is the duration of a phase, over which everything is smooth.
+    Most often tau is the distance from a centre; where a branch bends sharply, a duration.
     """
 
     poly: tuple[Fraction, ...]  # coefficients; it grows with tau
@@ -191,10 +190,8 @@ def around(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
 
 
 def _turn(tubes: Sequence[Tube], ways: Sequence[Way], slopes: Sequence[Any]) -> Any:
-    """Range of the derivative of the multiplier along the cycle.
-
-    The points move with s_i' = e_i' + slope_i s_i', and slope_i with f_sp + f_ss s_i'.
-    """
+    """Range of the derivative of the multiplier along the cycle."""
+    # The points move with s_i' = e_i' + slope_i s_i', and slope_i with f_sp + f_ss s_i'.
     misses = []
     for k, way in enumerate(ways):
         following = _line(way.image.frame, tubes[(k + 1) % len(tubes)], rate=True)
@@ -232,11 +229,8 @@ def curves_near(
     toy: Toy, parameter: str, line: Route, guesses: Sequence[Sequence[Any]], terms: int,
     plateaus: bool = False,
 ) -> list[tuple[Fraction, ...]]:  # fmt: skip
-    """Taylor polynomials of a cycle about the middle of a line: no proof.
-
-    Newton's method on polynomials, from guesses nearby: each step doubles the number of
-    coefficients that are right, until a step changes nothing in the interval.
-    """
+    """Taylor polynomials of a cycle about the middle of a line: no proof."""
+    # By Newton's method on polynomials: each step doubles the number of right coefficients.
     frame, half = Frame(ZERO, ZERO, terms), number(line.half)
     model = BallToy.of(toy, parameter, frame, [number(c) for c in line.poly])
     curves = [arb_poly(list(guess)) for guess in guesses]

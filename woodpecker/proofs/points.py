@@ -1,8 +1,8 @@
 """Border collisions at jumps, proved: the point, both one-sided words and limits, and the code.
 
-At a point like A a fixed point of P_1 meets a jump: two gaps close at once there. Both ways exist
-beyond their own sides as smooth maps, and a comparator c(x, p) says which one the toy takes. So the
-point is a zero of two equations, P_w(x, p) = x and c(x, p) = 0, enclosed by Krawczyk's operator.
+At a point like A two gaps close at once. Both ways exist beyond their own sides as smooth maps, and
+a comparator c(x, p) says which one the toy takes: the point is a zero of P_w(x, p) = x and c(x, p)
+= 0, enclosed by Krawczyk's operator.
 
 Let sigma say on which side of the border the way w of the fixed point is taken, s be its slope
 there, h how far the other limit is from the point, and mu(p) how far the limit of w is from the
@@ -35,10 +35,7 @@ DECIMALS = 40
 
 
 def proved_point(toy: Toy, parameter: str, p: float, x: float, digits: int) -> Certificate:
-    """Prove a border collision near a place.
-
-    NotProved if it is none at a jump where two gaps close at once, or something is open.
-    """
+    """Prove a border collision at a jump where two gaps close at once; or NotProved."""
     at_p, at_x, radius = Fraction(p), Fraction(x), FIRST
     while True:  # the box shrinks to the last one in a few steps
         ways, fork = _both(toy, parameter, at_p, at_x, radius)
@@ -71,11 +68,9 @@ def _both(
 
 
 def _krawczyk(image: Form, border: Form, x: Fraction, radius: Fraction) -> tuple[Any, Any]:
-    """Where in the box image = x and border = 0 may hold, as balls about its centre.
-
-    With f = (image - x - s, border) the operator is -C f(0) + (1 - C f') box, where C is near the
-    inverse of f' at the centre.
-    """
+    """Where in the box image = x and border = 0 may hold, as balls about its centre."""
+    # With f = (image - x - s, border) the operator is -C f(0) + (1 - C f') box, where C is near the
+    # inverse of f' at the centre.
     f = [image.mid - number(x), border.mid]
     jacobian = [
         [image.parts[S].box - 1, image.parts[P].box],

@@ -49,10 +49,9 @@ def prove(
         The toy whose branch or point it is; an orbit knows its own.
     parameter
         Along a branch or to a point: ``"eps_n1"``, ``"eps_n2"`` or ``"eps_n3"``.
-    progress
-        Called with the part of a branch that is done.
-    workers
-        Processes for a branch, each of them a part of the span; no progress is shown then.
+    progress, workers
+        Called with the part of a branch that is done; or processes, each for a part of the span,
+        without progress.
 
     Returns
     -------
@@ -64,10 +63,8 @@ def prove(
     ------
     NotProved
         If it could not be proved; the sentence says what was open.
-    ValueError
-        If it is nothing that can be proved here.
-    ImportError
-        Without the extra ``proof``.
+    ValueError, ImportError
+        If it is nothing that can be proved here; without the extra ``proof``.
 
     Examples
     --------
@@ -94,7 +91,7 @@ def prove(
 
 
 def check_certificate(path: str | os.PathLike[str]) -> str:
-    """Verify a certificate with other arithmetic and other code, and say what it proves.
+    """Verify a certificate with other arithmetic and other code.
 
     Parameters
     ----------
@@ -109,8 +106,7 @@ def check_certificate(path: str | os.PathLike[str]) -> str:
     Raises
     ------
     ValueError
-        If the certificate does not hold (``woodpecker.checking.pieces.Rejected``); the sentence
-        says why.
+        If the certificate does not hold (``woodpecker.checking.pieces.Rejected``), and why.
 
     Examples
     --------

@@ -2,8 +2,6 @@
 
 :func:`smallest_changes` follows the motion along lines through the space of all parameters, and
 finds the nearest fold, flip, border collision or loss, in each of them alone and in all together.
-
-A name is loaded with what it needs when it is first used; ``__init__.pyi`` says where each is.
 """
 
 import lazy_loader

@@ -38,16 +38,13 @@ class SmallestChange:
 
     Attributes
     ----------
-    effect
-        What becomes of the motion.
+    effect, cause
+        What becomes of the motion, and a sentence on what happens there.
     kind
         The code of the special point: LP, PD, BC, FF, FALL; ``word`` at a border that is none.
-    cause
-        A sentence on what happens there.
-    size
-        Euclidean length of the scaled change.
-    changes
-        Change of each parameter, in percent of its value (of 1 if that is zero).
+    size, changes
+        Euclidean length of the scaled change; change of each parameter, in percent of its value (of
+        1 if that is zero).
     toy, phi_s
         The toy there, and where its motion meets the section [rad].
     word
@@ -57,10 +54,8 @@ class SmallestChange:
     angle
         Sine of the angle between change and gradient, as far as the limits of the parameters leave
         them free: zero where no neighbouring change is smaller.
-    confirmed
-        Whether toys on both sides behave as the row says.
-    evidence
-        What was seen on both sides, in a sentence.
+    confirmed, evidence
+        Whether toys on both sides behave as the row says, and a sentence on what was seen there.
 
     Examples
     --------
@@ -126,11 +121,9 @@ class Robustness:
     ----------
     orbit
         The motion.
-    critical
-        What destroys or destabilises it: what is confirmed first, and of that the nearest.
-    harmless
-        Borders on the way at which it only gets another word or multiplier, or is unstable in a
-        spike only, in the same order.
+    critical, harmless
+        What destroys or destabilises it, what is confirmed first, and of that the nearest; borders
+        at which it only gets another word or multiplier, or is unstable in a spike, likewise.
     limits
         Each parameter alone, down and up.
 
@@ -140,9 +133,8 @@ class Robustness:
     >>> from woodpecker.robustness import smallest_changes
     >>> toy = Toy()
     >>> found = smallest_changes(toy, shoot(toy, -0.53), ["mu_2"])
-    >>> nearest = found.nearest
-    >>> len(found.critical), str(nearest.kind), f"{100 * nearest.size:.4f} %", nearest.cause
-    (2, 'PD', '3.4969 %', 'the multiplier is -1')
+    >>> len(found.critical), str(found.nearest.kind), f"{100 * found.nearest.size:.4f} %"
+    (2, 'PD', '3.4969 %')
     """
 
     orbit: PeriodicOrbit
@@ -151,7 +143,6 @@ class Robustness:
     limits: tuple[Limit, ...]
 
     def __repr__(self) -> str:
-        """What is nearest, how far, and how much more was found."""
         first = self.nearest
         what = (
             "nothing confirmed" if first is None else f"{first.kind} at {100.0 * first.size:.4g} %"

@@ -1,9 +1,7 @@
 """P_1 of the toy along a straight line through the space of all its parameters.
 
-The kernel's numbers depend on the parameters analytically: a complex step in the direction of the
-line gives their derivatives along it, whatever its direction is. So a return along a line costs no
-more than one over a single parameter, and what follows branches over a parameter follows them over
-any change of the toy.
+The kernel's numbers depend on the parameters analytically: a complex step along the line gives
+their derivatives, so it costs no more than a single parameter.
 """
 
 from __future__ import annotations
@@ -18,10 +16,9 @@ from woodpecker.toy_map import PerThread, ToyMap, ToyPiece, Values
 
 @dataclass(frozen=True, slots=True)
 class ToyLine(ToyMap):
-    """P_1 of the toys on a line, as a piecewise-smooth map of (phi_S, distance along the line).
+    """P_1 of the toys on a line, as a piecewise-smooth map of (phi_S, distance from the toy).
 
-    At distance 0 is the toy; ``rates`` say by how much parameters change per unit of distance, and
-    none of the others does. TypeError if one is unknown, ValueError for the length of the pole.
+    Parameters change by ``rates``. TypeError for unknown ones, ValueError for the pole's length.
     """
 
     toy: Toy

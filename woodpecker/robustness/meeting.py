@@ -49,7 +49,7 @@ class MetOnLine:
 
     @property
     def key(self) -> Key:
-        """The same for the same condition."""
+        """Equal for places of the same condition."""
         return self.effect, self.kind, self.cause
 
 
@@ -58,10 +58,10 @@ def met_along(
 ) -> list[MetOnLine]:
     """Everything that a motion meets on a line, in order, until it is destroyed.
 
-    Past a flip and whatever else only makes it unstable it is followed on, unless ``past`` is
-    false. At a grazing the multiplier has no bound: right before it the motion flips, and beyond it
-    is what it was. It is unstable in a spike only, and the search goes on behind.
+    If ``past``, it is followed on beyond what only makes it unstable.
     """
+    # At a grazing the multiplier has no bound, and the motion flips right before: it is unstable in
+    # a spike only.
     direction = direction / np.linalg.norm(direction)
     reach = min(most, space.reach(direction))
     if not reach > 0.0:

@@ -1,8 +1,8 @@
 """The smallest change at which a condition holds.
 
-Along a straight line of changes the motion is followed exactly, so what it meets first is known to
-rounding. The gradient of what vanishes there gives the direction in which it is nearer, and so on,
-until change and gradient are parallel.
+Along a straight line of changes what the motion meets first is known to rounding. The gradient of
+what vanishes there gives the direction in which it is nearer, until change and gradient are
+parallel.
 """
 
 from __future__ import annotations
@@ -32,11 +32,9 @@ LEVEL = 1e-10  # relative: changes are as small as each other, to what rounding 
 
 
 def _gradient(space: Space, u: Floats, orbit: Orbit, condition: Condition) -> Floats:
-    """Gradient of a condition along the cycles, scaled; its length counts for nothing.
-
-    Cycle and condition are n + 1 equations for n points: the combination of them that does not
-    depend on the points is one for the parameters alone. It is regular at a fold too.
-    """
+    """Gradient of a condition along the cycles, scaled; its length counts for nothing."""
+    # Cycle and condition are n + 1 equations for n points: the combination of them that does not
+    # depend on the points is one for the parameters alone. It is regular at a fold too.
     rows = [_jacobian(each, condition) for each in _along_axes(space, u, orbit.x, orbit)]
     if not np.isfinite(rows).all():  # at a root of the map
         return np.full(len(u), math.nan)
@@ -46,10 +44,9 @@ def _gradient(space: Space, u: Floats, orbit: Orbit, condition: Condition) -> Fl
 
 
 def nearest(space: Space, seed: MetOnLine, seen: dict[Key, MetOnLine]) -> tuple[MetOnLine, float]:
-    """The smallest change at which a condition holds, from one at which it does.
+    """The smallest change at which a condition holds, and the sine of its angle to the gradient.
 
-    What is met there, and the sine of the angle between change and gradient. Whatever else is met
-    on the way is kept in ``seen`` if it is nearer than what is known of it.
+    What else is met on the way is kept in ``seen`` if it is nearer than what is known of it.
     """
     here = seed
     for _ in range(STEPS):
@@ -77,10 +74,7 @@ def _angle(space: Space, here: MetOnLine) -> tuple[float, Floats]:
 
 
 def _polished(space: Space, here: MetOnLine) -> Floats | None:
-    """The smallest change with the pieces and the condition of one that is nearly that.
-
-    Points of the cycle and parameters are the unknowns, so folds are no exception.
-    """
+    """The smallest change, near one, with its pieces and condition, in points and parameters."""
     if here.condition is None:
         return None
     n, size, condition = len(here.orbit.x), here.size, here.condition
@@ -137,11 +131,9 @@ def _target(space: Space, here: MetOnLine) -> Floats:
 def _turned(
     space: Space, here: MetOnLine, target: Floats, seen: dict[Key, MetOnLine]
 ) -> MetOnLine | None:
-    """The same condition at a smaller change, in the direction of the target or part of the way.
-
-    Where the condition bends the target is too near or too far: twice and half of the way are
-    tried, too, and the smallest change counts.
-    """
+    """The same condition at a smaller change, in the direction of the target or part of the way."""
+    # Where the condition bends the target is too near or too far: twice and half of the way are
+    # tried.
     tried = [_same(space, here, here.u + part * (target - here.u), seen) for part in PARTS]
     found = [each for each in tried if each is not None]
     part = PARTS[-1]
@@ -155,10 +147,9 @@ def _turned(
 def _same(
     space: Space, here: MetOnLine, way: Floats, seen: dict[Key, MetOnLine]
 ) -> MetOnLine | None:
-    """The same condition in another direction, if the change is no larger there.
-
-    A line that ended right there could not tell a spike from what makes a motion unstable for good.
-    """
+    """The same condition in another direction, if the change is no larger there."""
+    # A line that ended right there could not tell a spike from what makes a motion unstable for
+    # good.
     most = here.size * (1.0 + LEVEL)
     found = met_along(space, np.clip(way, space.low, space.high), most * (1.0 + PAST * SPIKE))
     keep(found, seen)

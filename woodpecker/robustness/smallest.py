@@ -1,7 +1,7 @@
 """The smallest change of the toy's parameters that ends a periodic motion.
 
-A change counts each parameter as part of its own value, and one that is zero as part of the range 1
-of a restitution, upwards only.
+Changes are parts of each parameter's own value; of one that is zero, parts of the range 1 of a
+restitution, upwards only.
 """
 
 from __future__ import annotations
@@ -45,12 +45,13 @@ def smallest_changes(
 ) -> Robustness:
     """How far the parameters of a toy can be changed until a stable periodic motion ends.
 
+    A condition is looked for on straight lines from the toy; one that is nearer along a bent way
+    only is not found.
+
     Parameters
     ----------
-    toy
-        The toy.
-    orbit
-        A stable periodic motion of it, from :func:`woodpecker.shoot`.
+    toy, orbit
+        The toy, and a stable periodic motion of it, from :func:`woodpecker.shoot`.
     names
         The parameters that change, by default all but the length of the pole.
     settings
@@ -59,19 +60,14 @@ def smallest_changes(
     Returns
     -------
     Robustness
-        What destroys or destabilises the motion at the smallest change of all of these parameters
-        together, what is confirmed by toys on both sides first; which borders only give it another
-        word or multiplier, or make it unstable in a spike; and how far each parameter alone can be
-        changed. Every row is the nearest place of its condition that straight lines
-        from the toy lead to; one that is nearer along a bent way only is not found.
+        What ends the motion at the smallest change of all of these parameters together, and how far
+        each alone can be changed.
 
     Raises
     ------
-    ValueError
-        If the orbit did not converge, is not stable or is one of another toy, or no parameter is
-        named.
-    TypeError
-        If a parameter is unknown.
+    ValueError, TypeError
+        If the orbit did not converge, is not stable or is one of another toy, no parameter is
+        named, or one is unknown.
 
     Examples
     --------
@@ -157,10 +153,7 @@ def _differ(one: MetOnLine, other: MetOnLine) -> bool:
 def _rows(
     orbit: PeriodicOrbit, space: Space, found: Sequence[tuple[MetOnLine, float]]
 ) -> Iterator[SmallestChange]:
-    """What is reported of places.
-
-    Borders of restitutions that are raised to ``FLOOR`` and that are none at zero do not count.
-    """
+    """The rows of places, without borders at ``FLOOR`` that are none at zero."""
     for met, angle in found:
         exact = _at_zero(orbit, space, met)
         if exact is not None:
@@ -184,7 +177,6 @@ def _at_zero(orbit: PeriodicOrbit, space: Space, met: MetOnLine) -> tuple[Space,
 def _row(
     own: Space, there: MetOnLine, effect: Effect, angle: float, names: Sequence[str]
 ) -> SmallestChange:
-    """What is reported of a place."""
     confirmed, evidence = _evidence(own, there)
     percents = dict(zip(own.names, (PERCENT * there.u).tolist(), strict=True))
     return SmallestChange(

@@ -2,8 +2,6 @@
 
 A caller meets these where a search is watched, interrupted or judged; it is started by
 :func:`woodpecker.bifurcation_diagram` or :func:`woodpecker.continuation`.
-
-A name is loaded with what it needs when it is first used; ``__init__.pyi`` says where each is.
 """
 
 import lazy_loader

@@ -1,9 +1,9 @@
-"""Fold-flip points that accumulate: a chain of branches without end, and where it leads.
+"""Fold-flip points that accumulate: a chain of branches without end, and its limit.
 
 From a fold-flip point a branch of cycles and one of jumps lead on, each to the next such point. If
 an orbit goes round an unstable motion once more in each link, the points approach two places in
-turn, each by a factor of its own: the inverse of the multiplier of that motion there. Both
-sequences are geometric in the limit, and what they are short of it is the rest of a series.
+turn. Both sequences are geometric in the limit, by the inverse multiplier of that motion, and what
+is missing is the rest of a series.
 """
 
 from __future__ import annotations
@@ -28,19 +28,10 @@ ACCUMULATE = "infinitely many fold-flip points accumulate"
 
 
 def limit_of(chain: Sequence[End], settings: Settings) -> End | None:
-    """Where a chain of fold-flip points ends.
+    """The limit of every other fold-flip point of a chain, each linked to the next by a branch.
 
-    Parameters
-    ----------
-    chain
-        Special points, each linked to the next by a branch, the last that was found first.
-    settings
-        Scales.
-
-    Returns
-    -------
-    The limit of every other point from the first on, open, with a precision of its distance from
-    the first; None if the chain is too short, or does not shrink to two places.
+    The chain's last point was found first. The limit is open, with its distance from the first
+    point as precision; None if the chain is too short, or does not shrink to two places.
     """
     if len(chain) < LINKED or any(end.kind is not PointKind.FF for end in chain):
         return None

@@ -1,9 +1,8 @@
 """What the checkpoint of a run holds: curves, and which special points and slices are finished.
 
-A network is followed by what it has added, in order; adding it again puts it back where it was. A
-run that goes on takes over the slices that were finished as a whole. What was followed since is
-taken over step by step, where the search comes to it again: it makes every decision with the same
-branches known as the run that was interrupted.
+Adding the same curves in the same order puts a network back where it was. What was followed after
+the last whole slice is taken over where the search comes to it again, so that each is decided with
+the same branches known.
 """
 
 from __future__ import annotations
@@ -42,16 +41,13 @@ class Record:
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Search, Settings, from_sympy
-    >>> from woodpecker.search.diagrams import whole_diagram
+    >>> from woodpecker import Search, Settings
+    >>> from woodpecker.examples import two_lines
     >>> from woodpecker.search import Record
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> from woodpecker.search.diagrams import whole_diagram
     >>> settings, few = Settings(span=(-1, 2), window=(-3, 3)), Search(slices=4)
     >>> record = Record("lines.jsonl", {"map": "lines"})
-    >>> found = whole_diagram(lines, settings, search=few, record=record)
+    >>> found = whole_diagram(two_lines(), settings, search=few, record=record)
     >>> record.close()
     >>> again = Record("lines.jsonl", {"map": "lines"}, resume=True)  # goes on, or has all
     >>> len(again.entries) > 0
@@ -81,10 +77,8 @@ class Record:
 
         Parameters
         ----------
-        met
-            The special point.
-        starts
-            How many branches start there.
+        met, starts
+            The special point, and how many branches start there.
         evaluations
             How often the map was evaluated to know that.
         """
@@ -92,13 +86,7 @@ class Record:
         self._file.write(entry_of(Finished(met.p, evaluations, starts, switches)))
 
     def seen(self, found: Seen) -> None:
-        """Keep that all that a slice shows was followed.
-
-        Parameters
-        ----------
-        found
-            What the slice shows.
-        """
+        """Keep that all that a slice shows was followed."""
         self._file.write(entry_of(found))
 
     def close(self) -> None:
@@ -107,13 +95,7 @@ class Record:
 
 
 def entry_of(record: Step | Seen) -> Entry:
-    """What a line says of a record.
-
-    Raises
-    ------
-    TypeError
-        If a piece of a curve has a key that cannot be kept.
-    """
+    """What a line says of a record; TypeError if a key of a piece cannot be kept."""
     if isinstance(record, Kept):
         for keys in (word.keys for curve in record.curves for word in curve.words):
             _check_kept(keys)
@@ -155,17 +137,10 @@ def restore(
     network: Network, records: Sequence[Step | Seen], path: str | os.PathLike[str],
     map_: PiecewiseMap | None = None,
 ) -> tuple[tuple[Seen, ...], int]:  # fmt: skip
-    """Put a network to where a checkpoint says it was; with a map if it is a run of that map.
+    """Put a network back where a checkpoint left it; its finished slices, and all evaluations.
 
-    Returns
-    -------
-    The slices that were finished, and how often the map was evaluated for all of this.
-
-    Raises
-    ------
-    ValueError
-        If a record does not follow from those before it, or branches start at a collision that is
-        none of the map.
+    ValueError if a record does not follow from those before it, or branches start at a collision
+    that is none of the map.
     """
     for line, record in enumerate(records, 2):
         if isinstance(record, Kept):
@@ -200,10 +175,7 @@ def past_of(
 
 
 def _is_of_map(met: Collision, map_: PiecewiseMap, settings: Settings) -> bool:
-    """Whether pieces of a map end where a cycle of it is said to meet a border, or right beside.
-
-    Where slopes are those of a root a point is known to the root of rounding only.
-    """
+    """Whether pieces of a map end, within the root of rounding, where a collision is said to be."""
     lengths = np.array([settings.x_scale, settings.p_scale])
     for x in met.x.tolist():
         image = map_.at(x, met.p)

@@ -21,65 +21,31 @@ OF_A_LIMIT = "the orbit of a limit of the jump meets a border"
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Word:
-    """A stretch of a branch along which no piece changes.
+    """A stretch of a branch along which no piece changes."""
 
-    Attributes
-    ----------
-    first
-        Its first sample; a sample at a border has the pieces before it.
-    text
-        The words of its pieces.
-    keys
-        The keys of the pieces of a cycle; of a jump those of the points before the border, and a
-        set of those on its two sides with the margins that vanish, for a piece has two ends.
-    """
-
-    first: int
-    text: str
+    first: int  # sample; one at a border has the pieces before it
+    text: str  # the words of its pieces
+    # of a cycle; of a jump those before the border, and a set of both sides with their margins
     keys: tuple[Hashable, ...]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class BranchCurve:
-    """A branch between two special points.
-
-    Attributes
-    ----------
-    kind, order
-        Cycles of P_order, or jumps of it.
-    parameter, multiplier
-        Samples (m,), the ends included; the multiplier of a jump is nan.
-    points
-        m times the points (n,) of a cycle, or those up to the border of a jump.
-    words
-        Stretches between changes of word, in this order.
-    marks
-        These changes, one less.
-    ends
-        Why it begins and ends.
-    """
+    """A branch between two special points."""
 
     kind: BranchKind
-    order: int
-    parameter: Floats
-    points: tuple[Floats, ...]
-    multiplier: Floats
+    order: int  # cycles of P_order, or jumps of it
+    parameter: Floats  # (m,) samples, the ends included
+    points: tuple[Floats, ...]  # m times (n,) of a cycle, or up to the border of a jump
+    multiplier: Floats  # (m,), of a jump nan
     words: tuple[Word, ...]
-    marks: tuple[Change, ...]
-    ends: tuple[End, End]
+    marks: tuple[Change, ...]  # the changes between the words
+    ends: tuple[End, End]  # why it begins and ends
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class BranchStart:
-    """Where a branch begins, or goes on: at a special point.
-
-    Attributes
-    ----------
-    begin
-        Its curve and its first samples.
-    end
-        The special point.
-    """
+    """Where a branch begins, or goes on: its first samples, and the special point."""
 
     begin: Beginning
     end: End
@@ -102,11 +68,9 @@ def keys_of(jump: Jump) -> Keys:
 
 
 def stretches(curve: BranchCurve) -> tuple[Stretch, ...]:
-    """Stretches of a branch with one word, each with the cause of the change that begins it.
-
-    A sample at a border has the pieces before it. What has no mark is the orbit of a limit of a
-    jump that meets a border where borders accumulate.
-    """
+    """Stretches of a branch with one word, each with the cause of the change that begins it."""
+    # A sample at a border has the pieces before it. What has no mark is the orbit of a limit of a
+    # jump that meets a border where borders accumulate.
     causes = {mark.sample + 1: mark.cause for mark in curve.marks}
     unmarked = OF_A_LIMIT if curve.kind is BranchKind.JUMP else ""
     first, *others = curve.words
@@ -129,16 +93,13 @@ def words_between(curve: BranchCurve, k: int) -> list[Word]:
 
 
 def from_point(values: tuple[T, ...], shift: int) -> tuple[T, ...]:
-    """The same from another point of a cycle."""
+    """Values along a cycle from another of its points on."""
     return (*values[shift:], *values[:shift])
 
 
 def agree(one: Keys, other: Keys) -> bool:
-    """Whether two orbits take the same pieces; at a border one side is enough.
-
-    What is on the other side of a jump may be a piece so thin that rounding decides whether it is
-    seen.
-    """
+    """Whether two orbits take the same pieces; at a border one side is enough."""
+    # The piece on the other side of a jump may be so thin that rounding decides whether it is seen.
     return len(one) == len(other) and all(
         not a.isdisjoint(b) if isinstance(a, frozenset) and isinstance(b, frozenset) else a == b
         for a, b in zip(one, other, strict=True)

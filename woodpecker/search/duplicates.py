@@ -38,18 +38,8 @@ from woodpecker.slices.orbits import (
 class Known:
     """Which cycles and jumps the branches of one order explain.
 
-    An orbit lies on a branch if one Newton step takes the orbit that the branch has at its
-    parameter, between two samples, to it. Of branches that are close together most take other
-    pieces: those that take the same are asked first, and as a rule one of them explains it.
-
-    Parameters
-    ----------
-    network
-        The branches; what is added to it later counts too.
-    kind, order
-        Cycles of P_order, or jumps of it.
-    map_
-        The map.
+    An orbit lies on a branch if one Newton step takes the branch's orbit at the same parameter,
+    between two samples, to it. Branches that take the same pieces are asked first.
     """
 
     def __init__(self, network: Network, kind: BranchKind, order: int, map_: PiecewiseMap) -> None:
@@ -60,15 +50,7 @@ class Known:
         self._at = _AtParameter(np.nan, _Chords.joined([]), {})
 
     def explains(self, orbit: Orbit, closing: tuple[Condition, ...], keys: Keys) -> bool:
-        """Whether a branch passes through an orbit.
-
-        Parameters
-        ----------
-        orbit, closing
-            The orbit, and the conditions that make it a cycle or a border orbit.
-        keys
-            Its pieces, see :class:`woodpecker.search.curves.Word`.
-        """
+        """Whether a branch passes through an orbit with given closing conditions and pieces."""
         places = sorted(
             self._places(orbit), key=lambda place: float(np.abs(place.x - orbit.x).max())
         )
@@ -88,10 +70,8 @@ class Known:
     def _curved(
         self, place: _SamplePlace, orbit: Orbit, closing: tuple[Condition, ...]
     ) -> Iterator[Floats]:
-        """A place on the cubic through both samples, with the tangents of the orbit's pieces.
-
-        Where orbits are steep Newton's method needs to start closer by than on the chord.
-        """
+        """A place on the cubic through both samples, with the tangents of the orbit's pieces."""
+        # Where orbits are steep the chord is too far off for Newton's method.
         number, k, shift = place.chord
         curve, problem = self.network.curves[number], problem_of(self.settings, *closing)
         one, other = (
@@ -124,10 +104,7 @@ class Known:
             yield one.x[:, 0] + away(s)[:-1] * self.settings.x_scale
 
     def _holds(self, place: _SamplePlace) -> bool:
-        """Whether a branch takes at a place the pieces that it takes at a sample beside it.
-
-        If not, it takes others for a while between two samples.
-        """
+        """Whether a branch has the pieces of a sample at a place beside it, too."""
         holds = self._at.holds
         if place.chord not in holds:
             curve, k, shift = self.network.curves[place.chord[0]], *place.chord[1:]
@@ -139,10 +116,8 @@ class Known:
         return holds[place.chord]
 
     def _is_cycle(self, curve: BranchCurve, samples: Sequence[int], shift: int, x: Floats) -> bool:
-        """Whether a cycle near some points takes the pieces of a branch at a sample.
-
-        At one on a border the map may take others: then those at the other sample are as good.
-        """
+        """Whether a cycle near some points takes the pieces of a branch at one of its samples."""
+        # On a border the map may take others: then those at the other sample are as good.
         p, pieces = self._at.p, self._pieces(curve, samples)
         if not pieces:
             return True
@@ -206,18 +181,14 @@ class Known:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Chords:
-    """Neighbouring samples of branches, as each of the points of a cycle sees them.
+    """Neighbouring samples of branches, as each of the points of a cycle sees them."""
 
-    ``ends`` (n, 4) are p and x at both; ``numbers`` (n, 3) those of the branch, of the first sample
-    and of the point.
-    """
-
-    ends: Floats
-    numbers: Ints
+    ends: Floats  # (n, 4) p and x at both
+    numbers: Ints  # (n, 3) of the branch, the first sample and the point
 
     @classmethod
     def of(cls, curve: BranchCurve, number: int) -> _Chords:
-        """Those of a branch."""
+        """The chords of a branch."""
         p, n = curve.parameter, len(curve.parameter) - 1
         shifts = 1 if curve.kind is BranchKind.JUMP else curve.order
         x = np.array([points[:shifts] for points in curve.points])
@@ -233,14 +204,14 @@ class _Chords:
 
     @classmethod
     def joined(cls, parts: list[_Chords]) -> _Chords:
-        """All of some."""
+        """The chords of several branches."""
         return cls(
             np.concatenate([np.empty((0, 4)), *(part.ends for part in parts)]),
             np.concatenate([np.empty((0, 3), dtype=np.int64), *(part.numbers for part in parts)]),
         )
 
     def around(self, p: float, slack: float) -> _Chords:
-        """Those between whose samples a parameter lies."""
+        """The chords that span a parameter."""
         p0, p1 = self.ends[:, 0], self.ends[:, 2]
         here = (np.minimum(p0, p1) - slack <= p) & (p <= np.maximum(p0, p1) + slack)
         return _Chords(self.ends[here], self.numbers[here])

@@ -12,29 +12,18 @@ from woodpecker.base.arrays import Floats
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Collision:
-    """A cycle that meets a border: all that must be known to follow what starts there.
+    """A cycle that meets a border.
 
     Its pieces are no part of it: the map is asked for them, so that what starts there does not
-    depend on how the collision was met, or on whether a run was interrupted since.
-
-    Attributes
-    ----------
-    p, x
-        The parameter, and the points (n,) of the cycle, of minimal period.
-    kinds
-        For each point of the orbit the code of the special point, and whether branches fold or
-        persist: the jump of P_n at one point can lie on the other side than that at the next.
-    cause
-        A sentence on what happens there.
-    precision
-        How well the parameter is located.
+    depend on how the collision was met, or on an interruption.
     """
 
     p: float
-    x: Floats
+    x: Floats  # (n,) points, of minimal period
+    # code and note at each point: the jump of P_n may lie on other sides at the next
     kinds: tuple[tuple[PointKind, str], ...]
-    cause: str
-    precision: float
+    cause: str  # a sentence on what happens there
+    precision: float  # of the parameter
 
     def kind_at(self, x: float) -> tuple[PointKind, str]:
         """Code and note at the point nearest to a place."""
@@ -43,33 +32,19 @@ class Collision:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class End:
-    """What ends a branch.
+    """What ends a branch."""
 
-    Attributes
-    ----------
-    kind, note, cause
-        The code of the special point, what it leaves open, and a sentence on what happens there.
-    p, x
-        Parameter, and the points (n,) of the orbit; of a jump the first one only counts.
-    precision
-        How well the parameter is located; 0 at an end of the span.
-    status
-        Whether it is located, or the branch was given up here.
-    collision
-        The cycle that meets a jump, if one does.
-    """
-
-    kind: PointKind
+    kind: PointKind  # code of the special point
     p: float
-    x: Floats
-    note: str = ""
-    cause: str = ""
-    precision: float = 0.0
-    status: PointStatus = PointStatus.LOCATED
-    collision: Collision | None = None
+    x: Floats  # (n,) of the orbit; of a jump the first one only counts
+    note: str = ""  # what it leaves open
+    cause: str = ""  # a sentence on what happens there
+    precision: float = 0.0  # of the parameter; 0 at an end of the span
+    status: PointStatus = PointStatus.LOCATED  # located, or the branch was given up here
+    collision: Collision | None = None  # the cycle that meets a jump, if one does
 
     def at(self, x: float) -> End:
-        """The same as one of the points of its orbit sees it."""
+        """The end as one of the points of its orbit sees it: there the kind may be another one."""
         if self.collision is None:
             return self
         kind, note = self.collision.kind_at(x)

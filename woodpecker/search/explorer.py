@@ -1,8 +1,7 @@
-"""Everything that is connected: branches are followed with all that hangs on their ends.
+"""Everything that is connected: branches are followed with all that starts at their ends.
 
-Each branch is followed when its turn comes, one after the other. What is likely to be needed later
-is told to the scheduler, and what was found meanwhile decides whether it still is: so the result
-does not depend on who carries out tasks, or on how many do.
+The scheduler may begin likely tasks early, but branches are followed in turn: the result does not
+depend on the workers.
 """
 
 from __future__ import annotations
@@ -37,25 +36,19 @@ class Stage(NamedTuple):
     ----------
     parameter, order
         Where a branch of P_order was followed to.
-    slices
-        How many were taken; 0 if none are.
-    branches
-        How many are known.
+    slices, branches
+        How many slices were taken, and branches are known, so far.
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Search, Settings, from_sympy
-    >>> from woodpecker.search.diagrams import whole_diagram
-    >>> from woodpecker.search import Stage
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> seen = []
-    >>> settings = Settings(span=(-1, 2), window=(-3, 3))
-    >>> found = whole_diagram(lines, settings, search=Search(slices=4), progress=seen.append)
-    >>> seen[-1].branches, isinstance(seen[-1], Stage)
-    (3, True)
+    >>> from woodpecker import Search, bifurcation_diagram
+    >>> from woodpecker.examples import two_lines
+    >>> few, seen = Search(slices=4), []
+    >>> found = bifurcation_diagram(
+    ...     two_lines(), "p", (-1, 2), window=(-3, 3), search=few, progress=seen.append
+    ... )
+    >>> seen[-1].branches
+    3
     """
 
     parameter: float
@@ -74,29 +67,24 @@ class Seen(NamedTuple):
 
     Attributes
     ----------
-    p
-        Where it was taken.
+    p, evaluations
+        Where it was taken, and how often the map was evaluated for it.
     new
         Orders of the branches that were found from it.
     unresolved
         Total length of intervals in which there are more pieces than were looked for.
     left
         (order, x) of what it shows and no branch goes through, though one was followed from there.
-    evaluations
-        How often the map was evaluated for it.
     then
         Where more slices were called for after it.
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Search, Settings, from_sympy
-    >>> from woodpecker.search.diagrams import whole_diagram
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> settings = Settings(span=(-1, 2), window=(-3, 3))
-    >>> found = whole_diagram(lines, settings, search=Search(slices=4))
+    >>> from woodpecker import Search
+    >>> from woodpecker.diagrams import bifurcation_search
+    >>> from woodpecker.examples import two_lines
+    >>> few = Search(slices=4)
+    >>> found = bifurcation_search(two_lines(), "p", (-1, 2), window=(-3, 3), search=few)
     >>> [(seen.p, seen.new, seen.unresolved) for seen in found.slices][:2]
     [(-0.99925, (1,), 0), (1.99925, (), 0)]
     """
@@ -119,24 +107,12 @@ class Kept:
 
 @dataclass(frozen=True, slots=True)
 class Finished:
-    """All that starts at a special point was followed.
+    """All that starts at a special point was followed."""
 
-    Attributes
-    ----------
-    p
-        Its parameter.
-    evaluations
-        How often the map was evaluated to know what starts there.
-    starts
-        How many branches do.
-    switches
-        Whether it is a flip or a branch point, where a cycle meets no border.
-    """
-
-    p: float
-    evaluations: int
-    starts: int = 0
-    switches: bool = False
+    p: float  # its parameter
+    evaluations: int  # of the map, to know what starts there
+    starts: int = 0  # how many branches start there
+    switches: bool = False  # a flip or a branch point, where a cycle meets no border
 
 
 Step = Kept | Finished
@@ -150,10 +126,7 @@ class Recorder(Protocol):
         """Keep the curves that a task has come to, and how often it evaluated the map."""
 
     def done(self, met: Collision | End, starts: int, evaluations: int) -> None:
-        """Keep that all that starts at the next special point was followed, and how much does.
-
-        And how often the map was evaluated to know that.
-        """
+        """Keep that what starts at the next special point was followed: how much, at what cost."""
 
     def seen(self, found: Seen) -> None:
         """Keep that all that a slice shows was followed."""
@@ -205,23 +178,7 @@ class _Candidate:
 
 
 class Explorer:
-    """Follows branches, and what starts at their ends.
-
-    Parameters
-    ----------
-    map_
-        The map.
-    scheduler
-        Where tasks are carried out.
-    settings
-        Scales.
-    orders
-        Iterates whose branches are kept.
-    progress
-        Called with every branch, and before every slice.
-    recorder
-        Keeps what is finished, if anybody does.
-    """
+    """Follows branches, and what starts at their ends, with the tasks of a scheduler."""
 
     def __init__(
         self, map_: PiecewiseMap, scheduler: Scheduler, settings: Settings, orders: Sequence[int],
@@ -245,16 +202,8 @@ class Explorer:
         self._past = deque[Step]()
 
     def take_over(self, past: Iterable[Step]) -> None:
-        """What an interrupted run has followed already is taken over when its turn comes.
-
-        The search makes the same decisions in the same order as that run, with the same branches
-        known at each, and so comes to the same.
-
-        Parameters
-        ----------
-        past
-            What the run has kept since the last slice that was finished.
-        """
+        """What an interrupted run has followed since its last slice is taken over in its turn."""
+        # The search makes the same decisions in the same order, with the same branches known.
         self._past.extend(past)
 
     @property
@@ -280,7 +229,7 @@ class Explorer:
         return replace(found, about={**found.about, LEFT: self.left}) if self.left else found
 
     def follow(self, orbit: Orbit) -> None:
-        """Follow the branch through a cycle, and all that hangs on its ends."""
+        """Follow the branch through a cycle, and all that starts at its ends."""
         self.branch(orbit)
         self.finish()
 
@@ -306,10 +255,7 @@ class Explorer:
         self._switches = False
 
     def see(self, p: float) -> Seen:
-        """Take slices of all orders at a parameter; follow what they show and no branch explains.
-
-        The next ones are taken at the parameters in ``coming``.
-        """
+        """Take slices of all orders at a parameter; follow what no branch explains."""
         self._tell(p, max(self.orders))
         self.scheduler.expect(self._likely())
         done = self.scheduler.result(Tasks.slice, p, self.orders)
@@ -343,13 +289,7 @@ class Explorer:
     # --- In turn ----------------------------------------------------------------------------------
 
     def _follow_all(self, met: Collision | End) -> tuple[int, int]:
-        """Follow what starts at a special point; how many branches do.
-
-        Returns
-        -------
-        starts, evaluations
-            And how often the map was evaluated to know that.
-        """
+        """Follow what starts at a special point; how many branches, and what it took to know."""
         before = self.spent
         starts = self._value(*self._starts(met))
         cost, candidates = self.spent - before, list(self._inside(starts))
@@ -368,10 +308,7 @@ class Explorer:
         self._turns.remove(left)
 
     def _finish_one(self, queue: deque[Any]) -> None:
-        """Follow what starts at the first special point of a queue, and take it from there.
-
-        It stays there if that takes more evaluations than are allowed.
-        """
+        """Follow what starts at the first point of a queue, unless evaluations run out."""
         self._met = met = queue[0]
         if not self._is_finished(met):
             ends_here = isinstance(met, End) and self.network.is_switched(met)
@@ -417,11 +354,9 @@ class Explorer:
         return True
 
     def _keep(self, task: Callable[..., Any], argument: object) -> None:
-        """Keep a branch and those that continue it beyond its ends, until one is known already.
-
-        One that is known is followed to its end before that is seen: right beyond a sharp fold it
-        cannot be told from the branch that led there.
-        """
+        """Keep a branch and those that continue it, until one is known already."""
+        # A known one is followed to its end first: right beyond a sharp fold it looks like the
+        # branch that led there.
         kept, points, before = list[BranchCurve](), list[BranchCurve](), self.spent
         todo = deque[Call]([(task, argument)])
         while todo and not self.is_spent:  # each leg is followed, and that is counted

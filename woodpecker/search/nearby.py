@@ -9,13 +9,7 @@ T = TypeVar("T")
 
 
 class Nearby(Generic[T]):
-    """Things at values of a parameter.
-
-    Parameters
-    ----------
-    width
-        How far from a value, at least, things are found.
-    """
+    """Things at values of a parameter; those within ``width`` of a value are found."""
 
     def __init__(self, width: float) -> None:
         self._width, self._count = width, 0

@@ -55,11 +55,9 @@ class Node:
     branches: list[str] = field(default_factory=list)
 
     def take(self, end: End, x: float, order: int) -> None:
-        """Take in another end that lies there: it names the point if it says more.
-
-        A collision says more than what it goes with; a cycle more than the same cycle passed twice,
-        to which its flip is a fold; and a fold more than a flip that cannot be told from it.
-        """
+        """Take in another end that lies there: it names the point if it says more."""
+        # A collision says more than others; a cycle more than the same cycle passed twice, to which
+        # its flip is a fold; a fold more than a flip that cannot be told from it.
         self.flips = self.flips or end.kind is PointKind.PD
         collides = end.kind in COLLISIONS and self.end.kind not in COLLISIONS
         folds = order == self.order and (end.kind, self.end.kind) == (PointKind.LP, PointKind.PD)
@@ -67,7 +65,7 @@ class Node:
             self.end, self.x, self.order = end, x, min(order, self.order)
 
     def as_point(self, name: str) -> SpecialPoint:
-        """The same as a diagram keeps it."""
+        """The special point of a diagram."""
         end, away = self.end, self.end.precision
         return SpecialPoint(
             id=name, kind=end.kind, parameter=end.p, x=self.x, note=end.note, order=self.order,
@@ -78,13 +76,7 @@ class Node:
 
 
 class Network:
-    """Branches, special points, and those of them at which something is left to follow.
-
-    Parameters
-    ----------
-    settings
-        Scales, within which two special points are one.
-    """
+    """Branches, special points (one within the scales), and where something is left to follow."""
 
     def __init__(self, settings: Settings) -> None:
         self.settings = settings
@@ -117,7 +109,6 @@ class Network:
         )  # fmt: skip
 
     def _names(self) -> dict[str, str]:
-        """Names of special points, by those that they were given when they were met."""
         counts: dict[PointKind, int] = {}
         names = {}
         for node in self.nodes:
@@ -126,10 +117,7 @@ class Network:
         return names
 
     def has(self, curve: BranchCurve, points: Sequence[BranchCurve] = ()) -> bool:
-        """Whether a branch was kept before, or is one of some that are points.
-
-        One whose cycles go round others of smaller period is that of those.
-        """
+        """Whether a branch was kept before, goes round smaller cycles, or is one of some points."""
         return (
             self._goes_round(curve)
             or any(self._draws(known, curve) for known in self._by_low_end.near(_low_end(curve)))
@@ -156,10 +144,8 @@ class Network:
         )
 
     def add(self, curve: BranchCurve) -> None:
-        """Keep a branch, as many as its cycle has points; one that is a point is not kept.
-
-        If it is one of a chain without end, which has been seen at P_1 only, it ends in the limit.
-        """
+        """Keep a branch, once for each point of its cycle, unless it is a point."""
+        # A chain of fold-flip points without end, seen at P_1 only, ends in its limit.
         if self.is_a_point(curve):
             self._pass_over(curve)
             return
@@ -205,10 +191,7 @@ class Network:
                 node.branches.append(name)
 
     def _pass_over(self, curve: BranchCurve) -> None:
-        """Take the ends of a branch that is a point for the special point that it is.
-
-        Which of them a branch meets first is a matter of where it comes from, and of rounding.
-        """
+        """Make the ends of a branch that is a point one special point, whichever was met first."""
         columns = 1 if curve.kind is BranchKind.JUMP else curve.order
         for end in curve.ends:
             for x in end.x[:columns].tolist():
@@ -247,12 +230,10 @@ class Network:
         )
 
     def _goes_round(self, curve: BranchCurve) -> bool:
-        """Whether the cycles of a branch go round others of smaller period, or cannot be told from.
-
-        At an end they need not: there rounding may part points that are one, and a step may have
-        led from another branch. Then all others are one to rounding: on a branch that doubles they
-        part as it goes on.
-        """
+        """Whether the cycles of a branch go round others of smaller period."""
+        # Between the ends their points are one to rounding: where a branch doubles they part as it
+        # goes on. At the ends rounding may part points that are one, or a step has come from
+        # another branch.
         if curve.kind is BranchKind.JUMP or curve.order == 1:
             return False
         points = np.array(curve.points) / self.settings.x_scale
@@ -268,11 +249,9 @@ class Network:
         return False
 
     def _draws(self, known: BranchCurve, curve: BranchCurve) -> bool:
-        """Whether a branch has the ends of another, and lies on that in the same pieces in between.
-
-        A cycle may be followed from another of its points. Where one of the two has passed over
-        pieces too thin to be seen they may differ: somewhere they agree if they are one.
-        """
+        """Whether a branch has the ends of another and lies on it, with the same pieces."""
+        # The cycle may be followed from another of its points. Where one of the two has passed over
+        # thin pieces their words differ, but somewhere they agree if they are one.
         if (known.kind, known.order) != (curve.kind, curve.order):
             return False
         p, q = (sorted(each.parameter[[0, -1]].tolist()) for each in (known, curve))
@@ -307,10 +286,8 @@ class Network:
     def _passes(
         self, known: BranchCurve, shift: int, samples: Floats, curve: BranchCurve, k: int
     ) -> bool:
-        """Whether a known branch goes through what lies before sample k of another.
-
-        ``samples`` are those of the known one as the chosen point of its cycle sees them, scaled.
-        """
+        """Whether a branch of given scaled samples goes through another before sample k."""
+        # The samples are those of the known branch as the chosen point of its cycle sees them.
         units = np.array([self.settings.p_scale, self.settings.x_scale])
         middle = 0.5 * (_place(curve, k - 1) + _place(curve, k)) / units
         run = np.diff(samples, axis=0)

@@ -14,10 +14,8 @@ class BranchState(NamedTuple):
 
     Attributes
     ----------
-    kind, order
-        Cycles of P_order, or jumps of it.
-    parameter
-        The parameter.
+    kind, order, parameter
+        Cycles of P_order, or jumps of it, and where.
     points
         (n,) points of the cycle, or those up to the border of a jump.
     multiplier

@@ -1,11 +1,9 @@
 """Everything there is: slices show what no branch explains, until nothing is new.
 
-A slice lists all cycles and jumps at one parameter; what lies on no branch known so far is followed
-too. First slices fill the span evenly; where one of them shows something new two more are taken,
-halfway to its neighbours, and one in each gap with many special points, for islands begin and end
-in such: until nothing is new or the gaps are as small as was asked. How thin an island can be and
-stay unseen is known. At last branches are switched to at flips and branch points: what slices were
-too coarse to show.
+First slices fill the span evenly. Where one shows something new two more are taken, halfway to its
+neighbours, and one in each gap with many special points, where islands begin and end; the smallest
+gap bounds the islands that stay unseen. Then branches are switched to at flips and branch points,
+where slices were too coarse.
 """
 
 from __future__ import annotations
@@ -44,13 +42,10 @@ class Search:
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Search, Settings, bifurcation_diagram, from_sympy
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> settings = Settings(span=(-1, 2), window=(-3, 3))
-    >>> diagram = bifurcation_diagram(lines, settings=settings, search=Search(slices=4))
+    >>> from woodpecker import Search, bifurcation_diagram
+    >>> from woodpecker.examples import two_lines
+    >>> few = Search(slices=4)
+    >>> diagram = bifurcation_diagram(two_lines(), "p", (-1, 2), window=(-3, 3), search=few)
     >>> [str(branch.kind) for branch in diagram.branches]
     ['fixed-point', 'jump', 'fixed-point']
     """
@@ -68,44 +63,17 @@ class Search:
 
 
 class Past(NamedTuple):
-    """What an interrupted run had come to.
+    """What an interrupted run had come to."""
 
-    Attributes
-    ----------
-    slices
-        Those that were finished.
-    since
-        What was followed after the last of them, up to where the run was interrupted.
-    evaluations
-        How often the map was evaluated up to the last of them.
-    """
-
-    slices: tuple[Seen, ...] = ()
-    since: tuple[Step, ...] = ()
-    evaluations: int = 0
+    slices: tuple[Seen, ...] = ()  # that were finished
+    since: tuple[Step, ...] = ()  # what was followed after the last of them
+    evaluations: int = 0  # of the map, up to the last of them
 
 
 def complete(
     explorer: Explorer, settings: Settings, search: Search, past: Past | None = None
 ) -> list[Seen]:
-    """Take slices until they show nothing new; follow what they show.
-
-    Parameters
-    ----------
-    explorer
-        Follows and keeps branches; the scheduler it has takes the slices.
-    settings
-        Span of the parameter.
-    search
-        How long to look.
-    past
-        What an interrupted run had come to; the network of the explorer is where it was after the
-        last of its slices.
-
-    Returns
-    -------
-    All slices.
-    """
+    """Take slices until they show nothing new, and follow what they show; all slices."""
     past = past or Past()
     plan, seen = _Plan(search, settings.span), list(past.slices)
     for each in seen:
@@ -152,10 +120,7 @@ class _Plan:
             self.places.append(place)
 
     def beside(self, place: float) -> list[float]:
-        """Halfway from a slice that shows something new to its neighbours, but for the first ones.
-
-        Of these nearly all do.
-        """
+        """Halfway to the neighbours of a slice that shows something new, but for the first ones."""
         if self.done <= self.search.slices // 4:
             return []
         i = bisect_left(self._sorted, place)
@@ -172,10 +137,7 @@ class _Plan:
 
 
 def first_places(search: Search) -> list[float]:
-    """Where slices are taken first, as parts of the span: near both ends, then evenly.
-
-    Multiples of the golden ratio fill (0, 1) evenly, and fall on no value that a map may have in
-    its formulas.
-    """
+    """Where slices are taken first, as parts of the span: near both ends, then evenly."""
+    # Multiples of the golden ratio fill (0, 1) evenly, and hit no value of a map's formulas.
     near = 0.5 * search.finest
     return [near, 1.0 - near, *((k * GOLDEN) % 1.0 for k in range(1, search.slices + 1))]

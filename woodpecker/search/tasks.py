@@ -40,20 +40,12 @@ from woodpecker.slices.slices import Slice, slices_at
 
 @dataclass(frozen=True, slots=True)
 class Worker:
-    """Carries out the tasks of a search. It remembers nothing, and pickles if its map does.
-
-    Attributes
-    ----------
-    map, settings, stop
-        What is followed, how, and where else branches end.
-    whole
-        Whether all branches of a window are looked for, and not what is connected with one.
-    """
+    """Carries out the tasks of a search. It remembers nothing, and pickles if its map does."""
 
     map: PiecewiseMap
     settings: Settings
-    stop: StopRule | None = None
-    whole: bool = False
+    stop: StopRule | None = None  # where else branches end
+    whole: bool = False  # all branches of a window are looked for, not what is connected with one
 
     def __post_init__(self) -> None:
         if self.stop is not None and not callable(self.stop):
@@ -68,7 +60,7 @@ class Worker:
 
 
 class Tasks:
-    """The tasks."""
+    """The tasks of a search, one method each."""
 
     def __init__(
         self, map_: PiecewiseMap, settings: Settings, stop: StopRule | None = None, *,
@@ -180,10 +172,8 @@ class Tasks:
         return cycle if cycle.is_defined else None
 
     def _others(self, end: End, orders: Sequence[int]) -> Iterator[Beginning]:
-        """At a flip of P_n the branch of P_2n, or the other way round, if both are wanted.
-
-        At a branch point both branches both ways, for it is not known which one led there.
-        """
+        """At a flip of P_n the branch of P_2n, or vice versa; at a branch point both ways."""
+        # At a branch point it is not known which branch led there.
         base, p = self.base, np.array([end.p])
         cycle = self._cycle_at(end.x, p)
         if cycle is None:

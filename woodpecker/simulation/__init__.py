@@ -1,7 +1,4 @@
-"""Simulations of the toy, its returns to the section, and its paths as smooth maps.
-
-A name is loaded with what it needs when it is first used; ``__init__.pyi`` says where each is.
-"""
+"""Simulations of the toy, its returns to the section, and its paths as smooth maps."""
 
 import lazy_loader
 

@@ -1,8 +1,4 @@
-"""What Python calls of the kernel.
-
-It is one compiled function, so that all that it is made of is compiled, optimised and kept once;
-which of its tasks it carries out is its first argument.
-"""
+"""What Python calls of the kernel: one compiled function, whose first argument is the task."""
 
 from __future__ import annotations
 
@@ -134,8 +130,7 @@ def run(
     gap are decided afresh. It stops at the next minimum of phi_S on the jammed sleeve if
     ``to_section``, and at ``t_end``. Buffers: ``word`` for event codes, whose length is the event
     limit; ``phases``, ``path`` and ``events``, (n, 8), (n, 8) and (n, 16), of length 0 if they are
-    not wanted; the path says what was decided before each phase, see STEP_COLUMNS. ``counts`` (3,)
-    of symbols, phases and events; symbols already in the word are kept.
+    not wanted (STEP_COLUMNS are the path's); ``counts`` (3,) of symbols, phases and events.
     """
     work = make_work()
     room = work["room"][0]
@@ -152,11 +147,7 @@ def follow(
     model: Floats, change: Floats, path: Ints, times: Floats, phi_s: float, notes: Floats,
     work: Work,
 ) -> int:  # fmt: skip
-    """Follow the toy from the section at phi_S along a path until it returns.
-
-    As :func:`woodpecker.simulation.following.follow_path`; ``work`` (1,) is a WORK, whose route has
-    the seeds and takes the result.
-    """
+    """Follow a path from the section, see :func:`woodpecker.simulation.following.follow_path`."""
     return compute(
         FOLLOW, model, change, True, phi_s, NO_STARTS, NO_WORDS, NO_PHASES, path, times, NO_EVENTS,
         notes, work,
@@ -168,12 +159,10 @@ def sweep(
 ) -> tuple[Floats, Ints, Ints, Codes]:
     """P_order at many starts (n,) on the section: searched, and followed for its derivatives.
 
-    ``model`` and ``change`` are those of :func:`woodpecker.simulation.following.follow_path`,
-    ``seed`` (1, 3) the direction in (eps_N1, eps_N2, eps_N3) to differentiate along.
-
-    Columns (n, 5), phi_S, period, drop, d phi_S / d start and d phi_S along the parameter, the
-    latter nan where the toy does not return; why each run stopped (n,); lengths of the words (n,);
-    the words (n, EVENT_LIMIT order) in event codes.
+    ``seed`` (1, 3) is the direction in (eps_N1, eps_N2, eps_N3) of the derivative. Columns (n, 5):
+    phi_S, period, drop, d phi_S / d start and d phi_S along the parameter, nan where the toy does
+    not return; why each run stopped (n,); lengths of the words (n,); the words (n, EVENT_LIMIT
+    order) in event codes.
     """
     limit, work = EVENT_LIMIT * order, make_work()
     rows, words = np.empty((len(starts), START_COLUMNS)), np.empty((len(starts), limit), np.int16)

@@ -1,10 +1,9 @@
 """A return along a given path: no search for events, no contact problem, a smooth map.
 
-The kernel finds out what happens; a *path* is what it found: for each phase the mode, the guard
-that ends it, and the index combinations of the impact that began it. With the path prescribed a
-return is a composition of smooth maps. Each event time follows by Newton's method from that of a
-neighbour, so the map exists beyond the interval where the kernel finds this path. Where it is
-admissible is said by :mod:`woodpecker.simulation.margins`.
+A *path* is what the kernel found: for each phase the mode, the guard that ends it, and the index
+combinations of the impact that began it. With it a return is a composition of smooth maps, in which
+event times follow by Newton's method: it exists beyond the interval where the kernel finds this
+path. Where it is admissible is said by :mod:`woodpecker.simulation.margins`.
 """
 
 from __future__ import annotations
@@ -78,22 +77,13 @@ def follow_path(
 ) -> int:  # fmt: skip
     """Follow the toy from the section at phi_S along a path until it returns; or NO_ROOT.
 
-    Parameters
-    ----------
-    model, change
-        The table of :func:`woodpecker.mechanics.modes.model`, and its derivatives along the
-        parameter, or FIXED.
-    path
-        (n, STEP_COLUMNS), what the kernel found for a neighbour. Of bounces that accumulate it
-        holds one: it is repeated until they are so small that the rest is summed.
-    times
-        (n,) durations of the phases: the neighbour's, and then those found here.
-    notes
-        (NOTES, room) output: margins, their derivatives in phi_S and along the parameter, and their
-        causes in ascending order; room for MOST of each phase, or of length 0.
-    route
-        ``seeds`` tell how restitution changes along the parameter; output: ``z`` on the section,
-        its derivatives ``tangents``, and the number of margins.
+    ``model`` and ``change`` are the modes and their derivatives along the parameter, or FIXED.
+    ``path`` (n, STEP_COLUMNS) holds one of several bounces that accumulate: it is repeated until
+    they are so small that the rest is summed. ``times`` (n,) are a neighbour's durations, and then
+    those found. ``notes`` (NOTES, room) takes margins, derivatives in phi_S and along the
+    parameter, and causes, ascending; room for MOST of each phase, or of length 0. ``route.seeds``
+    are rates of restitutions; it takes ``z`` on the section, ``tangents``, and the number of
+    margins.
     """
     z, states, watched = route.z, route.states, notes.shape[1] > 0
     _depart(model, change, phi_s, route)
@@ -191,11 +181,9 @@ def unpack(mode: int, states: Ints) -> None:
 
 @part
 def _find_orders(step: Ints, route: Route) -> None:
-    """How many derivatives of each gap an event makes zero; states are those of the phase before.
-
-    A gap that strikes and leaves begins with a speed, one that was closed or is closed now has
-    none, and at a detachment it has no acceleration either.
-    """
+    """How many derivatives of each gap an event makes zero; states are those before."""
+    # A gap that strikes and leaves begins with a speed, one that was closed or is closed now has
+    # none, and at a detachment it has no acceleration either.
     last = step[SECOND] if step[SECOND] != UNSOLVED else step[FIRST]
     struck, n = step[STRUCK], 0
     for i in range(3):
@@ -224,12 +212,9 @@ def _mode_after_rest(path: Ints, k: int) -> int:
 def _duration(
     model: Floats, step: Ints, mode: int, guard: int, near: float, again: bool, route: Route
 ) -> float:
-    """Duration of a phase, near that of a neighbour; nan if there is none.
-
-    From a neighbour that is too far away Newton's method may fail: then the guard fires with its
-    first root, as it does where the path is admissible. Of a bounce that happens ``again`` no
-    neighbour is known: it ends with its first root.
-    """
+    """Duration of a phase, near that of a neighbour; nan if there is none."""
+    # Where Newton's method fails from there the guard fires with its first root, as on an
+    # admissible path; so does a bounce that happens ``again``, of which no neighbour is known.
     kappa, omega = model[mode, KAPPA], model[mode, OMEGA]
     if guard == SECTION:
         t, swing = time_to_minimum(model, mode, route.z), TWO_PI / omega
@@ -392,11 +377,9 @@ def _change_flow(
     model: Floats, change: Floats, mode: int, z: Floats, t: float, s1: float, s2: float, s3: float,
     s4: float, v: Floats,
 ) -> None:  # fmt: skip
-    """Add to a tangent what the coefficients of the mode, which change, do in a time t.
-
-    qdd = A + B d, so q gains A t^2 / 2 + B (d integrated twice) and u gains A t + B (d integrated
-    once), and d = d_0 c_0 + d_1 s_1 + ... depends on alpha and kappa.
-    """
+    """Add to a tangent what the coefficients of the mode, which change, do in a time t."""
+    # qdd = A + B d, so q gains A t^2 / 2 + B (d integrated twice) and u gains A t + B (d integrated
+    # once), and d = d_0 c_0 + d_1 s_1 + ... depends on alpha and kappa.
     kappa = model[mode, KAPPA]
     d0, d1, d2 = spring(model, mode, z)
     once = d0 * t + d1 * s2 + d2 * s3
@@ -414,10 +397,7 @@ def _change_flow(
 
 @part
 def _still_contacts(states: Ints, tangents: Floats) -> None:
-    """Where a larger eps_N would make a closed contact bounce, the derivative is unknown.
-
-    The bounces that it begins are not in this flow.
-    """
+    """Where a larger eps_N would make a closed contact bounce, the derivative is unknown."""
     for i in range(3):
         if states[i] != OPEN:
             for m in range(len(tangents)):

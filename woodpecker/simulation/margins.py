@@ -1,12 +1,10 @@
 """Margins of a return along a path: where it is admissible, with exact derivatives.
 
-A margin is positive where the toy does follow the path, and one of them vanishes at each border.
-What it watches is its code, 1000 * phase + 100 * kind + item. Guards are judged deflated
+A margin is positive where the toy follows the path, and one of them vanishes at each border. Its
+code is 1000 * phase + 100 * kind + item. Guards are judged deflated
 (:mod:`woodpecker.simulation.roots`), so that a phase that becomes infinitely short is left through
-one margin only, that of its start.
-
-Guards are linear in the state and in the numbers of the model: the derivative of a guard's jet
-along a tangent is a jet again. Zeros that an event makes exact have derivative zero.
+one margin only. Guards are linear in the state and the model: the derivative of a guard's jet along
+a tangent is a jet again.
 """
 
 from __future__ import annotations
@@ -126,10 +124,7 @@ Route = np.record  # of ROUTE
 def note(
     notes: Floats, route: Route, cause: int, margin: float, along_x: float, along_p: float
 ) -> None:
-    """Enter a margin with its derivatives, in ascending order of causes.
-
-    Where a bounce repeats the least margin of each cause counts.
-    """
+    """Enter a margin with derivatives, causes ascending; of repeated bounces the least counts."""
     last = route.count[0]
     k = last
     while k > 0 and notes[CAUSE, k - 1] > cause:
@@ -161,11 +156,9 @@ def note_quotient(
 
 @part
 def order_of(guard: int, step: Ints, route: Route) -> int:
-    """How many leading derivatives of a guard are exactly zero where its phase begins.
-
-    At a detachment the gap has no acceleration yet; at a slip start the slip has none, because
-    lambda_T = +mu lambda_N at the edge of the cone is just the force of negative slip.
-    """
+    """How many leading derivatives of a guard are exactly zero where its phase begins."""
+    # At a detachment the gap has no acceleration yet; at a slip start the slip has none, because
+    # lambda_T = +mu lambda_N at the edge of the cone is just the force of negative slip.
     i, fired = guard % 3, route.fired[0]
     if guard < NORMAL:
         return int(route.orders[i])
@@ -291,10 +284,8 @@ def find_rates(
 
 @part
 def minimum_rate(model: Floats, change: Floats, mode: int, t: float, m: int, route: Route) -> float:
-    """Derivative along a tangent of the time t of a minimum of phi_S.
-
-    omega t = atan2(-d1, d2 / omega) up to full turns.
-    """
+    """Derivative along a tangent of the time t of a minimum of phi_S."""
+    # omega t = atan2(-d1, d2 / omega) up to full turns.
     z, v, omega = route.z, route.tangents[m], model[mode, OMEGA]
     d0, d1, d2 = spring(model, mode, z)
     e1, e2, turn = v[5] - v[4], model[mode, KAPPA] * (v[2] - v[1]), 0.0
@@ -313,13 +304,11 @@ def minimum_rate(model: Floats, change: Floats, mode: int, t: float, m: int, rou
 def start_margins(
     model: Floats, change: Floats, step: Ints, k: int, mode: int, notes: Floats, route: Route
 ) -> None:
-    """What keeps each resting contact in its state where a phase begins.
-
-    It is the first derivative of a guard that the event has not made exactly zero. Where a contact
-    force or friction has just reached its bound, that is in proportion to how fast it was reached,
-    and where a contact closes again right after it has opened at rest, its force is in proportion
-    to the duration: then the margin is the quotient, which does not vanish with both.
-    """
+    """What keeps each resting contact in its state where a phase begins."""
+    # It is the first derivative of a guard that the event has not made exactly zero. Where a
+    # contact force or friction has just reached its bound it is in proportion to the speed of that,
+    # and where a contact closes right after it has opened at rest, to the duration: then the margin
+    # is the quotient, which does not vanish with both.
     states = route.states
     for i in range(3):
         if route.orders[i] < 2:
@@ -429,15 +418,13 @@ def _inflections(
     model: Floats, change: Floats, mode: int, guard: int, leaves: bool, t: float, k: int,
     notes: Floats, route: Route,
 ) -> None:  # fmt: skip
-    """That a contact at which a swinging gap closes leaves again from rest, or stays.
-
-    It leaves where the gap bends upwards, and stays where it bends downwards: the impact must be
-    between two times at which the gap falls most steeply and most slowly, and the gap there says
-    whether it is. These margins are smooth also where three roots meet because the gap hardly
-    falls: as after a flight that begins at rest, without acceleration, and lasts for a full swing.
-    The speed at the impact and its acceleration then go like powers 2/3 and 1/3 of the distance
-    from the border. Where the gap opens for a while its minimum before counts.
-    """
+    """That a contact at which a swinging gap closes leaves again from rest, or stays."""
+    # It leaves where the gap bends upwards, and stays where it bends downwards: the impact must lie
+    # between the times at which the gap falls most steeply and most slowly, and the gap there says
+    # whether it does. These margins are smooth also where three roots meet because the gap hardly
+    # falls, as after a flight from rest for a full swing: speed and acceleration at the impact then
+    # go like powers 2/3 and 1/3 of the distance from the border. Where the gap opens for a while
+    # its minimum before counts.
     jets, omega = route.jets, model[mode, OMEGA]
     f0, f1, f2, f3 = jets[0, 0], jets[0, 1], jets[0, 2], jets[0, 3]
     kappa, angle, bend = model[mode, KAPPA], math.atan2(f2, f3 / omega), math.hypot(f2, f3 / omega)
@@ -471,10 +458,9 @@ def _inflections(
 
 @part
 def _may_dip(f1: float, f2: float, f3: float, swing: float, t: float, c: Ratios) -> bool:
-    """Whether f can have a minimum between 0 and t: most often the signs at both ends say no.
-
-    At a minimum f' grows through zero. In less than half a swing f'' changes its sign once at most.
-    """
+    """Whether f can have a minimum between 0 and t: most often the signs at both ends say no."""
+    # At a minimum f' grows through zero. In less than half a swing f'' changes its sign once at
+    # most.
     if t <= 0.0 or swing * t > math.pi:
         return t > 0.0
     slope, bend = f1 + t * (f2 * c[1] + f3 * t * c[2]), f2 * c[0] + f3 * t * c[1]

@@ -122,13 +122,7 @@ class Along(NamedTuple):
 
 
 class Follower:
-    """Room and numbers to trace returns of one toy and to follow their paths.
-
-    Parameters
-    ----------
-    numbers, change, seed
-        As :func:`woodpecker.simulation.calls.sweep` takes them; ``seed`` is (1, 3).
-    """
+    """Room and numbers, as of ``sweep``, to trace returns of one toy and to follow their paths."""
 
     def __init__(self, numbers: Floats, change: Floats = FIXED, seed: Floats | None = None) -> None:
         self.numbers, self.change = numbers, change
@@ -147,10 +141,7 @@ class Follower:
         announce(calls.compute)
 
     def trace(self, phi_s: float) -> tuple[Status, Path, float]:
-        """Let the toy go from the section at phi_S [rad]: what happens until it returns, and where.
-
-        The image is nan if it does not return.
-        """
+        """Status, path and image (nan if lost) of the return from the section at phi_S [rad]."""
         z, counts = self._z, self._counts
         z[:], counts[:], self._states[:] = 0.0, 0, (0, 1, 0)
         z[1], z[2] = -self.numbers[CONTACT + 1, LIMIT], phi_s
@@ -172,13 +163,7 @@ class Follower:
         return status(code), path, float(z[2]) if code == RETURNED else math.nan
 
     def follow(self, path: Path, phi_s: float, times: Floats | None = None) -> Along | None:
-        """The return from phi_S [rad] along a path; None if the path does not reach so far.
-
-        Parameters
-        ----------
-        times
-            Durations of the phases at a neighbouring start; by default those of the path.
-        """
+        """The return from phi_S [rad] along a path, or None; ``times`` are those of a neighbour."""
         self.evaluations += max(1, len(path.steps) // PHASES)
         times = (path.times if times is None else times).copy()
         if self._notes.shape[1] < margins.MOST * len(times):
@@ -199,10 +184,7 @@ class Follower:
 
 
 def _shortened(path: Path) -> Path:
-    """A path in which of equal bounces that accumulate only the first is left.
-
-    How many there are until the rest is summed makes no other map.
-    """
+    """A path with only the first of equal bounces that accumulate, of any number."""
     steps = path.steps
     kept = np.ones(len(steps), dtype=bool)
     same = (steps[1:] == steps[:-1]).all(axis=1)

@@ -80,8 +80,6 @@ class ReturnMap:
     --------
     >>> from woodpecker import Toy, return_map
     >>> found = return_map(Toy(), [-1.0, -0.8, -0.6])
-    >>> found.phi_s.round(9).tolist()
-    [-0.364324882, -0.491027576, -0.479415128]
     >>> [status.success for status in found.status], len(set(found.words))
     ([True, True, True], 3)
     """
@@ -99,7 +97,6 @@ class ReturnMap:
         return len(self.start)
 
     def __repr__(self) -> str:
-        """How many starts, where, with how many words, and what became of them."""
         where = f" from {span(self.start)}" if len(self) else ""
         outcomes = tally(reason.name.lower() for reason in self.status)
         return (
@@ -160,25 +157,20 @@ def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
     -------
     Return
         Image P_j(phi_S) [rad], slope [-], period [s], drop [m], word and status. A toy that does
-        not return has the image nan, and its status says why: nothing is raised.
+        not return has the image nan, and its status says why.
 
     Raises
     ------
-    TypeError
-        If ``toy`` is none.
-    ValueError
-        If phi_s is not one number, not finite or beyond the beak's contact, the order is no whole
-        number from 1 to 100 000, or doubles cannot hold the equations of motion.
+    TypeError, ValueError
+        If ``toy`` is none, phi_s is not one finite number or lies beyond the beak's contact, the
+        order is no whole number from 1 to 100 000, or doubles cannot hold the equations of motion.
 
     Examples
     --------
     >>> from woodpecker import Toy, first_return
-    >>> back = first_return(Toy(), -0.53)
-    >>> print(f"{back.phi_s:.12f} rad, slope {back.slope:.6f}, {back.word}")
-    -0.529030291969 rad, slope -0.833817, S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2
     >>> twice = first_return(Toy(), -0.53, order=2)
-    >>> print(f"{twice.phi_s:.9f} rad, {twice.slope:.6f}")
-    -0.529843646 rad, 0.703689
+    >>> print(f"{twice.phi_s:.9f} rad, slope {twice.slope:.6f}")
+    -0.529843646 rad, slope 0.703689
     """
     instance("toy", toy, Toy)
     start = np.array([number("phi_s", phi_s)])
@@ -193,13 +185,7 @@ def first_return(toy: Toy, phi_s: float, order: int = 1) -> Return:
 def return_map(
     toy: Toy, phi_s: npt.ArrayLike, order: int = 1, *, executor: Executor | None = None
 ) -> ReturnMap:
-    """P_order of the toy at many starts, on all cores; see :func:`woodpecker.return_map`.
-
-    Raises
-    ------
-    TypeError, ValueError
-        As there.
-    """
+    """P_order of the toy at many starts, on all cores; see :func:`woodpecker.return_map`."""
     starts, order = checked_starts(toy, phi_s), whole("order", order, most=ORDER_MOST)
     chunk = chunk_of(order)
     parts = [starts[k : k + chunk] for k in range(0, len(starts), chunk)] or [starts]
@@ -279,10 +265,8 @@ def _chunk(toy: Toy, starts: Floats, order: int) -> ReturnMap:
 
 
 def _differ_from_above(toy: Toy, starts: Floats, order: int, out: Floats, codes: Ints) -> None:
-    """Fill in derivatives in eps_N1 where it is zero and a larger one would make the beak bounce.
-
-    By a one-sided difference of second order: the bounces are not in the flow that is followed.
-    """
+    """Fill in derivatives in eps_N1 at zero, where a larger one would make the beak bounce."""
+    # By a one-sided difference of second order: the bounces are not in the flow that is followed.
     rows = np.flatnonzero((codes == RETURNED_NO_SLOPE) & np.isfinite(out[:, SLOPE]))
     if len(rows):
         here, steps = out[rows, 0], (RELATIVE_STEP, 2.0 * RELATIVE_STEP)

@@ -5,9 +5,9 @@ time that goes through zero with f_m, and there m + 1 roots of f meet. The *defl
 
     g(t) = f(t) / t^m,    m the number of leading derivatives that are exactly zero,
 
-has only that root, with g' != 0: Newton's method follows it to t = 0 and on to negative times.
-With s_k = t^k c_k, ds_k/dt = s_(k-1) and c_k = 1/k! + x c_(k+2), x = kappa t^2, all derivatives of
-g are sums of Stumpff's functions in which nothing is divided by t.
+has only that root, with g' != 0: Newton's method follows it to t = 0 and on to negative times. With
+s_k = t^k c_k, ds_k/dt = s_(k-1) and c_k = 1/k! + x c_(k+2), x = kappa t^2, all derivatives of g are
+sums of Stumpff's functions in which nothing is divided by t.
 """
 
 from __future__ import annotations
@@ -88,10 +88,8 @@ def deflated_change(order: int, f2: float, f3: float, t: float, c: Ratios) -> tu
 def root_near(
     order: int, f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, t: float
 ) -> float:
-    """Root of a deflated guard near a time, by Newton's method; nan if that finds none.
-
-    The root may lie before the phase begins: there two events have changed places.
-    """
+    """Root of a deflated guard near a time, by Newton's method; nan if that finds none."""
+    # The root may lie before the phase begins: there two events have changed places.
     previous = 0.0
     for _ in range(NEWTON):
         if omega * abs(t) > (FARTHEST if kappa > 0.0 else CLOCK / EPSILON):
@@ -124,12 +122,10 @@ def inflection(f2: float, f3: float, omega: float, t: float) -> float:
 def root_at_inflection(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, t: float
 ) -> float:
-    """Root of an oscillating guard near an inflection where it hardly falls; nan if it is not so.
-
-    Where the slope at the inflection vanishes with the guard three roots meet, and Newton's method
-    stalls. In the time s from the inflection, f = F_0 + F_1 s + F_3 s^3 c_3: if F_1 and F_3 have
-    the same sign, Newton's method from outside, F_1 or F_3 left out, is monotone.
-    """
+    """Root of an oscillating guard near an inflection where it hardly falls; nan if it is none."""
+    # Where the slope at the inflection vanishes with the guard three roots meet, and Newton's
+    # method stalls. In the time s from the inflection, f = F_0 + F_1 s + F_3 s^3 c_3: if F_1 and
+    # F_3 have the same sign, Newton's method from outside, F_1 or F_3 left out, is monotone.
     at = inflection(f2, f3, omega, t)
     if omega * abs(t - at) > NEAR:
         return math.nan

@@ -24,9 +24,7 @@ class Status(Enum):
 
     Examples
     --------
-    >>> from woodpecker import Toy, Status, first_return
-    >>> first_return(Toy(), -0.53).status is Status.RETURNED
-    True
+    >>> from woodpecker import Status
     >>> Status.FREE_FALL.value, Status.FREE_FALL.success
     ('free fall: the toy slides or falls along the pole for ever', False)
     """

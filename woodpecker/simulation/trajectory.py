@@ -142,14 +142,10 @@ class Trajectory:
     t, q, u
         Samples: times (n,), coordinates (n, 3) and velocities (n, 3). Event times occur twice,
         with the velocities before and after.
-    events
-        In order of time; events of one instant keep the order of cause and effect.
-    word
-        The symbols of the events.
-    status
-        Why the run ended.
-    t_end
-        Time at which it ended [s].
+    events, word
+        In order of time, those of one instant in the order of cause and effect; their symbols.
+    status, t_end
+        Why the run ended, and when [s].
     drop
         Distance fallen [m]; infinite if the toy falls for ever.
 
@@ -157,8 +153,6 @@ class Trajectory:
     --------
     >>> from woodpecker import Toy, simulate
     >>> motion = simulate(Toy(), -0.53, t_end=0.15)
-    >>> motion.word
-    'S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2'
     >>> q, u = motion.at(0.05)  # exact at any time
     >>> q.round(9).tolist()  # y, phi_M, phi_S
     [-0.002904165, 0.103448276, 0.107294589]
@@ -178,20 +172,17 @@ class Trajectory:
     def at(self, t: npt.ArrayLike, *, left: bool = False) -> tuple[Floats, Floats]:
         """Exact coordinates and velocities, shapes (..., 3), at times in [0, t_end].
 
-        At an event the velocities are those after it.
-
         Parameters
         ----------
         t
             Times [s], of any shape.
         left
-            Whether an event shows its velocities before it.
+            Whether an event shows its velocities before it, and not after it.
 
         Returns
         -------
         q, u
-            (y, phi_M, phi_S) [m, rad, rad] and their rates [m/s, rad/s, rad/s], each of shape (...,
-            3).
+            (y, phi_M, phi_S) [m, rad, rad] and their rates [m/s, rad/s, rad/s].
 
         Raises
         ------
@@ -209,7 +200,6 @@ class Trajectory:
         return out[:, :3].reshape(shape), out[:, 3:6].reshape(shape)
 
     def __repr__(self) -> str:
-        """How long, how far, with which events, and why it ended."""
         return (
             f"Trajectory(t_end={self.t_end:.6g}, drop={self.drop:.6g}, "
             f"{counted(len(self.t), 'sample')}, {counted(len(self.events), 'event')} "
@@ -295,16 +285,14 @@ def simulate(
     Returns
     -------
     Trajectory
-        The exact motion, its events and word. It ends before ``t_end`` where the toy falls off the
-        pole or the contact laws leave open what follows; the status says so.
+        It ends before ``t_end`` where the toy falls off the pole or the contact laws leave open
+        what follows; the status says so.
 
     Raises
     ------
-    TypeError
-        If ``toy`` is none.
-    ValueError
-        If the start is neither a number nor a state or penetrates a contact, t_end is not positive
-        and finite, or there are fewer than 2 samples or no events to be followed.
+    TypeError, ValueError
+        If ``toy`` is none, the start is neither a number nor a state or penetrates a contact, t_end
+        is not positive and finite, or there are fewer than 2 samples or no events to be followed.
 
     Examples
     --------
@@ -370,8 +358,6 @@ class EnergyBalance:
     >>> from woodpecker import Toy, simulate
     >>> from woodpecker.simulation import energy_balance
     >>> balance = energy_balance(simulate(Toy(), -0.53, t_end=0.1))
-    >>> f"{1e6 * balance.friction:.4f} {1e6 * balance.impacts:.4f}"  # micro-joule, lost
-    '83.2612 125.1273'
     >>> abs(balance.residual) < 1e-12 * balance.largest
     True
     """
@@ -406,10 +392,9 @@ def energy_balance(trajectory: Trajectory) -> EnergyBalance:
 
     Raises
     ------
-    TypeError
-        If ``trajectory`` is none.
-    ValueError
-        If an energy overflows, or the spring swings too often while a contact slides.
+    TypeError, ValueError
+        If ``trajectory`` is none, an energy overflows, or the spring swings too often while a
+        contact slides.
 
     Examples
     --------

@@ -3,14 +3,11 @@
 A symbol is a kind and its contacts: ``I3`` an impact, ``I1+3`` one in which contacts 1 and 3 take
 part, ``D3`` a detachment, ``S2`` slip starts, ``J2`` sticking or jamming starts, ``R2`` slip
 reverses, ``C1`` impacts accumulated until contact 1 closed. ``I~1+3`` is an impact whose impulses
-the contact laws do not fix (:mod:`woodpecker.mechanics.impacts`). ``|`` separates the returns of
-P_j.
-
-In an impact a contact slides through compression and expansion unless letters behind its number say
-otherwise: ``s`` sticks, ``f`` separates; after ``-`` the same of the expansion, where ``r`` is a
-contact that stays although it stores impulse, or leaves although it stores none. So ``I3s`` sticks
-at the end of the compression, ``I1-s`` at the end of the expansion. With these letters a return
-map is smooth where its word is constant.
+the contact laws do not fix. ``|`` separates the returns of P_j. In an impact a contact slides
+through compression and expansion unless letters behind its number say otherwise: ``s`` sticks,
+``f`` separates; after ``-`` the same of the expansion (``I1-s``), where ``r`` is a contact that
+stays although it stores impulse, or leaves although it stores none. With these letters a return map
+is smooth where its word is constant.
 """
 
 from __future__ import annotations
