@@ -1,7 +1,7 @@
-"""What is assumed of the parameters of a map, and the signs that follow from it.
+"""Assumptions on the parameters of a map, and the signs that follow from them.
 
 Assumptions are polynomial inequalities. The sign of a polynomial is *proved* over all values they
-admit, or reported as undecided: a sample decides nothing by itself.
+admit, or undecided: a sample decides nothing.
 """
 
 from __future__ import annotations
@@ -71,10 +71,9 @@ class AssumedRegion(Portable):
         return next(self.samples())
 
     def samples(self, coefficients: Sequence[Number] = ()) -> Iterator[dict[str, Number]]:
-        """Different values that satisfy all inequalities: first plain ones, then generic ones.
+        """Values that satisfy all inequalities, plain ones first; ValueError if there are none.
 
-        Coefficients of a map tell its parameters apart where the inequalities do not. ValueError if
-        there are none.
+        The coefficients of a map tell its parameters apart where the inequalities do not.
         """
         if self.ring is None:
             yield {}
@@ -89,10 +88,7 @@ class AssumedRegion(Portable):
         return tuple(list(values.values()) for values in islice(self.samples(), 1, 1 + WITNESSES))
 
     def sign(self, polynomial: Number) -> int:
-        """The one sign of a polynomial over the region.
-
-        UndecidedError if it is not proved to have one.
-        """
+        """The sign of a polynomial over the region; UndecidedError if none is proved."""
         if is_constant(polynomial):
             return sign(constant(polynomial))
         found = possible_signs(polynomial, self.constraints, lambda: self._witnesses)
@@ -128,7 +124,7 @@ class AssumedRegion(Portable):
 
 
 def read_constraints(given: Iterable[Term], ring: Ring) -> tuple[Constraint, ...]:
-    """Inequalities from relations and conjunctions of them, and from what symbols assume.
+    """Inequalities from relations, their conjunctions, and the assumptions of symbols.
 
     ValueError if one is no inequality between quotients of polynomials in the parameters.
     """

@@ -1,8 +1,7 @@
-"""Polynomials in two parameters: what is needed to follow the real roots in one over the other.
+"""Polynomials in two parameters: the real roots in one, followed over the other.
 
-The roots of a polynomial in one parameter are continuous functions of the other one, and keep their
-order, as long as neither its leading coefficient nor its discriminant is zero. They do not meet
-those of another polynomial as long as the resultant of both is not zero.
+They are continuous and keep their order while neither the leading coefficient nor the discriminant
+vanishes, and do not meet those of another polynomial while the resultant does not.
 """
 
 from __future__ import annotations
@@ -49,9 +48,9 @@ def divides(factor: PolyElement, polynomial: PolyElement) -> bool:
 
 @lru_cache(maxsize=65536)
 def resultant(first: PolyElement, second: PolyElement, index: int) -> PolyElement:
-    """The resultant with respect to one parameter: zero just where both have a common root.
+    """The resultant in one parameter, up to a constant: zero where both have a common root.
 
-    It is also zero where both leading coefficients are. Its multiples by constants do as well.
+    It is also zero where both leading coefficients are.
     """
     if degree_in(first, index) > degree_in(second, index):
         first, second = second, first

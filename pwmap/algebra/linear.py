@@ -1,8 +1,7 @@
 """Exact linear programming over the integers: Farkas' lemma as a function.
 
-Some vectors either combine to a target with nonnegative weights, or a vector separates them from
-it. Either is found by the simplex method on integers with one common denominator, so that no
-rational number is ever reduced and no float decides.
+Either some vectors combine to a target with nonnegative weights, or a vector separates them from
+it. The simplex method finds either, on integers over one common denominator.
 """
 
 from __future__ import annotations
@@ -29,10 +28,7 @@ class Separation:
 
 
 def combination(columns: Sequence[Vector], target: Vector) -> Combination | Separation:
-    """Nonnegative weights that combine columns to a target, or why there are none.
-
-    Columns are vectors of integers, all as long as the target.
-    """
+    """Nonnegative weights of the integer columns that give the target, or a separating vector."""
     tableau = _Tableau(columns, target)
     while (column := tableau.entering()) is not None:
         tableau.pivot(tableau.leaving(column), column)
@@ -42,8 +38,8 @@ def combination(columns: Sequence[Vector], target: Vector) -> Combination | Sepa
 class _Tableau:
     """Rows (columns | units | target) of the first phase, over one common denominator.
 
-    An artificial variable for each row makes up what the columns miss of the target; their sum is
-    made smaller until no column helps. The last row holds the reduced costs, and minus that sum.
+    An artificial variable in each row makes up the difference to the target. Their sum is
+    minimised; the last row holds the reduced costs, and minus that sum.
     """
 
     def __init__(self, columns: Sequence[Vector], target: Vector) -> None:

@@ -1,12 +1,9 @@
-"""Rational points of the region that some inequalities admit, and whether there is one.
+"""Rational points of the region that some inequalities admit, or that there are none.
 
-First an *interior* is sought: linear inequalities by linear programming, others by an open
-cylindrical decomposition. Both are complete. Where all inequalities cannot be strict at once, those
-that must be equations are solved for a parameter. Inside an interior points are moved along one
-parameter after the other, as far as the inequalities allow, which is exact too.
-
-Points depend on the order in which the parameters are listed (:func:`ranked`), but not
-on their names, nor on the order of the inequalities.
+A point of its *interior* comes from linear programming, or from an open cylindrical decomposition;
+both are complete. Inequalities that cannot be strict together are solved for a parameter. More
+points lie along one parameter after the other. They depend on the order of the parameters
+(:func:`ranked`), not on names or the order of inequalities.
 """
 
 from __future__ import annotations
@@ -76,7 +73,7 @@ class Interior:
 def points(
     ring: Ring, constraints: Sequence[Constraint], order: Sequence[int]
 ) -> Iterator[list[Number]]:
-    """Values of all parameters that satisfy the constraints: first plain ones, then generic ones.
+    """Values of all parameters that satisfy the constraints, plain ones first.
 
     EmptyRegionError if there are none.
     """
@@ -254,8 +251,8 @@ def _linear_point(
 ) -> dict[int, Number] | list[Constraint]:
     """A point at which linear inequalities hold strictly, or some that then contradict each other.
 
-    With the rows of coefficients, constants and ones as columns, weights that add up to (0, 0, 1)
-    are a contradiction [Motzkin1936]; what separates them from it is a point.
+    The columns are coefficients, constants and ones. Weights that give (0, 0, 1) are a
+    contradiction [Motzkin1936]; otherwise the separating vector is a point.
     """
     columns = []
     for constraint in constraints:
@@ -281,10 +278,9 @@ def _linear_point(
 def ranked(
     ring: Ring, constraints: Sequence[Constraint], coefficients: Sequence[Number] = ()
 ) -> list[int]:
-    """The parameters in an order that depends on what they do, and on names only as a last resort.
+    """The parameters in an order by the terms they occur in; by name only as a last resort.
 
-    Each gets a rank by the terms in which it occurs, then by those of the parameters it occurs
-    with, and so on.
+    Ranks are refined by those of the parameters each occurs with.
     """
     ranks = [0] * len(ring.gens)
 

@@ -1,11 +1,9 @@
 """Which signs a polynomial can take where some inequalities hold: proofs, no samples.
 
-In one parameter the proof is complete: real roots cut the line. So it is for linear polynomials
-over linear inequalities, by linear programming. For others a polynomial of degree one in a
-parameter is bounded by its values at the bounds of that parameter, one parameter after the other;
-and where that leaves a sign open, its opposite is refuted by products of inequalities that add up
-to less than zero. A proof never claims too much, but may miss a sign that needs more than that.
-Nothing depends on the names of the parameters, or on the order of the inequalities.
+They are complete in one parameter (real roots), and for linear polynomials over linear inequalities
+(linear programming). Otherwise a polynomial of degree one in a parameter is bounded by its values
+at the bounds of that parameter, and the opposite of an open sign is refuted by products of
+inequalities with a negative sum. A sign may then remain unproved.
 """
 
 from __future__ import annotations
@@ -40,9 +38,9 @@ LIMIT = 200  # of the products of one refutation: beyond, linear programs take s
 def possible_signs(
     polynomial: PolyElement, constraints: Constraints, points: Callable[[], Iterable[Point]] = tuple
 ) -> Signs:
-    """A set that holds every sign the polynomial takes where the constraints hold.
+    """A superset of the signs of a polynomial where the constraints hold.
 
-    What some points show that satisfy the constraints need not be refuted.
+    Signs at the points, which satisfy the constraints, are taken without a proof.
     """
     return _product_signs(
         polynomial, lambda factor: _fully(factor, connected(constraints, variables(factor)), points)
@@ -152,9 +150,9 @@ def without_implied(constraints: Sequence[Constraint], kept: int) -> list[Constr
 
 
 def contradictory(constraints: Sequence[Constraint]) -> bool:
-    """Whether inequalities, times nonnegative numbers, add up to a false one.
+    """Whether nonnegative multiples of inequalities add up to a false one.
 
-    For linear inequalities that is so just if no point satisfies all of them [Motzkin1936].
+    For linear inequalities that is so if and only if no point satisfies all [Motzkin1936].
     """
     monomials = sorted({m for c in constraints for m in c.polynomial.monoms()})
     place = {monomial: i for i, monomial in enumerate(monomials)}
@@ -248,10 +246,10 @@ def _refuted_signs(factor: PolyElement, constraints: Constraints, seen: set[int]
 
 @cache
 def _is_refuted(claim: Constraint, constraints: Constraints) -> bool:
-    """Whether products of a claim and of what is known add up to less than zero.
+    """Whether products of the claim and of known inequalities add up to less than zero.
 
-    Products of inequalities, as many at once as their degree allows, and squares of monomials and
-    of their sums and differences, which are never negative.
+    The products have as many factors as their degree allows, times squares of monomials and of
+    their sums and differences, which are never negative.
     """
     known = (claim, *constraints)
     top = max(2, *(total_degree(c.polynomial) for c in known))

@@ -44,10 +44,9 @@ class ClaimedStretch(NamedTuple):
 
 
 class ClaimedEnd(NamedTuple):
-    """What ends at an edge: a stretch and on which side it lies, 0 if it exists at the edge alone.
+    """A stretch that ends at an edge, and on which side it lies; 0 if it exists at the edge alone.
 
-    A fixed point that ``passes`` is there on both sides and at the edge, and attracts at all of
-    them or at none.
+    A fixed point that ``passes`` exists on both sides and at the edge, with the same stability.
     """
 
     stretch: ClaimedStretch
@@ -135,7 +134,7 @@ class ClaimedDiagram:
     def verify(self) -> None:
         """Whether everything claimed exists and, but for the first and last edge, nothing else.
 
-        A stretch may end only where what it says ends: so stretches are those of one list alone.
+        A stretch may end only where its object ends, so that the list of stretches is unique.
         """
         for same in self._things.values():
             for one, other in pairwise(sorted(same, key=lambda s: s.first)):
@@ -187,9 +186,9 @@ class ClaimedDiagram:
         return self._found[i, n][kind]
 
     def ends(self, edge: int) -> list[ClaimedEnd]:
-        """What ends at an edge, or exists nowhere else, and fixed points that pass beside it.
+        """What ends at an edge, or exists there alone, and the fixed points that pass there.
 
-        What exists before, at and after the edge decides, not where a list cuts it.
+        That is decided by what exists before, at and after it, not by where a list cuts.
         """
         if edge not in self._ends:
             things = self._things.values()

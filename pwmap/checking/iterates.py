@@ -21,9 +21,9 @@ class IterateValue(NamedTuple):
 class Atom(NamedTuple):
     """An open interval, or a point, whose points visit the same pieces.
 
-    ``left`` and ``right`` are the limits of the iterate at its ends, None where these are infinite,
-    or twice the value at the point. A point is the preimage of a break along the first letters of
-    its word: ``cut`` holds the index of the break and the number of letters.
+    ``left`` and ``right`` are the limits of the iterate at its ends, None if infinite, or twice the
+    value at the point. ``cut`` of a point holds the index of a break and how many letters lead
+    there.
     """
 
     word: str
@@ -33,7 +33,7 @@ class Atom(NamedTuple):
 
 
 class Map(NamedTuple):
-    """Affine pieces, and which of them each break and each open interval between breaks belongs to.
+    """Affine pieces, and to which each break and each open interval between breaks belongs.
 
     Slopes, intercepts and breaks are numerators over one denominator.
     """
@@ -264,8 +264,8 @@ class CheckedIterate:
     def _at_point(self, low: Atom | None, atom: Atom, high: Atom | None) -> Fixed:
         """A fixed point with an interval on either side.
 
-        It attracts if the iterate is continuous there, with slopes m and n on both sides such that
-        m < 1, n < 1 and m n < 1: a positive slope keeps its side, two negative ones take turns.
+        It attracts if the iterate is continuous there, and its slopes m, n on both sides satisfy m
+        < 1, n < 1 and m n < 1: a positive slope keeps its side, two negative ones alternate.
         """
         assert low is not None
         assert high is not None

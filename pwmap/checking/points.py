@@ -14,10 +14,7 @@ from pwmap.checking.refusing import ROWS, STEP, digits, refuse
 
 
 class Point:
-    """All that ends at one edge and one x, and what kind of special point that is.
-
-    With n the least order of the fixed points there, only ends of that order count, but for notes.
-    """
+    """All that ends at one edge and one x; the ends of least order decide its kind."""
 
     def __init__(
         self, diagram: ClaimedDiagram, edge: int, ends: Sequence[ClaimedEnd], *, infinite: bool
@@ -135,10 +132,10 @@ class Point:
         return {"word": word, "side": end.side, "vanishing": vanishing_text, "simple": simple}
 
     def _signs(self) -> list[int] | None:
-        """Of a branch x and a jump of its iterate that end together: the signs of fold-or-not.
+        """The signs that decide between persistence and fold of a branch at a jump of its iterate.
 
         These are the side of the border on which the branch lies, 1 minus its slope, and the other
-        limit minus x. None if other branches end there too, or a sign is zero.
+        limit minus its x. None if other branches end there too, or a sign is zero.
         """
         kinds = [end.is_fixed for end in self.beside]
         if sorted(kinds) != [False, True] or len(self.own) > 2:
@@ -165,10 +162,10 @@ def is_special(ends: Sequence[ClaimedEnd]) -> bool:
 
 
 def verified_points(diagram: ClaimedDiagram, rows: Sequence[object]) -> list[str]:
-    """Verify the special points; texts that name them.
+    """Verify the special points; returns texts that name them.
 
-    Every end of fixed points inside must be that of one of them; at each of them fixed points end,
-    or an interval of them that exists at the edge alone.
+    Each end of fixed points inside belongs to one of them, and fixed points end at each, or an
+    interval of them that exists at the edge alone.
     """
     inner = range(1, len(diagram.edges) - 1)
     left = {

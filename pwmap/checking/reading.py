@@ -121,7 +121,7 @@ def pair(value: object) -> list[Any]:
 def number(value: object, work: Effort) -> Number:
     """A rational number, or the only root of a polynomial in an open interval.
 
-    The polynomial must change its sign there, so that its sign tells on which side a number lies.
+    The polynomial must change its sign there: its sign says on which side a number lies.
     """
     if isinstance(value, str):
         x = rational(value)

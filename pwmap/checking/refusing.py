@@ -40,18 +40,10 @@ class Refused(ValueError):  # noqa: N818  it is no error of the program
 
 
 class Effort:
-    """How much may still be done for one certificate.
+    """The work that is left for one certificate, and results that are asked for again (``known``).
 
-    Whatever computes says what it is going to take before it does, by the number and the length of
-    the integers; whatever is kept for later is paid for by its size. So neither time nor memory has
-    another bound, and every machine refuses the same files.
-
-    Attributes
-    ----------
-    left
-        Of the work that is allowed.
-    known
-        Results that are asked for again and again; they are kept as everything is.
+    Each computation states its cost first, by the number and length of integers; what is kept costs
+    its size. So time and memory are bounded, and every machine refuses the same files.
     """
 
     def __init__(self, work: int = WORK) -> None:

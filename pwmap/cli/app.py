@@ -142,10 +142,9 @@ def analyse(
 
 @dataclass
 class _Kept:
-    """The diagram up to the orders that are completed, and its files, both made as each is.
+    """The diagram up to the completed orders, and its files, both made as each order is.
 
-    Of many orders that takes as long as the orders themselves, and who has pressed Ctrl-C would not
-    wait for it.
+    After Ctrl-C they are there at once: for many orders making them takes as long as the orders.
     """
 
     about: dict[str, object]

@@ -123,10 +123,7 @@ def _computed(
     budget: Budget,
     interrupts: list[bool],
 ) -> tuple[ParameterPlane, PlaneRaster | None]:
-    """The plane, with curves of crises if asked for, and what attracts on a raster.
-
-    After Ctrl-C nothing else is begun.
-    """
+    """The plane, with curves of crises if asked for, and a raster of attractors; until Ctrl-C."""
     from pwmap import parameter_plane
     from pwmap.plane import plane_raster, with_crises
     from pwmap.plane.crisiscurves import SEARCH

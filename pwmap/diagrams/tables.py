@@ -22,9 +22,7 @@ FILES = ("points.csv", "branches.csv", "graph.graphml", "graph.json", "diagram.j
 def write_results(diagram: Diagram, folder: Path) -> None:
     """Write tables of points and branches, the graph, and the diagram itself: :data:`FILES`.
 
-    Exact values, where a diagram has them, stand as text beside the floats; what was observed along
-    branches has columns of its own, empty where a branch has no such value. The last file holds
-    all, for :func:`pwmap.load_diagram`.
+    Exact values stand as text beside the floats; a column is empty where a branch lacks it.
     """
     for name, content in results_as_bytes(diagram).items():
         write_whole(folder / name, content)
@@ -129,10 +127,7 @@ def table_of_branches(diagram: Diagram) -> Table:
 
 
 def short(value: object, most: int = LONGEST) -> str:
-    """Text for people: what is longer than a few lines keeps its beginning and its end.
-
-    The files of :func:`write_results` hold it in full.
-    """
+    """Text for people: the beginning and the end of what is longer than a few lines."""
     text = str(value)
     if len(text) <= most:
         return text

@@ -154,10 +154,7 @@ def _graph(diagram: Diagram, points: Table) -> tuple[Table, Table]:
 
 
 def _layout(points: Table) -> Floats:
-    """Places (n, 2) in the unit square: the order of the diagram is kept, distances are evened out.
-
-    So left is left there, and what has one height there has one height here.
-    """
+    """Places (n, 2) in the unit square, in the order of the diagram with distances evened out."""
     places = np.column_stack([points["x"], points["y"]]).astype(float).reshape(-1, 2)
     return np.column_stack([_evened(column) for column in places.T]).reshape(-1, 2)
 

@@ -84,10 +84,9 @@ def set_range(axis_range: Any, low: float, high: float) -> None:
 
 
 def keep_in(axis_range: Any, low: float, high: float, *, moving: bool) -> None:
-    """Show an interval; while a slider moves only if it has outgrown what is shown, or shrunk.
+    """Show an interval; while a slider moves, only if it has outgrown the axis, or shrunk much.
 
-    An axis that moves is laid out anew, which costs more than its curves: where the interval has
-    outgrown it there is room for what comes next.
+    Moving an axis costs more than drawing its curves, so one that was outgrown gets spare room.
     """
     if moving:
         start, end = axis_range.start, axis_range.end
@@ -100,11 +99,7 @@ def keep_in(axis_range: Any, low: float, high: float, *, moving: bool) -> None:
 
 
 def patch(table: ColumnDataSource, /, **columns: Any) -> None:
-    """Put new columns into a table, all at once.
-
-    Each array goes in a message of its own, so short ones go as lists, and nothing that is empty
-    and was empty goes at all.
-    """
+    """Put new columns into a table at once: short arrays as lists, and no empty ones again."""
     if any(map(len, columns.values())) or any(map(len, table.data.values())):
         table.data = {
             name: values.tolist() if isinstance(values, np.ndarray) and values.size < SHORT

@@ -40,10 +40,7 @@ OF_CURVE = "<div class='tip'><b>@name</b> @tip</div>"
 
 
 class MapTab(Tab[MapState]):
-    """One tab of a piecewise-linear map.
-
-    A reset goes back to the first state.
-    """
+    """One tab of a piecewise-linear map; a reset goes back to the first state."""
 
     def __init__(self, state: MapState, first: MapState) -> None:
         self.first = first

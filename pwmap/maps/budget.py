@@ -1,12 +1,8 @@
 """How much may be computed, how far a computation is, and how it ends early.
 
-A *budget* is what a caller allows: limits, which are counts, so that every machine gives the same
-answer, whom to tell, and whether an interrupt keeps what is finished. A call makes a *meter* of it,
-hands that down to whatever loops, and each loop notes its work there before it does it. So no part
-needs limits of its own; where one is reached, the outermost loop keeps the parts that are finished,
-and the result says what is missing. The meter is an argument and no state of the module or of a
-context: a signature says what is metered, a test can hand over a small one, and results that
-compute when they are asked, long after the call, still have theirs.
+A call makes a *meter* of its *budget* and hands it down; each loop notes its work there before it
+does it. At a limit or an interrupt the outermost loop keeps the parts that are finished, and the
+result says what is missing. The meter is an argument, no global state: lazy results keep theirs.
 """
 
 from __future__ import annotations
@@ -29,12 +25,9 @@ class Advance(NamedTuple):
 
     Attributes
     ----------
-    what
-        What is counted, such as ``"columns"``; empty before anything is.
-    done
-        How many of them are finished.
-    total
-        How many there are; 0 if that is not known in advance.
+    what, done, total
+        What is counted, such as ``"columns"`` (empty before anything is), and how many of how many
+        are finished; the total is 0 if it is not known in advance.
     work
         That was done so far, as :class:`pwmap.Budget` counts it.
 
@@ -61,38 +54,34 @@ NOTHING = Advance("", 0, 0, 0)
 class Budget:
     """What a call may take, whom it tells how far it is, and what an interrupt does.
 
-    Limits are counts, so that they are the same on every machine. Where one is reached the call
-    returns what is finished, and the result says what is not; if nothing is, or a part of the
-    result would be wrong, it raises :class:`BudgetError`.
+    At a limit the call returns what is finished, and the result says what is not; if nothing is, or
+    a part of the result would be wrong, it raises :class:`BudgetError`. Limits are counts, the same
+    on every machine; the default ones allow about a minute.
 
     Attributes
     ----------
     pieces
-        Of one iterate of a map; of a diagram, of all iterates in all cells together. So many take
-        about a minute and half a gigabyte.
+        Of one iterate of a map; of a diagram, of all iterates in all cells together, in about half
+        a gigabyte.
     letters
-        Of a word. What follows a word takes time in proportion to its square.
+        Of a word, which takes time in proportion to its square.
     work
-        Exact operations, weighted by the length of their numbers, see :func:`cost`. So many take
-        about a minute.
+        Exact operations, weighted by the length of their numbers, see :func:`cost`.
     seconds
         None for no limit; with one, what is finished depends on the machine.
     progress
         Is called with a :class:`pwmap.maps.Advance` at once, some times a second, and after each
         part.
     on_interrupt
-        Is called at Ctrl-C, after which what is finished is returned; by default nothing is, and
+        Is called at Ctrl-C, after which what is finished is returned; by default
         ``KeyboardInterrupt`` is raised.
 
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, Budget, bifurcation_diagram
-    >>> p1 = PiecewiseLinearMap.from_sympy(
-    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
-    ... )
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
     >>> few = Budget(pieces=40)
-    >>> diagram = bifurcation_diagram(p1.at({"a": "5/4"}), "r", (-1, 4), range(1, 9), budget=few)
-    >>> diagram.given
+    >>> bifurcation_diagram(p1, "r", (-1, 4), range(1, 9), budget=few).given
     ('stopped after orders 1..2: order 3 takes more than 40 pieces in all cells',)
     """
 
@@ -132,25 +121,15 @@ class BudgetError(ValueError):
 
 
 def cost(bits: int) -> int:
-    """The work of one operation upon rationals whose parts have together so many bits.
+    """The work of one operation on rationals with so many bits: 1 for short ones, a microsecond.
 
-    That of short ones is 1, about a microsecond; long ones take time in proportion to their length,
-    and very long ones, whose common divisors are sought, to its square.
-
-    Examples
-    --------
-    >>> from pwmap.maps.budget import cost
-    >>> [cost(bits) for bits in (10, 1000, 10_000, 100_000)]
-    [1, 9, 440, 38807]
+    It grows in proportion to the length and, where common divisors are long, to its square.
     """
     return 1 + bits // 128 + (bits // 512) ** 2
 
 
 class Meter:
-    """What a call has used of a budget.
-
-    A call that is part of another one takes the meter of that one in place of a budget, and both
-    have one limit.
+    """What a call has used of a budget; a call inside another one takes its meter as a budget.
 
     Parameters
     ----------
@@ -191,18 +170,7 @@ class Meter:
         self._tell()
 
     def spend(self, work: int) -> None:
-        """Take note of work that is about to be done.
-
-        Parameters
-        ----------
-        work
-            As :func:`cost` weighs it.
-
-        Raises
-        ------
-        BudgetError
-            If that is more than is left.
-        """
+        """Note work, as :func:`cost` weighs it, before it is done; BudgetError if too much."""
         self.work += work
         if self.work >= self._next:
             self._look()
@@ -224,7 +192,7 @@ class Meter:
         return next((loop for loop in self._loops if loop.what), NOTHING)
 
     def advance(self, what: str, done: int, total: int = 0) -> None:
-        """Take note of how many parts are finished, and tell it.
+        """Note how many parts are finished, and tell it.
 
         Parameters
         ----------
@@ -241,14 +209,12 @@ class Meter:
             self.budget.progress(self._outermost._replace(work=self.work))
 
     def each(self, parts: Iterable[Part], what: str) -> Iterator[Part]:
-        """One part after the other; of loops within each other the outermost is told.
+        """One part after the other; of nested loops the outermost is told.
 
         Parameters
         ----------
-        parts
-            Those that a loop goes through.
-        what
-            What they are, in words.
+        parts, what
+            Those that a loop goes through, and what they are, in words.
 
         Returns
         -------
@@ -269,20 +235,9 @@ class Meter:
     def keeping(self, finished: Sized) -> Iterator[None]:
         """Let a loop end early, at a limit or an interrupt, if it has finished anything.
 
-        Parameters
-        ----------
-        finished
-            The parts so far, to which the loop adds each when it is finished.
-
-        Returns
-        -------
-        context manager
-            Around the loop; behind it :attr:`left_out` says whether it ended early.
-
-        Raises
-        ------
-        BudgetError, KeyboardInterrupt
-            If nothing is finished, or an interrupt is to keep nothing.
+        The loop inside of this context adds each part to ``finished``; behind it :attr:`left_out`
+        says whether it ended early. BudgetError or KeyboardInterrupt passes if nothing is finished,
+        or an interrupt is to keep nothing.
         """
         self._loops.append(NOTHING)
         try:
@@ -308,10 +263,7 @@ class Meter:
 
 
 def metered(budget: Budget | Meter, on_interrupt: Callable[[], None] | None = None) -> Meter:
-    """The meter of a call, or of the one that it is part of.
-
-    An ``on_interrupt`` of the call itself goes before that of a budget.
-    """
+    """The meter of a call, or of the one it is part of; its own ``on_interrupt`` goes first."""
     if isinstance(budget, Meter):
         return budget
     return Meter(budget if on_interrupt is None else replace(budget, on_interrupt=on_interrupt))
@@ -323,12 +275,9 @@ class Progress(NamedTuple):
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
-    >>> p1 = PiecewiseLinearMap.from_sympy(
-    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
-    ... )
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
     >>> seen = []
-    >>> at_a = p1.at({"a": "5/4"})
-    >>> diagram = bifurcation_diagram(at_a, "r", (-1, 4), orders=(1, 2), progress=seen.append)
+    >>> diagram = bifurcation_diagram(p1, "r", (-1, 4), orders=(1, 2), progress=seen.append)
     >>> seen[-1]
     Progress(order=2, cells=7, pieces=34)
     """
@@ -342,10 +291,7 @@ Report = Callable[[Progress], None]
 
 
 def checked_size(order: int, maps: int, budget: Budget = BUDGET) -> None:
-    """Refuse an iterate of a composition of some maps whose words would be too long.
-
-    BudgetError with the length they would have.
-    """
+    """BudgetError if the words of an iterate of a composition of some maps would be too long."""
     letters = order * maps
     if letters > budget.letters:
         raise BudgetError(

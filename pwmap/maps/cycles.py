@@ -22,7 +22,7 @@ class Cycle:
     Attributes
     ----------
     points
-        The points, in the order of the word.
+        In the order of the word.
     multiplier
         Product of the slopes of the pieces visited; ``nan`` if one of them is a single point.
     conditions
@@ -31,9 +31,7 @@ class Cycle:
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap
-    >>> p1 = PiecewiseLinearMap.from_sympy(
-    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
-    ... )
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - a*x, True))")
     >>> cycle = p1.cycle("RL")
     >>> cycle.points, cycle.multiplier
     ((r - 2, -a*r + 2*a + r), 0)
@@ -50,13 +48,7 @@ class Cycle:
 
     @property
     def admissible(self) -> bool:
-        """Whether all conditions hold.
-
-        Raises
-        ------
-        UndecidedError
-            If that does not follow from what is assumed of the parameters.
-        """
+        """Whether all conditions hold; UndecidedError if the assumptions leave that open."""
         decide = self._scope.sign
         return all(
             decide(top) * decide(bottom) >= (0 if closed else 1)
@@ -152,10 +144,9 @@ def _point_piece(map_: Decided, word: Word) -> Cut | None:
 
 
 def _only_point(map_: Decided, word: Word) -> Cut:
-    """Where a cycle passes whose word has slope 1.
+    """Where a cycle of slope 1 passes: all points of such a word are fixed, or none.
 
-    All points of such a word are fixed, or none. The cycle is isolated where the word has one
-    point only: its neighbours, on both sides, visit other pieces.
+    It is isolated where the word has one point: both neighbours visit other pieces.
     """
     if map_.oracle.sign(Offset(word)) == 0:
         chain = map_.chain * (len(word) // map_.order)

@@ -1,9 +1,9 @@
 """Iterates of a piecewise-linear map as cylinders, and what lies on the diagonal in each.
 
-The *cylinder* of a word is the set of points that visit the pieces the word names. Each letter is
-an interval and each A_w is monotone, so a cylinder is an interval, and the cylinders of length n
-partition the line: they are the pieces of the n-th iterate. Their ends are kept as cuts (a
-preimage of a break along the word's own prefix), never as numbers.
+The *cylinder* of a word is the set of points that visit the pieces the word names. Each A_w is
+monotone, so cylinders of length n are intervals that partition the line: the pieces of the n-th
+iterate. Their ends are kept as cuts (a preimage of a break along the word's own prefix), never as
+numbers.
 """
 
 from __future__ import annotations
@@ -53,11 +53,9 @@ def refined(
     meter: Meter,
     ask: Ask | None = None,
 ) -> tuple[Cylinder, ...]:
-    """Cylinders one letter longer: the pieces of P o Q from those of Q, where P is ``layout``.
+    """The pieces of P o Q from the cylinders of Q, where P is ``layout``; BudgetError if too many.
 
-    Who is asked may know answers from elsewhere; by default it is the oracle.
-
-    BudgetError if there are too many.
+    ``ask`` may know signs from elsewhere; by default it is the oracle.
     """
     pieces, ask = list[Cylinder](), ask or oracle.ask
     for cylinder in cylinders:
@@ -134,7 +132,7 @@ def _split(cylinder: Cylinder, layout: int, oracle: SignOracle) -> Iterator[Cyli
 def _constant_value(cylinder: Cylinder, oracle: SignOracle) -> tuple[int, Word]:
     """A critical orbit that equals the one value of the iterate on a cylinder.
 
-    On a point it is the orbit of its end. After a letter of slope zero the orbit of any break.
+    On a point that is the orbit of its end; after a letter of slope zero, of any break.
     """
     if cylinder.lower is not None and cylinder.is_point:
         return cylinder.lower.k, cylinder.word[cylinder.lower.steps :]
@@ -148,8 +146,8 @@ def _constant_value(cylinder: Cylinder, oracle: SignOracle) -> tuple[int, Word]:
 def above_diagonal(oracle: SignOracle, word: Word, cut: Cut) -> int:
     """Sign of A_word(x) - x at a cut x of the word.
 
-    Follow both sides along the prefix u that leads from x to its break: A_u is affine with a
-    slope that is not zero, and A_u(A_w(x)) - A_u(x) = A_{vu}(b_k) - b_k for the word w = uv.
+    Along the prefix u from x to its break, A_u is affine with a slope that is not zero, and
+    A_u(A_w(x)) - A_u(x) = A_{vu}(b_k) - b_k for the word w = uv.
     """
     prefix, rest = word[: cut.steps], word[cut.steps :]
     return oracle.slope(prefix) * oracle.sign(CriticalOrbit(cut.k, rest + prefix, cut.k))
@@ -207,10 +205,7 @@ def iterate_of(cylinders: tuple[Cylinder, ...], ask: Ask) -> StudiedIterate:
 
 
 def inclusion_of(cylinder: Cylinder, known: Sides | None, oracle: SignOracle) -> Inclusion:
-    """Whether the fixed point of a cylinder's affine map lies in it, and where.
-
-    The signs of its sides may be known.
-    """
+    """Whether and where the fixed point of a cylinder's affine map lies in it, from known signs."""
     word = cylinder.word
     steepness = oracle.multiplier(word, 1)
     if steepness == 0:
@@ -233,7 +228,7 @@ def crossings(
 ) -> Iterator[CylinderCrossing]:
     """Cuts whose one-sided limits lie strictly on opposite sides of the diagonal.
 
-    The signs of the sides of all cylinders but points are given.
+    They follow from the signs of the sides of all cylinders but points.
     """
     pairs = zip(cylinders, sides, strict=True)
     intervals = [(each, signs) for each, signs in pairs if signs is not None]
@@ -281,8 +276,8 @@ def stability_tests(
 ) -> tuple[Callable[[], bool], ...]:
     """What must be true of a fixed point that attracts from both sides, each on its own.
 
-    At a cut it does if the iterate is continuous there, with slopes m and n on its sides such
-    that m < 1, n < 1 and m n < 1: a positive slope keeps its side, two negative ones take turns.
+    At a cut it does if the iterate is continuous there, with slopes m and n on its sides such that
+    m < 1, n < 1 and m n < 1: a positive slope keeps its side, two negative ones alternate.
     """
     if not words:
         return (lambda: False,)

@@ -25,8 +25,8 @@ class FixedPoint:
     Attributes
     ----------
     x, multiplier
-        Exact values. At the end of a piece the multiplier is the slope of the piece that owns
-        the point; it is ``nan`` where that piece is the point alone.
+        Exact. At the end of a piece the multiplier is the slope of the piece that owns the point,
+        ``nan`` if that is the point alone.
     word
         The pieces visited, starting at x.
     order, period
@@ -34,8 +34,8 @@ class FixedPoint:
     admissible
         False for a virtual fixed point: that of a formula, outside the formula's piece.
     stable
-        Whether all orbits from nearby, on both sides, stay near and converge to it. None if that
-        does not follow from the assumptions on the parameters.
+        Whether all orbits from nearby, on both sides, stay near and converge to it; None if the
+        assumptions leave it open.
     at_border
         Whether it lies at an end of a piece.
 

@@ -17,17 +17,13 @@ from pwmap.maps.decided import Decided
 class LinearPiece:
     """One affine piece of a map: ``slope x + intercept`` on an interval or at a point.
 
-    The exact values are computed when they are asked for.
-
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap
     >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
-    >>> left, right = p1.pieces
-    >>> right.word, right.expression, right.interval
-    ('R', 1 - 5*x/4, Interval.open(0, oo))
-    >>> right.slope, right.lower_closed
-    (-5/4, False)
+    >>> right = p1.pieces[1]
+    >>> right.word, right.expression, right.interval, right.slope, right.lower_closed
+    ('R', 1 - 5*x/4, Interval.open(0, oo), -5/4, False)
     """
 
     cylinder: Cylinder

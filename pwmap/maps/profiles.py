@@ -1,11 +1,9 @@
-"""Functions of the variable of a map that are given piece by piece, and what they are made of.
+"""Functions of the variable of a map that are given piece by piece.
 
-With n breaks the line has 2 n + 1 slots: the open interval left of the first break, that break,
-the next open interval, and so on. A profile has one value on each slot: a quotient, a truth
-value, a sign, or None where it is not defined. Sums, products, comparisons, conjunctions, ``Abs``,
-``Max``, ``Min`` and ``Piecewise`` all work slot by slot; a comparison adds breaks where a
-difference has a zero. The breaks are quotients of polynomials in the parameters, and how they lie
-is asked of what is assumed of these.
+With n breaks the line has 2 n + 1 slots: open intervals and breaks in turn. A profile has on each a
+quotient, a truth value, a sign, or None where it is undefined. Operations work slot by slot; a
+comparison adds breaks where a difference is zero. The assumptions decide how breaks, quotients of
+polynomials in the parameters, lie.
 """
 
 from __future__ import annotations
@@ -142,8 +140,8 @@ class ProfileLine:
     def _larger(self, profiles: Sequence[Profile], sense: int, term: Term) -> Profile:
         """The largest of some profiles, or the smallest for a sense of -1.
 
-        A break at which two are equal goes with the slot on its right, whatever their order; so
-        neighbours can be taken together, and their winners again.
+        Where two are equal at a break it goes with the slot on its right, so that the order of the
+        profiles does not matter: neighbours are taken together, and their winners again.
         """
         left = list(profiles)
         while len(left) > 1:
@@ -171,8 +169,8 @@ class ProfileLine:
     def union(self, profiles: Iterable[Profile]) -> tuple[Fraction_, ...]:
         """The breaks of all profiles, sorted.
 
-        UndecidedError if their order does not follow from the assumptions; ValueError if two of
-        them coincide there, or there are too many.
+        UndecidedError if the assumptions leave their order open; ValueError if two coincide, or
+        there are too many.
         """
         several = {profile.breaks for profile in profiles if profile.breaks}
         if len(several) <= 1:

@@ -41,8 +41,8 @@ class AdmittedInterval:
 def admitted_intervals(axis: Axis, span: Span) -> list[AdmittedInterval]:
     """The parts of a span that the assumptions admit, from left to right.
 
-    ValueError if an interval inside a span with two ends is not admitted, or a value is admitted
-    that has none beside it, or an assumption is of a degree that the axis does not take.
+    ValueError if an interval inside a span with two ends is not admitted, a value is admitted that
+    has none beside it, or an assumption is of a degree that the axis does not take.
     """
     low, high = (end if isinstance(end, Infinite) else axis.place(end) for end in span)
     limits = _limits(axis)
@@ -127,8 +127,8 @@ def samples(
 def _over(region: AssumedRegion, name: str, span: Span) -> AssumedRegion:
     """What assumptions leave to the other parameters if they hold all over a span.
 
-    One that is of degree one in the parameter of the axis holds inside a span just if it does at
-    its ends, or is zero at one of them.
+    One of degree one in the parameter of the axis holds inside if it does at both ends, or is zero
+    at one of them.
     """
     if span == (LOWEST, HIGHEST):
         return region

@@ -1,9 +1,8 @@
-"""What is followed through the cells of a parameter, and where the ends of it meet.
+"""Fixed points and jump crossings through the cells of a parameter, and where they meet.
 
-Fixed points and jump crossings are followed from cell to cell by their keys: that of a fixed point
-is its word, that of a crossing its cut and the words on both sides. A segment lasts while its key
-does; it ends where the key does, or where its multiplier is +1 or -1. Ends that lie at one place
-meet in a junction.
+The key of a fixed point is its word, that of a crossing its cut and the words on both sides. A
+segment lasts while its key does, up to a multiplier of +1 or -1; ends at one place meet in a
+junction.
 """
 
 from __future__ import annotations
@@ -60,8 +59,8 @@ class Continuation:
     def present(self) -> list[dict[BranchKey, Location | None]]:
         """For each cell what lies on the diagonal: fixed points with their location, and jumps.
 
-        A fixed point that is a cylinder of its own has no slope, and is named by its cut too. But
-        at an edge, where it belongs to a branch of the cells beside, it has that branch's key.
+        A fixed point that is a cylinder of its own has no slope, and its cut in the key; at an
+        edge, where it belongs to a branch of the cells beside, it has that branch's key.
         """
         same = self.known.keys  # so that dictionaries need no ==
         found = [dict(self._keys(cell)) for cell in self.cells]
@@ -190,8 +189,8 @@ class Continuation:
     def _exposed(self, key: BranchKey, stretch: Sequence[int], borders: Borders) -> Iterator[int]:
         """Edges that a segment passes and at which others of its order can end on it.
 
-        A fixed point inside its cylinder has none near; it must lie on a border. A jump that
-        crosses the diagonal has none beside, but its break can be a fixed point.
+        Only a fixed point on a border, or a crossing jump whose break is a fixed point, has others
+        near.
         """
         order = len(key.word)
         for i in stretch[1:-1]:
@@ -219,8 +218,7 @@ class Continuation:
     def _is_among(self, key: BranchKey, place: Any, values: Mapping[Any, float]) -> bool:
         """Whether the x of what has a key, where it is finite, is one of some values.
 
-        Their floats, right but for the last bit, tell most of them apart; only where they do not,
-        the exact value is taken.
+        Floats, right but for the last bit, tell most apart; the exact value decides the rest.
         """
         x = self._number(key, place)
         near = any(
@@ -453,10 +451,7 @@ def _identities(cell: Cell) -> Iterator[tuple[int, Cylinder]]:
 
 
 def _cuts(cylinder: Cylinder, inclusion: Inclusion) -> list[Cut | None]:
-    """What, besides the word, is in the keys of the fixed points of a cylinder.
-
-    A point, or those ends of a band that belong to it; nothing for others.
-    """
+    """In keys of a cylinder's fixed points, besides the word: a point, or the ends a band owns."""
     if inclusion is Inclusion.BAND:
         lower = [cylinder.lower] if cylinder.lower_closed else []
         return [*lower, *([cylinder.upper] if cylinder.upper_closed else [])]

@@ -1,9 +1,8 @@
-"""Segments that go on in each other: where only jumps meet a branch passes, and its word changes.
+"""Segments that continue each other: where only jumps meet a branch passes, and its word changes.
 
-A jump crosses the diagonal with limits on both sides of it, so that nothing is born or lost where
-the orbit of a limit meets another break: one jump ends there and another one of the same iterate
-begins, on the other side of the parameter, or on the same side where it turns round. That is a mark
-on a branch. Where more than two jumps of one iterate meet, or one ends alone, branches end.
+Nothing is born or lost where the orbit of a crossing jump's limit meets another break: one jump
+ends there and another one of the same iterate begins, on either side of the parameter. Where more
+than two jumps of one iterate meet, or one ends alone, branches end.
 """
 
 from __future__ import annotations
@@ -30,10 +29,9 @@ def tips_of(line: Sequence[tuple[Thing, int]]) -> tuple[tuple[Thing, int], tuple
 def connected(
     segments: Sequence[Segment], junctions: Sequence[Junction], stops: Sequence[Any]
 ) -> tuple[list[SegmentCurve], list[Junction]]:
-    """The curves that segments make, and the junctions that are left, in which curves end.
+    """The curves that segments make, and the junctions in which curves end.
 
-    Every branch ends at a stop. Curves start at the one of their ends that comes first; junctions
-    have the ends of curves only.
+    Every branch ends at a stop. Curves start at the end that comes first.
     """
     following = {
         tip: other
@@ -64,9 +62,9 @@ def _tip(end: SegmentEnd) -> Tip:
 
 
 def _passing(junction: Junction) -> Iterator[tuple[Tip, Tip]]:
-    """Pairs of ends that go on in each other, where only jumps meet.
+    """Pairs of ends that continue each other, where only jumps meet.
 
-    With those of one iterate on both sides of the meeting there may be one more, right at it.
+    Between two of one iterate there may be one more, right at the meeting.
     """
     if any(end.is_fixed for end in junction.ends):
         return
@@ -86,9 +84,8 @@ def traced(
 ) -> Iterator[list[tuple[Thing, int]]]:
     """Lines through things with two ends, 0 and 1: each with the end at which it is entered.
 
-    Each thing is in one line; one that closes begins at the first end of its first thing.
-
-    Of two ends that meet, each is followed by the other.
+    Each thing is in one line; a closed one begins at the first end of its first thing.
+    ``following`` maps each of two ends that meet to the other.
     """
     passed = set[Thing]()
     for thing in things:

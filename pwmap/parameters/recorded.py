@@ -1,9 +1,8 @@
 """One parameter as an axis beside others, which stay symbolic, with values at a sample.
 
-Places are real roots of polynomials in all parameters, and so functions of the others; beside
-several others these are of degree one. Places are compared at the sample, where they are numbers;
-each comparison records the polynomial in the others that is zero wherever it could change: a
-leading coefficient, discriminant or resultant. While these keep their signs everything persists.
+Places are real roots of polynomials in all parameters, of degree one beside several others. They
+are compared at the sample; each comparison records the polynomial in the others (a leading
+coefficient, discriminant or resultant) at whose zeros it could change.
 """
 
 from __future__ import annotations

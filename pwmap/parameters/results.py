@@ -20,22 +20,18 @@ class ParameterCell:
     lower, upper
         Exact ends, equal for an edge; they do not belong to an open cell.
     map
-        The map with its decisions made for this cell: its ``iterate(j).pieces``,
-        ``fixed_points()`` and ``jump_crossings()`` are formulas in the parameters, for the orders
-        the cells were cut for. What else is asked of it is answered if that holds throughout the
-        cell; if it does not, or that is not proved, :class:`UndecidedError` names the orders.
+        The map decided for this cell: its ``iterate(j).pieces``, ``fixed_points()`` and
+        ``jump_crossings()`` are formulas in the parameters, for the orders of the cells. Other
+        questions are answered if that holds throughout the cell; otherwise :class:`UndecidedError`
+        names the orders.
 
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, parameter_cells
-    >>> p1 = PiecewiseLinearMap.from_sympy(
-    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
-    ... )
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
     >>> edge = parameter_cells(p1, "r", orders=(1, 2)).cells[1]
-    >>> edge.lower, edge.upper, edge.is_edge
-    (0, 0, True)
-    >>> [point.x for point in edge.map.fixed_points()]
-    [r - 2]
+    >>> edge.lower, edge.upper, edge.is_edge, [point.x for point in edge.map.fixed_points()]
+    (0, 0, True, [r - 2])
     """
 
     lower: sympy.Expr
@@ -52,24 +48,15 @@ class ParameterCell:
 class ParameterCells:
     """All cells of an interval of one parameter, from left to right, open cells and edges in turn.
 
-    What the assumptions exclude, inside the interval too, is left out.
-
-    Attributes
-    ----------
-    given
-        Under which conditions on the other parameters this list holds.
+    What the assumptions exclude is left out; ``given`` are conditions on the other parameters.
 
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, parameter_cells
-    >>> p1 = PiecewiseLinearMap.from_sympy(
-    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
-    ... )
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
     >>> cells = parameter_cells(p1, "r", orders=(1, 2))
-    >>> cells.edges
-    (0, 2, 2*a/(a - 1))
-    >>> [len(cell.map.fixed_points()) for cell in cells]
-    [1, 1, 2, 2, 1, 1, 1]
+    >>> cells.edges, [len(cell.map.fixed_points()) for cell in cells]
+    ((0, 2, 10), [1, 1, 2, 2, 1, 1, 1])
     """
 
     parameter: sympy.Symbol

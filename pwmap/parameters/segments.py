@@ -113,9 +113,8 @@ class Junction:
 class KnownValues:
     """What was computed of keys and segments, which is the same whatever the cells are.
 
-    Who follows the cells of one order after the other hands it on, so that only what is new with an
-    order is computed; not where other parameters are symbolic, of which every comparison asks
-    something.
+    It is handed on from order to order; not beside symbolic parameters, where each comparison
+    records a condition.
     """
 
     keys: dict[BranchKey, BranchKey] = field(default_factory=dict)  # one object for each

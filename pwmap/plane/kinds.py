@@ -13,8 +13,6 @@ class PlaneKind(Coded):
     >>> from pwmap.plane import PlaneKind
     >>> print(PlaneKind.FLIP_BORDER, PlaneKind.FLIP_BORDER.label)
     PDB flip-border collision
-    >>> PlaneKind("JC") is PlaneKind.JUMP_CLOSES
-    True
     """
 
     CUSP = "CP", "cusp: two folds meet, and the second derivative is zero"

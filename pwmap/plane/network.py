@@ -1,9 +1,8 @@
 """Curves of bifurcations over two parameters, and the points in which they meet.
 
-In a strip every mark is a root of a polynomial, an arc from one end of the strip to the other. At
-the ends arcs meet; where the whole picture changes with the parameter across, there are upright
-arcs, too. Where two arcs of one polynomial with the same event meet, and nothing else does, they
-are one curve; everything else that meets is a point of codimension two.
+In a strip every mark is a root of a polynomial, an arc from one end to the other; at the ends arcs
+meet, and there are upright arcs where everything changes at one value across. Where just two arcs
+of one polynomial and event meet they are one curve; all else is of codimension two.
 """
 
 from __future__ import annotations
@@ -61,8 +60,7 @@ class PlaneCurve:
     arcs
         One after the other.
     ends
-        Names of the points in which it begins and ends; empty at an end of a span, or if it is
-        closed.
+        Names of the points at both ends; empty at an end of a span, or if it is closed.
 
     Examples
     --------
@@ -83,19 +81,9 @@ class PlaneCurve:
     ends: tuple[str, str]
 
     def along(self, across: object) -> tuple[sympy.Expr, ...]:
-        """Exact values of the second parameter on the curve, for a rational one of the first.
+        """Exact values of the second parameter on the curve, ascending, for a rational first one.
 
-        Where the curve is upright it has no single values; where two arcs meet it is not asked.
-
-        Parameters
-        ----------
-        across
-            A rational value of the first parameter, or its text.
-
-        Returns
-        -------
-        tuple of sympy.Expr
-            Ascending; empty where the curve does not exist.
+        There are none where the curve does not exist, is upright, or two arcs meet.
         """
         value = rational(across)
         found = [

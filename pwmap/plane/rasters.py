@@ -51,8 +51,7 @@ class PlaneRaster:
     >>> from pwmap.plane import plane_raster
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
     >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
-    >>> raster = plane_raster(plane, 3, 2)
-    >>> raster.periods
+    >>> plane_raster(plane, 3, 2).periods
     array([[0, 3, 0],
            [2, 2, 0]])
     """
@@ -89,8 +88,8 @@ def plane_raster(
     columns, rows
         How many values of the parameter across, and of the one along.
     budget
-        How much may be computed, by default forty times as much as in one call at a point; what
-        is left out then is open, and ``left_out`` says so.
+        By default forty times that of one point; what is left out then is open, and ``left_out``
+        says so.
     progress
         Is told after each column how many are done.
 
@@ -110,9 +109,8 @@ def plane_raster(
     >>> from pwmap.plane import plane_raster
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
     >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
-    >>> plane_raster(plane, 3, 2).bands
-    array([[1, 0, 1],
-           [0, 0, 4]])
+    >>> plane_raster(plane, 3, 2).bands.tolist()
+    [[1, 0, 1], [0, 0, 4]]
     """
     check_kind("plane", plane, ParameterPlane, "pwmap.plane")
     if min(columns, rows) < 1:

@@ -17,15 +17,13 @@ from pwmap.plane.strips import Strip
 class PlaneRegion:
     """A part of the plane in which cycles of the same periods attract.
 
-    It lies between two values of the parameter across, and there between two curves; the curves do
-    not belong to it.
-
     Attributes
     ----------
     across
         Exact lower and upper end of the first parameter.
     along
-        Lower and upper border of the second one, as expressions in the first.
+        Lower and upper border of the second one, as expressions in the first; curves that do not
+        belong to it.
     periods
         Of the cycles that attract, among the orders of the plane; empty if none does.
     words

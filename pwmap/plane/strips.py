@@ -85,10 +85,9 @@ class Rectangle:
         return tuple(sorted(divisors))
 
     def strips(self) -> list[Strip]:
-        """From left to right; between two of them edges meet, or the whole picture changes.
+        """From left to right; between two of them edges meet, or everything changes.
 
-        They are found from left to right, too: where the budget ends the search, those up to the
-        first gap are kept.
+        At the end of the budget those up to the first gap are kept.
         """
         found: list[Strip] = []
         waiting: list[tuple[Real, Real]] = [self.across_span]

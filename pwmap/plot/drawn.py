@@ -25,13 +25,8 @@ LABEL = 30.0  # height of the numbers and the name of an axis [pt]
 class Drawn:
     """A picture, or a part of one.
 
-    Attributes
-    ----------
-    axes
-        On which it was drawn, in order.
-    artists
-        What was drawn, lists of artists of matplotlib by the name of the part; where there is a
-        legend the names are those it has. Each can still be changed, by ``artist.set(color="k")``.
+    ``axes`` are those on which it was drawn, in order; ``artists`` lists of artists of matplotlib
+    by the name of the part, as in the legend. Each can be changed, by ``artist.set(color="k")``.
 
     Examples
     --------
@@ -83,8 +78,7 @@ def below(ax: Axes) -> dict[str, Any]:
 def styled(artists: Artists, styles: Styles | None, known: Iterable[str] = ()) -> None:
     """Give parts of a picture properties of matplotlib, such as ``{"stable": {"color": "k"}}``.
 
-    Known parts are those that the picture could have had. ValueError if there can be no part of
-    such a name.
+    ValueError if a name is neither drawn nor among the known parts, which could have been.
     """
     names = dict.fromkeys((*artists, *known))
     if not isinstance(styles, Mapping | None):

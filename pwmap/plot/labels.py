@@ -1,12 +1,10 @@
 """Names of points and of curves in a picture, so that none covers another.
 
-Places depend on what is shown, so they are looked for anew whenever the picture is drawn: after a
-zoom, too, which makes room for names that are left out where points crowd. Points whose markers lie
-on one another share one label: their names from left to right, or, if there are many, by kinds with
-runs of numbers, such as FF3-FF9. A label stands close to its point if there is room; otherwise it
-moves away from it. Wherever it is not nearer to its own point than to all others, a thin line leads
-back. It stays inside the frame, and avoids other labels, their lines and the legend first, then
-markers, then curves. A curve's name stands on the curve, and is left out where there is no room.
+Places are found whenever the picture is drawn, after a zoom, too. Points whose markers lie on one
+another share one label: their names from left to right or, if there are many, kinds with runs of
+numbers, such as FF3-FF9. A label moves away from its point for room, with a thin line back where
+another point is nearer. It avoids other labels, their lines and the legend first, then markers,
+then curves. A curve's name stands on the curve, or is left out.
 """
 
 from __future__ import annotations
@@ -89,8 +87,7 @@ class _Places(NamedTuple):
 class Labels(Artist):
     """The names in a picture.
 
-    Names of points do not cover curves if there is room elsewhere. Other points have markers at
-    places (n, 2).
+    Names of points avoid curves where there is room, and markers of other points at (n, 2).
     """
 
     def __init__(
@@ -280,8 +277,8 @@ class _TakenRoom:
 def _chosen(labels: Sequence[_Places]) -> list[int]:
     """For each label the place that costs least beside the others.
 
-    Those that choose first have the best places. Where a label covers something at the end, the
-    choice begins anew, and it chooses first.
+    The first have the best places. Where a label covers something at the end, the choice begins
+    anew, and it chooses first.
     """
     order = list(range(len(labels)))
     best, least = list[int](), math.inf

@@ -52,24 +52,20 @@ def plot_plane(
     ----------
     plane
         What to draw.
-    ax
-        Axes to draw on; new ones by default.
     raster
-        What attracts at points of the plane; without it, the colours of cells say which cycles of
-        the orders that were looked at attract there.
+        What attracts at points of the plane; without it cells are coloured by the attracting cycles
+        of the orders of the plane.
     colours
         What the colours of the raster say.
     samples
         Points along a curve from one side to the other.
-    legend
-        Whether to explain colours and lines.
-    styles
-        Properties of matplotlib for curves and points by the names in the legend.
+    ax, legend, styles
+        As for :func:`pwmap.plot.plot_diagram`.
 
     Returns
     -------
     Drawn
-        The axes, and the artists of curves and points by these names.
+        The axes, and the artists of curves and points by the names in the legend.
 
     Raises
     ------

@@ -54,9 +54,9 @@ def prove(
     Parameters
     ----------
     what
-        A map whose coefficients are numbers: then all fixed points of an iterate and all its jumps
-        over the diagonal are stated. Or a diagram over one parameter, all others being numbers:
-        then its branches and special points.
+        A map whose coefficients are numbers, for all fixed points and jumps over the diagonal of an
+        iterate; or a diagram over one parameter, all others being numbers, for its branches and
+        points.
     map_
         The map that the diagram is of.
     order

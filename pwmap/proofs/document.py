@@ -15,24 +15,15 @@ from pwmap.diagrams.shown import brief
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Certificate:
-    """A statement that is proved, with all that it takes to verify it.
-
-    Attributes
-    ----------
-    content
-        All of it, as it is written to JSON, sealed.
+    """A statement with all that its verification needs: its sealed ``content``, as in the JSON.
 
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, prove
     >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
     >>> certificate = prove(p1)
-    >>> print(certificate.statement[:58])
-    For the map with the pieces L: -1 for x <= 0; R: -5/4 x +
-    >>> len(certificate.content["fixed points"])
-    2
-    >>> certificate.save("map.json").name
-    'map.json'
+    >>> len(certificate.content["fixed points"]), certificate.save("map.json").name
+    (2, 'map.json')
     """
 
     content: Mapping[str, Any]

@@ -1,24 +1,22 @@
 """Organising centres: both one-sided limits at the break of a two-piece map lie on the break.
 
 Near such a point of two parameters, also called a big bang bifurcation [AvrutinSchanz2006], the map
-is that of its two slopes, seen through a magnifying glass: with y = x - b, i the height of L(b)
-over b and j the depth of R(b) under b,
+is, with y = x - b, i the height of L(b) over b and j the depth of R(b) under b,
 
     y -> s y + i (left),    y -> m y - j (right),
 
-and a common factor of y, i and j changes nothing. So cycles live in sectors of the plane, all of
-which meet at the centre. Infinitely many do in the quarter i > 0, j > 0, where no fixed point is.
+and a common factor of y, i and j changes nothing. So cycles live in sectors of the plane that meet
+at the centre, infinitely many in the quarter i > 0, j > 0, where no fixed point is.
 
 If both slopes lie in (-1, 1), the signs decide [Granados2017; Avrutin2019]:
 
-- Both positive: rotational cycles, one at a time, whose rotation numbers run through all values
-  from 0 to 1. Between the sectors of two Farey neighbours is that of their mediant, the periods
-  are added.
-- One positive, s on the left say, and one not, m = -t: cycles R L^n, n = 0, 1, 2, ... With
-  h_n = (s^-n - 1)/(1 - s) the point -h_n i goes to the break in n steps on the left, so that R L^n
-  exists for j/i from h_(n - 1) - t to h_n, and for n = 0, which is a fixed point, up to 0. Adjacent
-  ones overlap for t > 0 and coexist there, no others do, as h_(n + 1) - t > h_n; for t = 0 each
-  begins where the last one ends. The periods are incremented by one [Avrutin2011].
+- Both positive: rotational cycles, one at a time, of all rotation numbers from 0 to 1. Between the
+  sectors of two Farey neighbours is that of their mediant, the periods are added.
+- One positive, s on the left say, and one not, m = -t: cycles R L^n, n = 0, 1, 2, ... With h_n =
+  (s^-n - 1)/(1 - s) the point -h_n i goes to the break in n steps on the left, so that R L^n exists
+  for j/i from h_(n - 1) - t to h_n, and for n = 0, which is a fixed point, up to 0. Adjacent ones
+  overlap for t > 0 and coexist there, no others do, as h_(n + 1) - t > h_n; for t = 0 each begins
+  where the last one ends. The periods are incremented by one [Avrutin2011].
 - None positive, -s and -t: with i > 0, j > 0 all orbits alternate and come to L R. It lives beyond
   this quarter too, beside the fixed point on the right for -t i < j < 0, and beside the one on the
   left for -s j < i < 0. Where i < 0, j < 0 both fixed points live [Hogan2007].
@@ -50,11 +48,7 @@ class CentreKind(Enum):
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> from pwmap.rotations import CentreKind, organising_centre
-    >>> jump = PiecewiseLinearMap([("x/2 + r", "x < 1"), ("-x/3 + a", "x >= 1")])
-    >>> organising_centre(jump, "r", "a").kind is CentreKind.INCREMENTING
-    True
+    >>> from pwmap.rotations import CentreKind
     >>> CentreKind.ADDING.value
     'period adding: between two neighbours is a cycle with the points of both'
     """
@@ -74,11 +68,9 @@ class OrganisingCentre:
     Attributes
     ----------
     values
-        Their values at the centre.
-    x
-        The break there.
-    slopes
-        Of the left and the right piece there.
+        Of both parameters at the centre.
+    x, slopes
+        The break there, and the slopes of the left and the right piece.
     kind
         What lives around the centre, where L(b) > b > R(b).
     patterns
@@ -91,10 +83,8 @@ class OrganisingCentre:
     >>> from pwmap.rotations import organising_centre
     >>> jump = PiecewiseLinearMap([("x/2 + r", "x < 1"), ("-x/3 + a", "x >= 1")])
     >>> centre = organising_centre(jump, "r", "a")
-    >>> centre.values, centre.x, centre.slopes
-    ((1/2, 4/3), 1, (1/2, -1/3))
-    >>> centre.kind.name, centre.patterns
-    ('INCREMENTING', ('R L^n',))
+    >>> centre.values, centre.slopes, centre.kind.name, centre.patterns
+    ((1/2, 4/3), (1/2, -1/3), 'INCREMENTING', ('R L^n',))
     """
 
     across: sympy.Symbol
@@ -114,8 +104,8 @@ def organising_centre(map_: PiecewiseLinearMap, across: object, along: object) -
     map_
         A map of two pieces that meet at one break.
     across, along
-        Two of its parameters, symbols or names. If there are others, both limits at the break
-        must be linear in these two.
+        Two of its parameters, symbols or names. If there are others, both limits at the break must
+        be linear in these two.
 
     Returns
     -------
@@ -125,8 +115,8 @@ def organising_centre(map_: PiecewiseLinearMap, across: object, along: object) -
     Raises
     ------
     TypeError, ValueError
-        If the map has not two pieces and one break, a name is no parameter of it or comes twice,
-        or there is not exactly one centre where the assumptions hold.
+        If the map has not two pieces and one break, a name is no parameter of it or comes twice, or
+        there is not exactly one centre where the assumptions hold.
     UndecidedError
         If the assumptions on other parameters leave open what is there.
 
@@ -152,17 +142,15 @@ def organising_centres(
 ) -> tuple[OrganisingCentre, ...]:
     """All organising centres in the plane of two parameters, where the assumptions hold.
 
-    Errors are those of :func:`organising_centre`.
-
     Parameters
     ----------
     map_, across, along
-        As for :func:`organising_centre`.
+        As for :func:`organising_centre`, whose errors are the same.
 
     Returns
     -------
     tuple of OrganisingCentre
-        None, one or several; see :func:`organising_centre`.
+        None, one or several.
 
     Examples
     --------
@@ -310,11 +298,9 @@ def _univariate(
 ) -> tuple[PolyElement, tuple[PolyElement, PolyElement]]:
     """A polynomial f(t) and both parameters as polynomials in t, at all common zeros.
 
-    t is a parameter, or a sum of both by which the zeros can be told apart. Then the Groebner basis
-    of the radical has this shape; an ideal with finitely many zeros is made radical by a polynomial
-    without multiple roots in each variable.
-
-    ValueError if the common zeros are a curve.
+    t is a parameter, or a sum of both that tells the zeros apart. The Groebner basis of the radical
+    then has this shape; an ideal with finitely many zeros is made radical by a polynomial without
+    multiple roots in each variable. ValueError if the common zeros are a curve.
     """
     u, v = (map_.parameters[k] for k in at)
     t = sympy.Dummy("t")

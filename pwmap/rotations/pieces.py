@@ -23,9 +23,9 @@ class TwoPieces(NamedTuple):
         return tuple(map(self.map_.letters.index, word))
 
     def margin(self, word: Word) -> tuple[Fraction_, bool]:
-        """By how much a cycle's point lies inside of the first piece of its word.
+        """The distance of a cycle's first point to the break, positive inside of its piece.
 
-        The distance to the break, positive inside, and whether it may be zero.
+        And whether it may be zero.
         """
         (top, bottom), (a, b) = self.map_.orbits.fixed_point(word), self.at
         side = 1 if word[0] == RIGHT else -1
@@ -33,10 +33,9 @@ class TwoPieces(NamedTuple):
 
 
 def two_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
-    """Check that a map has two pieces and one break.
+    """The map as two pieces with one break.
 
-    TypeError if it is no map; ValueError if it has other pieces, is an iterate, or the map of a
-    cell of parameters.
+    TypeError if it is no map; ValueError if it has other pieces, is an iterate, or of a cell.
     """
     layout = checked_map(map_)
     if map_.scope != map_.definition.region:
@@ -51,10 +50,9 @@ def two_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
 
 
 def increasing_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
-    """Check that a map has two pieces that increase.
+    """The map as two pieces that increase; errors are those of :func:`two_pieces`.
 
-    TypeError, ValueError as :func:`two_pieces`, and if one of the pieces does not increase;
-    UndecidedError if the assumptions do not say whether they do.
+    ValueError if one does not increase; UndecidedError if the assumptions leave that open.
     """
     pieces = two_pieces(map_)
     for letter in (LEFT, RIGHT):

@@ -140,7 +140,7 @@ class Samples:
     def between(self, low: Real, high: Real) -> Attracted:
         """What attracts at a simple place of an interval; at another one if it is special or open.
 
-        The simplest places are just those at which cycles flip or collide.
+        The simplest places are those at which cycles flip or collide.
         """
         first, last = bounds(low)[1], bounds(high)[0]
         third = (last - first) / 3

@@ -1,19 +1,16 @@
 """Intervals of a parameter on which the topological entropy is constant, proved.
 
 At a rational sample the itineraries of all germs at breaks are followed until they are known to the
-end. What was decided on the way is the sign of finitely many polynomials in the parameter, and as
-long as these keep their signs the itineraries are the same, so that the graph of laps is, and its
-growth. Where the orbits of both sides of a break match they need not be followed any farther, and
-next to such an interval one proof may hold for many of them, and for all places between: see
-:mod:`pwmap.longrun.entropy.matching`.
+end. They, and so the graph of laps and its growth, stay the same while the polynomials in the
+parameter that were decided keep their signs: the nearest roots are the ends of an interval of one
+entropy. Orbits of both sides of a break that match are followed no farther, and beside such an
+interval one proof may hold for many (:mod:`pwmap.longrun.entropy.matching`). Samples sweep the
+span, the widest gap first; intervals that touch are joined if their entropies agree, also at the
+number between them.
 
-The nearest roots on both sides of the sample are the ends of an interval of one entropy. An
-interval is swept with such samples, the widest gap first. Two intervals that touch are joined if
-their entropies agree, and at the number between them, where it is computed exactly, too.
-
-There is a second proof, for entropy zero: pieces none of which expands. N steps cut a short
-interval once at most, if it is short enough; as no image is longer, N steps at most double the
-number of laps but for a factor that grows like a power, for any N.
+A second proof is for entropy zero: pieces none of which expands. As no image is longer, N steps cut
+a short interval once at most, and so at most double the laps, but for a factor that grows like a
+power, for any N.
 """
 
 from __future__ import annotations
@@ -75,7 +72,7 @@ Left = tuple[Real, Real, tuple[GapCause, ...]]  # an interval that is left out, 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Proved:
-    """An open interval with one entropy, and whether the same proof holds at its ends.
+    """An open interval with one entropy; ``closed`` if the proof holds at its ends.
 
     Where orbits of a break match at its sample, entropy may be the same next to it.
     """
@@ -118,7 +115,7 @@ def constant_entropy(
     samples, steps
         How many values are tried, and how far orbits of breaks are followed, at most.
     budget
-        What all of it may take; what is not looked at then is a gap.
+        Of all of it; what is not looked at then is a gap.
 
     Returns
     -------
@@ -204,10 +201,9 @@ class _Study:
         return found
 
     def proved_at_once(self, low: Real, high: Real) -> _Proved | None:
-        """A proof for all places from one to another, though orbits of one break need not match.
+        """A proof from one place to another, though orbits of one break need not match.
 
-        What orbits of all other breaks do must be the same everywhere. See
-        :mod:`pwmap.longrun.entropy.matching`.
+        The orbits of all other breaks must do the same everywhere.
         """
         if isinstance(low, RealRoot) or isinstance(high, RealRoot):
             return None
@@ -251,10 +247,7 @@ class _Study:
         return found if one == other else None
 
     def decisions(self, line: MapLine, number: int, itinerary: Itinerary) -> Iterator[Decision]:
-        """What says that a germ at a break has an itinerary.
-
-        Signs of slopes go without saying; they say on which side of an image points lie.
-        """
+        """What says that a germ at a break has an itinerary, besides the signs of slopes."""
         k = self.layout.breaks[number]
         word = tuple(self.letters[i] for i in itinerary.pieces)
         for n, piece in enumerate(itinerary.pieces):
@@ -401,10 +394,7 @@ def _beside(
 
 
 def _reached(study: _Study, start: Real, stop: Real, least: Number) -> _Proved | None:
-    """The longest part found of a gap that begins at an end of it and has one proof; or None.
-
-    Its other end is looked for by bisection, and at last at the simplest rational that is left.
-    """
+    """The longest part found, by bisection, of a gap from one end that has one proof; or None."""
 
     def tried(end: Real) -> _Proved | None:
         return study.proved_at_once(*sorted((start, end)))

@@ -1,12 +1,11 @@
 """Topological entropy: exact where critical orbits have an end, enclosed where they have not.
 
 The laps of the iterates are the paths of a graph [Hofbauer1979]: its nodes are intervals on which
-the map is one affine piece, first the pieces themselves, and from each node ways lead to the parts
-into which the breaks cut its image. All ends are images of breaks. If there are finitely many nodes
-the growth of the number of laps is the spectral radius of a finite matrix, an algebraic number. If
-not, nodes beyond some order are left out for a lower bound, and taken for whole pieces for an upper
-one: what is wrong about them becomes small like the inverse of the growth to the power of the
-order. What is drawn into a cycle or runs away has no further laps, and is cut off.
+the map is one affine piece, first the pieces, then the parts into which breaks cut the image of a
+node. With finitely many nodes the growth of laps is the spectral radius of a finite matrix, an
+algebraic number. Otherwise nodes beyond some order are left out for a lower bound, and taken for
+whole pieces for an upper one; the error falls like the growth to minus the order. What is drawn
+into a cycle or runs away has no further laps, and is cut off.
 """
 
 from __future__ import annotations
@@ -63,9 +62,8 @@ class Entropy:
     >>> from sympy import sqrt
     >>> from pwmap import PiecewiseLinearMap, dynamics
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> entropy = dynamics(tent, {"a": (1 + sqrt(5))/2}).entropy
-    >>> entropy.value, entropy.is_exact
-    (log(1/2 + sqrt(5)/2), True)
+    >>> dynamics(tent, {"a": (1 + sqrt(5))/2}).entropy.value
+    log(1/2 + sqrt(5)/2)
     >>> found = dynamics(tent, {"a": "7/5"}).entropy  # bounds, where critical orbits do not end
     >>> found.is_exact, found.high - found.low < 1e-12
     (False, True)
@@ -87,10 +85,7 @@ Ways = tuple[tuple[int, ...], ...]  # from each node to others, by their numbers
 
 
 def laps_of(line: MapLine, found: Attractors, order: int, meter: Meter) -> tuple[Ways, Ways]:
-    """The graph of laps up to an order: ways to nodes that are known, and all.
-
-    Of all, those to further nodes are taken for whole pieces. Both are the same if there are none.
-    """
+    """The graph of laps up to an order: ways to known nodes; and to all, as whole pieces."""
     cut_off = _without_laps(line, found)
     pieces = [(k, *part) for k, branch in enumerate(line.branches)
               for part in _clipped((branch.lower, branch.upper), cut_off)]  # fmt: skip
@@ -160,11 +155,7 @@ def entropy_of(
     orders: Sequence[int],
     meter: Meter,
 ) -> Entropy:
-    """The topological entropy of a map.
-
-    Nodes are found up to one order after the other, until that is close enough; where the budget
-    ends bounds are those of the last order that is finished.
-    """
+    """The topological entropy of a map, from nodes up to each order until the bounds are close."""
     most = math.nextafter(math.log(len(line.branches)), math.inf)  # each step has so many laps
     best = Entropy(low=0.0, high=most, value=None, order=0)
     with meter.keeping(orders):
@@ -212,7 +203,7 @@ def _components(ways: Sequence[Sequence[int]]) -> list[list[int]]:
 def spectral_bounds(ways: Sequence[Sequence[int]]) -> tuple[Fraction, Fraction]:
     """Fractions below and above the spectral radius of a matrix of zeros and ones.
 
-    For a connected part, and any positive vector v, it lies between the least and the largest
+    For a connected part and any positive vector v it lies between the least and the largest
     quotient of (A v)_i and v_i [Collatz1942]; v is close to the eigenvector, in integers.
     """
     low = high = Fraction(0)
@@ -229,10 +220,9 @@ def spectral_bounds(ways: Sequence[Sequence[int]]) -> tuple[Fraction, Fraction]:
 
 
 def _perron(ways: Sequence[tuple[int, int]], size: int) -> list[int]:
-    """About the eigenvector of the spectral radius of a connected matrix, in positive integers.
+    """About the Perron eigenvector of a connected matrix, in positive integers.
 
-    By multiplying with the matrix plus one, which takes away its periods, again and again. Few ways
-    lead from a node, so sums over these take less than the products of a whole matrix.
+    It is multiplied with the matrix plus one, which has no period, as sums over the few ways.
     """
     rows, columns = (np.array(each) for each in zip(*ways, strict=True))
     vector = np.ones(size)
@@ -261,9 +251,8 @@ def growth_of(ways: Sequence[Sequence[int]]) -> Real | None:
 def lap_numbers(line: MapLine, order: int, meter: Meter) -> list[int]:
     """How many intervals iterates up to an order cut the line into, each affine on every one.
 
-    Nodes of the graph of laps are counted with how many paths lead there, so that the cost grows
-    with the square of the order, not with the number of laps. An interval that is mapped to a
-    point remains one.
+    Paths to each node of the graph of laps are counted: the cost grows with the square of the
+    order. An interval that is mapped to a point remains one.
     """
     found = list[int]()
     counted = {(k, branch.lower, branch.upper): 1 for k, branch in enumerate(line.branches)}
@@ -308,12 +297,8 @@ class ConstantEntropy:
 
     Attributes
     ----------
-    lower, upper
-        Exact ends.
-    closed
-        Whether the entropy is known to be the same at the ends.
-    entropy
-        Exact, with doubles below and above.
+    lower, upper, closed
+        Exact ends, and whether the entropy is known to be the same there.
     samples
         Rational values inside, one of each part that has a proof of its own, from left to right.
     cycles
@@ -323,8 +308,7 @@ class ConstantEntropy:
     --------
     >>> from pwmap import PiecewiseLinearMap, constant_entropy
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
-    >>> found = constant_entropy(skew, "b", (-4, -1), samples=12)
-    >>> interval = found.intervals[0]
+    >>> interval = constant_entropy(skew, "b", (-4, -1), samples=12).intervals[0]
     >>> interval.lower, interval.upper, interval.entropy.value, interval.cycles
     (-4, -3, log(1/2 + sqrt(5)/2), ('LLR',))
     """
@@ -339,21 +323,13 @@ class ConstantEntropy:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EntropyGap:
-    """An interval of a parameter of which nothing was proved.
-
-    Attributes
-    ----------
-    lower, upper
-        Exact ends.
-    causes
-        Why, each once.
+    """An interval of a parameter, with exact ends, of which nothing was proved, and why.
 
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, constant_entropy
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
-    >>> found = constant_entropy(skew, "b", (-4, -1), samples=12)
-    >>> gap = found.gaps[0]
+    >>> gap = constant_entropy(skew, "b", (-4, -1), samples=12).gaps[0]
     >>> gap.lower, gap.upper, [cause.name for cause in gap.causes]
     (-3, -2, ['OPEN'])
     """
@@ -367,12 +343,7 @@ class EntropyGap:
 class EntropyIntervals:
     """Where the topological entropy is known to be constant over an interval of a parameter.
 
-    Attributes
-    ----------
-    intervals
-        Apart, or touching with different entropies, from left to right.
-    gaps
-        What is between them, from left to right.
+    ``intervals`` are apart, or touch with different entropies; ``gaps`` are between them.
 
     Examples
     --------

@@ -1,10 +1,9 @@
 """Itineraries of germs that are known to the end, and the growth of laps that follows from them.
 
-Where an orbit goes on for ever can often be said after finitely many steps: it has come back, or it
-follows a word that draws it in, or it moves outward on outer pieces. Then its letters are known for
-all times, and if those of all germs at breaks are, so is the graph of laps: an end of a node is
-named by a germ and a number of steps, the image of a node is cut at the breaks between the letters
-of the images of its ends, and nothing else is asked for. Points are not compared with each other.
+An orbit is known for all times once it has come back, follows a word that draws it in, or moves
+outward on outer pieces. If all germs at breaks are, so is the graph of laps: a germ and a number of
+steps name an end of a node, and the image of a node is cut at the breaks between the letters of the
+images of its ends. Points are not compared with each other.
 """
 
 from __future__ import annotations
@@ -67,11 +66,10 @@ def itinerary_of(line: MapLine, germ: Germ, steps: int, meter: Meter) -> Itinera
 def _drawn_from(line: MapLine, pieces: Sequence[int]) -> int | None:
     """The step from which on the last letters are a word that draws in what follows it; or None.
 
-    A word w of slope s, 0 < s < 1, takes an orbit that has followed it once closer to its fixed
-    point on the same side. If the fixed point follows w too, in the closures of pieces, then all
-    between them does, and so does the orbit for ever. If -1 < s < 0 an orbit that has followed w
-    twice has its first point and that after w on two sides of the fixed point, and what lies
-    between them is taken into itself.
+    A word w of slope 0 < s < 1 takes an orbit closer to its fixed point on the same side. If the
+    fixed point follows w too, in the closures of pieces, so does all between them, for ever. For -1
+    < s < 0 an orbit that has followed w twice has its first point and that after w on two sides of
+    the fixed point, and what lies between them is mapped into itself.
     """
     whole = IDENTITY
     for start in range(len(pieces) - 1, -1, -1):
@@ -104,10 +102,10 @@ def _follows(line: MapLine, x: Exact, word: Sequence[int]) -> bool:
 
 
 def _outward_from(line: MapLine, pieces: Sequence[int], places: Sequence[Exact]) -> int | None:
-    """The step from which on an orbit moves outward, and goes on like that; None if it does not.
+    """The step from which on an orbit moves outward for ever; None if it does not.
 
-    Either within one outer piece that rises, or round two that fall: a word of a positive slope
-    moves a point always the same way.
+    It does within one rising outer piece, or round two falling ones: a word of positive slope
+    always moves a point the same way.
     """
     first, last = 0, len(line.branches) - 1
     for word in ((first,), (last,), (first, last), (last, first)):
@@ -121,10 +119,10 @@ def _outward_from(line: MapLine, pieces: Sequence[int], places: Sequence[Exact])
 
 
 def growth_at(line: MapLine, itineraries: Sequence[Itinerary]) -> Real | None:
-    """How laps grow: the spectral radius of the graph that itineraries make, at least 1.
+    """The growth of laps, at least 1: the spectral radius of the graph; None if it is too large.
 
-    Of the map only the signs of slopes are looked at. Itineraries are those of all its germs, in
-    its order, and all known to the end. None if the graph is too large.
+    Itineraries are those of all germs of the map, in its order, known to the end. Of the map itself
+    only the signs of slopes are used.
     """
     return growth_of(_merged(_ways(line, itineraries)))
 

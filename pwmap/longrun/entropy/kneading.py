@@ -1,14 +1,12 @@
 """The growth of laps from kneading sequences, of which only differences need to be known.
 
 Give each piece a symbol e, and each germ the series of the symbols that it visits, the n-th with
-the factor t^n and the sign of the slope of the way there. As a point moves along the line its
-series jumps only where an image of it is a break, and always by t^n times the difference of the
-series of both sides of that break, whether the map has a jump there or not. So these differences
-count the preimages of breaks, and the growth of laps is one over the least root between 0 and 1 of
-the determinant that they make [MilnorThurston1988].
+the factor t^n and the sign of the slope up to there. Along the line the series of a point jumps
+only where an image of it is a break, by t^n times the difference of the series of both sides of
+that break. So these differences count the preimages of breaks, and the growth of laps is one over
+the least root in (0, 1) of the determinant that they make [MilnorThurston1988].
 
-A difference is a polynomial where both orbits *match*: after as many steps they are at one place,
-with slopes of one sign; see :mod:`pwmap.longrun.entropy.matching`.
+A difference is a polynomial where both orbits *match* (:mod:`pwmap.longrun.entropy.matching`).
 """
 
 from __future__ import annotations
@@ -29,10 +27,10 @@ RING, T = ring("t", QQ)
 
 
 def growth_by_kneading(line: MapLine, itineraries: Sequence[Itinerary]) -> Real | None:
-    """How laps grow: one over the least root of the kneading determinant, at least 1.
+    """The growth of laps, at least 1: one over the least root of the kneading determinant.
 
-    Of the map only the signs of slopes are looked at. Itineraries are those of all its germs, in
-    its order, each known to the end, or matched with that of the other side. None if the
+    Itineraries are those of all germs of the map, in its order, known to the end or matched with
+    that of the other side; of the map itself only the signs of slopes are used. None if the
     determinant is too large.
     """
     rows = _matrix(line, itineraries)
@@ -42,9 +40,9 @@ def growth_by_kneading(line: MapLine, itineraries: Sequence[Itinerary]) -> Real 
 def _matrix(
     line: MapLine, itineraries: Sequence[Itinerary], left_out: int = 0
 ) -> list[list[PolyElement]]:
-    """The differences of both sides of each break, times a polynomial that has no root in (0, 1).
+    """The differences of both sides of each break, times a polynomial without roots in (0, 1).
 
-    Of the columns, one for each piece, any may be left out.
+    Any of the columns, one for each piece, may be left out.
     """
     signs = [sign(branch.slope) for branch in line.branches]
     rows = list[list[PolyElement]]()
@@ -62,10 +60,9 @@ def _determinant(rows: Sequence[Sequence[PolyElement]]) -> PolyElement:
 
 
 def cofactors(line: MapLine, itineraries: Sequence[Itinerary], number: int) -> list[PolyElement]:
-    """The factors of the pieces in the series of one break, which make the determinant of it.
+    """The factors of the pieces in the series of one break that give the determinant.
 
-    What the itineraries of this break are does not matter. The piece on its left has the factor
-    zero.
+    They do not depend on its itineraries. The piece on its left has the factor zero.
     """
     rows = _matrix(line, itineraries, number)
     units = [[RING(k == j) for k in range(len(rows))] for j in range(len(rows))]

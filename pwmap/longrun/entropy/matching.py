@@ -1,9 +1,9 @@
 """Orbits of both sides of a break that match, and the growth of laps where only almost all do.
 
 Both orbits *match* if after as many steps they are at one place, with slopes of one sign. From
-there on they go on side by side, and what they do cancels in the kneading determinant D. Intervals
-of a parameter on which that is so accumulate at places at which they never match; yet growth can be
-the same there, too [Bruin2019]. Here is a proof for an interval G of the parameter at once.
+there on they cancel in the kneading determinant D. Intervals of a parameter on which that is so
+accumulate at places at which they never match; yet growth can be the same there, too [Bruin2019].
+Here is a proof for an interval G of the parameter at once.
 
 Let each step move one of both orbits: that of the smaller slope, or else the one that is behind.
 Let slopes not depend on the parameter, and intercepts and breaks be affine in it. Then the right
@@ -52,10 +52,7 @@ Range = tuple[Number, Number]  # of a number: all from one to another
 def matched(
     line: MapLine, number: int, steps: int, meter: Meter
 ) -> tuple[Itinerary, Itinerary] | None:
-    """The itineraries of both sides of a break up to the step at which they match; None if none.
-
-    Breaks are counted from the left.
-    """
+    """The itineraries of both sides of a break, numbered from the left, up to a match; or None."""
     sides = line.germs[2 * number : 2 * number + 2]
     pieces = list[int](), list[int]()
     for _ in range(steps):
@@ -135,8 +132,8 @@ def _step(
 ) -> PairStep:
     """What a step of the left or right orbit by a piece says of the right minus the left series.
 
-    Both series begin where the orbits are, with the power of t from the earlier time on. The
-    difference is counted in signs of the slope of the left orbit.
+    Both begin where the orbits are, with the power of t from the earlier time on; the difference is
+    in signs of the slope of the left orbit.
     """
     slope, intercept = family.slopes[piece], family.intercepts[piece]
     ratio, offset, lag = pair
@@ -241,10 +238,10 @@ def growth_of_pairs(
     weights: Sequence[PolyElement],
     meter: Meter,
 ) -> Real | None:
-    """The growth of laps if it is one number over an interval, its ends among it.
+    """The growth of laps, above 1, if it is one number on a closed interval; else None.
 
-    Orbits of the break with this number need not match. Weights are those of pieces in the series
-    of an orbit, of which the determinant is a difference. Above 1; None if nothing is proved.
+    Orbits of the break with this number need not match. The determinant is a difference of series
+    in which pieces have these weights.
     """
     one = _step(family, weights, TOGETHER, number, left=True)
     other = _step(family, weights, one.onward, number + 1, left=False)
@@ -312,8 +309,8 @@ def _bounds(
 ) -> Range:
     """Bounds of what paths make of terms and factors, for all t in a part of [0, 1).
 
-    So many steps as there are pairs come back to one of them, which takes a power of t: that gives
-    first bounds, and what steps make of bounds is bounds again.
+    As many steps as pairs come back to one of them, which takes a power of t: that gives first
+    bounds, which the steps improve.
     """
     ranges = {
         pair: [(_range(s.term, part), _range(s.factor, part), s.onward) for s in each]
