@@ -41,21 +41,7 @@ WITNESSES = 4  # points that are looked at before a sign is refuted the long way
 
 
 class UndecidedError(ValueError):
-    """A sign that the assumptions leave open.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, UndecidedError
-    >>> p1 = PiecewiseLinearMap.from_sympy(
-    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
-    ... )
-    >>> try:
-    ...     p1.fixed_points()
-    ... except UndecidedError as error:
-    ...     print(error)
-    the sign of r - 2 does not follow from a > 1: assume more (given=[...]) or give a parameter a
-    value (.at)
-    """
+    """A sign that the assumptions leave open: assume more (``given``) or give values (``at``)."""
 
 
 @dataclass(frozen=True)

@@ -21,22 +21,7 @@ STEP = 1_000  # work of any step, whatever it computes with
 
 
 class Refused(ValueError):  # noqa: N818  it is no error of the program
-    """What a certificate says is not proved by it; one sentence says why.
-
-    Examples
-    --------
-    >>> import json, pathlib
-    >>> from pwmap import PiecewiseLinearMap, check_certificate, prove
-    >>> from pwmap.proofs import Refused
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
-    >>> path = pathlib.Path(prove(p1).save("certificate.json"))
-    >>> changed = path.write_text(path.read_text().replace("5/4", "3/4"))
-    >>> try:
-    ...     check_certificate(path)
-    ... except Refused as error:
-    ...     print(error)
-    the seal is not that of the content
-    """
+    """What a certificate says is not proved by it; one sentence says why."""
 
 
 class Effort:

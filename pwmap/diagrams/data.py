@@ -19,14 +19,7 @@ BoolArray = npt.NDArray[np.bool_]
 
 
 class BranchKind(StrEnum):
-    """What a branch is a curve of.
-
-    Examples
-    --------
-    >>> from pwmap import BranchKind
-    >>> print(BranchKind.JUMP, BranchKind("band") is BranchKind.BAND)
-    jump True
-    """
+    """What a branch is a curve of."""
 
     FIXED_POINT = "fixed-point"
     JUMP = "jump"
@@ -51,14 +44,7 @@ class Coded(StrEnum):
 
 
 class PointKind(Coded):
-    """What ends or marks branches; the value is the code used in tables and graphs.
-
-    Examples
-    --------
-    >>> from pwmap import PointKind
-    >>> print(PointKind.FF, PointKind.FF.label)
-    FF border-collision fold-flip
-    """
+    """What ends or marks branches; the value is the code used in tables and graphs."""
 
     LP = "LP", "fold: multiplier +1"
     PD = "PD", "flip: multiplier -1"
@@ -74,14 +60,7 @@ class PointKind(Coded):
 
 
 class PointStatus(Coded):
-    """How well the place of a special point is known.
-
-    Examples
-    --------
-    >>> from pwmap import PointStatus
-    >>> [(status.name, status.value) for status in PointStatus]
-    [('LOCATED', 'located'), ('OPEN', 'open')]
-    """
+    """How well the place of a special point is known."""
 
     LOCATED = "located", "it solves the equations of what it is, as closely as its precision says"
     OPEN = "open", "a branch was given up here: how it goes on is not known"
@@ -97,19 +76,11 @@ def _locked(values: Sequence[float] | FloatArray, dtype: type) -> npt.NDArray[np
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A part of a branch with one word, from the sample ``first`` to the next stretch.
+    """A part of a branch with one word, from the sample ``first`` to the next; see :class:`Branch`.
 
     ``cause`` is a sentence on what happens where it begins, empty at the start of a branch;
     ``exact`` holds sympy expressions by name, such as ``{"x": r/(a + 1)}``, and is empty for the
     toy.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
-    >>> diagram = bifurcation_diagram(p1, "r", (-1, 12), orders=(4,))
-    >>> [stretch.word for stretch in diagram.branch("J1").words]
-    ['RRRR|RRRL']
     """
 
     first: int
@@ -151,10 +122,10 @@ class Branch:
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
-    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
-    >>> branch = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)).branch("J1")
-    >>> branch.word, branch.ends, branch.x.tolist(), branch.exact["interval"]
-    ('L|R', ('BC1', 'BC2'), [0.0, 0.0], Interval.open(0, 1))
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
+    >>> branch = bifurcation_diagram(p1, "r", (-1, 12), orders=(2,)).branch("J1")
+    >>> branch.word, branch.ends, branch.exact["interval"]
+    ('RR|RL', ('FF1', 'BC3'), Interval.open(0, 10))
     """
 
     id: str
@@ -258,7 +229,7 @@ class Branch:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SpecialPoint:
-    """A point of the (parameter, x) plane where branches end or meet.
+    """A point of the (parameter, x) plane where branches end or meet; see :class:`Diagram`.
 
     Parameters
     ----------
@@ -288,14 +259,6 @@ class SpecialPoint:
     ValueError
         If the id is no text without ``:``, kind or status is unknown, the precision is negative, or
         the interval does not hold the parameter.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
-    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
-    >>> point = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)).point("BC2")
-    >>> point.kind.label, point.note, point.parameter, point.x, point.branches
-    ('border collision', 'persistence', 1.0, 0.0, ('J1', 'F2'))
     """
 
     id: str
@@ -329,17 +292,9 @@ class SpecialPoint:
 
 
 class Hit(NamedTuple):
-    """Where a branch is at one value of the parameter; the multiplier of a jump is nan.
+    """Where :meth:`Diagram.at` meets a branch; the multiplier of a jump is nan.
 
     ``exact`` has the entries of :attr:`Stretch.exact` without ``interval``.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
-    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
-    >>> hit, = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)).at("-1/2")
-    >>> hit.branch.id, hit.x, hit.multiplier, hit.exact["x"]
-    ('F1', -1.0, 0.5, -1)
     """
 
     branch: Branch
@@ -349,16 +304,7 @@ class Hit(NamedTuple):
 
 
 class StableInterval(NamedTuple):
-    """An interval of the parameter in which a branch attracts, between its samples.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
-    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
-    >>> found = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)).stable_intervals()
-    >>> [(each.branch.id, each.low, each.high) for each in found]
-    [('F1', -1.0, 0.0), ('F2', 1.0, 2.0)]
-    """
+    """A part of :meth:`Diagram.stable_intervals`: where a branch attracts, between its samples."""
 
     branch: Branch
     low: float

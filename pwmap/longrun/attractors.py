@@ -43,15 +43,8 @@ Intervals = tuple[Interval, ...]
 class Bands:
     """A chaotic attractor: intervals between which orbits go, dense in all of them.
 
-    ``intervals`` are closed and apart, from left to right; ``breaks`` are those inside.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, dynamics
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> bands = dynamics(tent, {"a": "7/5"}).attractors[0].core
-    >>> [(str(low), str(high)) for low, high in bands.intervals]
-    [('21/50', '721/1250'), ('147/250', '7/10')]
+    The core of an attractor of :func:`pwmap.dynamics`. ``intervals`` are closed and apart, from
+    left to right; ``breaks`` are those inside.
     """
 
     intervals: Intervals

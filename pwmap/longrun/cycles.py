@@ -30,18 +30,10 @@ STEP = 8  # operations with which a letter is tried behind a word
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FoundCycle:
-    """A cycle at one place of the parameters, from its leftmost point on.
+    """A cycle that :func:`pwmap.cycles` found, from its leftmost point on.
 
     ``slope`` is the multiplier, None if no points beside it follow its pieces. A cycle ``at_break``
     has a point on a break, and attracts as both sides of it do.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, cycles
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    >>> found = cycles(skew, {"a": "1/2", "b": -4}, 3)
-    >>> [(cycle.word, cycle.exact_points, cycle.multiplier) for cycle in found.of_period(3)]
-    [('LLR', (-5/2, -1/4, 7/8), -1), ('LRR', (-13/7, 1/14, 5/7), 8)]
     """
 
     line: MapLine
@@ -84,6 +76,8 @@ class FoundCycle:
 class FoundCycles:
     """All isolated cycles up to some period, by period and then from left to right.
 
+    See :func:`pwmap.cycles`.
+
     Attributes
     ----------
     order
@@ -92,14 +86,6 @@ class FoundCycles:
         How many words were looked at.
     left_out
         A sentence on what is missing; empty if nothing is.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, cycles
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    >>> found = cycles(skew, {"a": 2, "b": "-3/2"}, 6)
-    >>> len(found), [len(found.of_period(n)) for n in range(1, 7)]
-    (9, [2, 1, 1, 1, 2, 2])
     """
 
     cycles: tuple[FoundCycle, ...]
@@ -174,9 +160,12 @@ def cycles(
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, cycles
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> [cycle.word for cycle in cycles(tent, {"a": "7/4"}, 4)]
-    ['L', 'R', 'LR', 'LLR', 'LRR', 'LRRR']
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    >>> found = cycles(skew, {"a": "1/2", "b": -4}, 6)
+    >>> [len(found.of_period(n)) for n in range(1, 7)]
+    [1, 1, 2, 1, 2, 2]
+    >>> [(cycle.word, cycle.exact_points, cycle.multiplier) for cycle in found.of_period(3)]
+    [('LLR', (-5/2, -1/4, 7/8), -1), ('LRR', (-13/7, 1/14, 5/7), 8)]
     """
     order, meter = checked_order(order), metered(budget, on_interrupt)
     line = line_of(map_, values)

@@ -44,14 +44,7 @@ STEP = 10  # operations of one step
 class Enclosure(mpmath.ctx_iv.ivmpf):  # type: ignore[misc]
     """An interval of mpmath that holds a number; as a double it is its middle.
 
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, dynamics
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> density = dynamics(tent, {"a": "7/4"}).attractors[0].density
-    >>> low, high = density.places[0], density.places[-1]
-    >>> round(float(density.measure(low, (low + high) / 2)), 12)
-    0.443088227182
+    It is what :meth:`Density.measure` gives where the density is not exact.
     """
 
     ctx = mpmath.iv

@@ -37,14 +37,7 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 
 
 class Extremum(Enum):
-    """What the iterate of a map is at one side of a break; the value is its symbol.
-
-    Examples
-    --------
-    >>> from pwmap.longrun import Extremum
-    >>> [(kind.name, kind.value) for kind in Extremum]
-    [('MAXIMUM', 'M'), ('MINIMUM', 'm'), ('CONSTANT', 'c')]
-    """
+    """What the iterate of a map is at one side of a break; the value is its symbol."""
 
     MAXIMUM = "M"
     MINIMUM = "m"
@@ -53,7 +46,7 @@ class Extremum(Enum):
 
 @dataclass(frozen=True, slots=True)
 class MinMax:
-    """The min-max sequence of one side of a break [Amigo2012].
+    """The min-max sequence of one side of a break [Amigo2012], of a :class:`Kneading`.
 
     The n-th iterate, n = 1, 2, ..., has a limit at the break from that side. If points beside the
     break are mapped to the left of the limit, it is a local maximum of the iterate's branch there;
@@ -65,15 +58,6 @@ class MinMax:
         Extremum and letter of the address for n = 1, 2, ...; constant beyond a flat piece.
     start
         The number of the first that recurs with all that follow; None if that is not known.
-
-    Examples
-    --------
-    >>> from sympy import sqrt
-    >>> from pwmap import PiecewiseLinearMap, dynamics
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> kneading, *_ = dynamics(tent, {"a": (1 + sqrt(5))/2}).kneading
-    >>> print(kneading.minmax)
-    (M^R m^L m^R)
     """
 
     symbols: tuple[tuple[Extremum, str], ...]
@@ -110,8 +94,8 @@ class Kneading:
     >>> from pwmap import PiecewiseLinearMap, dynamics
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
     >>> kneading, *_ = dynamics(tent, {"a": (1 + sqrt(5))/2}).kneading
-    >>> kneading.x, kneading.side, kneading.word, kneading.fate
-    (1/2, -1, 'L(RLR)', 'periodic after a while')
+    >>> kneading.x, kneading.side, kneading.word, str(kneading.minmax)
+    (1/2, -1, 'L(RLR)', '(M^R m^L m^R)')
     """
 
     x: sympy.Expr
@@ -125,18 +109,10 @@ class Kneading:
 
 @dataclass(frozen=True, eq=False)
 class Attractor:
-    """What orbits settle to, with what surrounds it.
+    """What orbits settle to, with what surrounds it; one of those of :func:`pwmap.dynamics`.
 
     ``core`` is an attracting cycle, neutral intervals full of cycles, or the bands of a chaotic
     attractor, in exact numbers.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, dynamics
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> bands, = dynamics(tent, {"a": "7/5"}).attractors
-    >>> print(bands, bands.is_chaotic, bands.basin[0])
-    2 bands: [21/50, 721/1250], [147/250, 7/10] True Interval.open(0, 1)
     """
 
     line: MapLine
@@ -334,15 +310,8 @@ class FoundAttractors(tuple[Attractor, ...]):
 class Dynamics:
     """The long run of a map at one place of its parameters; each part is computed when it is used.
 
-    ``orders`` are those up to which the graph of laps is made for bounds of the entropy, in turn.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, dynamics
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> found = dynamics(tent, {"a": 2})
-    >>> found.entropy.value, found.absorbing, found.laps(4)
-    (log(2), Interval(0, 1), [2, 4, 8, 16])
+    It comes from :func:`pwmap.dynamics`. ``orders`` are those up to which the graph of laps is made
+    for bounds of the entropy, in turn.
     """
 
     line: MapLine
@@ -458,8 +427,12 @@ def dynamics(
     --------
     >>> from pwmap import PiecewiseLinearMap, dynamics
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> print(*dynamics(tent, {"a": "7/5"}).attractors)
-    2 bands: [21/50, 721/1250], [147/250, 7/10]
+    >>> found = dynamics(tent, {"a": "7/5"})
+    >>> bands, = found.attractors
+    >>> print(bands, bands.is_chaotic, bands.basin[0])
+    2 bands: [21/50, 721/1250], [147/250, 7/10] True Interval.open(0, 1)
+    >>> found.absorbing, found.laps(4)
+    (Interval(21/50, 7/10), [2, 4, 8, 14])
     """
     for order in orders:
         checked_order(order)

@@ -36,6 +36,8 @@ class Fate(Enum):
 class AttractingCycle:
     """A cycle to which all orbits close to it come.
 
+    The core of an attractor of :func:`pwmap.dynamics`.
+
     Attributes
     ----------
     points
@@ -46,14 +48,6 @@ class AttractingCycle:
         Product of the slopes, less than one in size.
     reach
         How close to each point an orbit must come to be drawn in; it may be infinite.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, dynamics
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> cycle = dynamics(tent, {"a": "1/2"}).attractors[0].core
-    >>> cycle.word, cycle.points, cycle.multiplier
-    ('L', (0,), 1/2)
     """
 
     points: tuple[Exact, ...]

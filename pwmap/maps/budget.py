@@ -21,7 +21,7 @@ OFTEN = 0.25  # seconds between two calls of ``progress``
 
 
 class Advance(NamedTuple):
-    """How far a call is.
+    """How far a call is, as :class:`pwmap.Budget` tells it.
 
     Attributes
     ----------
@@ -29,16 +29,7 @@ class Advance(NamedTuple):
         What is counted, such as ``"columns"`` (empty before anything is), and how many of how many
         are finished; the total is 0 if it is not known in advance.
     work
-        That was done so far, as :class:`pwmap.Budget` counts it.
-
-    Examples
-    --------
-    >>> from pwmap import Budget, PiecewiseLinearMap, tongues
-    >>> circle = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
-    >>> told = []
-    >>> found = tongues(circle, 5, budget=Budget(progress=told.append))
-    >>> told[-1][:3]
-    ('tongues', 11, 11)
+        That was done so far.
     """
 
     what: str
@@ -80,9 +71,12 @@ class Budget:
     --------
     >>> from pwmap import PiecewiseLinearMap, Budget, bifurcation_diagram
     >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
-    >>> few = Budget(pieces=40)
+    >>> told = []
+    >>> few = Budget(pieces=40, progress=told.append)
     >>> bifurcation_diagram(p1, "r", (-1, 4), range(1, 9), budget=few).given
     ('stopped after orders 1..2: order 3 takes more than 40 pieces in all cells',)
+    >>> told[-1][:3]
+    ('orders', 2, 8)
     """
 
     pieces: int = 500_000
@@ -105,19 +99,7 @@ BUDGET = Budget()
 
 
 class BudgetError(ValueError):
-    """A budget is used up.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, BudgetError
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
-    >>> try:
-    ...     p1.iterate(10**6)
-    ... except BudgetError as error:
-    ...     print(error)
-    the iterate of order 1000000 is too large: each of its pieces would have a word of 1000000
-    letters, at most 10000 are allowed
-    """
+    """A budget is used up; a :class:`Budget` with other limits allows more."""
 
 
 def cost(bits: int) -> int:
@@ -272,14 +254,7 @@ def metered(budget: Budget | Meter, on_interrupt: Callable[[], None] | None = No
 class Progress(NamedTuple):
     """What was completed: the last order, with its cells, edges included, and all pieces so far.
 
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
-    >>> seen = []
-    >>> diagram = bifurcation_diagram(p1, "r", (-1, 4), orders=(1, 2), progress=seen.append)
-    >>> seen[-1]
-    Progress(order=2, cells=7, pieces=34)
+    :func:`pwmap.bifurcation_diagram` tells it to its ``progress``.
     """
 
     order: int

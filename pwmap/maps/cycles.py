@@ -17,7 +17,7 @@ from pwmap.maps.words import Layout, Offset, Word
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cycle:
-    """A cycle given by its word.
+    """What :meth:`PiecewiseLinearMap.cycle` gives: a cycle by its word.
 
     Attributes
     ----------
@@ -27,16 +27,6 @@ class Cycle:
         Product of the slopes of the pieces visited; ``nan`` if one of them is a single point.
     conditions
         What must hold for the cycle to exist: each point in its piece.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - a*x, True))")
-    >>> cycle = p1.cycle("RL")
-    >>> cycle.points, cycle.multiplier
-    ((r - 2, -a*r + 2*a + r), 0)
-    >>> cycle.conditions
-    (r - 2 > 0, -a*r + 2*a + r <= 0)
     """
 
     word: str

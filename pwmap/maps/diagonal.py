@@ -20,7 +20,7 @@ from pwmap.maps.words import Layout, Word
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FixedPoint:
-    """A fixed point of an iterate.
+    """A fixed point of an iterate, of :meth:`PiecewiseLinearMap.fixed_points`.
 
     Attributes
     ----------
@@ -38,15 +38,6 @@ class FixedPoint:
         assumptions leave it open.
     at_border
         Whether it lies at an end of a piece.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
-    >>> for point in p1.fixed_points():
-    ...     print(point.x, point.word, point.multiplier, point.stable)
-    -1 L 0 True
-    4/9 R -5/4 False
     """
 
     x: sympy.Expr
@@ -63,13 +54,7 @@ class FixedPoint:
 class FixedInterval:
     """A piece of an iterate that is the identity: every point of it is fixed.
 
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> mirror = PiecewiseLinearMap.from_sympy("Piecewise((-x, x <= 1), (x - 2, True))")
-    >>> band, *_ = mirror.iterate(2).fixed_intervals()
-    >>> band.interval, band.word, band.period
-    (Interval(-1, 1), 'LL', 2)
+    See :meth:`PiecewiseLinearMap.fixed_intervals`.
     """
 
     interval: sympy.Set
@@ -80,16 +65,7 @@ class FixedInterval:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Discontinuity:
-    """A discontinuity: the one-sided limits, and the value at the point itself.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
-    >>> jump, = p1.jumps()
-    >>> jump
-    Discontinuity(x=0, left=-1, value=-1, right=1)
-    """
+    """A discontinuity: the one-sided limits and the value, of :meth:`PiecewiseLinearMap.jumps`."""
 
     x: sympy.Expr
     left: sympy.Expr
@@ -99,15 +75,9 @@ class Discontinuity:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JumpCrossing:
-    """A discontinuity whose one-sided limits lie strictly on opposite sides of the diagonal.
+    """A discontinuity with limits strictly on opposite sides of the diagonal.
 
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
-    >>> crossing, = p1.iterate(2).jump_crossings()
-    >>> crossing.x, crossing.left, crossing.right, crossing.left_word, crossing.right_word
-    (4/5, 1, -1, 'RR', 'RL')
+    See :meth:`PiecewiseLinearMap.jump_crossings`.
     """
 
     x: sympy.Expr

@@ -15,16 +15,7 @@ from pwmap.maps.decided import Decided
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinearPiece:
-    """One affine piece of a map: ``slope x + intercept`` on an interval or at a point.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
-    >>> right = p1.pieces[1]
-    >>> right.word, right.expression, right.interval, right.slope, right.lower_closed
-    ('R', 1 - 5*x/4, Interval.open(0, oo), -5/4, False)
-    """
+    """An affine piece of a :class:`PiecewiseLinearMap`: ``slope x + intercept`` on its interval."""
 
     cylinder: Cylinder
     owner: Decided = field(repr=False)

@@ -55,15 +55,19 @@ class PiecewiseLinearMap:
     >>> p1 = PiecewiseLinearMap.from_sympy(
     ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1", "r > 0", "r < 2"]
     ... )
-    >>> [point.x for point in p1.fixed_points()]
-    [r - 2, r/(a + 1)]
+    >>> [(point.x, point.word, point.multiplier, point.stable) for point in p1.fixed_points()]
+    [(r - 2, 'L', 0, True), (r/(a + 1), 'R', -a, False)]
+    >>> p1.jumps()
+    (Discontinuity(x=0, left=r - 2, value=r - 2, right=r),)
+    >>> p1.cycle("RL").conditions
+    (r - 2 > 0, -a*r + 2*a + r <= 0)
     >>> second = p1.at({"a": "5/4", "r": 1}).iterate(2)
     >>> print(second)
     LL  -1             for x <= 0
     RR  25*x/16 - 1/4  for 0 < x < 4/5
     RL  -1             for 4/5 <= x
-    >>> [jump.x for jump in second.jump_crossings()]
-    [4/5]
+    >>> [(jump.x, jump.left_word, jump.right_word) for jump in second.jump_crossings()]
+    [(4/5, 'RR', 'RL')]
     """
 
     def __init__(

@@ -13,7 +13,7 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ParameterCell:
-    """An interval of the parameter, or an edge, on which the same words describe the map.
+    """An interval of the parameter, or an edge, of :func:`pwmap.parameter_cells`.
 
     Attributes
     ----------
@@ -24,14 +24,6 @@ class ParameterCell:
         ``jump_crossings()`` are formulas in the parameters, for the orders of the cells. Other
         questions are answered if that holds throughout the cell; otherwise :class:`UndecidedError`
         names the orders.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_cells
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
-    >>> edge = parameter_cells(p1, "r", orders=(1, 2)).cells[1]
-    >>> edge.lower, edge.upper, edge.is_edge, [point.x for point in edge.map.fixed_points()]
-    (0, 0, True, [r - 2])
     """
 
     lower: sympy.Expr
@@ -46,17 +38,9 @@ class ParameterCell:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ParameterCells:
-    """All cells of an interval of one parameter, from left to right, open cells and edges in turn.
+    """All cells of :func:`pwmap.parameter_cells`, from left to right, open cells and edges in turn.
 
     What the assumptions exclude is left out; ``given`` are conditions on the other parameters.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_cells
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
-    >>> cells = parameter_cells(p1, "r", orders=(1, 2))
-    >>> cells.edges, [len(cell.map.fixed_points()) for cell in cells]
-    ((0, 2, 10), [1, 1, 2, 2, 1, 1, 1])
     """
 
     parameter: sympy.Symbol

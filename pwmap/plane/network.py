@@ -45,7 +45,7 @@ Tip = tuple[PlaneArc, int]  # one end of an arc: 0 or 1
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlaneCurve:
-    """A curve of two parameters on which cycles bifurcate.
+    """A curve of two parameters on which cycles bifurcate, of :func:`pwmap.parameter_plane`.
 
     Attributes
     ----------
@@ -61,15 +61,6 @@ class PlaneCurve:
         One after the other.
     ends
         Names of the points at both ends; empty at an end of a span, or if it is closed.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_plane
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
-    >>> curve = plane.curve("PD1")
-    >>> curve.kind.label, curve.words, curve.polynomial
-    ('flip', ('LR',), a*b + 1)
     """
 
     id: str
@@ -97,7 +88,7 @@ class PlaneCurve:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CodimensionTwo:
-    """A point of two parameters in which bifurcation curves meet or end.
+    """A point of two parameters in which bifurcation curves of :func:`pwmap.parameter_plane` meet.
 
     Attributes
     ----------
@@ -107,15 +98,6 @@ class CodimensionTwo:
         Values of both parameters, the one across first.
     curves
         Names of the curves that pass or end here.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_plane
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2, 3))
-    >>> point, = plane.points
-    >>> point.kind.label, point.values, point.curves
-    ('flip-border collision', (-1/2 + sqrt(5)/2, -3/2 - sqrt(5)/2), ('PD3', 'BC1'))
     """
 
     id: str

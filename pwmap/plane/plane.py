@@ -24,7 +24,7 @@ from pwmap.plane.tables import curve_columns, point_columns
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ParameterPlane:
-    """A rectangle of two parameters: its cells, strip by strip, and its bifurcation curves.
+    """A rectangle of two parameters, cut by :func:`pwmap.parameter_plane`.
 
     Attributes
     ----------
@@ -38,16 +38,6 @@ class ParameterPlane:
         Bifurcations of cycles of the orders, and where curves meet or end.
     left_out
         A sentence on the part of the rectangle that was not finished; empty if all was.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_plane
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
-    >>> [(curve.id, str(curve.polynomial)) for curve in plane.curves]
-    [('PD1', 'a*b + 1'), ('PD2', 'b + 1')]
-    >>> print(*plane.at("1/2", "-3/2").attractors)
-    cycle LR through -2/7
     """
 
     map: PiecewiseLinearMap
@@ -168,10 +158,14 @@ def parameter_plane(
     --------
     >>> from pwmap import PiecewiseLinearMap, parameter_plane
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    >>> for curve in parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2")).curves:
-    ...     print(curve.id, *curve.words, curve.polynomial)
-    PD1 LR a*b + 1
-    PD2 R b + 1
+    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"))
+    >>> [(curve.id, curve.words, str(curve.polynomial)) for curve in plane.curves]
+    [('PD1', ('LR',), 'a*b + 1'), ('PD2', ('R',), 'b + 1')]
+    >>> region, = plane.regions(period=2)
+    >>> region.across, region.along
+    ((1/4, 3/4), (-1/a, -1))
+    >>> print(*plane.at("1/2", "-3/2").attractors)
+    cycle LR through -2/7
     """
     check_map(map_)
     across, along = (own_name(name, map_.parameters) for name in (across, along))

@@ -28,7 +28,7 @@ ORDER = 24  # up to which the graph of laps is made for a colour: its bounds dif
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlaneRaster:
-    """The long run at points of a plane, in the middles of equal rectangles.
+    """The long run in the middles of equal rectangles of a plane, of :func:`plane_raster`.
 
     Attributes
     ----------
@@ -44,16 +44,6 @@ class PlaneRaster:
         Whether something is not known there.
     left_out
         A sentence on columns that were not finished; empty if all were.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_plane
-    >>> from pwmap.plane import plane_raster
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
-    >>> plane_raster(plane, 3, 2).periods
-    array([[0, 3, 0],
-           [2, 2, 0]])
     """
 
     across: tuple[Number, ...]
@@ -109,8 +99,9 @@ def plane_raster(
     >>> from pwmap.plane import plane_raster
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
     >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
-    >>> plane_raster(plane, 3, 2).bands.tolist()
-    [[1, 0, 1], [0, 0, 4]]
+    >>> raster = plane_raster(plane, 3, 2)
+    >>> raster.periods.tolist(), raster.bands.tolist()
+    ([[0, 3, 0], [2, 2, 0]], [[1, 0, 1], [0, 0, 4]])
     """
     check_kind("plane", plane, ParameterPlane, "pwmap.plane")
     if min(columns, rows) < 1:

@@ -15,7 +15,7 @@ from pwmap.plane.strips import Strip
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlaneRegion:
-    """A part of the plane in which cycles of the same periods attract.
+    """A part of a :func:`pwmap.parameter_plane` in which cycles of the same periods attract.
 
     Attributes
     ----------
@@ -28,15 +28,6 @@ class PlaneRegion:
         Of the cycles that attract, among the orders of the plane; empty if none does.
     words
         Of these cycles, each begun where it comes first in the alphabet.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_plane
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
-    >>> region, = plane.regions(period=2)
-    >>> region.across, region.along, region.words
-    ((1/4, 3/4), (-1/a, -1), ('LR',))
     """
 
     across: tuple[sympy.Expr, sympy.Expr]

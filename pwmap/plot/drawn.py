@@ -23,18 +23,10 @@ LABEL = 30.0  # height of the numbers and the name of an axis [pt]
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """A picture, or a part of one.
+    """A picture, or a part of one; every plot gives one, such as :func:`pwmap.plot.plot_map`.
 
     ``axes`` are those on which it was drawn, in order; ``artists`` lists of artists of matplotlib
     by the name of the part, as in the legend. Each can be changed, by ``artist.set(color="k")``.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> from pwmap.plot import plot_map
-    >>> drawn = plot_map(PiecewiseLinearMap([("1 - x", "x > 0"), ("-1", "x <= 0")]))
-    >>> [line.get_linewidth() for line in drawn.artists["pieces"]]
-    [1.5, 1.5]
     """
 
     axes: tuple[Axes, ...]

@@ -78,8 +78,11 @@ def prove(
     --------
     >>> from pwmap import PiecewiseLinearMap, prove
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((2*x, x <= 1/2), (2 - 2*x, True))")
-    >>> print(prove(tent).statement[:71])
+    >>> certificate = prove(tent)
+    >>> print(certificate.statement[:71])
     For the map with the pieces L: 2 x for x <= 1/2; R: -2 x + 2 for 1/2 <
+    >>> certificate.save("tent.json").name
+    'tent.json'
     """
     if isinstance(what, PiecewiseLinearMap):
         if map_ is not None or orders is not None:

@@ -15,15 +15,9 @@ from pwmap.diagrams.shown import brief
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Certificate:
-    """A statement with all that its verification needs: its sealed ``content``, as in the JSON.
+    """A statement of :func:`pwmap.prove` with all that its verification needs.
 
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, prove
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
-    >>> certificate = prove(p1)
-    >>> len(certificate.content["fixed points"]), certificate.save("map.json").name
-    (2, 'map.json')
+    ``content`` is sealed, as it is written to JSON.
     """
 
     content: Mapping[str, Any]

@@ -44,14 +44,7 @@ from pwmap.rotations.pieces import LEFT, RIGHT, TwoPieces, two_pieces
 
 
 class CentreKind(Enum):
-    """What is to be found around an organising centre.
-
-    Examples
-    --------
-    >>> from pwmap.rotations import CentreKind
-    >>> CentreKind.ADDING.value
-    'period adding: between two neighbours is a cycle with the points of both'
-    """
+    """What is to be found around an organising centre."""
 
     ADDING = "period adding: between two neighbours is a cycle with the points of both"
     INCREMENTING = "period incrementing: adjacent cycles of n and n + 1 points coexist"
@@ -65,6 +58,8 @@ class CentreKind(Enum):
 class OrganisingCentre:
     """A point of two parameters at which both limits at the break lie on the break.
 
+    It comes from :func:`organising_centre`.
+
     Attributes
     ----------
     values
@@ -76,15 +71,6 @@ class OrganisingCentre:
     patterns
         Words of cycles around it, for :func:`pwmap.word_family`: both families that lead towards
         the fixed points for period adding, the one there is for period incrementing.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> from pwmap.rotations import organising_centre
-    >>> jump = PiecewiseLinearMap([("x/2 + r", "x < 1"), ("-x/3 + a", "x >= 1")])
-    >>> centre = organising_centre(jump, "r", "a")
-    >>> centre.values, centre.slopes, centre.kind.name, centre.patterns
-    ((1/2, 4/3), (1/2, -1/3), 'INCREMENTING', ('R L^n',))
     """
 
     across: sympy.Symbol
@@ -125,8 +111,9 @@ def organising_centre(map_: PiecewiseLinearMap, across: object, along: object) -
     >>> from pwmap import PiecewiseLinearMap
     >>> from pwmap.rotations import organising_centre
     >>> jump = PiecewiseLinearMap([("x/2 + r", "x < 1"), ("-x/3 + a", "x >= 1")])
-    >>> organising_centre(jump, "r", "a").values
-    (1/2, 4/3)
+    >>> centre = organising_centre(jump, "r", "a")
+    >>> centre.values, centre.slopes, centre.kind.name, centre.patterns
+    ((1/2, 4/3), (1/2, -1/3), 'INCREMENTING', ('R L^n',))
     """
     found = organising_centres(map_, across, along)
     if len(found) != 1:

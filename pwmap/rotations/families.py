@@ -49,16 +49,9 @@ Element = Any  # of the field of quotients in the parameters, n and the powers
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FamilyCondition:
-    """A condition of the cycles of a family, a ``relation`` in the parameters, n and powers.
+    """A condition of a :func:`pwmap.word_family`: a relation in the parameters, n and powers.
 
     It is one from n = ``since`` on; for smaller n its point does not exist.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, word_family
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
-    >>> for condition in word_family(p1, "L R^n").conditions:
-    ...     print(condition.since, condition.relation)
     """
 
     relation: sympy.Basic
@@ -68,16 +61,7 @@ class FamilyCondition:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FamilyCycle:
-    """One cycle of a family: its word, first point, multiplier, and the conditions that bind.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, word_family
-    >>> p1 = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
-    >>> cycle = word_family(p1, "L R^n").at(2)
-    >>> cycle.word, cycle.x, cycle.multiplier
-    ('LRR', a**2*r - 2*a**2 - a*r + r, 0)
-    """
+    """One cycle of :func:`pwmap.word_family`: word, first point, multiplier, binding conditions."""
 
     word: str
     x: sympy.Expr
@@ -87,7 +71,7 @@ class FamilyCycle:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class WordFamily:
-    """The cycles of a pattern of words, for every n.
+    """The cycles of a pattern of words, for every n, of :func:`pwmap.word_family`.
 
     Attributes
     ----------
@@ -98,14 +82,6 @@ class WordFamily:
         repeated word is 1 for single values of the parameters, x is the limit there.
     conditions
         Those that bind: together they say for every n that each point lies in its piece.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, word_family
-    >>> p1 = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
-    >>> family = word_family(p1, "L R^n")
-    >>> family.word(3), family.multiplier, family.thresholds("r")[0]
-    ('LRRR', 0, 2*(-a)**n*(a + 1)/(a*(-a)**n + 1))
     """
 
     pattern: str
@@ -231,7 +207,10 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
     --------
     >>> from pwmap import PiecewiseLinearMap, word_family
     >>> p1 = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
-    >>> word_family(p1, "L R^n").at(2).conditions
+    >>> family = word_family(p1, "L R^n")
+    >>> family.word(3), family.multiplier, family.thresholds("r")[0]
+    ('LRRR', 0, 2*(-a)**n*(a + 1)/(a*(-a)**n + 1))
+    >>> family.at(2).conditions
     (a**2*r - 2*a**2 - a*r + r <= 0, r - 2 > 0, -a*r + 2*a + r > 0)
     """
     layout = checked_map(map_)

@@ -31,17 +31,7 @@ ITERATES = 1000  # by default; the bounds are then at most 1/1000 apart
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RotationNumber:
-    """Bounds of a rotation number, ends included, and how many ``iterates`` they took.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> from pwmap.rotations import rotation_number_at
-    >>> circle = PiecewiseLinearMap([("x/2 + 5/7", "x < 4/7"), ("x/2 - 2/7", "x >= 4/7")])
-    >>> number = rotation_number_at(circle)
-    >>> number.lower, number.upper, number.exact
-    (Fraction(1, 2), Fraction(1, 2), True)
-    """
+    """Bounds of :func:`rotation_number_at`, ends included, and how many ``iterates`` they took."""
 
     lower: Fraction
     upper: Fraction
@@ -55,17 +45,7 @@ class RotationNumber:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RotationInterval:
-    """The smallest and the largest rotation number of a map's orbits.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> from pwmap.rotations import rotation_interval
-    >>> circle = PiecewiseLinearMap([("x/2 + 5/7", "x < 4/7"), ("x/2 - 2/7", "x >= 4/7")])
-    >>> found = rotation_interval(circle)
-    >>> found.least.lower, found.greatest.upper
-    (Fraction(1, 2), Fraction(1, 2))
-    """
+    """The smallest and the largest rotation number of a map's orbits: :func:`rotation_interval`."""
 
     least: RotationNumber
     greatest: RotationNumber

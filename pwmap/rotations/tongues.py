@@ -43,15 +43,8 @@ Piece_ = tuple[Real, Real]  # of the axis of the parameter; see gaps_and_roots
 class Tongue:
     """Where a cycle of one rotation number exists; its formulas are computed when they are asked.
 
-    ``rotation`` is the number p/q, ``word`` the rotational word from the leftmost point on.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, tongues
-    >>> circle = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
-    >>> half = tongues(circle, 2)[1]
-    >>> half.rotation, half.word, half.values, half.multiplier
-    (Fraction(1, 2), 'LR', Interval.Ropen(2/3, 5/6), 1/4)
+    Of :func:`tongues`: ``rotation`` is p/q, ``word`` the rotational word from the leftmost point
+    on.
     """
 
     rotation: Fraction

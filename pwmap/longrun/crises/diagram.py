@@ -44,6 +44,8 @@ PARTS = 16  # of an interval, in each of which something is asked, and which are
 class AttractorCell:
     """An interval of a parameter in which the same words describe all attractors.
 
+    It is one of the cells of :func:`pwmap.attractor_diagram`.
+
     Attributes
     ----------
     lower, upper
@@ -57,14 +59,6 @@ class AttractorCell:
         The map at the sample.
     is_open
         Whether it is not known everywhere what attracts; there may be any number of changes.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> found = attractor_diagram(tent, "a", ("4/3", "3/2"), 1)
-    >>> [(str(cell.lower), str(cell.upper), len(cell.bands[0])) for cell in found.cells]
-    [('4/3', 'sqrt(2)', 2), ('sqrt(2)', '3/2', 1)]
     """
 
     lower: sympy.Expr
@@ -84,7 +78,7 @@ class AttractorCell:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crisis:
-    """A value of a parameter at which attractors change.
+    """A value of a parameter at which attractors change, of :func:`pwmap.attractor_diagram`.
 
     Attributes
     ----------
@@ -97,14 +91,6 @@ class Crisis:
         How many there are on the left and on the right.
     meetings
         Images of breaks that meet repelling cycles there.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> merging, = attractor_diagram(tent, "a", ("4/3", "3/2"), 1).crises
-    >>> print(merging.kind, merging.parameter, merging.bands)  # two bands become one
-    MC sqrt(2) (2, 1)
     """
 
     parameter: sympy.Expr
@@ -126,25 +112,17 @@ class Crisis:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AttractorDiagram:
-    """Attractors over an interval of a parameter, from left to right.
+    """Attractors over an interval of a parameter, of :func:`pwmap.attractor_diagram`.
 
     Attributes
     ----------
     order
         Up to which images of breaks are compared with breaks and cycles everywhere.
-    crises
-        Of chaotic attractors. Other bifurcations of attracting cycles, which separate cells too,
-        are in :func:`pwmap.bifurcation_diagram`.
+    cells, crises
+        From left to right. Bifurcations of attracting cycles, which separate cells too, are in
+        :func:`pwmap.bifurcation_diagram`.
     left_out
         A sentence on what was not looked at; empty if all was.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> found = attractor_diagram(tent, "a", ("4/3", "3/2"), 1)
-    >>> len(found.cells), [(str(crisis.kind), crisis.parameter) for crisis in found.crises]
-    (2, [('MC', sqrt(2))])
     """
 
     map: PiecewiseLinearMap
@@ -219,8 +197,11 @@ def attractor_diagram(
     --------
     >>> from pwmap import PiecewiseLinearMap, attractor_diagram
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> for crisis in attractor_diagram(tent, "a", ("4/3", "3/2"), 1).crises:
-    ...     print(crisis.kind, crisis.parameter, crisis.bands)
+    >>> found = attractor_diagram(tent, "a", ("4/3", "3/2"), 1)
+    >>> [(str(cell.lower), str(cell.upper), len(cell.bands[0])) for cell in found.cells]
+    [('4/3', 'sqrt(2)', 2), ('sqrt(2)', '3/2', 1)]
+    >>> crisis, = found.crises
+    >>> print(crisis.kind, crisis.parameter, crisis.bands)  # two bands become one
     MC sqrt(2) (2, 1)
     """
     check_map(map_)

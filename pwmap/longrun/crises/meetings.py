@@ -17,14 +17,6 @@ class Meeting(NamedTuple):
 
     The break has a ``number`` from the left; ``image`` is the word along which it goes, ``cycle``
     that of the cycle from that point on.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> crisis, = attractor_diagram(tent, "a", ("4/3", "3/2"), 1).crises
-    >>> [(meeting.image, meeting.cycle) for meeting in crisis.meetings][0]
-    ('LRL', 'R')
     """
 
     number: int

@@ -132,10 +132,11 @@ def constant_entropy(
     --------
     >>> from pwmap import PiecewiseLinearMap, constant_entropy
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
-    >>> for each in constant_entropy(skew, "b", (-6, -1), samples=20).intervals:
-    ...     print(each.lower, each.upper, each.entropy.value, *each.cycles)
-    -4 -3 log(1/2 + sqrt(5)/2) LLR
-    -2 -1 0 LR
+    >>> found = constant_entropy(skew, "b", (-4, -1), samples=12)
+    >>> [(each.lower, each.upper, each.entropy.value, each.cycles) for each in found.intervals]
+    [(-4, -3, log(1/2 + sqrt(5)/2), ('LLR',)), (-2, -1, 0, ('LR',))]
+    >>> [(gap.lower, gap.upper, [cause.name for cause in gap.causes]) for gap in found.gaps]
+    [(-3, -2, ['OPEN'])]
     """
     check_map(map_)
     axis, (low, high) = only_axis(map_, parameter, span)

@@ -274,14 +274,7 @@ def lap_numbers(line: MapLine, order: int, meter: Meter) -> list[int]:
 
 
 class GapCause(Enum):
-    """Why an interval is left out; the value says it in words.
-
-    Examples
-    --------
-    >>> from pwmap.longrun import GapCause
-    >>> GapCause.NARROW.value
-    'it is narrower than the tolerance'
-    """
+    """Why an interval is left out; the value says it in words."""
 
     EXPANDS = "every piece expands, so that nothing attracts, and orbits of breaks go on"
     OPEN = "orbits of breaks are not known to the end after as many steps"
@@ -295,6 +288,8 @@ class GapCause(Enum):
 class ConstantEntropy:
     """An interval of a parameter on which the topological entropy is constant.
 
+    It is one of those of :func:`pwmap.constant_entropy`.
+
     Attributes
     ----------
     lower, upper, closed
@@ -303,14 +298,6 @@ class ConstantEntropy:
         Rational values inside, one of each part that has a proof of its own, from left to right.
     cycles
         Words of the attracting cycles at these samples, each once.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, constant_entropy
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
-    >>> interval = constant_entropy(skew, "b", (-4, -1), samples=12).intervals[0]
-    >>> interval.lower, interval.upper, interval.entropy.value, interval.cycles
-    (-4, -3, log(1/2 + sqrt(5)/2), ('LLR',))
     """
 
     lower: sympy.Expr
@@ -323,16 +310,7 @@ class ConstantEntropy:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EntropyGap:
-    """An interval of a parameter, with exact ends, of which nothing was proved, and why.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, constant_entropy
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
-    >>> gap = constant_entropy(skew, "b", (-4, -1), samples=12).gaps[0]
-    >>> gap.lower, gap.upper, [cause.name for cause in gap.causes]
-    (-3, -2, ['OPEN'])
-    """
+    """An interval, exact, for which :func:`pwmap.constant_entropy` proved nothing, and why."""
 
     lower: sympy.Expr
     upper: sympy.Expr
@@ -341,17 +319,9 @@ class EntropyGap:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EntropyIntervals:
-    """Where the topological entropy is known to be constant over an interval of a parameter.
+    """What :func:`pwmap.constant_entropy` proved, over an interval of a parameter.
 
     ``intervals`` are apart, or touch with different entropies; ``gaps`` are between them.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, constant_entropy
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
-    >>> found = constant_entropy(skew, "b", (-4, -1), samples=12)
-    >>> len(found.intervals), len(found.gaps), found.share
-    (2, 1, 0.6666666666666666)
     """
 
     parameter: sympy.Symbol
