@@ -168,11 +168,7 @@ class Arithmetic:
         return constant(value.top[0]) / constant(value.bottom)
 
     def applied(self, term: Term, arguments: Sequence[Quotient]) -> Quotient:
-        """The value of a tree from those of its arguments; a name in it is that of a parameter.
-
-        NotPolynomialError if it is no polynomial in the variable; ValueError if it is too large, no
-        formula, or divides by zero.
-        """
+        """A tree from the values of its arguments; NotPolynomialError or ValueError if none."""
         try:
             return self._applied(term, arguments)
         except NotPolynomialError:
@@ -233,10 +229,7 @@ def _size(number: Number) -> tuple[int, int, int]:
 
 
 def worked_out(term: Term, arithmetic: Arithmetic) -> Fraction_:
-    """Numerator and denominator of a tree whose names are all parameters.
-
-    ValueError if it is too large, no formula, or divides by zero.
-    """
+    """Numerator and denominator of a tree in the parameters; ValueError if it has no value."""
     known: dict[int, Quotient] = {}
 
     def value(inner: Term) -> Quotient:
@@ -263,10 +256,7 @@ def fraction_of(value: object, ring: Ring, what: str) -> Fraction_:
 
 
 def rational(value: object) -> Number:
-    """An element of ``QQ`` from a number or text such as ``"5/4"``.
-
-    TypeError if it is a float, ValueError if it is no rational number.
-    """
+    """An element of ``QQ``, also from text such as ``"5/4"``; TypeError if a float, ValueError."""
     term = term_of(value)
     if term.names() or term.operation in CONDITIONS:
         raise ValueError(f"expected a rational number, got {shown(value)}")

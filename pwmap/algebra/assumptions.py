@@ -57,14 +57,12 @@ class AssumedRegion(Portable):
         return next(self.samples())
 
     def samples(self, coefficients: Sequence[Number] = ()) -> Iterator[dict[str, Number]]:
-        """Values that satisfy all inequalities, plain ones first; ValueError if there are none.
-
-        The coefficients of a map tell its parameters apart where the inequalities do not.
-        """
+        """Values that satisfy all inequalities, plain ones first; ValueError if there are none."""
         if self.ring is None:
             yield {}
             return
         names = [str(symbol) for symbol in self.ring.symbols]
+        # coefficients of a map tell its parameters apart where the inequalities do not
         order = ranked(self.ring, self.constraints, coefficients)
         for values in points(self.ring, self.constraints, order):
             yield dict(zip(names, values, strict=True))
@@ -110,10 +108,7 @@ class AssumedRegion(Portable):
 
 
 def read_constraints(given: Iterable[Term], ring: Ring) -> tuple[Constraint, ...]:
-    """Inequalities from relations, their conjunctions, and the assumptions of symbols.
-
-    ValueError if one is no inequality between quotients of polynomials in the parameters.
-    """
+    """Inequalities from relations and from assumptions of symbols; ValueError if one is none."""
     found: list[Constraint] = []
     symbols = ring.symbols if ring is not None else ()
     for symbol in symbols:

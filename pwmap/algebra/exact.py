@@ -63,7 +63,6 @@ def restored(kept: Any) -> Any:
 
 
 def _like(value: tuple[Any, ...], parts: Iterable[Any]) -> tuple[Any, ...]:
-    """A tuple of the same kind, named or not."""
     return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
 
 
@@ -205,10 +204,7 @@ def names_of(ring: Ring) -> tuple[str, ...]:
 
 
 def evaluate(number: Number, values: Mapping[str, Number], ring: Ring) -> Number:
-    """Put rational values for some generators; the result is an element of ``ring``.
-
-    ``ring`` has the generators that remain, in their order; it is None if none of them occurs.
-    """
+    """Put rationals for some generators; ``ring`` has those that remain, None if none does."""
     if not isinstance(number, PolyElement):
         return number if ring is None else ring.ground_new(number)
     fixed = [values.get(name) for name in names_of(number.ring)]

@@ -35,7 +35,6 @@ class Constraint(NamedTuple):
         return frozenset((1,)) if self.strict else frozenset((0, 1))
 
     def __str__(self) -> str:
-        """As an inequality."""
         return shortened(str(self.relation()))
 
     def relation(self) -> Relational:

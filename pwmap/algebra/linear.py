@@ -36,15 +36,13 @@ def combination(columns: Sequence[Vector], target: Vector) -> Combination | Sepa
 
 
 class _Tableau:
-    """Rows (columns | units | target) of the first phase, over one common denominator.
-
-    An artificial variable in each row makes up the difference to the target. Their sum is
-    minimised; the last row holds the reduced costs, and minus that sum.
-    """
+    """Rows (columns | units | target) of the first phase, over one common denominator."""
 
     def __init__(self, columns: Sequence[Vector], target: Vector) -> None:
         self._columns, size = len(columns), len(target)
         self._senses = [-1 if number < 0 else 1 for number in target]
+        # an artificial variable in each row makes up the difference to the target; the last row, of
+        # reduced costs, ends with minus their sum, which is minimised
         self._rows = [
             [sense * column[i] for column in columns]
             + [int(i == j) for j in range(size)]
@@ -86,7 +84,6 @@ class _Tableau:
         return best
 
     def pivot(self, row: int, column: int) -> None:
-        """Exchange the variable of a row for that of a column."""
         chosen, before = self._rows[row], self._denominator
         pivot = chosen[column]
         self._stuck = not chosen[-1]

@@ -21,15 +21,13 @@ from pwmap.algebra.roots import gaps_and_roots, real_roots, simplest_between
 def open_point(
     constraints: Sequence[Constraint], order: Sequence[int]
 ) -> dict[int, Number] | list[Constraint]:
-    """A point at which inequalities hold strictly, or the weak ones of which one is an equation.
-
-    The order lists the parameters that occur; it breaks ties in the choice of the next elimination.
-    """
+    """A point at which inequalities hold strictly, or the weak ones of which one is an equation."""
     ring = constraints[0].polynomial.ring
     polynomials = {f for c in constraints for f, _ in factors(c.polynomial)[1]}
     levels: list[tuple[int, set[PolyElement]]] = []
     left = list(order)
     while left:
+        # of equal costs the first in the given order
         variable = min(left, key=lambda v: _cost(polynomials, v))
         left.remove(variable)
         levels.append((variable, {p for p in polynomials if variable in variables(p)}))

@@ -136,7 +136,6 @@ class _Parser:
         self._depth = 0
 
     def parsed(self) -> Term:
-        """The tree of the whole text."""
         term = self._parse(0)
         if self._next.kind != "end":
             raise self._unexpected()
@@ -165,7 +164,6 @@ class _Parser:
         return self._tokens[self._at]
 
     def _take(self, *signs: str) -> bool:
-        """Pass over a sign or word if it is the next."""
         if self._next.text in signs and self._next.kind != "end":
             self._at += 1
             return True
@@ -175,7 +173,6 @@ class _Parser:
         return ValueError(f"cannot read {shown(self._text)} as an expression: {reason}")
 
     def _unexpected(self) -> ValueError:
-        """The error that the next token is."""
         token = self._next
         if token.text in ("=", "==", "!=", "<>"):
             return ValueError(

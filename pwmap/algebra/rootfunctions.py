@@ -62,10 +62,7 @@ class RealRootOf(sympy.Function):  # type: ignore[misc]
 @total_ordering
 @dataclass(frozen=True, slots=True, eq=False)
 class Root(Portable):
-    """A root as a function of the other parameter; ``==`` compares at the sample only.
-
-    :func:`identical` says whether two stay equal.
-    """
+    """A root as a function of the other parameter; equal at the sample, or :func:`identical`."""
 
     value: Real  # at the sample of the other parameter
     factor: PolyElement  # irreducible, in both parameters; zero on it
@@ -158,14 +155,12 @@ class Column(Portable):
         return real_roots(along(root.factor, (value, value), self.along))[root.number]
 
     def limit(self, root: Root, end: Real) -> Real | None:
-        """The value that a root tends to at an end; None if it grows without bound.
-
-        It is a root of the polynomial at the end. Rationals separate those; near the end the
-        polynomial is zero at none of the rationals, so that the root stays between two of them.
-        """
+        """The value that a root tends to at an end; None if it grows without bound."""
         found = self._candidates(root.factor, end)
         if not found:
             return None
+        # it is one of the roots at the end; between two walls, at which the polynomial is not zero
+        # near the end, the root stays
         between = [simplest_between(low, high) for low, high in pairwise(found)]
         walls = [bounds(found[0])[0] - 1, *between, bounds(found[-1])[1] + 1]
         near: Real = self.sample

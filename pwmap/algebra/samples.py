@@ -73,10 +73,7 @@ class Interior:
 def points(
     ring: Ring, constraints: Sequence[Constraint], order: Sequence[int]
 ) -> Iterator[list[Number]]:
-    """Values of all parameters that satisfy the constraints, plain ones first.
-
-    EmptyRegionError if there are none.
-    """
+    """Values of all parameters that satisfy the constraints, plain first, or EmptyRegionError."""
     parts = _interiors(ring, constraints, order)
     free = [variable for variable in order if any(variable in part.point for part in parts)]
     limits = [c for part in parts for c in part.constraints]
@@ -120,7 +117,6 @@ def _within(gap: tuple[Real, Real], step: int, rng: Random) -> Number:
 
 
 def _completed(values: Sequence[Number], parts: Sequence[Interior]) -> list[Number]:
-    """A point with the values that follow from equations."""
     completed = list(values)
     for part in parts:
         for solved in reversed(part.solved):
@@ -154,7 +150,6 @@ def _interiors(
 
 
 def _holds(constraint: Constraint) -> bool:
-    """Whether an inequality between numbers is true."""
     return constraint.holds(sign(constant(constraint.polynomial)))
 
 
@@ -249,11 +244,9 @@ def _substituted(constraint: Constraint, solved: Solved) -> Constraint:
 def _linear_point(
     constraints: Sequence[Constraint], order: Sequence[int]
 ) -> dict[int, Number] | list[Constraint]:
-    """A point at which linear inequalities hold strictly, or some that then contradict each other.
-
-    The columns are coefficients, constants and ones. Weights that give (0, 0, 1) are a
-    contradiction [Motzkin1936]; otherwise the separating vector is a point.
-    """
+    """A point at which linear inequalities hold strictly, or some that contradict each other."""
+    # rows of coefficients, constants and ones: weights that give (0, 0, 1) are a contradiction,
+    # else the separating vector is a point [Motzkin1936]
     columns = []
     for constraint in constraints:
         terms = dict(constraint.polynomial.terms())
@@ -278,10 +271,7 @@ def _linear_point(
 def ranked(
     ring: Ring, constraints: Sequence[Constraint], coefficients: Sequence[Number] = ()
 ) -> list[int]:
-    """The parameters in an order by the terms they occur in; by name only as a last resort.
-
-    Ranks are refined by those of the parameters each occurs with.
-    """
+    """The parameters in an order by the terms they occur in; by name only as a last resort."""
     ranks = [0] * len(ring.gens)
 
     def signature(terms: Iterable[tuple[tuple[int, ...], Number]]) -> list[tuple[Any, ...]]:
@@ -291,6 +281,7 @@ def ranked(
         )
 
     numbers = [(i, n.terms()) for i, n in enumerate(coefficients) if isinstance(n, PolyElement)]
+    # each time by the ranks of the parameters that each occurs with
     for _ in ranks:
         roles: list[list[Any]] = [[] for _ in ranks]
         terms_by_role: list[tuple[Any, Any]] = [((0, i, []), terms) for i, terms in numbers]

@@ -38,10 +38,7 @@ LIMIT = 200  # of the products of one refutation: beyond, linear programs take s
 def possible_signs(
     polynomial: PolyElement, constraints: Constraints, points: Callable[[], Iterable[Point]] = tuple
 ) -> Signs:
-    """A superset of the signs of a polynomial where the constraints hold.
-
-    Signs at the points, which satisfy the constraints, are taken without a proof.
-    """
+    """A superset of the signs of a polynomial where the constraints hold; at points it is known."""
     return _product_signs(
         polynomial, lambda factor: _fully(factor, connected(constraints, variables(factor)), points)
     )
@@ -150,10 +147,7 @@ def without_implied(constraints: Sequence[Constraint], kept: int) -> list[Constr
 
 
 def contradictory(constraints: Sequence[Constraint]) -> bool:
-    """Whether nonnegative multiples of inequalities add up to a false one.
-
-    For linear inequalities that is so if and only if no point satisfies all [Motzkin1936].
-    """
+    """Whether nonnegative multiples of inequalities add up to a false one."""
     monomials = sorted({m for c in constraints for m in c.polynomial.monoms()})
     place = {monomial: i for i, monomial in enumerate(monomials)}
     ground = (0,) * len(monomials[0])
@@ -169,6 +163,7 @@ def contradictory(constraints: Sequence[Constraint]) -> bool:
                 column[place[monomial]] = number
             column[-1] = int(constraint.strict)
         columns.append(column)
+    # for linear inequalities so if and only if no point satisfies all [Motzkin1936]
     return isinstance(combination(columns, [0] * len(place) + [1]), Combination)
 
 
@@ -246,15 +241,12 @@ def _refuted_signs(factor: PolyElement, constraints: Constraints, seen: set[int]
 
 @cache
 def _is_refuted(claim: Constraint, constraints: Constraints) -> bool:
-    """Whether products of the claim and of known inequalities add up to less than zero.
-
-    The products have as many factors as their degree allows, times squares of monomials and of
-    their sums and differences, which are never negative.
-    """
+    """Whether products of the claim and of known inequalities add up to less than zero."""
     known = (claim, *constraints)
     top = max(2, *(total_degree(c.polynomial) for c in known))
     used = sorted(frozenset().union(*(variables(c.polynomial) for c in known)))
     ring = claim.polynomial.ring
+    # squares of monomials, of their sums and differences, are never negative
     listed = chain(_products(known, top), _squares(ring, used, top // 2))
     tried = list(dict.fromkeys(islice(listed, LIMIT + 1)))
     return len(tried) <= LIMIT and contradictory(tried)

@@ -207,7 +207,6 @@ class _Reader:
         self._known: dict[int, Term] = {}
 
     def read(self, expr: sympy.Basic, depth: int = 0) -> Term:
-        """The tree of an expression."""
         found = self._known.get(id(expr))
         if found is None:
             if depth > MAX_DEPTH:

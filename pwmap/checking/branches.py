@@ -132,14 +132,12 @@ class ClaimedDiagram:
         return self._studies[place, order]
 
     def verify(self) -> None:
-        """Whether everything claimed exists and, but for the first and last edge, nothing else.
-
-        A stretch may end only where its object ends, so that the list of stretches is unique.
-        """
+        """Whether everything claimed exists and, but for the first and last edge, nothing else."""
         for same in self._things.values():
             for one, other in pairwise(sorted(same, key=lambda s: s.first)):
                 if other.first <= one.last:
                     refuse(f"two stretches of {one.word} overlap {self.where(other.first)}")
+                # a stretch ends only where its object does, so that the list is unique
                 if other.first == one.last + 1 and one.goes_on_as(other):
                     where = self.where(other.first)
                     refuse(f"two stretches of {one.word} must be one, nothing changes {where}")
@@ -186,10 +184,7 @@ class ClaimedDiagram:
         return self._found[i, n][kind]
 
     def ends(self, edge: int) -> list[ClaimedEnd]:
-        """What ends at an edge, or exists there alone, and the fixed points that pass there.
-
-        That is decided by what exists before, at and after it, not by where a list cuts.
-        """
+        """What ends at an edge, wherever a list cuts it, and the fixed points that pass there."""
         if edge not in self._ends:
             things = self._things.values()
             self.work.spend(5 * STEP * len(self.stretches))
@@ -198,10 +193,7 @@ class ClaimedDiagram:
         return self._ends[edge]
 
     def _is_bent(self, end: ClaimedEnd, edge: int) -> bool:
-        """Whether a fixed point that passes is at a border, or has slope -1.
-
-        Beside any other one the iterates are affine for all values nearby, and nothing ends.
-        """
+        """Whether a fixed point that passes is at a border, or has slope -1, so that others end."""
         _, order, word = end.stretch.thing
         there = self.found(2 * edge, order, "fixed points").get(word)
         return there is None or there.at_border or self.study(2 * edge, order).excess(word, 1) == 0

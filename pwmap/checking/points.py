@@ -101,7 +101,6 @@ class Point:
         return []
 
     def _study(self, end: ClaimedEnd) -> CheckedIterate:
-        """The iterate in the interval on which an end lies."""
         return self.diagram.study(2 * self.edge + end.side, self.order)
 
     def _is_steep(self, end: ClaimedEnd) -> bool:
@@ -132,12 +131,9 @@ class Point:
         return {"word": word, "side": end.side, "vanishing": vanishing_text, "simple": simple}
 
     def _signs(self) -> list[int] | None:
-        """The signs that decide between persistence and fold of a branch at a jump of its iterate.
-
-        These are the side of the border on which the branch lies, 1 minus its slope, and the other
-        limit minus its x. None if other branches end there too, or a sign is zero.
-        """
+        """The signs that decide between persistence and fold of a branch at a jump."""
         kinds = [end.is_fixed for end in self.beside]
+        # side of the border, 1 - slope, other limit - x; undefined if more ends there
         if sorted(kinds) != [False, True] or len(self.own) > 2:
             return None
         stretch = self.beside[kinds.index(True)].stretch
@@ -162,11 +158,7 @@ def is_special(ends: Sequence[ClaimedEnd]) -> bool:
 
 
 def verified_points(diagram: ClaimedDiagram, rows: Sequence[object]) -> list[str]:
-    """Verify the special points; returns texts that name them.
-
-    Each end of fixed points inside belongs to one of them, and fixed points end at each, or an
-    interval of them that exists at the edge alone.
-    """
+    """Verify the special points; returns texts that name them."""
     inner = range(1, len(diagram.edges) - 1)
     left = {
         (i, end.name) for i in inner for end in diagram.ends(i) if end.is_fixed and not end.passes
@@ -181,6 +173,7 @@ def verified_points(diagram: ClaimedDiagram, rows: Sequence[object]) -> list[str
         x = side or number(at, diagram.work)
         diagram.work.spend(STEP * len(diagram.ends(i)))
         ends = [end for end in diagram.ends(i) if diagram.is_at(end, i, x)]
+        # every end of fixed points inside belongs to just one of the points
         fixed = {(i, end.name) for end in ends if end.is_fixed}
         where = f"{diagram.where(2 * i)} and x = {x.brief if isinstance(x, Number) else at}"
         if not is_special(ends) or fixed & listed_already:

@@ -25,13 +25,11 @@ class Refused(ValueError):  # noqa: N818  it is no error of the program
 
 
 class Effort:
-    """The work that is left for one certificate, and results that are asked for again (``known``).
-
-    Each computation states its cost first, by the number and length of integers; what is kept costs
-    its size. So time and memory are bounded, and every machine refuses the same files.
-    """
+    """The work left for one certificate, and results that are asked for again (``known``)."""
 
     def __init__(self, work: int = WORK) -> None:
+        # counts of operations by the length of integers, kept results by their size: every machine
+        # refuses the same files, and neither time nor memory has another bound
         self.left = work
         self.known: dict[object, Any] = {}
 

@@ -44,10 +44,7 @@ class LongRun:
         self.left_out = list[str]()  # sentences on what is not known
 
     def ask(self, *, attractors: bool, entropy: bool, density: tuple[str, ...], order: int) -> None:
-        """Ask one question after the other, until Ctrl-C; what is finished is kept.
-
-        ValueError if a question over the parameter has no span, or there is no density.
-        """
+        """Ask one question after the other, until Ctrl-C; ValueError without a span or density."""
         map_, name, span = self._map, self._parameter, self._span
         if span is None and (attractors or entropy):
             raise ValueError("--attractors and --entropy need an interval of the parameter: --span")
@@ -205,7 +202,6 @@ def _entropy(seen: Dynamics) -> str:
 
 
 def _exponent(seen: Dynamics, number: int) -> str:
-    """The Lyapunov exponent of one attractor as text."""
     attractor = seen.attractors[number]
     if attractor.exponent is not None:
         return str(attractor.exponent)

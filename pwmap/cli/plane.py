@@ -138,7 +138,6 @@ def _computed(
 
 
 def _write(found: ParameterPlane, folder: Path) -> None:
-    """Both tables, in a folder that is made if missing."""
     from pwmap.diagrams.files import write_table
     from pwmap.plane.tables import curve_columns, point_columns
 
@@ -151,7 +150,6 @@ def _write(found: ParameterPlane, folder: Path) -> None:
 def _draw(
     found: ParameterPlane, seen: PlaneRaster | None, colours: Colours | None, path: Path
 ) -> None:
-    """The picture."""
     from pwmap.diagrams.files import write_figure
     from pwmap.plot.plane import plot_plane
 

@@ -80,10 +80,7 @@ def screen(*, stderr: bool = False, width: int | None = None) -> Console:
 
 
 def show(*tables: Table) -> None:
-    """Tables on stdout, each in the format that was asked for.
-
-    Cells are text for programs. In CSV an empty line separates two tables, without titles.
-    """
+    """Tables on stdout, each in the format that was asked for, with cells as text for programs."""
     console = screen()
     form = _tables.get()
     for number, table in enumerate(tables):
@@ -162,10 +159,7 @@ def in_words(error: Exception) -> str:
 
 
 def tell_replaced(folder: Path, command: str, *files: str, kept: Sequence[str] = ()) -> None:
-    """Say which files of an earlier run a command will replace, before it begins.
-
-    Those are the files of its record and further ones, without those that are kept.
-    """
+    """Say which files, of its record and others not kept, a command will replace, in advance."""
     from pwmap.diagrams.record import earlier_files
 
     named = dict.fromkeys((*earlier_files(folder, command), *files))

@@ -209,7 +209,6 @@ class Branch:
         return int(self.parameter.size)
 
     def __repr__(self) -> str:
-        """What it is, where, between which points; the word of its first sample."""
         stable = "" if self.kind is BranchKind.JUMP else f"stable: {share_stable(self)}, "
         return (
             f"Branch({self.id}: {self.kind} of order {self.order}, {counted(len(self), 'sample')}, "

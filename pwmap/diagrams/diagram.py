@@ -91,7 +91,6 @@ class Diagram:
         return self.parameter_name, self.x_name
 
     def __repr__(self) -> str:
-        """A few lines: over which parameter, how many branches of each order, which points."""
         return presentation.summary(self._names, self.branches, self.points)
 
     def _repr_html_(self) -> str:

@@ -58,10 +58,7 @@ def to_plain(value: Any) -> Any:
 
 
 def from_plain(data: Any, kind: Any) -> Any:
-    """A value of some type from :func:`to_plain`; a field that is missing has its default.
-
-    ValueError, TypeError, LookupError if the data are not those of such a value.
-    """
+    """A value from :func:`to_plain`, or ValueError, TypeError, LookupError; defaults if missing."""
     if _is_record(kind):
         return _record(data, kind)
     origin, inner = get_origin(kind), get_args(kind)
@@ -118,7 +115,6 @@ def _record(data: Any, kind: Any) -> Any:
 
 @lru_cache
 def _fields(kind: Any) -> dict[str, Any]:
-    """Fields that a record is made of, with their types."""
     hints = get_type_hints(kind)
     if not dataclasses.is_dataclass(kind):
         return hints

@@ -67,12 +67,10 @@ def in_format(names: Iterable[str], form: PictureFormat) -> tuple[str, ...]:
 
 
 def write_figure(path: Path, figure: Any) -> None:
-    """Write a matplotlib figure in the format of the suffix, and close it.
-
-    Fonts in a PDF are embedded, as journals ask; no date, so that equal pictures are equal files.
-    """
+    """Write a matplotlib figure in the format of the suffix, and close it."""
     data, form = io.BytesIO(), path.suffix[1:]
     with sys.modules["matplotlib"].rc_context({"pdf.fonttype": 42, "svg.hashsalt": "woodpecker"}):
+        # fonts as journals ask for, and no date: the same picture is the same file
         figure.savefig(data, dpi=200, format=form, metadata=_UNDATED.get(form))
     write_whole(path, data.getvalue())
     if "matplotlib.pyplot" in sys.modules:  # it keeps every figure until it is told

@@ -207,7 +207,6 @@ def _plain(value: object, where: str) -> float | str:
 
 
 def _rebuilt(graph: nx.MultiGraph, change: Callable[[Attributes], Attributes]) -> nx.MultiGraph:
-    """Copy a multigraph, each dictionary of attributes changed."""
     _check_kind(graph)
     copy = nx.MultiGraph()
     copy.graph.update(change(graph.graph))

@@ -62,12 +62,10 @@ def _hits_of(
 
 
 def _between_samples(branch: Branch, at: float) -> Iterator[Hit]:
-    """Where the straight lines between the samples of a branch meet a parameter.
-
-    Samples are hits; of several in a row at this value, the first and the last.
-    """
+    """Where the straight lines between the samples of a branch meet a parameter."""
     p = branch.parameter
     for run in runs_of(p == at):
+        # of several samples in a row at this value, the first and the last
         for i in sorted(set(run)):
             yield Hit(branch, float(branch.x[i]), float(branch.multiplier[i]))
     sides = np.sign(p - at)

@@ -27,10 +27,7 @@ def record_of(command: str) -> str:
 def keep_record(
     folder: Path, command: str, names: Iterable[str], about: Mapping[str, object]
 ) -> tuple[str, ...]:
-    """Record what a command wrote into a folder; returns the files of its earlier run it removed.
-
-    Only files that the earlier record names are removed, and only if they are unchanged.
-    """
+    """Record what a command wrote; returns names of unchanged earlier files that it removed."""
     path, written = folder / record_of(command), list(names)
     stale = [
         name

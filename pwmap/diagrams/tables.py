@@ -20,10 +20,7 @@ FILES = ("points.csv", "branches.csv", "graph.graphml", "graph.json", "diagram.j
 
 
 def write_results(diagram: Diagram, folder: Path) -> None:
-    """Write tables of points and branches, the graph, and the diagram itself: :data:`FILES`.
-
-    Exact values stand as text beside the floats; a column is empty where a branch lacks it.
-    """
+    """Write tables of points and branches, the graph, and the diagram itself: :data:`FILES`."""
     for name, content in results_as_bytes(diagram).items():
         write_whole(folder / name, content)
 
@@ -150,7 +147,6 @@ def _shown(point: SpecialPoint, name: str, value: float) -> str:
 
 
 def _interval(stretch: Stretch) -> str:
-    """An interval as (a, b], or a set of one value."""
     interval = stretch.exact["interval"]
     if not hasattr(interval, "left_open"):
         return str(interval)

@@ -84,12 +84,10 @@ def set_range(axis_range: Any, low: float, high: float) -> None:
 
 
 def keep_in(axis_range: Any, low: float, high: float, *, moving: bool) -> None:
-    """Show an interval; while a slider moves, only if it has outgrown the axis, or shrunk much.
-
-    Moving an axis costs more than drawing its curves, so one that was outgrown gets spare room.
-    """
+    """Show an interval; while a slider moves, only if it has outgrown the axis, or shrunk much."""
     if moving:
         start, end = axis_range.start, axis_range.end
+        # to move an axis costs more than to draw its curves
         room = ROOM * (high - low)
         left = start if start <= low else low - room
         right = end if high <= end else high + room

@@ -104,7 +104,6 @@ def nothing() -> Iterator[None]:
 
 
 def _carry_out(sender: Connection, work: Work, arguments: tuple[Any, ...]) -> None:
-    """What the other process does."""
     with suppress(BrokenPipeError, KeyboardInterrupt):  # whoever asked for it is gone
         _limit_memory()
         try:

@@ -224,11 +224,9 @@ class MapTab(Tab[MapState]):
         self.show(self.state.at(**values), moving=bool(wish.get("drag")))
 
     def _tap_map(self, event: Any) -> None:
-        """The start."""
         self.change(start=str(_near(event.x, self.map.x_range)))
 
     def _tap_beside(self, event: Any) -> None:
-        """The parameter."""
         if self.state.axis:
             value = _near(event.x, self.diagram.figure.x_range)
             self.show(self.state.at(**{self.state.axis: str(value)}))

@@ -169,18 +169,15 @@ def _inside(line: MapLine, intervals: Intervals) -> tuple[Exact, ...]:
 
 
 def absorbing_of(line: MapLine) -> Interval | None:
-    """The smallest closed interval with all breaks and their images that is mapped into itself.
-
-    Its ends lie on the outer pieces: each is the least or largest image of a break, the fixed point
-    of an outer piece, or its image of the other end. Of the intervals that solve two such equations
-    and are mapped into themselves, the smallest lies in every other. None if there is none, as some
-    images are lost, or no break.
-    """
+    """The smallest closed interval with all breaks and images, mapped into itself; or None."""
     if not line.breaks:
         return None
     places = [*line.breaks, *line.values, *(line.image(germ).x for germ in line.germs)]
     least, most = min(places), max(places)
     left, right = line.branches[0], line.branches[-1]
+    # Its ends lie on the outer pieces: each is the least or largest image of a break, the fixed
+    # point of an outer piece, or its image of the other end. The smallest that solves two such
+    # equations and is mapped into itself lies in every other.
     found = [
         ends
         for low in ((QQ.zero, QQ.zero, least), (left.slope, QQ.zero, left.intercept),
@@ -262,12 +259,9 @@ class _Growth:
             return ()
 
     def smallest(self, intervals: Intervals) -> Intervals | None:
-        """What grew, or the smallest that grows in it; None if that is not known.
-
-        Along words that expand by more than 2, the longer half of a cut interval expands by more
-        than 1: any interval grows until it holds all that follows one of these words, and its
-        images.
-        """
+        """What grew, or the smallest that grows in it; None if that is not known."""
+        # along words that expand by more than 2 the longer half of a cut interval expands by more
+        # than 1: any interval grows until it holds all that follows one of these words
         images = expanded(self.line, intervals, self.meter)
         if images is None:
             return None
@@ -369,10 +363,7 @@ def _length(part: Interval) -> Exact:
 
 
 def expanded(line: MapLine, intervals: Intervals, meter: Meter) -> set[Interval] | None:
-    """The images of all that follows a word until the product of its slopes is larger than 2.
-
-    None if not all are found: something may be attracting, neutral or wandering there.
-    """
+    """The images of all that follows words until slopes multiply to more than 2; None if open."""
     found, looked = set[Interval](), 0
     level = dict.fromkeys(intervals, QQ.one)
     while level and looked < WORDS:

@@ -77,10 +77,7 @@ class WholeBasin:
 def whole_basin(
     line: MapLine, core: PointSet, immediate: Sequence[Interval], meter: Meter
 ) -> WholeBasin:
-    """All that comes to an attractor, from its points (or others that it draws in) and its basin.
-
-    The immediate basin is given as open intervals. At the end of the budget it is not complete.
-    """
+    """All that comes to an attractor, from its core and open immediate basin on, by preimages."""
     found = [core | open_intervals(immediate)]
     complete = False
     with meter.keeping(found):
@@ -113,7 +110,6 @@ def _with_more(line: MapLine, known: PointSet, longer: PointSet, meter: Meter) -
 
 
 def _work(part: Part) -> int:
-    """To find what is mapped into a part."""
     return STEP + 3 * sum(work_of(x) for x, _ in part)
 
 
@@ -147,16 +143,13 @@ def _comes(line: MapLine, core: PointSet, x: Exact, meter: Meter) -> bool | None
 
 
 def basin_of(line: MapLine, start: Sequence[Interval], meter: Meter) -> tuple[Interval, ...]:
-    """The immediate basin of an attractor: open intervals, from left to right.
-
-    ``start`` are intervals that hold the attractor and are mapped into themselves. Iterates are
-    followed until all ends may have come back, twice: what is mapped to the other side of a
-    repelling point comes back the second time. At the end of the budget intervals may be too short.
-    """
+    """The immediate basin, from intervals mapped into themselves on; too short without budget."""
     known = list(start)
     with meter.keeping(known):
         for _ in meter.each(range(ROUNDS), "rounds"):
             before = list(known)
+            # all ends may have come back twice: what is mapped to the other side of a repelling
+            # point comes back the second time
             orders = 4 * min(len(known), MOST)
             for k in range(len(known)):
                 for side in (-1, 1):

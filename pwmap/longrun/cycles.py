@@ -94,7 +94,6 @@ class FoundCycles:
     left_out: str = ""
 
     def __repr__(self) -> str:
-        """How many, up to which period, of how many words."""
         found, words = counted(len(self), "cycle"), counted(self.words, "word")
         rest = f"; {self.left_out}" if self.left_out else ""
         return f"FoundCycles({found} of period up to {self.order}, {words} looked at{rest})"
@@ -107,7 +106,6 @@ class FoundCycles:
         return len(self.cycles)
 
     def __iter__(self) -> Iterator[FoundCycle]:
-        """All cycles."""
         return iter(self.cycles)
 
 
@@ -202,10 +200,7 @@ def cycles(
 def closed_words(
     line: MapLine, order: int, meter: Meter
 ) -> Iterator[tuple[tuple[int, ...], Exact]]:
-    """Words of cycles off all breaks, as numbers of branches from the leftmost point; multipliers.
-
-    By period, each cycle once.
-    """
+    """Words (numbers of branches) of cycles off breaks, each once, by period; and multipliers."""
     for level in islice(_levels(line, meter), order):
         for start in level:
             if _closed(start) is not None:
@@ -264,7 +259,6 @@ def _spelled(line: MapLine, word: tuple[int, ...]) -> str:
 
 
 def _through_breaks(line: MapLine, order: int, meter: Meter) -> Iterator[FoundCycle]:
-    """Cycles that have a point on a break."""
     seen = set[Any]()
     for x in line.breaks:
         points = [x]
@@ -291,10 +285,7 @@ def _through_breaks(line: MapLine, order: int, meter: Meter) -> Iterator[FoundCy
 
 
 def _is_followed(line: MapLine, points: list[Exact], pieces: list[Owner], side: int) -> bool:
-    """Whether points close to a cycle through breaks, on one side of its first, follow its pieces.
-
-    If not on either side, the cycle is a piece of an iterate by itself, and has no slope.
-    """
+    """Whether points beside a cycle through breaks, on one side of its first, follow its pieces."""
     for x, piece in zip(points, pieces, strict=True):
         if piece.slope is None or (side and line.letter(Germ(x, side)) != piece.letter):
             return False

@@ -161,11 +161,7 @@ class Density:
 
 
 def density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
-    """The invariant density of a chaotic attractor.
-
-    None if no iterate is found that expands everywhere, rounding leaves open which it is, or the
-    budget ends.
-    """
+    """The invariant density; None if no iterate expands, rounding leaves it open, or no budget."""
     try:
         return _density_of(line, bands, meter)
     except BudgetError:
@@ -213,7 +209,6 @@ def _slack(rest: float) -> Any:
 
 
 def _enclosure(x: Exact) -> Any:
-    """A number as an interval of mpmath."""
     low, high = map(quotient_enclosure, enclosed(x, BITS))
     return mpmath.iv.mpf([low.a, high.b])
 
@@ -317,7 +312,6 @@ def _solved(matrix: list[list[Any]]) -> list[Any] | None:
 
 
 def _size(x: Any) -> Any:
-    """The least size of a number, zero if it may be zero."""
     if not isinstance(x, mpmath.ctx_iv.ivmpf):
         return abs_(x)
     return mpmath.mpf(0) if 0 in x else min(abs(mpmath.mpf(x.a)), abs(mpmath.mpf(x.b)))

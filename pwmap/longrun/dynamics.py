@@ -247,7 +247,6 @@ class Attractor:
         return exact_to_sympy(share(self._basin, (low, high)))
 
     def __str__(self) -> str:
-        """Its kind, and where it is."""
         if self.points:
             return f"cycle {self.word} through {self.points[0]}"
         intervals = (*self.bands, *self.neutral)
@@ -257,7 +256,6 @@ class Attractor:
         return f"{len(intervals)} {kind}{'s' * (len(intervals) > 1)}{word}: {shown}"
 
     def __repr__(self) -> str:
-        """The same, with its type."""
         return f"Attractor({self})"
 
 
@@ -300,7 +298,6 @@ class FoundAttractors(tuple[Attractor, ...]):
         return "; ".join([*parts, self.cause]) if self.cause else "".join(parts)
 
     def __repr__(self) -> str:
-        """All of them, and what is missing."""
         if not self.left_out:
             return super().__repr__()
         return f"({', '.join([*map(repr, self), self.left_out])})"
@@ -319,7 +316,6 @@ class Dynamics:
     budget: Budget | Meter = field(default=BUDGET, repr=False)
 
     def __repr__(self) -> str:
-        """Its pieces, and its attractors, with what is missing."""
         pieces = counted(len(self.line.branches), "piece")
         return f"Dynamics(map of {pieces}, attractors: {self.attractors!r})"
 
@@ -479,11 +475,9 @@ def _from_first_image(sides: Sequence[int], letters: Sequence[str], start: int |
 
 
 def _bracketed(interval: sympy.Interval) -> str:
-    """An interval with brackets at ends that belong to it, else parentheses."""
     low, high = "(" if interval.left_open else "[", ")" if interval.right_open else "]"
     return f"{low}{interval.start}, {interval.end}{high}"
 
 
 def _closed(interval: Interval) -> sympy.Interval:
-    """An interval as a set of sympy."""
     return sympy.Interval(exact_to_sympy(interval[0]), exact_to_sympy(interval[1]))

@@ -172,11 +172,7 @@ class Fates:
         return self.attracting(whole.fixed_point, period)
 
     def attracting(self, x: Exact, period: int) -> AttractingCycle | None:
-        """The attracting cycle of a point; None if it has none, or a jump of it is in the way.
-
-        Points within its reach follow its pieces: they stay within them once round, then come
-        closer.
-        """
+        """The attracting cycle of a point; None if it has none, or a jump of it is in the way."""
         points, slopes, word = list[Exact](), list[Exact](), list[str]()
         for _ in range(period):
             if x in self.line.breaks:
@@ -201,14 +197,10 @@ class Fates:
         return AttractingCycle(tuple(points), "".join(word), multiplier, reach)
 
     def _reach(self, points: Sequence[Exact], slopes: Sequence[Exact]) -> tuple[Exact, ...]:
-        """How close to each point of a cycle orbits follow it once round.
-
-        As close as the nearest break, and as the reach of the next point over the slope allows:
-        from the last point back, twice, as the second turn needs less than the first, by the
-        multiplier.
-        """
+        """How close to each point of a cycle orbits follow it once round."""
         away = [min((abs_(x - at) for at in self.line.breaks), default=HIGHEST) for x in points]
         found, after = list[Exact](away), HIGHEST
+        # twice: the second turn needs less than the first, by the multiplier
         for k in [*reversed(range(len(points)))] * 2:
             near = after / abs_(slopes[k]) if slopes[k] else HIGHEST
             after = found[k] = min(away[k], near)
@@ -221,15 +213,13 @@ def abs_(x: Exact) -> Exact:
 
 
 def escapes(line: MapLine) -> Interval:
-    """Ends beyond which orbits tend to infinity, below and above; infinite where they do not.
-
-    A rising outer piece keeps its side; a falling one maps it to the other side.
-    """
+    """Ends beyond which orbits tend to infinity, below and above; infinite where they do not."""
     left, right = line.branches[0], line.branches[-1]
     below, above = _own(left, -1), _own(right, 1)
     turns = sign(left.slope), sign(right.slope)
     if len(line.branches) == 1:
         return below, above
+    # a falling piece maps its far end to the other side
     if turns[0] < 0:
         below = min(left.upper, (above - left.intercept) / left.slope)
     if turns[1] < 0:
@@ -250,13 +240,10 @@ def _own(branch: AffinePiece, side: int) -> Exact:
 
 
 def _swapped(left: AffinePiece, right: AffinePiece) -> Interval:
-    """The ends where two falling pieces map what lies beyond to each other's side.
-
-    Twice each is affine and runs away from its fixed point, a 2-cycle of the two pieces; if that
-    does not lie in them, from where both images do.
-    """
+    """The ends where two falling pieces map what lies beyond to each other's side."""
     slope = left.slope * right.slope
     low = (right.slope * left.intercept + right.intercept) / (1 - slope)
+    # from a 2-cycle of both pieces or, if it is not in them, where both images are
     low = min(low, left.upper, (right.lower - left.intercept) / left.slope)
     high = left(low)
     return low, max(high, right.lower)

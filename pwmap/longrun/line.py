@@ -250,10 +250,7 @@ def _of_pieces(map_: PiecewiseLinearMap) -> MapLine:
 
 
 def line_at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
-    """A map of one parameter at a rational or algebraic value, branch by branch as in its layout.
-
-    ValueError if that contradicts what is assumed of it.
-    """
+    """A map at a rational or algebraic value of its parameter; ValueError if that is excluded."""
     table, ring = map_.definition.table, map_.definition.ring
 
     def element(polynomial: Any) -> Exact:

@@ -51,7 +51,6 @@ class NeutralIntervals:
     multiplier: int
 
     def __len__(self) -> int:
-        """How many intervals."""
         return len(self.intervals)
 
     @property

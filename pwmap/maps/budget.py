@@ -103,10 +103,8 @@ class BudgetError(ValueError):
 
 
 def cost(bits: int) -> int:
-    """The work of one operation on rationals with so many bits: 1 for short ones, a microsecond.
-
-    It grows in proportion to the length and, where common divisors are long, to its square.
-    """
+    """The work of one operation on rationals of so many bits, in products of short ones (1 us)."""
+    # very long ones are reduced by their common divisor: squared
     return 1 + bits // 128 + (bits // 512) ** 2
 
 

@@ -98,7 +98,6 @@ def _read_word(map_: Decided, word: str) -> Word:
 
 
 def _cycle_points(map_: Decided, word: Word) -> tuple[list[Fraction_], sympy.Expr]:
-    """Points and multiplier of a cycle."""
     root = word[: map_.period(word)]  # what is repeated has the same points
     slope = map_.orbits.slope(word)
     at = _point_piece(map_, root)
@@ -134,10 +133,7 @@ def _point_piece(map_: Decided, word: Word) -> Cut | None:
 
 
 def _only_point(map_: Decided, word: Word) -> Cut:
-    """Where a cycle of slope 1 passes: all points of such a word are fixed, or none.
-
-    It is isolated where the word has one point: both neighbours visit other pieces.
-    """
+    """Where a cycle of slope 1 passes: only one whose word has a single point is isolated."""
     if map_.oracle.sign(Offset(word)) == 0:
         chain = map_.chain * (len(word) // map_.order)
         cylinder = cyl.cylinder_of(word, chain, map_.oracle)

@@ -141,11 +141,9 @@ def jumps(map_: Decided) -> Iterator[Discontinuity]:
 def _neighbours(
     cylinders: Sequence[Cylinder],
 ) -> Iterator[tuple[Cylinder, Cylinder, Cylinder, Cylinder]]:
-    """For each cut: the interval before it, the pieces that meet there, the interval after it.
-
-    A piece that is a single point lies between two cuts at the same place; that cut comes once.
-    """
+    """For each cut: the interval before it, the pieces that meet there, the interval after it."""
     for i, (left, right) in enumerate(pairwise(cylinders)):
+        # it lies between two cuts at one place, which comes once
         if left.is_point:
             continue
         after = cylinders[i + 2] if right.is_point else right
@@ -231,11 +229,9 @@ def _is_stable(map_: Decided, i: int, inclusion: Inclusion) -> bool | None:
 
 
 def bands(map_: Decided) -> Iterator[tuple[int, int]]:
-    """The pieces on which the map is the identity, by their numbers, with minimal periods.
-
-    Where a word's own slope is -1, points beside its fixed point have twice its period.
-    """
+    """The pieces on which the map is the identity, by their numbers, with minimal periods."""
     for i, cylinder in enumerate(map_.cylinders):
         if _inclusion(map_, i) is Inclusion.BAND:
             period = map_.period(cylinder.word)
+            # a word of slope -1 turns points about its fixed point
             yield i, period if map_.oracle.slope(cylinder.word[:period]) > 0 else 2 * period

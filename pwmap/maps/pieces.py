@@ -92,11 +92,9 @@ class LinearPiece:
         return left + x + right if left or right else f"all {x}"
 
     def __str__(self) -> str:
-        """Word, formula and domain."""
         return f"{self.word}: {self.expression} for {self.condition()}"
 
     def __repr__(self) -> str:
-        """The same in brackets."""
         return f"<LinearPiece {self}>"
 
 

@@ -313,11 +313,9 @@ class PiecewiseLinearMap:
         return dataframe(columns_of(self.pieces))
 
     def __str__(self) -> str:
-        """One line for each piece: its word, formula and domain."""
         return lines_of(self.pieces)
 
     def __repr__(self) -> str:
-        """Variable, order, letters, parameters and assumptions."""
         given = f", given {self.definition.region}" if self.given else ""
         names = ", ".join(map(str, self.parameters)) or "none"
         return (

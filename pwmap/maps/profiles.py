@@ -138,13 +138,10 @@ class ProfileLine:
         return Profile(breaks, tuple(map(value, range(2 * len(breaks) + 1))))
 
     def _larger(self, profiles: Sequence[Profile], sense: int, term: Term) -> Profile:
-        """The largest of some profiles, or the smallest for a sense of -1.
-
-        Where two are equal at a break it goes with the slot on its right, so that the order of the
-        profiles does not matter: neighbours are taken together, and their winners again.
-        """
+        """The largest of some profiles, or the smallest for a sense of -1."""
         left = list(profiles)
         while len(left) > 1:
+            # equal ones at a break go with the slot on its right, in any order
             pairs = zip(left[::2], left[1::2], strict=False)
             odd = left[-1:] if len(left) % 2 else []
             left = [self._larger_of_two(one, other, sense, term) for one, other in pairs] + odd
@@ -246,7 +243,6 @@ class ProfileLine:
         return [zero], [-steepness, 0, steepness]
 
     def _sign_at(self, value: Quotient, place: Fraction_, term: Term) -> int:
-        """The sign of a quotient at a break."""
         times, plus = self._arithmetic.times, self._arithmetic.plus
         total, power = self._arithmetic.zero, self._arithmetic.one
         for coefficient in reversed(value.top):  # Horner's rule, without denominators
@@ -284,7 +280,6 @@ class ProfileLine:
         return cancelled((top, bottom))
 
     def _order(self, left: Fraction_, right: Fraction_) -> int:
-        """The sign of the difference of two breaks."""
         if (left, right) not in self._orders:
             times, decide = self._arithmetic.times, self._region.sign
             difference = times(left[0], right[1]) - times(right[0], left[1])

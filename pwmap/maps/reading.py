@@ -161,7 +161,6 @@ def _assumed(symbol: sympy.Symbol) -> tuple[int, str]:
 def _affine(
     value: Quotient | None, formula: Term, slot: Callable[[], str], x: sympy.Symbol
 ) -> Affine:
-    """Slope and intercept of a formula on a slot."""
     if value is None:
         raise ValueError(f"there is a gap: no piece of {formula} covers {slot()}")
     if len(value.top) > 2:

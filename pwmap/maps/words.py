@@ -78,7 +78,6 @@ def in_integers(table: Table) -> Table:
 
 
 def _bits(number: Number) -> int:
-    """Of the longest coefficient."""
     parts = number.values() if isinstance(number, PolyElement) else (number,)
     return max(map(bits, parts), default=1)
 
@@ -144,11 +143,7 @@ def first_turn(word: Letters, step: int = 1) -> Letters:
 
 
 class Orbits:
-    """Affine forms of words and orbits of breaks, each computed once.
-
-    With D the denominator of the table, the affine form of a word of n letters is kept over D**n,
-    and the orbit of a break along it over D**(n + 1): all signs are those of numerators.
-    """
+    """Orbits of breaks along words, over powers of the positive denominator; each kept."""
 
     def __init__(self, table: Table) -> None:
         self.table = table
@@ -157,6 +152,7 @@ class Orbits:
         self._whole = isinstance(table.one, int)
         self._bits = max(map(_bits, table.numbers()))
         self._powers: list[Number] = [table.one]
+        # of a word of n letters over D**n, and the orbit of a break along it over D**(n + 1)
         self._affine: dict[Word, tuple[Number, Number]] = {(): (table.one, zero)}
         self._orbits: dict[tuple[int, Word], Number] = {}
         self._slopes: dict[Word, Fraction_] = {}

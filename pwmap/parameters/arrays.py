@@ -26,14 +26,11 @@ RESOLVED = 2.0**-30  # width of an interval over its ends from which floats can 
 
 
 def curve_arrays(continuation: Continuation, curve: SegmentCurve) -> tuple[FloatArray, list[int]]:
-    """Parameter, x and multiplier of a branch, (3, n), and the first sample of each segment.
-
-    Segments that meet share a sample, that of the later one. A segment at one value only has that
-    sample for itself.
-    """
+    """Parameter, x and multiplier of a branch, (3, n), and the first sample of each segment."""
     parts = []
     for segment, entered in curve:
         found = _known_arrays(continuation, segment)[:, :: -1 if entered else 1]
+        # a sample that two segments share is that of the later one
         parts.append(found if segment is curve[-1][0] else found[:, : max(1, len(found[0]) - 1)])
     starts = np.cumsum([0, *(len(part[0]) for part in parts[:-1])])
     return np.hstack(parts), starts.tolist()

@@ -86,10 +86,7 @@ def identical(first: Any, second: Any) -> bool:
 
 
 class Axis(ABC):
-    """One parameter of a map, along which the signs of polynomials are followed.
-
-    The sample has values of the others, which stay symbolic.
-    """
+    """One parameter of a map, along which signs are followed; others stay symbolic at a sample."""
 
     def __init__(self, definition: Definition, name: str, sample: dict[str, Number]) -> None:
         self.definition, self.name, self.sample = definition, name, sample
@@ -202,10 +199,7 @@ class Axis(ABC):
         """Sign of the difference of two finite quotients at a place."""
 
     def closing(self, places: Sequence[Any], decided: Iterable[Decision]) -> None:  # noqa: B027
-        """Record what the order of places, from left to right, asks of other parameters.
-
-        So does what was decided at some of these places, but maybe not beside them.
-        """
+        """Record what the order of places, and decisions at some, ask of other parameters."""
 
     @property
     def given(self) -> tuple[sympy.Basic, ...]:

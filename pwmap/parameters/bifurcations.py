@@ -128,11 +128,7 @@ def bifurcation_diagram(
 
 @dataclass(frozen=True, slots=True)
 class _Growing:
-    """Follows how a diagram grows, and keeps what is there when that ends early.
-
-    If an interrupt keeps something, the diagram of each order is made as soon as it is completed,
-    which may take as long as the order itself.
-    """
+    """Follows how a diagram grows, and keeps each order's for an interrupt that wants it."""
 
     map: PiecewiseLinearMap
     orders: tuple[int, ...]
@@ -268,7 +264,6 @@ def _text(map_: PiecewiseLinearMap) -> list[str]:
 
 
 def _length(curve: SegmentCurve) -> int:
-    """Of the words."""
     return len(curve[0][0].key.word)
 
 
@@ -362,7 +357,6 @@ def _spelled(map_: PiecewiseLinearMap, segment: Segment) -> str:
 
 
 def _formulas(continuation: Continuation, segment: Segment) -> dict[str, sympy.Basic]:
-    """The exact expressions of a segment, by name."""
     known = continuation.known.formulas
     if segment not in known:
         known[segment] = _new_formulas(continuation, segment)
@@ -421,7 +415,6 @@ def _between(
 
 
 def _borders(map_: PiecewiseLinearMap, continuation: Continuation, met: Iterable[int]) -> str:
-    """Some breaks in words."""
     values = [quotient_to_sympy(continuation.orbits.value(k, ())) for k in sorted(met)]
     which = " and ".join(f"{map_.x} = {value}" for value in values)
     return f"the border {which}" if which else "a border"

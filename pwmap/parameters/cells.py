@@ -461,11 +461,7 @@ def checked_span(span: tuple[object, object]) -> tuple[Number, Number]:
 def only_axis(
     map_: PiecewiseLinearMap, parameter: object, span: tuple[object, object]
 ) -> tuple[Axis, tuple[Number, Number]]:
-    """The axis of the one parameter of a map, and the ends of a span of it.
-
-    ValueError if the map has other parameters, or is an iterate, or the span is no interval that
-    the assumptions admit.
-    """
+    """The axis of a map's only parameter, with the ends of a span; ValueError if there is none."""
     name = str(own_name(parameter, map_.parameters))
     names = [str(symbol) for symbol in map_.parameters]
     if names != [name]:

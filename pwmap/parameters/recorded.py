@@ -110,7 +110,6 @@ class RecordedAxis(Axis):
         return tuple(found)
 
     def _zeros(self, factor: PolyElement) -> tuple[Root, ...]:
-        """The roots of an irreducible polynomial."""
         if factor not in self._factors:
             degree, alone = self.degree(factor), len(self.sample) == 1
             if degree > 1 and not alone:
@@ -233,13 +232,11 @@ class RecordedAxis(Axis):
         return without_implied(kept, len(own))
 
     def _rest(self, polynomial: PolyElement) -> PolyElement:
-        """A polynomial in the other parameters in the ring of these."""
         return evaluate(polynomial, {self.name: QQ.zero}, self._others)
 
     # --- Beside one other parameter -------------------------------------------------------------
 
     def _across(self, polynomial: PolyElement) -> Dense:
-        """A polynomial in the only other parameter."""
         return dense(polynomial, 1 - self.index)
 
     @property

@@ -54,14 +54,12 @@ class ParameterCells:
         return tuple(cell.lower for cell in self.cells if cell.is_edge)
 
     def __iter__(self) -> Iterator[ParameterCell]:
-        """The cells from left to right."""
         return iter(self.cells)
 
     def __len__(self) -> int:
         return len(self.cells)
 
     def __repr__(self) -> str:
-        """The parameter, and the values at which something changes."""
         edges = shortened(", ".join(map(str, self.edges)) or "none", 160)
         orders = ", ".join(map(str, self.orders))
         return (

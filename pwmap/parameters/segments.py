@@ -111,11 +111,7 @@ class Junction:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KnownValues:
-    """What was computed of keys and segments, which is the same whatever the cells are.
-
-    It is handed on from order to order; not beside symbolic parameters, where each comparison
-    records a condition.
-    """
+    """What was computed of keys and segments, kept from order to order (without other symbols)."""
 
     keys: dict[BranchKey, BranchKey] = field(default_factory=dict)  # one object for each
     present: dict[int, tuple[StudiedIterate, Present]] = field(default_factory=dict)  # by id

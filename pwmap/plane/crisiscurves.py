@@ -124,7 +124,6 @@ class _Search:
         self.index = [str(symbol) for symbol in plane.map.parameters].index(self.along)
 
     def map_at(self, value: Number) -> PiecewiseLinearMap:
-        """The map over the parameter along."""
         return self.plane.map.at({self.plane.across: QQ.to_sympy(value)})
 
     def families(self, value: Number) -> Iterator[_Family]:

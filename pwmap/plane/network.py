@@ -206,7 +206,6 @@ def _points(
 
 
 def _kind(meeting: Meeting, passes: bool) -> PlaneKind:
-    """What kind of point it is, from the curves that meet."""
     words = [word for event, _ in meeting for word in event.words]
     kinds = {event.kind for event, _ in meeting}
     if passes and len(set(words)) == len(words):
@@ -219,7 +218,6 @@ def _kind(meeting: Meeting, passes: bool) -> PlaneKind:
 def _ends(
     line: Sequence[Tip], following: Mapping[Tip, Tip], at: Mapping[Node, str]
 ) -> tuple[str, str]:
-    """Names of the points at both ends; empty where there is none."""
     first, last = (
         "" if (arc, which) in following else at.get(arc.ends[which], "")
         for arc, which in tips_of(line)

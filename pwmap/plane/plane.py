@@ -51,7 +51,6 @@ class ParameterPlane:
     left_out: str = ""
 
     def __repr__(self) -> str:
-        """Both parameters with their spans, how much was found, and what was not finished."""
         spans = (
             f"{name} in [{low}, {high}]"
             for name, (low, high) in (

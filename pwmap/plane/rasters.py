@@ -55,7 +55,6 @@ class PlaneRaster:
     left_out: str = ""
 
     def __repr__(self) -> str:
-        """How many points, how many of them are open, and what was not finished."""
         rows, columns = self.open.shape
         rest = f"; {self.left_out}" if self.left_out else ""
         return f"PlaneRaster({columns} x {rows} points, {self.open.sum()} open{rest})"
@@ -150,7 +149,6 @@ def _at(line: MapLine, meter: Meter) -> _Point:
 
 
 def _middles(low: Number, high: Number, n: int) -> tuple[Number, ...]:
-    """The middles of equal parts of an interval."""
     return tuple(low + (high - low) * QQ(2 * i + 1, 2 * n) for i in range(n))
 
 

@@ -73,5 +73,4 @@ def _of_strip(strip: Strip) -> Iterator[PlaneRegion]:
 
 
 def _continues(left: PlaneRegion, right: PlaneRegion) -> bool:
-    """Whether a region goes on in the next strip."""
     return left.across[1] == right.across[0] and replace(left, across=right.across) == right

@@ -77,10 +77,7 @@ class Rectangle:
         return tuple(sorted(divisors))
 
     def strips(self) -> list[Strip]:
-        """From left to right; between two of them edges meet, or everything changes.
-
-        At the end of the budget those up to the first gap are kept.
-        """
+        """From left to right, up to the first gap; between two edges meet, or all changes."""
         found: list[Strip] = []
         waiting: list[tuple[Real, Real]] = [self.across_span]
         with self.meter.keeping(waiting):

@@ -271,7 +271,6 @@ def _colour(curve: _Curve, several: bool) -> str:
 
 
 def _word_changes(diagram: Diagram) -> tuple[list[float], list[float]]:
-    """Places where the word of a branch changes."""
     p, x = list[float](), list[float]()
     for branch in diagram.branches:
         firsts = [stretch.first for stretch in branch.changes]
@@ -281,10 +280,7 @@ def _word_changes(diagram: Diagram) -> tuple[list[float], list[float]]:
 
 
 def _curves(diagram: Diagram) -> list[_Curve]:
-    """Curves in one style; branches of one style and order that meet are one.
-
-    A dash pattern starts anew with each curve: hundreds of short branches would look solid.
-    """
+    """Curves in one style; branches of one style and order that meet are one."""
     curves: list[_Curve] = []
     for branch in diagram.branches:
         parts = stretches(branch) if branch.kind is not BranchKind.BAND else []
@@ -295,6 +291,7 @@ def _curves(diagram: Diagram) -> list[_Curve]:
             )
             p, x = branch.parameter[stretch], branch.x[stretch]
             new = _Curve(label, branch.order, ends, p, x)
+            # a dash pattern starts anew with each: short branches would look solid
             for known in [c for c in curves if c[:2] == new[:2] and set(c.ends) & set(ends)]:
                 joined = known.joined(new)
                 if joined is not None:

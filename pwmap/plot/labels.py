@@ -85,10 +85,7 @@ class _Places(NamedTuple):
 
 
 class Labels(Artist):
-    """The names in a picture.
-
-    Names of points avoid curves where there is room, and markers of other points at (n, 2).
-    """
+    """The names in a picture; those of points avoid curves, and markers of other points."""
 
     def __init__(
         self, names: Sequence[Name], curves: Sequence[LabelledCurve] = (), markers: Any = ()
@@ -191,7 +188,6 @@ class _TakenRoom:
         return groups
 
     def _places(self, group: Sequence[tuple[Name, Floats]]) -> _Places:
-        """Where the label of some points may stand."""
         ordered = sorted(group, key=lambda each: float(each[1][0]))
         written = _together([name.text for name, _ in ordered])
         own = np.array([point for _, point in group])
@@ -275,11 +271,7 @@ class _TakenRoom:
 
 
 def _chosen(labels: Sequence[_Places]) -> list[int]:
-    """For each label the place that costs least beside the others.
-
-    The first have the best places. Where a label covers something at the end, the choice begins
-    anew, and it chooses first.
-    """
+    """For each label the place that costs least beside the others."""
     order = list(range(len(labels)))
     best, least = list[int](), math.inf
     for _ in range(STARTS):
@@ -290,6 +282,7 @@ def _chosen(labels: Sequence[_Places]) -> list[int]:
         worse = [k for k in order if costs[k] >= COSTS["lines"]]
         if not worse:
             break
+        # those that cover something choose first the next time
         order = [*worse, *(k for k in order if k not in worse)]
     return best
 
@@ -358,7 +351,6 @@ def _together(names: Sequence[str]) -> str:
 
 
 def _in_rows(written: str) -> str:
-    """The names of a long label in two rows, broken at the comma nearest to its middle."""
     commas = [match.end() for match in re.finditer(", ", written)]
     if len(written) <= LONGEST or not commas:
         return written
@@ -367,7 +359,6 @@ def _in_rows(written: str) -> str:
 
 
 def _padded(boxes: Floats, margin: float) -> Floats:
-    """Boxes (n, 4) with a margin."""
     return boxes + margin * np.array([-1.0, -1.0, 1.0, 1.0])
 
 
@@ -406,7 +397,6 @@ def _inside(boxes: Floats, places: Floats, margin: float) -> npt.NDArray[np.int6
 
 
 def _apart(box: Bbox, other: Bbox) -> float:
-    """How far the middles of two boxes are apart."""
     return 0.5 * math.hypot(
         box.x0 + box.x1 - other.x0 - other.x1, box.y0 + box.y1 - other.y0 - other.y1
     )

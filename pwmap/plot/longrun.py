@@ -232,10 +232,7 @@ def _areas(
     ax: Axes, places: Sequence[float], seen: Sequence[tuple[Attractor, ...]],
     cell: tuple[float, float], shown: Artists,
 ) -> None:  # fmt: skip
-    """Draw one cell, joining places between which bands and points are as many.
-
-    There may be several such groups, as long words are not told apart by cells.
-    """
+    """Draw one cell, joining places between which bands and points are as many."""
     first = 0
     for _, group in groupby(seen, key=_shape):
         rows = list(group)
@@ -379,7 +376,6 @@ def _side(row: Kneading) -> str:
 
 
 def _draw_row(ax: Axes, number: int, row: Kneading, steps: int, colors: dict[str, str]) -> Artists:
-    """One row of a kneading table: rectangles by their letters, frames and texts."""
     shown: Artists = {"frames": [], "texts": []}
     known, start = len(row.letters), len(row.letters) - row.repeating
     for step in range(steps if row.repeating else min(steps, known)):

@@ -179,7 +179,6 @@ def _periods_label(periods: tuple[int, ...]) -> str:
 
 
 def _corners(raster: PlaneRaster) -> tuple[FloatArray, FloatArray]:
-    """Ends of the rectangles of which a raster has the middles."""
     across, along = (np.array(list(map(to_float, each))) for each in (raster.across, raster.along))
     return _ends(across), _ends(along)
 
@@ -196,7 +195,6 @@ def _periods(ax: Axes, plane: ParameterPlane, raster: PlaneRaster) -> list[Patch
 
 
 def _bands(ax: Axes, plane: ParameterPlane, raster: PlaneRaster) -> list[Patch]:
-    """How many bands there are; where only cycles attract, light."""
     numbers = np.where(raster.bands > 0, raster.bands + 1, np.where(raster.periods > 0, 1, 0))
     return _listed(ax, raster, numbers, ("none known", "cycles only"), "{} bands", 2)
 
@@ -223,7 +221,6 @@ def _listed(
 
 
 def _entropy(ax: Axes, plane: ParameterPlane, raster: PlaneRaster) -> list[Patch]:
-    """The topological entropy, with a scale beside."""
     mesh = ax.pcolormesh(*_corners(raster), raster.entropy, cmap="YlGnBu", vmin=0.0,
                          rasterized=True)  # fmt: skip
     bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02, aspect=30)

@@ -28,7 +28,6 @@ class Certificate:
         return str(self.content["statement"])
 
     def __repr__(self) -> str:
-        """What kind of statement, and how it begins."""
         return f"Certificate({self.content['kind']}: {brief(self.statement)!r})"
 
     def __str__(self) -> str:
@@ -42,7 +41,6 @@ class Certificate:
 
 
 def _lines(value: object) -> str:
-    """JSON with a line for each entry of a list."""
     if not isinstance(value, list | tuple) or not value:
         return json.dumps(value)
     return "[\n  " + ",\n  ".join(map(json.dumps, value)) + "\n]"

@@ -182,7 +182,6 @@ class _PlanePlace(NamedTuple):
 def _places(
     map_: PiecewiseLinearMap, symbols: tuple[sympy.Symbol, sympy.Symbol], equations: list[Number]
 ) -> Iterator[_PlanePlace]:
-    """Where both equations hold."""
     at = [map_.parameters.index(symbol) for symbol in symbols]
     if all(sum(e[i] for i in at) <= 1 for equation in equations for e in equation.monoms()):
         yield from _linear(map_, at, equations)
@@ -283,18 +282,15 @@ def _algebraic(
 def _univariate(
     map_: PiecewiseLinearMap, at: list[int], equations: list[Number]
 ) -> tuple[PolyElement, tuple[PolyElement, PolyElement]]:
-    """A polynomial f(t) and both parameters as polynomials in t, at all common zeros.
-
-    t is a parameter, or a sum of both that tells the zeros apart. The Groebner basis of the radical
-    then has this shape; an ideal with finitely many zeros is made radical by a polynomial without
-    multiple roots in each variable. ValueError if the common zeros are a curve.
-    """
+    """A polynomial f(t) and both parameters as polynomials in t, at all common zeros."""
     u, v = (map_.parameters[k] for k in at)
     t = sympy.Dummy("t")
     line = PolyRing((t,), QQ, lex)
     given = [to_sympy(equation) for equation in equations]
     if sympy.gcd(*given).free_symbols:
         raise ValueError(f"both limits lie on the break along a curve in ({u}, {v}), no point")
+    # polynomials without multiple roots in each variable make an ideal with finitely many zeros
+    # radical, whose Groebner basis has this shape if t tells them apart
     radical = [*given, _abscissae(given, v, u), _abscissae(given, u, v)]
     for shear in count():  # n points have at most n (n - 1) / 2 directions in which two are one
         ideal = [*radical, t - u - shear * v]
@@ -325,7 +321,6 @@ def _unit(symbol: sympy.Symbol, symbols: tuple[sympy.Symbol, ...]) -> tuple[int,
 
 
 def _quotient(top: PolyElement, bottom: PolyElement, root: Real) -> sympy.Expr:
-    """A quotient of polynomials at a root."""
     if isinstance(root, RealRoot):
         return root.element_to_sympy(root.quotient(dense(top), dense(bottom)))
     return QQ.to_sympy(QQ.convert(top.evaluate(0, root)) / QQ.convert(bottom.evaluate(0, root)))
@@ -362,7 +357,6 @@ def _centre(
 
 
 def _contracts(place: _PlanePlace, slope: Number, denominator: Number) -> bool:
-    """Whether a slope lies in (-1, 1)."""
     return place.sign(denominator - slope) > 0 and place.sign(denominator + slope) > 0
 
 

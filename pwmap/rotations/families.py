@@ -169,7 +169,6 @@ class _Bound(NamedTuple):
     closed: bool
 
     def relation(self, point: sympy.Expr, at: sympy.Expr) -> sympy.Basic:
-        """As a sympy relation."""
         if self.side > 0:
             return (sympy.Ge if self.closed else sympy.Gt)(point, at)
         return (sympy.Le if self.closed else sympy.Lt)(point, at)
@@ -248,7 +247,6 @@ class _Powers:
         return variable * self.element(base) ** run.shift
 
     def count(self, run: WordRun) -> Element:
-        """How many words a run has."""
         return self.field.gens[len(self.map_.parameters)] + run.shift
 
     def to_sympy(self, element: Element) -> sympy.Expr:
@@ -313,7 +311,6 @@ class _Powers:
         return self.to_sympy(self.field(-parts[0]) / self.field(parts[1])) if parts[1] else None
 
     def relation_at(self, bound: _Bound, n: int, meter: Meter) -> sympy.Basic:
-        """A condition for one n."""
         point = self.at(bound.point, n, meter)
         assert point is not None  # x has a value
         at = quotient_to_sympy(self.map_.orbits.preimage(bound.k, ()))
@@ -430,10 +427,7 @@ class _Builder:
         return (0, 1) if beyond >= 0 else (-2, -1)
 
     def _aims(self) -> list[int]:
-        """Where runs of one letter go: to the right (1), to the left (-1); 0 if that is not used.
-
-        It follows from where the next point lies, so that the condition of this point is kept.
-        """
+        """Where runs of one letter go: to the right (1), to the left (-1), or unused (0)."""
         aims, kept = [0] * len(self._runs), set[int]()
         for i, run in enumerate(self._runs):
             j = (i + 1) % len(self._runs)
@@ -442,6 +436,7 @@ class _Builder:
             if i in kept or not single or self._places(run) != (0, -1):
                 continue
             if 0 in self._places(self._runs[j]) and not aims[j]:
+                # it follows from the next point, whose condition is kept
                 aims[i] = 1 if after > letter else -1
                 kept.add(j)
         return aims

@@ -171,10 +171,7 @@ def _lines(map_: PiecewiseLinearMap) -> TwoLines:
 
 
 def _fixed(lines: TwoLines) -> Fraction | None:
-    """The rotation number 0 or 1 where no orbit comes round; None where the break is crossed.
-
-    ValueError if there is no rotation number.
-    """
+    """The rotation number 0 or 1 of bounded orbits, None if they cross the break; or ValueError."""
     top, low = lines.limits
     stays = top <= lines.at, low >= lines.at
     if all(stays):
@@ -195,14 +192,10 @@ def _overlap(lines: TwoLines) -> bool:
 
 
 def _greatest(lines: TwoLines, iterates: int) -> RotationNumber:
-    """The rotation number of the monotone lift that bounds that of a map from above.
-
-    That lift is level from the joint l on, as far as L(x) is below R(t). The orbit starts at t:
-    after n steps and k turns it lies in [l, t], so that the rotation number is between (k - 1)/n
-    and k/n; it is (k - 1)/n if the orbit is on the level piece, k/n if it is back at t.
-    """
+    """The rotation number of the monotone lift that bounds that of a map from above."""
     top, low = lines.limits
     floor_ = lines.right(top)
+    # the lift is level from the joint on, as far as L(x) is below R(t)
     level = max(low, (floor_ - lines.left.intercept) / lines.left.slope)
     x, turns = top, 0
     lower, upper = Fraction(0), Fraction(1)
@@ -212,6 +205,8 @@ def _greatest(lines: TwoLines, iterates: int) -> RotationNumber:
             x, turns = lines.right(x), turns + 1
         else:
             x = max(lines.left(x), floor_)
+        # after n steps and k turns the orbit lies in [l, t]: the number is between (k - 1)/n and
+        # k/n, the first if it is on the level piece, the second if it is back at t
         lower = max(lower, Fraction(turns - (x != top), n))
         upper = min(upper, Fraction(turns - (x <= level), n))
         simplest = lower if lower == upper else _simplest(lower, upper)

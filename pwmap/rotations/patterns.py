@@ -41,8 +41,6 @@ def read_pattern(text: str, letters: Sequence[str], n: str = "n") -> tuple[WordR
 
 
 class _PatternReader:
-    """Reads a pattern from left to right."""
-
     def __init__(self, text: str, letters: tuple[str, ...], n: str) -> None:
         self._text, self._letters, self._n = text, letters, n
         self._rest = re.sub(r"\s", "", text)

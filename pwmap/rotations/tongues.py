@@ -181,18 +181,15 @@ def tongues(
 
 
 def _nearest(rotation: Fraction) -> tuple[int, ...]:
-    """Where in its word a cycle is nearest to the break, from the left and from the right.
-
-    Step k of the cycle is at point k p modulo q: the smallest on the right, q - p, is the last.
-    """
+    """Where in its word a cycle is nearest to the break, from the left and from the right."""
     p, q = rotation.as_integer_ratio()
     if q == 1:
         return (0,)
+    # step k is at point k p modulo q: the smallest on the right, q - p, is the last
     return (-1 - pow(p, -1, q)) % q, q - 1
 
 
 def _border(pieces: TwoPieces, word: Word) -> sympy.Basic:
-    """The condition that the first point of a word lies in its piece."""
     closed = pieces.owner == word[0]
     relations = {
         LEFT: (sympy.Lt, sympy.Le),

@@ -196,7 +196,6 @@ class _Points:
         self._known: dict[sympy.Expr, str] = {}
 
     def all(self) -> tuple[SpecialPoint, ...]:
-        """Those of the diagram first."""
         return tuple(self._points.values())
 
     def at(self, parameter: sympy.Expr, x: float, branch: str) -> str:

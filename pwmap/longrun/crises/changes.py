@@ -112,11 +112,7 @@ class Changes:
         yield from self._further(near[1], y, less)
 
     def _exactly(self, place: Real, x: Attracted, y: Attracted, effort: int) -> Iterator[Onset]:
-        """A change at a place, with what happens between it and samples beside it.
-
-        Bands may merge infinitely often close to where a cycle begins or ends: then what attracts
-        is open from the last known sample on.
-        """
+        """A change at a place, with what happens between it and samples beside it."""
         if x.words == y.words:
             if not self.same(x, y):
                 yield Onset(place, place, x, y, met=self.places(x, y).get(place, ()))
@@ -127,6 +123,7 @@ class Changes:
         ]
         if not close[0].is_open:
             yield from self._further(x, close[0], effort)
+        # bands may merge infinitely often where a cycle begins or ends
         is_open = any(
             each.is_open or not self.same(each, near)
             for each, near in zip(close, (x, y), strict=True)
@@ -234,11 +231,7 @@ class Changes:
 
     @cache  # noqa: B019  as long as the changes live
     def ends_of(self, word: tuple[str, bool], low: Real, high: Real) -> tuple[Real, ...]:
-        """Where a cycle, or a neutral interval, may end between two places.
-
-        A cycle, or a turned interval (slope -1), does where it meets a break or has the multiplier
-        1 or -1; any other interval where an image of a break, its end, meets another break.
-        """
+        """Where a cycle, or a neutral interval, may end between two places."""
         letters, attracts = word
         numbers = tuple(map(self.samples.map.letters.index, letters))
         decisions: list[CriticalOrbit | MultiplierSign] = [
@@ -247,6 +240,8 @@ class Changes:
         breaks = self.samples.layout.breaks
         for k in range(len(letters)):
             turned = numbers[k:] + numbers[:k]
+            # a point meets a break, or has the multiplier 1 or -1; ends of intervals that are not
+            # turned are images of breaks, which meet others
             decisions += [CriticalOrbit(b, turned, b) for b in breaks]
             if not attracts:
                 decisions += [

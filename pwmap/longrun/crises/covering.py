@@ -84,10 +84,7 @@ def doubles_of(line: MapLine) -> DoubleMap:
 
 
 def is_covered(line: DoubleMap, word: Sequence[int], side: int) -> bool:
-    """Whether what grows from one side of a repelling cycle surrounds a point of it.
-
-    The word has numbers of pieces; the side, -1 or 1, is one of its first point.
-    """
+    """Whether what grows from a side of a repelling cycle's first point surrounds one of it."""
     points, slope = line.cycle(word)
     first = _first_part(line, word if slope > 0.0 else (*word, *word), points[0], side)
     if first is None:

@@ -50,10 +50,7 @@ class Cuts:
         self._returns = set[Real]()  # places at which a break comes back to itself
 
     def between(self, low: Real, high: Real) -> dict[Real, bool]:
-        """All such places strictly between two others, with whether a cycle meets a break there.
-
-        Beside such a place something may attract in a much shorter interval only.
-        """
+        """All such places strictly between two others, with whether a cycle meets a break there."""
         found = dict[Real, bool]()
         for part in self._parts(low, high):
             found |= {end: end in self._returns for end in (part.low, part.high)}

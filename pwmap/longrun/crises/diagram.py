@@ -138,7 +138,6 @@ class AttractorDiagram:
         return tuple(cell for cell in self.cells if cell.is_open)
 
     def __repr__(self) -> str:
-        """The interval, how much of it is open, and the crises in it."""
         low, high = self.cells[0].lower, self.cells[-1].upper
         crises = shortened(", ".join(f"{c.kind} {c.parameter}" for c in self.crises) or "none", 160)
         rest = f"; {self.left_out}" if self.left_out else ""
@@ -241,7 +240,6 @@ class _Sweep:
         self._opened = low  # where the last open one begins
 
     def advance(self, end: Real) -> None:
-        """Go on to the end of another part."""
         start = self.finished[-1] if self.finished else self._low
         cuts = self.cuts.between(start, end)
         found = list[tuple[Real, Real, Attracted]]()
@@ -290,7 +288,6 @@ class _Sweep:
             yield hidden
 
     def _keep(self, event: Onset | Attracted | tuple[Real, Real]) -> None:
-        """Go on with the cell, or end it."""
         match event:
             case Attracted():
                 self._inside.append(event)

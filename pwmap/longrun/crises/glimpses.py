@@ -37,10 +37,7 @@ class Glimpses:
         self._kinds = self.kinds(places) if breaks else [(0,)] * PLACES
 
     def between(self, low: Real, high: Real, place: Number) -> list[Number]:
-        """Simple places of an interval where orbits, also at a neighbour, differ from a sample's.
-
-        One alone does not count: near a merging, and by chance, numbers of bands are wrong.
-        """
+        """Simple places where orbits, at a neighbour, too, differ from those of a sample."""
         kind = self._kinds[min(PLACES - 1, floor((place - self._low) / self._step))]
         start = max(0, floor((bounds(low)[1] - self._low) / self._step))
         found, inside = list[Number](), False
@@ -49,6 +46,7 @@ class Glimpses:
             if not y < bounds(high)[0] or len(found) == LOOKS:
                 break
             both = self._kinds[k : k + 2]
+            # one alone does not count: near a merging, and by chance, it is wrong
             differ = low < x and kind not in both and max(map(max, both)) <= 1 + self._order
             if differ and not inside:
                 found.append(simplest_between(x, y))
@@ -56,11 +54,7 @@ class Glimpses:
         return found
 
     def kinds(self, places: Floats) -> list[tuple[int, ...]]:
-        """For each place, what the orbits of both sides of breaks come to.
-
-        That is 1 + the number of points of a cycle, minus the number of bands, or 0 if they are
-        lost.
-        """
+        """For each place 1 + the period of a cycle, minus the number of bands, or 0 if lost."""
         line = self._family(places)
         slopes, intercepts, breaks = map(np.array, (line.slopes, line.intercepts, line.breaks))
         sides = [(b, k) for b in range(len(breaks)) for k in (b, b + 1)]

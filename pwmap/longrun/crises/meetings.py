@@ -85,11 +85,9 @@ def numbers_of(map_: PiecewiseLinearMap, word: str) -> Word:
 
 
 def earliest(image: Word, cycle: Word) -> tuple[Word, Word]:
-    """The shortest image of a break, along a word, that meets a cycle where a longer one does.
-
-    While the last letter before the meeting is that of the cycle, the image before lies on the
-    cycle, too; but a word keeps one letter: the break itself is no image.
-    """
+    """The shortest image of a break, along a word, that meets a cycle where a longer one does."""
+    # the last letters agree: the image before lies on the cycle, too; one letter is kept, for the
+    # break itself is no image
     while len(image) > 1 and image[-1] == cycle[-1]:
         image, cycle = image[:-1], cycle[-1:] + cycle[:-1]
     return image, cycle

@@ -72,10 +72,7 @@ Left = tuple[Real, Real, tuple[GapCause, ...]]  # an interval that is left out, 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Proved:
-    """An open interval with one entropy; ``closed`` if the proof holds at its ends.
-
-    Where orbits of a break match at its sample, entropy may be the same next to it.
-    """
+    """An open interval with one entropy; ``closed`` if the proof holds at its ends."""
 
     low: Real
     high: Real
@@ -164,12 +161,10 @@ class _Study:
         self.letters = self.layout.slots[::2]
 
     def admits(self, place: Real) -> bool:
-        """Whether the assumptions hold at a place."""
         region = self.axis.definition.region
         return region.broken(lambda polynomial: self.axis.sign(polynomial, place)) is None
 
     def line(self, place: Real) -> MapLine:
-        """The map at a place."""
         return line_at(self.map, place)
 
     def proof(self, line: MapLine) -> Proof | GapCause:
@@ -202,10 +197,7 @@ class _Study:
         return found
 
     def proved_at_once(self, low: Real, high: Real) -> _Proved | None:
-        """A proof from one place to another, though orbits of one break need not match.
-
-        The orbits of all other breaks must do the same everywhere.
-        """
+        """A proof from one place to another, though orbits of one break need not match."""
         if isinstance(low, RealRoot) or isinstance(high, RealRoot):
             return None
         family = family_of(self.map, low, high)
@@ -220,6 +212,7 @@ class _Study:
             if each.ending is Fate.OPEN
             or not self.lasts(self.decisions(line, number // 2, each), low, high)
         }
+        # the orbits of all other breaks must do the same everywhere
         if len(changing) != 1:
             return None
         (number,) = changing
@@ -267,7 +260,6 @@ class _Study:
                     yield from (CriticalOrbit(b, turned, b) for b in self.around(piece))
 
     def around(self, piece: int) -> tuple[int, ...]:
-        """The breaks at the ends of a piece."""
         return self.layout.breaks[max(0, piece - 1) : piece + 1]
 
     @staticmethod
@@ -426,7 +418,6 @@ def _between(one: Real, other: Real) -> Number:
 
 
 def _width(low: Real, high: Real) -> Number:
-    """How far two places are apart, at most."""
     return bounds(high)[1] - bounds(low)[0]
 
 
@@ -438,7 +429,6 @@ def _near(low: Real, high: Real, part: tuple[int, int]) -> Number:
 
 
 def _contiguous(left: Sequence[Left]) -> list[Left]:
-    """What is left, with parts that touch joined."""
     found = list[Left]()
     for low, high, causes in sorted(left, key=lambda each: each[0]):
         if found and found[-1][1] == low:
@@ -449,7 +439,6 @@ def _contiguous(left: Sequence[Left]) -> list[Left]:
 
 
 def _joined(study: _Study, proved: Sequence[_Proved]) -> Iterator[ConstantEntropy]:
-    """Intervals as long as they have one entropy."""
     run = list[_Proved]()
     for each in proved:
         if run and not _goes_on(study, run[-1], each):
@@ -461,7 +450,6 @@ def _joined(study: _Study, proved: Sequence[_Proved]) -> Iterator[ConstantEntrop
 
 
 def _goes_on(study: _Study, one: _Proved, other: _Proved) -> bool:
-    """Whether two intervals, and the place between them, have one entropy."""
     if one.high != other.low or one.growth != other.growth:
         return False
     return one.closed[1] or other.closed[0] or study.growth(one.high) == one.growth

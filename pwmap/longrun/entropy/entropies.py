@@ -113,7 +113,6 @@ def laps_of(line: MapLine, found: Attractors, order: int, meter: Meter) -> tuple
 
 
 def _work(node: Node) -> int:
-    """To find where the ways from a node lead."""
     return STEP + 3 * sum(map(work_of, node[1:]))
 
 
@@ -140,7 +139,6 @@ def _clipped(part: Interval, cut_off: Sequence[Interval]) -> Iterator[Interval]:
 
 
 def _onward(line: MapLine, node: Node, cut_off: Sequence[Interval]) -> Iterator[Node]:
-    """Where the ways from a node lead."""
     k, low, high = node
     branch = line.branches[k]
     if not branch.slope:
@@ -201,11 +199,7 @@ def _components(ways: Sequence[Sequence[int]]) -> list[list[int]]:
 
 
 def spectral_bounds(ways: Sequence[Sequence[int]]) -> tuple[Fraction, Fraction]:
-    """Fractions below and above the spectral radius of a matrix of zeros and ones.
-
-    For a connected part and any positive vector v it lies between the least and the largest
-    quotient of (A v)_i and v_i [Collatz1942]; v is close to the eigenvector, in integers.
-    """
+    """Fractions below and above the spectral radius of a matrix of zeros and ones."""
     low = high = Fraction(0)
     for nodes in _components(ways):
         number = {node: k for k, node in enumerate(nodes)}
@@ -214,19 +208,18 @@ def spectral_bounds(ways: Sequence[Sequence[int]]) -> tuple[Fraction, Fraction]:
         image = [0] * len(nodes)
         for k, other in inner:
             image[k] += vector[other]
+        # for any positive v it lies between the extreme (A v)_i / v_i [Collatz1942]
         quotients = [Fraction(a, b) for a, b in zip(image, vector, strict=True)]
         low, high = max(low, min(quotients)), max(high, max(quotients))
     return low, high
 
 
 def _perron(ways: Sequence[tuple[int, int]], size: int) -> list[int]:
-    """About the Perron eigenvector of a connected matrix, in positive integers.
-
-    It is multiplied with the matrix plus one, which has no period, as sums over the few ways.
-    """
+    """About the Perron eigenvector of a connected matrix, in positive integers."""
     rows, columns = (np.array(each) for each in zip(*ways, strict=True))
     vector = np.ones(size)
     for _ in range(ROUNDS):
+        # A + 1 has no period
         image = vector + np.bincount(rows, weights=vector[columns], minlength=size)
         image /= image.max()
         change = np.abs(image - vector).max()
@@ -249,11 +242,7 @@ def growth_of(ways: Sequence[Sequence[int]]) -> Real | None:
 
 
 def lap_numbers(line: MapLine, order: int, meter: Meter) -> list[int]:
-    """How many intervals iterates up to an order cut the line into, each affine on every one.
-
-    Paths to each node of the graph of laps are counted: the cost grows with the square of the
-    order. An interval that is mapped to a point remains one.
-    """
+    """How many affine intervals the iterates up to an order have, by paths that lead to nodes."""
     found = list[int]()
     counted = {(k, branch.lower, branch.upper): 1 for k, branch in enumerate(line.branches)}
     ended = 0
@@ -262,6 +251,7 @@ def lap_numbers(line: MapLine, order: int, meter: Meter) -> list[int]:
         meter.spend(sum(map(_work, counted)))
         more = dict[Node, int]()
         for node, times in counted.items():
+            # an interval that is mapped to a point remains one
             if not line.branches[node[0]].slope:
                 ended += times
             for other in _onward(line, node, ()):

@@ -64,19 +64,17 @@ def itinerary_of(line: MapLine, germ: Germ, steps: int, meter: Meter) -> Itinera
 
 
 def _drawn_from(line: MapLine, pieces: Sequence[int]) -> int | None:
-    """The step from which on the last letters are a word that draws in what follows it; or None.
-
-    A word w of slope 0 < s < 1 takes an orbit closer to its fixed point on the same side. If the
-    fixed point follows w too, in the closures of pieces, so does all between them, for ever. For -1
-    < s < 0 an orbit that has followed w twice has its first point and that after w on two sides of
-    the fixed point, and what lies between them is mapped into itself.
-    """
+    """The step from which on the last letters are a word that draws in what follows it; or None."""
     whole = IDENTITY
     for start in range(len(pieces) - 1, -1, -1):
         whole = whole.after(Affine(*line.branches[pieces[start]][:2]))
         slope, word = whole.slope, pieces[start:]
+        # an orbit comes closer to the fixed point on the same side; if that follows the word too,
+        # so does all between them, for ever
         if 0 < slope < 1 and _follows(line, whole.fixed_point, word):
             return start
+        # the first point and that after one round lie on two sides of the fixed point, and what is
+        # between them is mapped into itself
         before = start - len(word)
         if -1 < slope < 0 and before >= 0 and pieces[before:start] == word:
             return start
@@ -102,16 +100,14 @@ def _follows(line: MapLine, x: Exact, word: Sequence[int]) -> bool:
 
 
 def _outward_from(line: MapLine, pieces: Sequence[int], places: Sequence[Exact]) -> int | None:
-    """The step from which on an orbit moves outward for ever; None if it does not.
-
-    It does within one rising outer piece, or round two falling ones: a word of positive slope
-    always moves a point the same way.
-    """
+    """The step from which on an orbit moves outward for ever; None if it does not."""
     first, last = 0, len(line.branches) - 1
     for word in ((first,), (last,), (first, last), (last, first)):
         if tuple(pieces[-len(word) :]) != word:
             continue
         falls = [line.branches[k].slope < 0 for k in word]
+        # in one rising outer piece, or round two falling ones, the slope of the word is positive: a
+        # point always moves the same way
         way = sign(places[-1] - places[-1 - len(word)])
         if all(falls) == any(falls) == (len(word) == 2) and way == (1 if word[0] == last else -1):
             return len(pieces) - len(word)
@@ -119,11 +115,7 @@ def _outward_from(line: MapLine, pieces: Sequence[int], places: Sequence[Exact])
 
 
 def growth_at(line: MapLine, itineraries: Sequence[Itinerary]) -> Real | None:
-    """The growth of laps, at least 1: the spectral radius of the graph; None if it is too large.
-
-    Itineraries are those of all germs of the map, in its order, known to the end. Of the map itself
-    only the signs of slopes are used.
-    """
+    """The growth of laps, at least 1, from known itineraries; None if the graph is too large."""
     return growth_of(_merged(_ways(line, itineraries)))
 
 
@@ -132,7 +124,6 @@ _Node = tuple[int, End, End]  # the number of a piece, and both ends of a part o
 
 
 def _ways(line: MapLine, itineraries: Sequence[Itinerary]) -> list[list[int]]:
-    """The graph of laps."""
     slopes = [sign(branch.slope) for branch in line.branches]
     last = len(slopes) - 1
 

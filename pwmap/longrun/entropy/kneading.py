@@ -27,23 +27,16 @@ RING, T = ring("t", QQ)
 
 
 def growth_by_kneading(line: MapLine, itineraries: Sequence[Itinerary]) -> Real | None:
-    """The growth of laps, at least 1: one over the least root of the kneading determinant.
-
-    Itineraries are those of all germs of the map, in its order, known to the end or matched with
-    that of the other side; of the map itself only the signs of slopes are used. None if the
-    determinant is too large.
-    """
+    """The growth of laps, at least 1, from itineraries; None if the determinant is too large."""
     rows = _matrix(line, itineraries)
+    # one over the least root of the kneading determinant
     return growth_from(_determinant(rows)) if rows else QQ.one
 
 
 def _matrix(
     line: MapLine, itineraries: Sequence[Itinerary], left_out: int = 0
 ) -> list[list[PolyElement]]:
-    """The differences of both sides of each break, times a polynomial without roots in (0, 1).
-
-    Any of the columns, one for each piece, may be left out.
-    """
+    """The differences at each break, without a column, times polynomials with no root in (0, 1)."""
     signs = [sign(branch.slope) for branch in line.branches]
     rows = list[list[PolyElement]]()
     for left, right in zip(itineraries[::2], itineraries[1::2], strict=True):
@@ -60,13 +53,11 @@ def _determinant(rows: Sequence[Sequence[PolyElement]]) -> PolyElement:
 
 
 def cofactors(line: MapLine, itineraries: Sequence[Itinerary], number: int) -> list[PolyElement]:
-    """The factors of the pieces in the series of one break that give the determinant.
-
-    They do not depend on its itineraries. The piece on its left has the factor zero.
-    """
+    """The factors of the pieces in the series of one break that give the determinant."""
     rows = _matrix(line, itineraries, number)
     units = [[RING(k == j) for k in range(len(rows))] for j in range(len(rows))]
     found = [_determinant([*rows[:number], unit, *rows[number + 1 :]]) for unit in units]
+    # the piece on the left of the break has the factor zero
     return [*found[:number], RING.zero, *found[number:]]
 
 
