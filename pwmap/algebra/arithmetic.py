@@ -1,9 +1,8 @@
 """Polynomials in the variable of a map, over the parameters, within a limit of work.
 
-A value is a quotient: a polynomial in the variable, whose coefficients are elements of the ring of
-the parameters, over one element of that ring. Every operation first tells what it is going to cost,
-so that a short formula such as ``((a + b + c + d)**64)**64`` is refused before it is multiplied
-out.
+A value is a polynomial in the variable over one element of the ring of the parameters. Each
+operation states its cost first, so that ``((a + b + c + d)**64)**64`` is refused before it is
+expanded.
 """
 
 from __future__ import annotations
@@ -134,10 +133,7 @@ class Arithmetic:
         return _trimmed(top, self.times(a.bottom, b.bottom))
 
     def inverse(self, value: Quotient) -> Quotient:
-        """One over a quotient.
-
-        NotPolynomialError if the variable occurs in it; ValueError if it is zero.
-        """
+        """One over a quotient; NotPolynomialError if it has the variable, ValueError if it is 0."""
         if not value.is_constant:
             raise NotPolynomialError
         if not value.top:
@@ -172,11 +168,7 @@ class Arithmetic:
         return constant(value.top[0]) / constant(value.bottom)
 
     def applied(self, term: Term, arguments: Sequence[Quotient]) -> Quotient:
-        """What a tree is, from its arguments; its name must be that of a parameter.
-
-        NotPolynomialError if it is no polynomial in the variable; ValueError if it is too large, no
-        formula, or divides by zero.
-        """
+        """A tree from the values of its arguments; NotPolynomialError or ValueError if none."""
         try:
             return self._applied(term, arguments)
         except NotPolynomialError:
@@ -237,10 +229,7 @@ def _size(number: Number) -> tuple[int, int, int]:
 
 
 def worked_out(term: Term, arithmetic: Arithmetic) -> Fraction_:
-    """Numerator and denominator of a tree whose names are all parameters.
-
-    ValueError if it is too large, no formula, or divides by zero.
-    """
+    """Numerator and denominator of a tree in the parameters; ValueError if it has no value."""
     known: dict[int, Quotient] = {}
 
     def value(inner: Term) -> Quotient:
@@ -255,8 +244,8 @@ def worked_out(term: Term, arithmetic: Arithmetic) -> Fraction_:
 def fraction_of(value: object, ring: Ring, what: str) -> Fraction_:
     """Text, a number or a sympy expression in the parameters, as a quotient in lowest terms.
 
-    TypeError if a float occurs; the message names the rational it probably means. ValueError if it
-    holds other symbols or is no formula; ``what`` names it.
+    TypeError if a float occurs, with the rational it probably means; ValueError if ``what`` holds
+    other symbols or is no formula.
     """
     symbols = ring.symbols if ring is not None else ()
     term = term_of(value, symbols)
@@ -267,10 +256,7 @@ def fraction_of(value: object, ring: Ring, what: str) -> Fraction_:
 
 
 def rational(value: object) -> Number:
-    """An element of ``QQ`` from an int, a Fraction, a sympy Rational or text such as ``"5/4"``.
-
-    TypeError if it is a float; ValueError if it is no rational number.
-    """
+    """An element of ``QQ``, also from text such as ``"5/4"``; TypeError if a float, ValueError."""
     term = term_of(value)
     if term.names() or term.operation in CONDITIONS:
         raise ValueError(f"expected a rational number, got {shown(value)}")

@@ -1,7 +1,7 @@
-"""What is assumed of the parameters of a map, and the signs that follow from it.
+"""Assumptions on the parameters of a map, and the signs that follow from them.
 
 Assumptions are polynomial inequalities. The sign of a polynomial is *proved* over all values they
-admit, or reported as undecided: a sample decides nothing by itself.
+admit, or undecided: a sample decides nothing.
 """
 
 from __future__ import annotations
@@ -41,21 +41,7 @@ WITNESSES = 4  # points that are looked at before a sign is refuted the long way
 
 
 class UndecidedError(ValueError):
-    """A sign that the assumptions leave open.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, UndecidedError
-    >>> p1 = PiecewiseLinearMap.from_sympy(
-    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
-    ... )
-    >>> try:
-    ...     p1.fixed_points()
-    ... except UndecidedError as error:
-    ...     print(error)
-    the sign of r - 2 does not follow from a > 1: assume more (given=[...]) or give a parameter a
-    value (.at)
-    """
+    """A sign that the assumptions leave open: assume more (``given``) or give values (``at``)."""
 
 
 @dataclass(frozen=True)
@@ -71,15 +57,12 @@ class AssumedRegion(Portable):
         return next(self.samples())
 
     def samples(self, coefficients: Sequence[Number] = ()) -> Iterator[dict[str, Number]]:
-        """Different values that satisfy all inequalities: first plain ones, then generic ones.
-
-        Coefficients of a map tell its parameters apart where the inequalities do not. ValueError if
-        there are none.
-        """
+        """Values that satisfy all inequalities, plain ones first; ValueError if there are none."""
         if self.ring is None:
             yield {}
             return
         names = [str(symbol) for symbol in self.ring.symbols]
+        # coefficients of a map tell its parameters apart where the inequalities do not
         order = ranked(self.ring, self.constraints, coefficients)
         for values in points(self.ring, self.constraints, order):
             yield dict(zip(names, values, strict=True))
@@ -89,10 +72,7 @@ class AssumedRegion(Portable):
         return tuple(list(values.values()) for values in islice(self.samples(), 1, 1 + WITNESSES))
 
     def sign(self, polynomial: Number) -> int:
-        """The one sign of a polynomial over the region.
-
-        UndecidedError if it is not proved to have one.
-        """
+        """The sign of a polynomial over the region; UndecidedError if none is proved."""
         if is_constant(polynomial):
             return sign(constant(polynomial))
         found = possible_signs(polynomial, self.constraints, lambda: self._witnesses)
@@ -128,10 +108,7 @@ class AssumedRegion(Portable):
 
 
 def read_constraints(given: Iterable[Term], ring: Ring) -> tuple[Constraint, ...]:
-    """Inequalities from relations and conjunctions of them, and from what symbols assume.
-
-    ValueError if one is no inequality between quotients of polynomials in the parameters.
-    """
+    """Inequalities from relations and from assumptions of symbols; ValueError if one is none."""
     found: list[Constraint] = []
     symbols = ring.symbols if ring is not None else ()
     for symbol in symbols:

@@ -1,8 +1,7 @@
-"""Polynomials in two parameters: what is needed to follow the real roots in one over the other.
+"""Polynomials in two parameters: the real roots in one, followed over the other.
 
-The roots of a polynomial in one parameter are continuous functions of the other one, and keep their
-order, as long as neither its leading coefficient nor its discriminant is zero. They do not meet
-those of another polynomial as long as the resultant of both is not zero.
+They are continuous and keep their order while neither the leading coefficient nor the discriminant
+vanishes, and do not meet those of another polynomial while the resultant does not.
 """
 
 from __future__ import annotations
@@ -49,10 +48,7 @@ def divides(factor: PolyElement, polynomial: PolyElement) -> bool:
 
 @lru_cache(maxsize=65536)
 def resultant(first: PolyElement, second: PolyElement, index: int) -> PolyElement:
-    """The resultant with respect to one parameter: zero just where both have a common root.
-
-    It is also zero where both leading coefficients are. Its multiples by constants do as well.
-    """
+    """The resultant, up to a constant: zero at common roots, or where both leading terms vanish."""
     if degree_in(first, index) > degree_in(second, index):
         first, second = second, first
     if degree_in(first, index) == 1:

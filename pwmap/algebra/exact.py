@@ -1,7 +1,7 @@
 """Exact numbers and polynomials, and how they are written.
 
-Inside the package a coefficient is an element of the rationals ``QQ`` (no parameters) or of a
-polynomial ring over them. sympy expressions are taken and given at the edge only.
+A coefficient is an element of ``QQ`` or of a polynomial ring over it; sympy expressions are taken
+and given at the edge of the package only.
 """
 
 from __future__ import annotations
@@ -63,7 +63,6 @@ def restored(kept: Any) -> Any:
 
 
 def _like(value: tuple[Any, ...], parts: Iterable[Any]) -> tuple[Any, ...]:
-    """A tuple of the same kind, named or not."""
     return type(value)(*parts) if hasattr(value, "_fields") else tuple(parts)
 
 
@@ -107,10 +106,7 @@ def sign(number: Number) -> int:
 
 
 class Infinite:
-    """What grows without bound: it compares with all numbers, and a map takes it to its limit.
-
-    Its side is -1 or +1.
-    """
+    """Minus (side -1) or plus infinity (+1): compared with numbers; a map takes it to its limit."""
 
     __slots__ = ("side",)
 
@@ -177,10 +173,7 @@ LOWEST, HIGHEST = Infinite(-1), Infinite(1)
 
 
 def pair(number: Number) -> tuple[int, int]:
-    """Numerator and denominator of an element of ``QQ``, as integers of Python.
-
-    They do not depend on what sympy takes for rationals (its ground types).
-    """
+    """Numerator and denominator of an element of ``QQ`` as Python integers."""
     return int(QQ.numer(number)), int(QQ.denom(number))
 
 
@@ -211,11 +204,7 @@ def names_of(ring: Ring) -> tuple[str, ...]:
 
 
 def evaluate(number: Number, values: Mapping[str, Number], ring: Ring) -> Number:
-    """Put rational values for some generators; the result is an element of ``ring``.
-
-    ``ring`` holds the generators that remain, in their old order, or is None if none of those
-    that remain occurs.
-    """
+    """Put rationals for some generators; ``ring`` has those that remain, None if none does."""
     if not isinstance(number, PolyElement):
         return number if ring is None else ring.ground_new(number)
     fixed = [values.get(name) for name in names_of(number.ring)]
@@ -292,10 +281,7 @@ def quotient_to_sympy(fraction: Fraction_) -> sympy.Expr:
 
 @lru_cache(maxsize=4096)
 def fraction_to_sympy(fraction: Fraction_) -> sympy.Expr:
-    """A quotient as a sympy expression in lowest terms, factored if it has parameters and is short.
-
-    To find the factors of a long one takes longer than all else, and nobody reads them.
-    """
+    """A quotient as a sympy expression in lowest terms, factored if it is short."""
     top, bottom = cancelled(fraction)
     if is_constant(top) and is_constant(bottom):
         return to_sympy(constant(top) / constant(bottom))

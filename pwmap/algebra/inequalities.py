@@ -1,7 +1,4 @@
-"""Polynomial inequalities between parameters, and what is asked of a polynomial in them.
-
-Parameters are counted as generators of the ring; nothing here looks at their names.
-"""
+"""Polynomial inequalities between parameters, which are the generators of a ring by number."""
 
 from __future__ import annotations
 
@@ -38,7 +35,6 @@ class Constraint(NamedTuple):
         return frozenset((1,)) if self.strict else frozenset((0, 1))
 
     def __str__(self) -> str:
-        """As an inequality."""
         return shortened(str(self.relation()))
 
     def relation(self) -> Relational:

@@ -1,8 +1,7 @@
 """Exact linear programming over the integers: Farkas' lemma as a function.
 
-Some vectors either combine to a target with nonnegative weights, or a vector separates them from
-it. Either is found by the simplex method on integers with one common denominator, so that no
-rational number is ever reduced and no float decides.
+Either some vectors combine to a target with nonnegative weights, or a vector separates them from
+it. The simplex method finds either, on integers over one common denominator.
 """
 
 from __future__ import annotations
@@ -29,10 +28,7 @@ class Separation:
 
 
 def combination(columns: Sequence[Vector], target: Vector) -> Combination | Separation:
-    """Nonnegative weights that combine columns to a target, or why there are none.
-
-    Columns are vectors of integers, all as long as the target.
-    """
+    """Nonnegative weights of the integer columns that give the target, or a separating vector."""
     tableau = _Tableau(columns, target)
     while (column := tableau.entering()) is not None:
         tableau.pivot(tableau.leaving(column), column)
@@ -40,15 +36,13 @@ def combination(columns: Sequence[Vector], target: Vector) -> Combination | Sepa
 
 
 class _Tableau:
-    """Rows (columns | units | target) of the first phase, over one common denominator.
-
-    An artificial variable for each row makes up what the columns miss of the target; their sum is
-    made smaller until no column helps. The last row holds the reduced costs, and minus that sum.
-    """
+    """Rows (columns | units | target) of the first phase, over one common denominator."""
 
     def __init__(self, columns: Sequence[Vector], target: Vector) -> None:
         self._columns, size = len(columns), len(target)
         self._senses = [-1 if number < 0 else 1 for number in target]
+        # an artificial variable in each row makes up the difference to the target; the last row, of
+        # reduced costs, ends with minus their sum, which is minimised
         self._rows = [
             [sense * column[i] for column in columns]
             + [int(i == j) for j in range(size)]
@@ -90,7 +84,6 @@ class _Tableau:
         return best
 
     def pivot(self, row: int, column: int) -> None:
-        """Exchange the variable of a row for that of a column."""
         chosen, before = self._rows[row], self._denominator
         pivot = chosen[column]
         self._stuck = not chosen[-1]

@@ -1,8 +1,8 @@
 """Points at which polynomial inequalities hold strictly, by an open cylindrical decomposition.
 
-One parameter after the other is eliminated: what is left are the polynomials at whose roots the
-order of roots in the eliminated one can change. Then values are put in the opposite order, one in
-each gap between roots. Every open cell gets a point, so the search is complete [Strzebonski2000].
+Parameters are eliminated in turn, leaving polynomials at whose roots the order of the eliminated
+roots can change; then values are taken in each gap between roots, in the opposite order. Every open
+cell gets a point, so the search is complete [Strzebonski2000].
 """
 
 from __future__ import annotations
@@ -21,16 +21,13 @@ from pwmap.algebra.roots import gaps_and_roots, real_roots, simplest_between
 def open_point(
     constraints: Sequence[Constraint], order: Sequence[int]
 ) -> dict[int, Number] | list[Constraint]:
-    """A point at which inequalities hold strictly, or the weak ones of which one is an equation.
-
-    The order lists the parameters that occur; of several that are as easy to eliminate the first
-    one is.
-    """
+    """A point at which inequalities hold strictly, or the weak ones of which one is an equation."""
     ring = constraints[0].polynomial.ring
     polynomials = {f for c in constraints for f, _ in factors(c.polynomial)[1]}
     levels: list[tuple[int, set[PolyElement]]] = []
     left = list(order)
     while left:
+        # of equal costs the first in the given order
         variable = min(left, key=lambda v: _cost(polynomials, v))
         left.remove(variable)
         levels.append((variable, {p for p in polynomials if variable in variables(p)}))

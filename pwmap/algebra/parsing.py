@@ -1,6 +1,6 @@
-"""From text to a tree. Text is never evaluated: it can only say what this grammar says.
+"""From text to a tree, by a grammar; text is never evaluated.
 
-From the loosest to the tightest, as in Python::
+From the loosest to the tightest::
 
     or   and   not   < <= > >= (chains too)   |   &   + -   * /   unary + - ~   **
 
@@ -82,12 +82,10 @@ FUNCTIONS |= {name.lower(): FUNCTIONS[name] for name in ("Abs", "Max", "Min")}  
 
 
 def term_of(value: object, symbols: Sequence[sympy.Symbol] = ()) -> Term:
-    """Text, a number or a sympy expression as a tree; floats are refused.
+    """Text, a number or a sympy expression as a tree; names among ``symbols`` stand for these.
 
-    Names in the text that are among ``symbols`` stand for these.
-
-    TypeError if a float occurs; the message names the rational it probably means. ValueError if the
-    text is no expression, or there is more of it than any map needs.
+    TypeError if a float occurs, with the rational it probably means; ValueError if the text is no
+    expression, or longer than a map needs.
     """
     if isinstance(value, str):
         return _Parser(value, {plain_name(symbol): symbol for symbol in symbols}).parsed()
@@ -138,7 +136,6 @@ class _Parser:
         self._depth = 0
 
     def parsed(self) -> Term:
-        """The tree of the whole text."""
         term = self._parse(0)
         if self._next.kind != "end":
             raise self._unexpected()
@@ -167,7 +164,6 @@ class _Parser:
         return self._tokens[self._at]
 
     def _take(self, *signs: str) -> bool:
-        """Pass over a sign or word if it is the next."""
         if self._next.text in signs and self._next.kind != "end":
             self._at += 1
             return True
@@ -177,7 +173,6 @@ class _Parser:
         return ValueError(f"cannot read {shown(self._text)} as an expression: {reason}")
 
     def _unexpected(self) -> ValueError:
-        """The error that the next token is."""
         token = self._next
         if token.text in ("=", "==", "!=", "<>"):
             return ValueError(

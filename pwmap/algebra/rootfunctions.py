@@ -1,7 +1,7 @@
-"""Real roots of polynomials in two parameters: functions of one of them, as exact numbers are.
+"""Real roots of polynomials in two parameters, as functions of one of them.
 
-They are told apart at a sample of the other parameter. Inside an open interval of it in
-which neither leading coefficients nor discriminants are zero, they are continuous and apart.
+They are told apart at a sample of it, and are continuous and distinct in an open interval in which
+neither leading coefficients nor discriminants vanish.
 """
 
 from __future__ import annotations
@@ -42,10 +42,9 @@ from pwmap.algebra.roots import (
 
 
 class RealRootOf(sympy.Function):  # type: ignore[misc]
-    """One of the real roots of a polynomial in a symbol that has another parameter, too.
+    """A real root of a polynomial in a symbol and a parameter; a number for this gives the number.
 
-    Its arguments are the polynomial, the symbol, and which root it is, counted from the lowest. Put
-    a number for the parameter, and it becomes that root.
+    Its arguments are the polynomial, the symbol, and the number of the root from the lowest on.
     """
 
     nargs = 3
@@ -63,10 +62,7 @@ class RealRootOf(sympy.Function):  # type: ignore[misc]
 @total_ordering
 @dataclass(frozen=True, slots=True, eq=False)
 class Root(Portable):
-    """A value of one parameter that solves an equation, and so depends on the other one.
-
-    Two are equal if their values at the sample are; :func:`identical` says whether they stay so.
-    """
+    """A root as a function of the other parameter; equal at the sample, or :func:`identical`."""
 
     value: Real  # at the sample of the other parameter
     factor: PolyElement  # irreducible, in both parameters; zero on it
@@ -159,14 +155,12 @@ class Column(Portable):
         return real_roots(along(root.factor, (value, value), self.along))[root.number]
 
     def limit(self, root: Root, end: Real) -> Real | None:
-        """The value that a root tends to at an end; None if it grows without bound.
-
-        It is among the roots of the polynomial there. Rationals part these; close enough to the end
-        the polynomial is not zero at any of them, so that the root has no way past them.
-        """
+        """The value that a root tends to at an end; None if it grows without bound."""
         found = self._candidates(root.factor, end)
         if not found:
             return None
+        # it is one of the roots at the end; between two walls, at which the polynomial is not zero
+        # near the end, the root stays
         between = [simplest_between(low, high) for low, high in pairwise(found)]
         walls = [bounds(found[0])[0] - 1, *between, bounds(found[-1])[1] + 1]
         near: Real = self.sample

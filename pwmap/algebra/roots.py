@@ -1,7 +1,7 @@
-"""Real algebraic numbers, as far as the ends of parameter intervals need them.
+"""Real algebraic numbers, for the ends of parameter intervals.
 
 A number is an element of ``QQ`` or a :class:`RealRoot`: an irreducible polynomial with an interval
-that isolates one of its roots, refined only as far as a comparison asks for.
+that isolates one of its roots, refined as far as a comparison needs.
 """
 
 from __future__ import annotations
@@ -63,13 +63,10 @@ def _scaled(coefficients: Sequence[int], top: int, bottom: int) -> int:
 class RealRoot:
     """A real root of an irreducible polynomial of degree two or more.
 
-    It lies strictly between two neighbouring multiples of a power of 1/2, which is made smaller
-    as comparisons ask for it.
-
     Parameters
     ----------
     polynomial
-        Monic and irreducible over the rationals.
+        Monic and irreducible over the rationals; coefficients from the highest degree on.
     index
         Which of its real roots, counted from the left.
     low, high
@@ -78,7 +75,7 @@ class RealRoot:
     Raises
     ------
     ValueError
-        If the polynomial is not irreducible, of a lower degree, or has the same sign at both.
+        If the polynomial is not irreducible, of a lower degree, or has one sign at both ends.
 
     Examples
     --------
@@ -106,12 +103,12 @@ class RealRoot:
 
     @classmethod
     def of_factor(cls, polynomial: Dense, index: int, low: Number, high: Number) -> RealRoot:
-        """The root of a polynomial that is known to be irreducible.
+        """The same for a polynomial that is known to be irreducible; nothing is checked.
 
         Parameters
         ----------
         polynomial, index, low, high
-            As for the class; they are not checked.
+            As for the class.
 
         Returns
         -------
@@ -185,18 +182,7 @@ class RealRoot:
         return self._above(n, bits) and not self._above(n + 1, bits)
 
     def sign_of(self, polynomial: tuple[int, ...]) -> int:
-        """Sign of another polynomial, with integer coefficients, at this root.
-
-        Parameters
-        ----------
-        polynomial
-            Integer coefficients.
-
-        Returns
-        -------
-        int
-            -1, 0 or 1.
-        """
+        """Sign -1, 0 or 1 at this root of another polynomial, given by its integer coefficients."""
         found = self._sure_sign(polynomial) if polynomial else 0
         if found is None:
             rest = self.reduced(tuple(map(QQ, polynomial)))
@@ -215,8 +201,8 @@ class RealRoot:
     def _value(self, coefficients: tuple[int, ...]) -> tuple[int, int]:
         """An integer polynomial of degree d near the root, and a bound of the error.
 
-        Both are scaled by 2**((bits + 1) d). From the middle of the step, where it is computed, to
-        the root the polynomial changes by no more than half a step times a bound of its derivative.
+        Both are scaled by 2**((bits + 1) d). It is computed at the middle of the step; to the root
+        it changes by at most half a step times a bound of its derivative.
         """
         n, unit = 2 * self._floor + 1, 2 << self._bits
         largest = abs(n) + 1
@@ -230,19 +216,17 @@ class RealRoot:
         return value, change
 
     def to_float(self, top: Dense, bottom: Dense) -> float:
-        """The quotient of two polynomials at this root as a float, for drawing.
-
-        It is the nearest one, but for the last bit, and infinite if it is too large.
+        """The quotient of two polynomials at this root as a float, correct but for the last bit.
 
         Parameters
         ----------
         top, bottom
-            Coefficients of the polynomials, from the highest degree on.
+            Coefficients, from the highest degree on.
 
         Returns
         -------
         float
-            The quotient.
+            Infinite if the quotient is too large.
         """
         if not top:
             return 0.0
@@ -260,32 +244,24 @@ class RealRoot:
         return to_float(QQ(above << max(0, -shift), below << max(0, shift)) * scale)
 
     def reduced(self, polynomial: Dense) -> Dense:
-        """Remainder modulo the root's polynomial: the canonical form of a number of its field.
+        """Coefficients modulo the root's polynomial: the canonical form of a number of its field.
 
-        Parameters
-        ----------
-        polynomial
-            Coefficients from the highest degree on.
-
-        Returns
-        -------
-        coefficients
-            From the highest degree on.
+        From the highest degree on, as those that are given.
         """
         return tuple(dup_rem(list(trimmed(polynomial)), list(self.polynomial), QQ))
 
     def quotient(self, top: Dense, bottom: Dense) -> Dense:
-        """Canonical form of top/bottom at this root, where the bottom is not zero.
+        """Canonical form of top/bottom at this root.
 
         Parameters
         ----------
         top, bottom
-            Coefficients of the polynomials, from the highest degree on.
+            Coefficients, from the highest degree on; the bottom is not zero at the root.
 
         Returns
         -------
-        coefficients
-            From the highest degree on.
+        tuple
+            Coefficients, from the highest degree on.
         """
         modulus = list(self.polynomial)
         inverse = dup_invert(list(self.reduced(bottom)), modulus, QQ)
@@ -296,18 +272,7 @@ class RealRoot:
         return _root_to_sympy(self.polynomial, self.index)
 
     def element_to_sympy(self, value: Dense) -> sympy.Expr:
-        """A number of the root's field, given in canonical form.
-
-        Parameters
-        ----------
-        value
-            Coefficients from the highest degree on.
-
-        Returns
-        -------
-        sympy.Expr
-            The exact number.
-        """
+        """A number of the root's field, given by the coefficients of :meth:`reduced`, for sympy."""
         root = self.to_sympy()
         found = sum(QQ.to_sympy(c) * root**i for i, c in enumerate(reversed(value)))
         if isinstance(root, sympy.CRootOf) or len(value) <= 1:  # there are no radicals
@@ -368,10 +333,7 @@ def real_to_sympy(x: Real) -> sympy.Expr:
 
 @lru_cache(maxsize=4096)
 def algebraic(expression: sympy.Expr) -> Real:
-    """A real algebraic number given as an expression without symbols, such as ``(1 + sqrt(5))/2``.
-
-    ValueError if it is not real, or not algebraic.
-    """
+    """A real algebraic number from, say, ``(1 + sqrt(5))/2``; ValueError if it is none."""
     if isinstance(expression, sympy.Rational):
         return QQ.from_sympy(expression)
     if isinstance(expression, sympy.CRootOf) and expression.is_real:
@@ -413,10 +375,7 @@ def real_roots(polynomial: Iterable[Number]) -> tuple[Real, ...]:
 
 
 def most_roots(polynomial: Dense, low: Number, high: Number) -> int:
-    """At most how many roots a polynomial has between two rationals, by Descartes' rule of signs.
-
-    The number is too large by an even one, or none.
-    """
+    """An upper bound, of the right parity, of the roots between two rationals [Descartes' rule]."""
     (a, b), (c, d) = pair(low), pair(high)
     unit = lcm(b, d)
     start, length = a * (unit // b), c * (unit // d) - a * (unit // b)
@@ -445,10 +404,7 @@ def _shifted(polynomial: Sequence[int], x: int) -> list[int]:
 
 
 def roots_between(polynomial: Dense, low: Real, high: Real) -> tuple[Real, ...]:
-    """The distinct roots of a polynomial strictly between two numbers, from left to right.
-
-    It is factored only if it may have any there.
-    """
+    """The distinct roots of a polynomial strictly between two numbers, from left to right."""
     first, last = bounds(low)[0], bounds(high)[1]
     ends = to_float(first), to_float(last)
     if not may_vanish(polynomial, *ends) or not most_roots(polynomial, first, last):

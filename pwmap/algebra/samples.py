@@ -1,12 +1,9 @@
-"""Rational points of the region that some inequalities admit, and whether there is one.
+"""Rational points of the region that some inequalities admit, or that there are none.
 
-First an *interior* is sought: linear inequalities by linear programming, others by an open
-cylindrical decomposition. Both are complete. Where all inequalities cannot be strict at once, those
-that must be equations are solved for a parameter. Inside an interior points are moved along one
-parameter after the other, as far as the inequalities allow, which is exact too.
-
-Points depend on the order in which the parameters are listed (:func:`ranked`), but not
-on their names, nor on the order of the inequalities.
+A point of its *interior* comes from linear programming, or from an open cylindrical decomposition;
+both are complete. Inequalities that cannot be strict together are solved for a parameter. More
+points lie along one parameter after the other. They depend on the order of the parameters
+(:func:`ranked`), not on names or the order of inequalities.
 """
 
 from __future__ import annotations
@@ -76,10 +73,7 @@ class Interior:
 def points(
     ring: Ring, constraints: Sequence[Constraint], order: Sequence[int]
 ) -> Iterator[list[Number]]:
-    """Values of all parameters that satisfy the constraints: first plain ones, then generic ones.
-
-    EmptyRegionError if there are none.
-    """
+    """Values of all parameters that satisfy the constraints, plain first, or EmptyRegionError."""
     parts = _interiors(ring, constraints, order)
     free = [variable for variable in order if any(variable in part.point for part in parts)]
     limits = [c for part in parts for c in part.constraints]
@@ -123,7 +117,6 @@ def _within(gap: tuple[Real, Real], step: int, rng: Random) -> Number:
 
 
 def _completed(values: Sequence[Number], parts: Sequence[Interior]) -> list[Number]:
-    """A point with the values that follow from equations."""
     completed = list(values)
     for part in parts:
         for solved in reversed(part.solved):
@@ -157,7 +150,6 @@ def _interiors(
 
 
 def _holds(constraint: Constraint) -> bool:
-    """Whether an inequality between numbers is true."""
     return constraint.holds(sign(constant(constraint.polynomial)))
 
 
@@ -252,11 +244,9 @@ def _substituted(constraint: Constraint, solved: Solved) -> Constraint:
 def _linear_point(
     constraints: Sequence[Constraint], order: Sequence[int]
 ) -> dict[int, Number] | list[Constraint]:
-    """A point at which linear inequalities hold strictly, or some that then contradict each other.
-
-    With the rows of coefficients, constants and ones as columns, weights that add up to (0, 0, 1)
-    are a contradiction [Motzkin1936]; what separates them from it is a point.
-    """
+    """A point at which linear inequalities hold strictly, or some that contradict each other."""
+    # rows of coefficients, constants and ones: weights that give (0, 0, 1) are a contradiction,
+    # else the separating vector is a point [Motzkin1936]
     columns = []
     for constraint in constraints:
         terms = dict(constraint.polynomial.terms())
@@ -281,11 +271,7 @@ def _linear_point(
 def ranked(
     ring: Ring, constraints: Sequence[Constraint], coefficients: Sequence[Number] = ()
 ) -> list[int]:
-    """The parameters in an order that depends on what they do, and on names only as a last resort.
-
-    Each gets a rank by the terms in which it occurs, then by those of the parameters it occurs
-    with, and so on.
-    """
+    """The parameters in an order by the terms they occur in; by name only as a last resort."""
     ranks = [0] * len(ring.gens)
 
     def signature(terms: Iterable[tuple[tuple[int, ...], Number]]) -> list[tuple[Any, ...]]:
@@ -295,6 +281,7 @@ def ranked(
         )
 
     numbers = [(i, n.terms()) for i, n in enumerate(coefficients) if isinstance(n, PolyElement)]
+    # each time by the ranks of the parameters that each occurs with
     for _ in ranks:
         roles: list[list[Any]] = [[] for _ in ranks]
         terms_by_role: list[tuple[Any, Any]] = [((0, i, []), terms) for i, terms in numbers]

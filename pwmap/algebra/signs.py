@@ -1,11 +1,9 @@
 """Which signs a polynomial can take where some inequalities hold: proofs, no samples.
 
-In one parameter the proof is complete: real roots cut the line. So it is for linear polynomials
-over linear inequalities, by linear programming. For others a polynomial of degree one in a
-parameter is bounded by its values at the bounds of that parameter, one parameter after the other;
-and where that leaves a sign open, its opposite is refuted by products of inequalities that add up
-to less than zero. A proof never claims too much, but may miss a sign that needs more than that.
-Nothing depends on the names of the parameters, or on the order of the inequalities.
+They are complete in one parameter (real roots), and for linear polynomials over linear inequalities
+(linear programming). Otherwise a polynomial of degree one in a parameter is bounded by its values
+at the bounds of that parameter, and the opposite of an open sign is refuted by products of
+inequalities with a negative sum. A sign may then remain unproved.
 """
 
 from __future__ import annotations
@@ -40,10 +38,7 @@ LIMIT = 200  # of the products of one refutation: beyond, linear programs take s
 def possible_signs(
     polynomial: PolyElement, constraints: Constraints, points: Callable[[], Iterable[Point]] = tuple
 ) -> Signs:
-    """A set that holds every sign the polynomial takes where the constraints hold.
-
-    What some points show that satisfy the constraints need not be refuted.
-    """
+    """A superset of the signs of a polynomial where the constraints hold; at points it is known."""
     return _product_signs(
         polynomial, lambda factor: _fully(factor, connected(constraints, variables(factor)), points)
     )
@@ -152,10 +147,7 @@ def without_implied(constraints: Sequence[Constraint], kept: int) -> list[Constr
 
 
 def contradictory(constraints: Sequence[Constraint]) -> bool:
-    """Whether inequalities, times nonnegative numbers, add up to a false one.
-
-    For linear inequalities that is so just if no point satisfies all of them [Motzkin1936].
-    """
+    """Whether nonnegative multiples of inequalities add up to a false one."""
     monomials = sorted({m for c in constraints for m in c.polynomial.monoms()})
     place = {monomial: i for i, monomial in enumerate(monomials)}
     ground = (0,) * len(monomials[0])
@@ -171,6 +163,7 @@ def contradictory(constraints: Sequence[Constraint]) -> bool:
                 column[place[monomial]] = number
             column[-1] = int(constraint.strict)
         columns.append(column)
+    # for linear inequalities so if and only if no point satisfies all [Motzkin1936]
     return isinstance(combination(columns, [0] * len(place) + [1]), Combination)
 
 
@@ -248,15 +241,12 @@ def _refuted_signs(factor: PolyElement, constraints: Constraints, seen: set[int]
 
 @cache
 def _is_refuted(claim: Constraint, constraints: Constraints) -> bool:
-    """Whether products of a claim and of what is known add up to less than zero.
-
-    Products of inequalities, as many at once as their degree allows, and squares of monomials and
-    of their sums and differences, which are never negative.
-    """
+    """Whether products of the claim and of known inequalities add up to less than zero."""
     known = (claim, *constraints)
     top = max(2, *(total_degree(c.polynomial) for c in known))
     used = sorted(frozenset().union(*(variables(c.polynomial) for c in known)))
     ring = claim.polynomial.ring
+    # squares of monomials, of their sums and differences, are never negative
     listed = chain(_products(known, top), _squares(ring, used, top // 2))
     tried = list(dict.fromkeys(islice(listed, LIMIT + 1)))
     return len(tried) <= LIMIT and contradictory(tried)

@@ -1,7 +1,6 @@
 """Formulas and conditions as trees of the few operations a piecewise-linear map may hold.
 
-Text, numbers and sympy expressions all become such trees. Nothing is computed here, and trees are
-bounded in size, so that no input can cost more than reading it.
+Text, numbers and sympy expressions become such trees, of bounded size; nothing is computed.
 """
 
 from __future__ import annotations
@@ -159,10 +158,7 @@ def float_refusal(value: object) -> TypeError:
 
 
 def term_of_number(value: object) -> Term | None:
-    """A bool or an exact number as a tree; None if the value is neither.
-
-    TypeError if it is a float; the message names the rational it probably means.
-    """
+    """A bool or an exact number as a tree; None if the value is neither, TypeError if a float."""
     if isinstance(value, bool):
         return Term(Operation.TRUTH, value=value, source=value)
     if isinstance(value, sympy.Basic):
@@ -205,16 +201,12 @@ _OPERATIONS: dict[Any, Operation] = {
 
 
 class _Reader:
-    """Trees of sympy expressions; a part that occurs twice is read once.
-
-    Parts are known by their ``id``: sympy compares and hashes by recursion.
-    """
+    """Trees of sympy expressions, each part once, by its ``id``: sympy compares by recursion."""
 
     def __init__(self) -> None:
         self._known: dict[int, Term] = {}
 
     def read(self, expr: sympy.Basic, depth: int = 0) -> Term:
-        """The tree of an expression."""
         found = self._known.get(id(expr))
         if found is None:
             if depth > MAX_DEPTH:
@@ -255,7 +247,7 @@ class _Reader:
 def term_of_sympy(expr: sympy.Basic) -> Term:
     """A sympy expression as a tree.
 
-    TypeError if a float occurs; ValueError if it holds what no piecewise-linear map over the
-    rationals holds, or is too large.
+    TypeError if a float occurs; ValueError if it has what no piecewise-linear map over the
+    rationals has, or is too large.
     """
     return _Reader().read(expr)

@@ -1,10 +1,9 @@
 """Check certificates of piecewise-linear maps from nothing but their files.
 
-Only the standard library is used, and no other part of the package, so that a reader can follow
-every step: a map is given by affine pieces whose coefficients are polynomials in one parameter, or
-numbers; its iterates are composed anew. All that this takes is the sign of a polynomial in the
-parameter, at a number or on an open interval where it has no root. So what is found at one value
-holds on the whole interval.
+Only the standard library is used, and no other part of the package. A map is given by affine pieces
+over one parameter, and its iterates are composed anew. All is decided by signs of polynomials in
+the parameter, at a number or on an open interval without roots: what holds at one value holds on
+all of it.
 """
 
 from pwmap.checking.certificate import check, check_certificate

@@ -44,10 +44,9 @@ class ClaimedStretch(NamedTuple):
 
 
 class ClaimedEnd(NamedTuple):
-    """What ends at an edge: a stretch and on which side it lies, 0 if it exists at the edge alone.
+    """A stretch that ends at an edge, and on which side it lies; 0 if it exists at the edge alone.
 
-    A fixed point that ``passes`` is there on both sides and at the edge, and attracts at all of
-    them or at none.
+    A fixed point that ``passes`` exists on both sides and at the edge, with the same stability.
     """
 
     stretch: ClaimedStretch
@@ -133,14 +132,12 @@ class ClaimedDiagram:
         return self._studies[place, order]
 
     def verify(self) -> None:
-        """Whether everything claimed exists and, but for the first and last edge, nothing else.
-
-        A stretch may end only where what it says ends: so stretches are those of one list alone.
-        """
+        """Whether everything claimed exists and, but for the first and last edge, nothing else."""
         for same in self._things.values():
             for one, other in pairwise(sorted(same, key=lambda s: s.first)):
                 if other.first <= one.last:
                     refuse(f"two stretches of {one.word} overlap {self.where(other.first)}")
+                # a stretch ends only where its object does, so that the list is unique
                 if other.first == one.last + 1 and one.goes_on_as(other):
                     where = self.where(other.first)
                     refuse(f"two stretches of {one.word} must be one, nothing changes {where}")
@@ -187,10 +184,7 @@ class ClaimedDiagram:
         return self._found[i, n][kind]
 
     def ends(self, edge: int) -> list[ClaimedEnd]:
-        """What ends at an edge, or exists nowhere else, and fixed points that pass beside it.
-
-        What exists before, at and after the edge decides, not where a list cuts it.
-        """
+        """What ends at an edge, wherever a list cuts it, and the fixed points that pass there."""
         if edge not in self._ends:
             things = self._things.values()
             self.work.spend(5 * STEP * len(self.stretches))
@@ -199,10 +193,7 @@ class ClaimedDiagram:
         return self._ends[edge]
 
     def _is_bent(self, end: ClaimedEnd, edge: int) -> bool:
-        """Whether a fixed point that passes is at a border, or has slope -1.
-
-        Beside any other one the iterates are affine for all values nearby, and nothing ends.
-        """
+        """Whether a fixed point that passes is at a border, or has slope -1, so that others end."""
         _, order, word = end.stretch.thing
         there = self.found(2 * edge, order, "fixed points").get(word)
         return there is None or there.at_border or self.study(2 * edge, order).excess(word, 1) == 0

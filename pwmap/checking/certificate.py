@@ -33,10 +33,7 @@ def seal_of(certificate: Mapping[str, Any]) -> str:
 
 
 def statement_of(certificate: object) -> str:
-    """What a certificate proves, in one sentence; its own sentence and seal are not looked at.
-
-    Refused if it proves nothing.
-    """
+    """What a certificate proves, whatever its own sentence and seal say; Refused if nothing."""
     if not isinstance(certificate, dict) or certificate.get("format") != FORMAT:
         refuse(f"this is no {FORMAT}")
     kind = certificate.get("kind")
@@ -103,12 +100,13 @@ def check_certificate(path: str | Path) -> str:
 
     Returns
     -------
-    The verified statement, one sentence, composed from what was verified.
+    str
+        One sentence, composed from what was verified.
 
     Raises
     ------
     Refused
-        If anything in the file is not as it must be; one sentence says what.
+        If anything in the file is wrong; one sentence says what.
 
     Examples
     --------

@@ -21,9 +21,9 @@ class IterateValue(NamedTuple):
 class Atom(NamedTuple):
     """An open interval, or a point, whose points visit the same pieces.
 
-    ``left`` and ``right`` are the limits of the iterate at its ends, None where these are infinite,
-    or twice the value at the point. A point is the preimage of a break along the first letters of
-    its word: ``cut`` holds the index of the break and the number of letters.
+    ``left`` and ``right`` are the limits of the iterate at its ends, None if infinite, or twice the
+    value at the point. ``cut`` of a point holds the index of a break and how many letters lead
+    there.
     """
 
     word: str
@@ -33,10 +33,7 @@ class Atom(NamedTuple):
 
 
 class Map(NamedTuple):
-    """Affine pieces, and which of them each break and each open interval between breaks belongs to.
-
-    Slopes, intercepts and breaks are numerators over one denominator.
-    """
+    """Affine pieces over one denominator, and to which each break and open interval belongs."""
 
     slots: str  # a letter for each interval and each break from left to right, in turn
     slopes: Mapping[str, Poly]
@@ -131,7 +128,6 @@ class CheckedIterate:
             self.atoms = list(self._refined())
 
     def _refined(self) -> Iterator[Atom]:
-        """The atoms of the next iterate."""
         size = 0
         for atom in self.atoms:
             for new in self._split(atom):
@@ -258,18 +254,15 @@ class CheckedIterate:
         return found
 
     def _keep(self, *quotients: Quotient | None) -> None:
-        """Pay for quotients that are kept."""
         self.work.keep(*(part for each in quotients if each is not None for part in each))
 
     def _at_point(self, low: Atom | None, atom: Atom, high: Atom | None) -> Fixed:
-        """A fixed point with an interval on either side.
-
-        It attracts if the iterate is continuous there, with slopes m and n on both sides such that
-        m < 1, n < 1 and m n < 1: a positive slope keeps its side, two negative ones take turns.
-        """
+        """A fixed point with an interval on either side."""
         assert low is not None
         assert high is not None
         owned = atom.word in (low.word, high.word)
+        # it attracts if the iterate is continuous and has slopes m, n with m < 1, n < 1, m n < 1:
+        # a positive slope keeps its side, two negative ones alternate
         stable = not self.side(atom, low.right) and not self.side(atom, high.left)
         slopes = (low.word, high.word, low.word + high.word)
         stable = stable and all(self.excess(word, -1) > 0 for word in slopes)

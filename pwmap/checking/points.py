@@ -14,10 +14,7 @@ from pwmap.checking.refusing import ROWS, STEP, digits, refuse
 
 
 class Point:
-    """All that ends at one edge and one x, and what kind of special point that is.
-
-    With n the least order of the fixed points there, only ends of that order count, but for notes.
-    """
+    """All that ends at one edge and one x; the ends of least order decide its kind."""
 
     def __init__(
         self, diagram: ClaimedDiagram, edge: int, ends: Sequence[ClaimedEnd], *, infinite: bool
@@ -104,7 +101,6 @@ class Point:
         return []
 
     def _study(self, end: ClaimedEnd) -> CheckedIterate:
-        """The iterate in the interval on which an end lies."""
         return self.diagram.study(2 * self.edge + end.side, self.order)
 
     def _is_steep(self, end: ClaimedEnd) -> bool:
@@ -135,12 +131,9 @@ class Point:
         return {"word": word, "side": end.side, "vanishing": vanishing_text, "simple": simple}
 
     def _signs(self) -> list[int] | None:
-        """Of a branch x and a jump of its iterate that end together: the signs of fold-or-not.
-
-        These are the side of the border on which the branch lies, 1 minus its slope, and the other
-        limit minus x. None if other branches end there too, or a sign is zero.
-        """
+        """The signs that decide between persistence and fold of a branch at a jump."""
         kinds = [end.is_fixed for end in self.beside]
+        # side of the border, 1 - slope, other limit - x; undefined if more ends there
         if sorted(kinds) != [False, True] or len(self.own) > 2:
             return None
         stretch = self.beside[kinds.index(True)].stretch
@@ -165,11 +158,7 @@ def is_special(ends: Sequence[ClaimedEnd]) -> bool:
 
 
 def verified_points(diagram: ClaimedDiagram, rows: Sequence[object]) -> list[str]:
-    """Verify the special points; texts that name them.
-
-    Every end of fixed points inside must be that of one of them; at each of them fixed points end,
-    or an interval of them that exists at the edge alone.
-    """
+    """Verify the special points; returns texts that name them."""
     inner = range(1, len(diagram.edges) - 1)
     left = {
         (i, end.name) for i in inner for end in diagram.ends(i) if end.is_fixed and not end.passes
@@ -184,6 +173,7 @@ def verified_points(diagram: ClaimedDiagram, rows: Sequence[object]) -> list[str
         x = side or number(at, diagram.work)
         diagram.work.spend(STEP * len(diagram.ends(i)))
         ends = [end for end in diagram.ends(i) if diagram.is_at(end, i, x)]
+        # every end of fixed points inside belongs to just one of the points
         fixed = {(i, end.name) for end in ends if end.is_fixed}
         where = f"{diagram.where(2 * i)} and x = {x.brief if isinstance(x, Number) else at}"
         if not is_special(ends) or fixed & listed_already:

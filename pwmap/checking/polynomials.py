@@ -1,8 +1,7 @@
 """Polynomials with integer coefficients, and the signs that they have at roots of others.
 
-All signs come from sequences of signed remainders: Sturm's theorem, and that of Tarski on the signs
-of one polynomial at the roots of another [BasuPollackRoy2006, Section 2.2]. Whatever multiplies
-says first what it takes.
+Signs come from signed remainder sequences: theorems of Sturm and Tarski [BasuPollackRoy2006,
+Section 2.2]. Each multiplication states its cost first.
 """
 
 from __future__ import annotations
@@ -221,10 +220,7 @@ def between(low: Number, high: Number) -> Fraction:
 
 
 class Place:
-    """Values of the parameter for which every polynomial that is asked has one sign.
-
-    One number, given twice, or all numbers between two.
-    """
+    """One value of the parameter, given twice, or an open interval; no asked sign changes in it."""
 
     def __init__(self, low: Number, high: Number, work: Effort) -> None:
         self.low, self.high = low, high

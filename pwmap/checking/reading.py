@@ -119,10 +119,7 @@ def pair(value: object) -> list[Any]:
 
 
 def number(value: object, work: Effort) -> Number:
-    """A rational number, or the only root of a polynomial in an open interval.
-
-    The polynomial must change its sign there, so that its sign tells on which side a number lies.
-    """
+    """A rational number, or the only root of a polynomial in an open interval."""
     if isinstance(value, str):
         x = rational(value)
         return Number((), x, x)
@@ -132,6 +129,7 @@ def number(value: object, work: Effort) -> Number:
     if unit != 1 or len(poly) < 2 or not low < high:
         refuse(f"an integer polynomial and an interval were expected, got {shown(value)}")
     signs = sign_near(work, poly, low) * sign_near(work, poly, high)
+    # with a change of sign the polynomial tells on which side a number lies
     if signs >= 0 or query(work, poly, (1,), low, high) != 1:
         what = f"{brief(text(poly, 't'))} does not change its sign at just one root"
         refuse(f"{what} between {brief(str(low))} and {brief(str(high))}")

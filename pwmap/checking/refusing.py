@@ -21,40 +21,15 @@ STEP = 1_000  # work of any step, whatever it computes with
 
 
 class Refused(ValueError):  # noqa: N818  it is no error of the program
-    """What a certificate says is not proved by it; one sentence says why.
-
-    Examples
-    --------
-    >>> import json, pathlib
-    >>> from pwmap import PiecewiseLinearMap, check_certificate, prove
-    >>> from pwmap.proofs import Refused
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
-    >>> path = pathlib.Path(prove(p1).save("certificate.json"))
-    >>> changed = path.write_text(path.read_text().replace("5/4", "3/4"))
-    >>> try:
-    ...     check_certificate(path)
-    ... except Refused as error:
-    ...     print(error)
-    the seal is not that of the content
-    """
+    """What a certificate says is not proved by it; one sentence says why."""
 
 
 class Effort:
-    """How much may still be done for one certificate.
-
-    Whatever computes says what it is going to take before it does, by the number and the length of
-    the integers; whatever is kept for later is paid for by its size. So neither time nor memory has
-    another bound, and every machine refuses the same files.
-
-    Attributes
-    ----------
-    left
-        Of the work that is allowed.
-    known
-        Results that are asked for again and again; they are kept as everything is.
-    """
+    """The work left for one certificate, and results that are asked for again (``known``)."""
 
     def __init__(self, work: int = WORK) -> None:
+        # counts of operations by the length of integers, kept results by their size: every machine
+        # refuses the same files, and neither time nor memory has another bound
         self.left = work
         self.known: dict[object, Any] = {}
 

@@ -142,11 +142,7 @@ def analyse(
 
 @dataclass
 class _Kept:
-    """The diagram up to the orders that are completed, and its files, both made as each is.
-
-    Of many orders that takes as long as the orders themselves, and who has pressed Ctrl-C would not
-    wait for it.
-    """
+    """The diagram up to the completed orders, and its files, made at once to be there at Ctrl-C."""
 
     about: dict[str, object]
     interrupts: list[bool] = field(default_factory=list)
@@ -154,7 +150,6 @@ class _Kept:
 
     @property
     def diagram(self) -> Diagram:
-        """The one that is kept."""
         assert self._now is not None
         return self._now[0]
 
@@ -167,7 +162,6 @@ class _Kept:
             self._now = diagram, results_as_bytes(replace(diagram, about=about))
 
     def write(self, folder: Path) -> list[str]:
-        """Write these files, and name them."""
         from pwmap.diagrams.files import write_whole
 
         assert self._now is not None

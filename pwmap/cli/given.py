@@ -11,10 +11,7 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 
 def in_a_part_only(map_: PiecewiseLinearMap, diagram: Diagram) -> str:
-    """That a diagram holds in a part of what was assumed, and how to get the rest; else nothing.
-
-    What was found says in ``given`` where it holds, and in ``sample`` where it was decided.
-    """
+    """A sentence if a diagram holds for a part of the assumptions only, and how to get the rest."""
     assumed = [each for each in map_.given if not _varies(each, diagram)]
     named = {str(symbol): symbol for symbol in map_.parameters if str(symbol) in diagram.sample}
     held = [each for each in diagram.given if _is_condition(each)]

@@ -27,10 +27,9 @@ HIGHEST = 5  # order up to which crises are looked for
 
 
 class LongRun:
-    """Attractors and entropy over a parameter, and densities at values of it.
+    """Attractors and entropy over a map's only parameter, and densities at values of it.
 
-    The map has that parameter alone; the span, two rationals, is needed for more than densities.
-    Each Ctrl-C is added to the interrupts, and after one nothing more is begun.
+    The span, two rationals, is needed for the first two. After a Ctrl-C nothing more is begun.
     """
 
     def __init__(
@@ -45,11 +44,7 @@ class LongRun:
         self.left_out = list[str]()  # sentences on what is not known
 
     def ask(self, *, attractors: bool, entropy: bool, density: tuple[str, ...], order: int) -> None:
-        """Ask one question after the other, until Ctrl-C; what is finished of each is kept.
-
-        ValueError if something is asked for over a parameter without a span, or there is no
-        density.
-        """
+        """Ask one question after the other, until Ctrl-C; ValueError without a span or density."""
         map_, name, span = self._map, self._parameter, self._span
         if span is None and (attractors or entropy):
             raise ValueError("--attractors and --entropy need an interval of the parameter: --span")
@@ -207,7 +202,6 @@ def _entropy(seen: Dynamics) -> str:
 
 
 def _exponent(seen: Dynamics, number: int) -> str:
-    """The Lyapunov exponent of one attractor as text."""
     attractor = seen.attractors[number]
     if attractor.exponent is not None:
         return str(attractor.exponent)

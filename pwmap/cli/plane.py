@@ -123,10 +123,7 @@ def _computed(
     budget: Budget,
     interrupts: list[bool],
 ) -> tuple[ParameterPlane, PlaneRaster | None]:
-    """The plane, with curves of crises if asked for, and what attracts on a raster.
-
-    After Ctrl-C nothing else is begun.
-    """
+    """The plane, with curves of crises if asked for, and a raster of attractors; until Ctrl-C."""
     from pwmap import parameter_plane
     from pwmap.plane import plane_raster, with_crises
     from pwmap.plane.crisiscurves import SEARCH
@@ -141,7 +138,6 @@ def _computed(
 
 
 def _write(found: ParameterPlane, folder: Path) -> None:
-    """Both tables, in a folder that is made if missing."""
     from pwmap.diagrams.files import write_table
     from pwmap.plane.tables import curve_columns, point_columns
 
@@ -154,7 +150,6 @@ def _write(found: ParameterPlane, folder: Path) -> None:
 def _draw(
     found: ParameterPlane, seen: PlaneRaster | None, colours: Colours | None, path: Path
 ) -> None:
-    """The picture."""
     from pwmap.diagrams.files import write_figure
     from pwmap.plot.plane import plot_plane
 

@@ -21,11 +21,7 @@ def map_of(
 ) -> PiecewiseLinearMap:
     """A map given as text, with some of its parameters at values.
 
-    Raises
-    ------
-    ValueError
-        If the text cannot be read as a formula, with the way in which one is written; or if it is
-        no map, or has no such parameter.
+    ValueError if the text is no formula, with how one is written, no map, or lacks a parameter.
     """
     from pwmap import PiecewiseLinearMap
     from pwmap.algebra.parsing import term_of
@@ -61,10 +57,7 @@ def exact_span(span: tuple[str, str] | None) -> tuple[str, str] | None:
 
 
 def assignments(texts: Iterable[str], option: str = "--set") -> dict[str, str]:
-    """Values of parameters from texts such as a=5/4 or a=1.25, which are the same.
-
-    ValueError if a text is none.
-    """
+    """Values of parameters from texts such as a=5/4 or a=1.25; ValueError if a text is none."""
     found = dict[str, str]()
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))

@@ -1,8 +1,7 @@
 """What the commands of both packages print: tables and sentences for people, or for a program.
 
-On a terminal a table has its width; in a pipe no line is broken. Where ``--format`` asks for tables
-as CSV or JSON, these alone go to stdout and all sentences to stderr. Text is shown as it is,
-brackets and all.
+With ``--format`` csv or json tables alone go to stdout, and sentences to stderr. In a pipe no line
+is broken.
 """
 
 from __future__ import annotations
@@ -61,10 +60,7 @@ _tables: ContextVar[Format | None] = ContextVar("_tables", default=None)
 
 
 def picture_format(asked: Iterable[Format] | None) -> PictureFormat:
-    """The format of pictures; that of tables is kept for :func:`show`.
-
-    ValueError if there are two formats of pictures, or two of tables.
-    """
+    """The format of pictures; that of tables is kept. ValueError if there are two of either."""
     listed = [*dict.fromkeys(asked or ())]
     tables = [each for each in listed if each in TABLES]
     pictures = [each for each in listed if each not in TABLES]
@@ -79,19 +75,12 @@ def picture_format(asked: Iterable[Format] | None) -> PictureFormat:
 
 
 def screen(*, stderr: bool = False, width: int | None = None) -> Console:
-    """A console that takes ``[b]`` in a path, or ``[a, b]`` in a table, for what it is.
-
-    By default it is as wide as the terminal.
-    """
+    """A console, by default as wide as the terminal, that shows brackets as they are."""
     return Console(stderr=stderr, width=width, markup=False, emoji=False)
 
 
 def show(*tables: Table) -> None:
-    """Tables on stdout, each in the format that was asked for.
-
-    A program gets their cells as text. In CSV there is an empty line between two tables, and no
-    title.
-    """
+    """Tables on stdout, each in the format that was asked for, with cells as text for programs."""
     console = screen()
     form = _tables.get()
     for number, table in enumerate(tables):
@@ -170,11 +159,7 @@ def in_words(error: Exception) -> str:
 
 
 def tell_replaced(folder: Path, command: str, *files: str, kept: Sequence[str] = ()) -> None:
-    """Say which files of an earlier run a command is about to replace, before it begins.
-
-    The record of the command says what it wrote; it writes further files in any case, and goes on
-    with those that are kept.
-    """
+    """Say which files, of its record and others not kept, a command will replace, in advance."""
     from pwmap.diagrams.record import earlier_files
 
     named = dict.fromkeys((*earlier_files(folder, command), *files))

@@ -1,7 +1,4 @@
-"""Diagrams as data, with their queries, graphs, tables and files.
-
-A name is loaded with what it needs when it is first used.
-"""
+"""Diagrams as data, with their queries, graphs, tables and files; names are loaded when used."""
 
 import lazy_loader
 

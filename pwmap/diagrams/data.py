@@ -1,9 +1,4 @@
-"""Branches and special points: what the diagrams of both packages are made of.
-
-A branch is a curve over the parameter: fixed points of an iterate P_j, or a jump of P_j
-whose one-sided limits lie strictly on opposite sides of the diagonal. A special point ends
-branches.
-"""
+"""Branches and special points, of which the diagrams of both packages are made."""
 
 from __future__ import annotations
 
@@ -24,18 +19,7 @@ BoolArray = npt.NDArray[np.bool_]
 
 
 class BranchKind(StrEnum):
-    """What a branch is a curve of.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, BranchKind, bifurcation_diagram
-    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
-    >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
-    >>> [branch.id for branch in diagram.branches if branch.kind is BranchKind.FIXED_POINT]
-    ['F1', 'F2']
-    >>> print(BranchKind.JUMP)
-    jump
-    """
+    """What a branch is a curve of."""
 
     FIXED_POINT = "fixed-point"
     JUMP = "jump"
@@ -60,18 +44,7 @@ class Coded(StrEnum):
 
 
 class PointKind(Coded):
-    """What ends or marks branches; the value is the code used in tables and graphs.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, PointKind, bifurcation_diagram
-    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
-    >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
-    >>> [point.parameter for point in diagram.points if point.kind is PointKind.BC]
-    [0.0, 1.0]
-    >>> print(PointKind.FF, PointKind.FF.label)
-    FF border-collision fold-flip
-    """
+    """What ends or marks branches; the value is the code used in tables and graphs."""
 
     LP = "LP", "fold: multiplier +1"
     PD = "PD", "flip: multiplier -1"
@@ -87,14 +60,7 @@ class PointKind(Coded):
 
 
 class PointStatus(Coded):
-    """How well the place of a special point is known.
-
-    Examples
-    --------
-    >>> from pwmap import PointStatus
-    >>> [(status.name, status.value) for status in PointStatus]
-    [('LOCATED', 'located'), ('OPEN', 'open')]
-    """
+    """How well the place of a special point is known."""
 
     LOCATED = "located", "it solves the equations of what it is, as closely as its precision says"
     OPEN = "open", "a branch was given up here: how it goes on is not known"
@@ -110,26 +76,11 @@ def _locked(values: Sequence[float] | FloatArray, dtype: type) -> npt.NDArray[np
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A part of a branch along which the word does not change.
+    """A part of a branch with one word, from the sample ``first`` to the next; see :class:`Branch`.
 
-    Attributes
-    ----------
-    first
-        Its first sample; it ends where the next stretch begins.
-    cause
-        A sentence on what happens where it begins; empty at the start of a branch.
-    exact
-        Exact sympy expressions by name, e.g. ``{"x": r/(a + 1)}``; empty for the toy.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
-    >>> p1 = PiecewiseLinearMap.from_sympy(
-    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
-    ... )
-    >>> diagram = bifurcation_diagram(p1.at({"a": "5/4"}), "r", (-1, 12), orders=(4,))
-    >>> [stretch.word for stretch in diagram.branch("J1").words]
-    ['RRRR|RRRL']
+    ``cause`` is a sentence on what happens where it begins, empty at the start of a branch;
+    ``exact`` holds sympy expressions by name, such as ``{"x": r/(a + 1)}``, and is empty for the
+    toy.
     """
 
     first: int
@@ -145,12 +96,13 @@ class Branch:
     Parameters
     ----------
     id
-        Name of the branch, unique in its diagram, without ``:``.
+        Unique in its diagram, without ``:``.
     kind
-        Fixed points of P_order, a jump of P_order that crosses the diagonal, or a band of a chaotic
-        attractor that P_order maps to itself; then x is its middle.
+        Fixed points of P_order; a jump of P_order whose one-sided limits lie strictly on opposite
+        sides of the diagonal; or a band of a chaotic attractor that P_order maps to itself, with
+        its middle as x.
     order
-        The iterate j >= 1 the branch belongs to.
+        The iterate, at least 1.
     word
         Sequence of events (toy) or of visited pieces (piecewise-linear map) at its first sample.
     parameter, x, multiplier
@@ -158,10 +110,10 @@ class Branch:
     ends
         Ids of the special points at the first and the last sample.
     exact
-        Exact sympy expressions by name, of its first stretch as ``word`` is; empty for the toy.
+        Exact sympy expressions by name, of its first stretch; empty for the toy.
     attracts
-        Whether its fixed points attract, where the multiplier does not say: a point that stays at
-        the border of two pieces has another slope on the other side. None if the multiplier does.
+        Whether its fixed points attract where the multiplier does not say, at the border of two
+        pieces of different slopes; else None.
     words
         Its stretches in order, by default one; the first has ``word`` and ``exact``.
     columns
@@ -170,12 +122,10 @@ class Branch:
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
-    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
-    >>> branch = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)).branch("J1")
-    >>> branch.word, branch.ends, branch.x.tolist()
-    ('L|R', ('BC1', 'BC2'), [0.0, 0.0])
-    >>> branch.exact["interval"]
-    Interval.open(0, 1)
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
+    >>> branch = bifurcation_diagram(p1, "r", (-1, 12), orders=(2,)).branch("J1")
+    >>> branch.word, branch.ends, branch.exact["interval"]
+    ('RR|RL', ('FF1', 'BC3'), Interval.open(0, 10))
     """
 
     id: str
@@ -231,45 +181,13 @@ class Branch:
         return self.words[1:]
 
     def stretch_at(self, sample: int) -> Stretch:
-        """The stretch that a sample belongs to.
-
-        Parameters
-        ----------
-        sample
-            Which sample, from 0 on.
-
-        Returns
-        -------
-        Stretch
-            The last one that begins there or before.
-
-        Raises
-        ------
-        IndexError
-            If there is no such sample.
-        """
+        """The stretch of a sample, counted from 0; IndexError if there is no such sample."""
         if not 0 <= sample < len(self):
             raise IndexError(f"sample must lie in [0, {len(self) - 1}], got {sample}")
         return self.words[bisect_right(self.words, sample, key=lambda s: s.first) - 1]
 
     def word_at(self, sample: int) -> str:
-        """The word of a sample.
-
-        Parameters
-        ----------
-        sample
-            Which sample, from 0 on.
-
-        Returns
-        -------
-        str
-            That of the stretch that holds the sample.
-
-        Raises
-        ------
-        IndexError
-            If there is no such sample.
-        """
+        """The word of the stretch of a sample, counted from 0; IndexError if there is none."""
         return self.stretch_at(sample).word
 
     @property
@@ -280,18 +198,10 @@ class Branch:
         return np.asarray(np.abs(self.multiplier) < 1.0)
 
     def to_dataframe(self) -> DataFrame:
-        """The samples of the branch, one in each row.
+        """The samples as rows of a pandas DataFrame; ImportError if pandas is not installed.
 
-        Returns
-        -------
-        pandas.DataFrame
-            With the columns ``branch``, ``kind``, ``order``, ``word``, ``parameter``, ``x``,
-            ``multiplier``, ``stable`` and those of :attr:`columns`.
-
-        Raises
-        ------
-        ImportError
-            If pandas is not installed.
+        Its columns are ``branch``, ``kind``, ``order``, ``word``, ``parameter``, ``x``,
+        ``multiplier``, ``stable`` and those of :attr:`columns`.
         """
         return dataframe(columns_of(self, "parameter", "x"))
 
@@ -299,7 +209,6 @@ class Branch:
         return int(self.parameter.size)
 
     def __repr__(self) -> str:
-        """What it is, where, between which points; the word of its first sample."""
         stable = "" if self.kind is BranchKind.JUMP else f"stable: {share_stable(self)}, "
         return (
             f"Branch({self.id}: {self.kind} of order {self.order}, {counted(len(self), 'sample')}, "
@@ -319,12 +228,12 @@ class Branch:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SpecialPoint:
-    """A point of the (parameter, x) plane where branches end or meet.
+    """A point of the (parameter, x) plane where branches end or meet; see :class:`Diagram`.
 
     Parameters
     ----------
     id
-        Name of the point, unique in its diagram, without ``:``.
+        Unique in its diagram, without ``:``.
     branches
         Ids of the branches that end here.
     order
@@ -334,32 +243,21 @@ class SpecialPoint:
     exact
         Exact sympy expressions by name; empty for the toy.
     cause
-        A sentence on what happens there; empty if the code says it all.
+        A sentence on what happens there; empty if code and note say it all.
     interval
-        Interval of the parameter that holds it. None if it is open, or where ``exact`` says the
-        parameter.
+        Of the parameter, around the point. None if it is open, or ``exact`` has the parameter.
     precision
         How well the parameter is located: 0 if it is exact, infinite if it is open.
     status
         Whether it was located.
     name
-        What it is called, such as A; see :meth:`Diagram.named`.
+        Such as A; see :meth:`Diagram.named`.
 
     Raises
     ------
     ValueError
         If the id is no text without ``:``, kind or status is unknown, the precision is negative, or
         the interval does not hold the parameter.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
-    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
-    >>> point = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)).point("BC2")
-    >>> point.kind.label, point.note, point.parameter, point.x
-    ('border collision', 'persistence', 1.0, 0.0)
-    >>> point.branches
-    ('J1', 'F2')
     """
 
     id: str
@@ -393,22 +291,9 @@ class SpecialPoint:
 
 
 class Hit(NamedTuple):
-    """Where a branch is at one value of the parameter.
+    """Where :meth:`Diagram.at` meets a branch; the multiplier of a jump is nan.
 
-    Attributes
-    ----------
-    x, multiplier
-        As floats; the multiplier of a jump is nan.
-    exact
-        By name as in :attr:`Stretch.exact`, without ``interval``; empty for the toy.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
-    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
-    >>> hit, = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)).at("-1/2")
-    >>> hit.branch.id, hit.x, hit.multiplier, hit.exact["x"]
-    ('F1', -1.0, 0.5, -1)
+    ``exact`` has the entries of :attr:`Stretch.exact` without ``interval``.
     """
 
     branch: Branch
@@ -418,16 +303,7 @@ class Hit(NamedTuple):
 
 
 class StableInterval(NamedTuple):
-    """An interval of the parameter in which a branch attracts, up to its samples.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
-    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
-    >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
-    >>> [(each.branch.id, each.low, each.high) for each in diagram.stable_intervals()]
-    [('F1', -1.0, 0.0), ('F2', 1.0, 2.0)]
-    """
+    """A part of :meth:`Diagram.stable_intervals`: where a branch attracts, between its samples."""
 
     branch: Branch
     low: float

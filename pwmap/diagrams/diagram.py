@@ -1,7 +1,4 @@
-"""Branches and special points over one parameter: the diagram of any map of the line.
-
-Both packages share it, and its export (:mod:`pwmap.diagrams.graph`).
-"""
+"""The diagram of any map of the line over one parameter, for both packages."""
 
 from __future__ import annotations
 
@@ -44,23 +41,22 @@ class Diagram:
     sample
         Values of these parameters by name, at which the floats were taken.
     about
-        What made the diagram: the program with its version and, for the toy, its parameters, law of
-        impact and the settings that are not the default. Values that JSON can say, by name.
+        What made the diagram, as values for JSON by name: the program with its version and, for the
+        toy, its parameters, law of impact and changed settings.
 
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
     >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
     >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
-    >>> [(point.id, point.note) for point in diagram.points]
-    [('EP1', 'end of the span'), ('BC1', 'persistence'), ('BC2', 'persistence'), ('EP2', 'end of the
-    span')]
+    >>> [(point.id, point.note, point.parameter, point.x) for point in diagram.points[1:3]]
+    [('BC1', 'persistence', 0.0, 0.0), ('BC2', 'persistence', 1.0, 0.0)]
     >>> diagram.sides("BC1")  # branches on the left and on the right
     (('F1',), ('J1',))
-    >>> [(hit.branch.id, hit.x) for hit in diagram.at("1/2")]
-    [('J1', 0.0)]
-    >>> diagram.graph().number_of_edges()
-    3
+    >>> [(hit.branch.id, hit.x, hit.exact["x"]) for hit in diagram.at("-1/2")]
+    [('F1', -1.0, -1)]
+    >>> [(each.branch.id, each.low, each.high) for each in diagram.stable_intervals()]
+    [('F1', -1.0, 0.0), ('F2', 1.0, 2.0)]
     """
 
     parameter_name: str
@@ -95,52 +91,19 @@ class Diagram:
         return self.parameter_name, self.x_name
 
     def __repr__(self) -> str:
-        """A few lines: over which parameter, how many branches of each order, which points."""
         return presentation.summary(self._names, self.branches, self.points)
 
     def _repr_html_(self) -> str:
         return presentation.html(self._names, self.branches, self.points)
 
     def branch(self, branch_id: str) -> Branch:
-        """Look a branch up.
-
-        Parameters
-        ----------
-        branch_id
-            Its id, such as ``F1``.
-
-        Returns
-        -------
-        Branch
-            It.
-
-        Raises
-        ------
-        KeyError
-            If there is none.
-        """
+        """The branch with an id, such as ``F1``; KeyError if there is none."""
         if branch_id not in self._branch:
             raise KeyError(f"no branch {branch_id!r} in this diagram")
         return self._branch[branch_id]
 
     def point(self, point_id: str) -> SpecialPoint:
-        """Look a special point up.
-
-        Parameters
-        ----------
-        point_id
-            Its id or its name, such as ``BC1`` or ``A``.
-
-        Returns
-        -------
-        SpecialPoint
-            It.
-
-        Raises
-        ------
-        KeyError
-            If there is none.
-        """
+        """The special point of an id or a name, such as ``BC1`` or ``A``; KeyError if none."""
         if point_id in self._point:
             return self._point[point_id]
         for point in self.points:
@@ -156,21 +119,21 @@ class Diagram:
         Parameters
         ----------
         places
-            For each name the id of a point, such as ``PD1``, or a parameter and an x. A border
-            collision so near gets the name: of those of the lowest order, the nearest.
+            For each name the id of a point, such as ``PD1``, or a parameter and an x: then the
+            nearest border collision of the lowest order gets the name.
         within
-            Largest distance in either, as a part of what the diagram extends over. A name is left
-            out if no border collision lies so close to its place.
+            Largest distance of it in either coordinate, as a part of what the diagram extends over;
+            names without one so near are left out.
 
         Returns
         -------
         Diagram
-            A copy; points that were named before and are not named now keep their names.
+            A copy; names of other points stay.
 
         Raises
         ------
         ValueError
-            If a name is that of another point's id, or two names fall on one point.
+            If a name is another point's id, or two names fall on one point.
         KeyError
             If there is no point of an id.
         """
@@ -192,25 +155,10 @@ class Diagram:
         return replace(self, points=points)
 
     def sides(self, point_id: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Ids of the branches that meet at a point, at smaller and at larger parameters.
+        """Ids of the branches at a point, at smaller and at larger parameters.
 
         A branch along one value of the parameter is in neither; one that starts and ends at the
-        point comes once for each end.
-
-        Parameters
-        ----------
-        point_id
-            Its id or its name.
-
-        Returns
-        -------
-        tuple of two tuples of str
-            Ids at smaller parameters, and at larger ones.
-
-        Raises
-        ------
-        KeyError
-            If there is no such point.
+        point comes twice. KeyError if there is no point of this id or name.
         """
         point = self.point(point_id)
         return queries.sides_of(point, self._incident[point.id])
@@ -218,25 +166,23 @@ class Diagram:
     def at(self, parameter: object) -> tuple[Hit, ...]:
         """What the diagram shows at one value of the parameter, in order of x.
 
-        In an exact diagram all values are exact, also at and between the ends of branches: a branch
-        is met where the ``interval`` of one of its stretches holds the parameter. One that lies
-        along this value, a band of fixed points, is met at both of its ends, whether or not these
-        belong to it. Where other parameters are symbolic, it is met and sorted as at
-        :attr:`sample`, where the floats are taken too, and the exact values are formulas in them.
+        In an exact diagram all values are exact: a branch is met where the ``interval`` of one of
+        its stretches holds the parameter, and a band of fixed points along this value at both ends.
+        Where other parameters are symbolic, branches are met and sorted as at :attr:`sample`.
 
-        Otherwise values lie on the straight line between neighbouring samples of a branch; a branch
-        that turns round is met more than once.
+        Otherwise values lie on the straight line between neighbouring samples; a branch that turns
+        round is met more than once.
 
         Parameters
         ----------
         parameter
-            A number. For an exact diagram an int, a Fraction, text such as ``"5/4"``, a rational or
-            algebraic number of sympy, or a float, which is taken as the binary number it holds.
+            A number; for an exact diagram an int, a Fraction, text such as ``"5/4"``, a rational or
+            algebraic number of sympy, or a float, taken as the binary number it holds.
 
         Returns
         -------
         tuple of Hit
-            In order of x; empty where there is nothing.
+            Empty where there is nothing.
 
         Raises
         ------
@@ -246,48 +192,21 @@ class Diagram:
         return queries.hits(self.branches, self.parameter_name, parameter, self.sample)
 
     def component_of(self, point_id: str) -> Diagram:
-        """All that is connected with a special point.
-
-        Parameters
-        ----------
-        point_id
-            Its id or its name.
-
-        Returns
-        -------
-        Diagram
-            With the branches and points from which there is a way to it.
-
-        Raises
-        ------
-        KeyError
-            If there is no such point.
-        """
+        """The branches and points connected with a point (id or name); KeyError if it is none."""
         near = nx.node_connected_component(self.graph(), self.point(point_id).id)
         return self._part([branch for branch in self.branches if branch.ends[0] in near])
 
     def of_order(self, order: int) -> Diagram:
-        """The branches of one iterate, and the points they end in.
-
-        Parameters
-        ----------
-        order
-            Which iterate: 2 for P_2.
-
-        Returns
-        -------
-        Diagram
-            Empty if none is of that order.
-        """
+        """The branches of one iterate, and the points they end in."""
         return self._part([branch for branch in self.branches if branch.order == order])
 
     def within(self, low: float, high: float) -> Diagram:
-        """The branches that exist somewhere in an interval of the parameter, and their ends.
+        """The branches that exist somewhere in a closed interval of the parameter, and their ends.
 
         Parameters
         ----------
         low, high
-            Ends of the interval, both of which belong to it.
+            Ends of the interval.
 
         Returns
         -------
@@ -340,110 +259,51 @@ class Diagram:
             raise KeyError(f"no branch and no special point {name!r} in this diagram") from None
 
     def with_word(self, word: str) -> tuple[Branch, ...]:
-        """Branches that have a word, at least along one of their stretches.
-
-        Parameters
-        ----------
-        word
-            The whole word.
-
-        Returns
-        -------
-        tuple of Branch
-            In the order of :attr:`branches`.
-        """
+        """Branches that have a word along at least one of their stretches."""
         return tuple(b for b in self.branches if any(s.word == word for s in b.words))
 
     def stable_intervals(self, order: int | None = None) -> tuple[StableInterval, ...]:
-        """Intervals of the parameter in which fixed points attract, by branch.
-
-        Parameters
-        ----------
-        order
-            Only fixed points of this iterate; by default of all.
-
-        Returns
-        -------
-        tuple of StableInterval
-            With the branch, and both ends of the parameter.
-        """
+        """Intervals of the parameter in which fixed points, by default of all orders, attract."""
         return tuple(queries.stable_intervals(self.branches, order))
 
     def save(self, path: str | Path) -> Path:
-        """Write all that the diagram holds as a file that :func:`pwmap.load_diagram` reads.
+        """Write the diagram as JSON that :func:`pwmap.load_diagram` reads; returns the path.
 
-        The file is JSON: numbers are kept to the last bit, exact values as formulas, see
-        :mod:`pwmap.diagrams.encoding`. It is written beside its final place and then renamed.
-
-        Parameters
-        ----------
-        path
-            The file, usually ``.json``; a name that ends with ``.gz`` is compressed, to a third or
-            less. Its folder must exist.
-
-        Returns
-        -------
-        pathlib.Path
-            Where it was written.
-
-        Raises
-        ------
-        FileNotFoundError
-            If the folder does not exist.
-        TypeError
-            If an exact value is no algebraic formula.
+        Numbers are kept to the last bit, exact values as formulas (:mod:`pwmap.diagrams.encoding`).
+        A name that ends with ``.gz`` is compressed. The file is written whole or not at all.
+        FileNotFoundError if its folder does not exist; TypeError if an exact value is no algebraic
+        formula.
         """
         path = Path(path)
         write_record(path, self, NAME, VERSION)
         return path
 
     def to_dataframe(self) -> DataFrame:
-        """The samples of all branches, one in each row, in the order of :attr:`branches`.
+        """The samples of all branches as rows of a pandas DataFrame; ImportError without pandas.
 
-        Returns
-        -------
-        pandas.DataFrame
-            As :meth:`Branch.to_dataframe` says, but the columns of the parameter and of x have
-            their names, such as ``eps_n1`` and ``phi_s``. What was not observed on a branch is nan.
-
-        Raises
-        ------
-        ImportError
-            If pandas is not installed.
+        Its columns are those of :meth:`Branch.to_dataframe`, the parameter and x by their names,
+        such as ``eps_n1`` and ``phi_s``. What was not observed on a branch is nan.
         """
         tables = [columns_of(branch, *self._names) for branch in self.branches]
         first = ("branch", "kind", "order", "word", self.parameter_name, self.x_name)
         return dataframe(joined(tables, (*first, "multiplier", "stable")))
 
     def points_to_dataframe(self) -> DataFrame:
-        """The special points, one in each row.
+        """The special points as rows of a pandas DataFrame; ImportError without pandas.
 
-        Returns
-        -------
-        pandas.DataFrame
-            With the columns ``point`` (its id), ``name``, ``kind``, those of the parameter and of x
-            by their names, ``order``, ``note``, ``cause``, ``status``, ``precision``,
-            ``interval_min`` and ``interval_max`` (nan where there is no interval), ``branches``
-            (ids with blanks between), and exact values as expressions of sympy: ``x_exact`` and
-            so on, None where a point has no such value.
-
-        Raises
-        ------
-        ImportError
-            If pandas is not installed.
+        Its columns are ``point`` (the id), ``name``, ``kind``, the parameter and x by their names,
+        ``order``, ``note``, ``cause``, ``status``, ``precision``, ``interval_min`` and
+        ``interval_max`` (nan where there is no interval), ``branches`` (ids with blanks between),
+        and exact values of sympy such as ``x_exact``, None where a point has none.
         """
         return dataframe(presentation.columns_of_points(self._names, self.points))
 
     def graph(self) -> nx.MultiGraph:
-        """How the branches are connected.
+        """How the branches are connected: special points are nodes, branches edges keyed by id.
 
-        Returns
-        -------
-        networkx.MultiGraph
-            Nodes are special points, edges are branches keyed by their id. All numeric
-            attributes are floats, all others text, so that every export format keeps them. Of the
-            graph these are ``parameter``, ``x``, ``given`` and the parts of ``about``, JSON where
-            they are no numbers or texts.
+        Numeric attributes are floats, all others text, as every export format keeps them. Those of
+        the graph are ``parameter``, ``x``, ``given`` and the parts of ``about``, as JSON if need
+        be.
         """
         given = {"given": ", ".join(self.given)} if self.given else {}
         names = {"parameter": self.parameter_name, "x": self.x_name}
@@ -462,8 +322,7 @@ def load_diagram(path: str | Path) -> Diagram:
     Returns
     -------
     Diagram
-        With the same branches and points as the one that was saved, to the last bit, and the same
-        exact formulas.
+        Equal to the one that was saved, to the last bit, with the same exact formulas.
 
     Raises
     ------

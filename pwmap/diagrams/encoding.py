@@ -1,10 +1,9 @@
-"""Frozen records as plain data of JSON, and back, as their types say.
+"""Frozen records (dataclasses and NamedTuples) as plain data of JSON, and back by their types.
 
-A record is a dataclass or a NamedTuple whose fields are numbers, text, bytes, enums, arrays of
-floats, formulas of sympy, other records, and tuples, sets or mappings of these. JSON writes a float
-as the shortest text that reads back as the same double; nan and the infinities, which it lacks, are
-the texts ``"nan"``, ``"inf"`` and ``"-inf"`` in an array, and objects such as
-``{"$numberDouble": "inf"}`` elsewhere. Lists in a field of type ``Hashable`` are read as tuples.
+Fields hold numbers, text, bytes, enums, arrays of floats, sympy formulas, records, and tuples, sets
+or mappings of these. Floats are the shortest text that reads back the same; nan and infinities are
+``"nan"``, ``"inf"``, ``"-inf"`` in arrays, elsewhere ``{"$numberDouble": "inf"}``. Lists in a field
+of type ``Hashable`` are read as tuples.
 """
 
 from __future__ import annotations
@@ -30,10 +29,7 @@ BYTES, SET = "$bytes", "$set"  # likewise
 
 
 def to_plain(value: Any) -> Any:
-    """A record, or a value that it holds, as dictionaries, lists, text, numbers, booleans and None.
-
-    TypeError if it holds what a record may not hold.
-    """
+    """A record, or a value in it, as data of JSON; TypeError if it holds anything else."""
     kind: Any = type(value)
     if _is_record(kind):
         return {name: to_plain(getattr(value, name)) for name in _fields(kind)}
@@ -62,10 +58,7 @@ def to_plain(value: Any) -> Any:
 
 
 def from_plain(data: Any, kind: Any) -> Any:
-    """A value of some type from :func:`to_plain`; a field that is missing has its default.
-
-    ValueError, TypeError, LookupError if the data are not those of such a value.
-    """
+    """A value from :func:`to_plain`, or ValueError, TypeError, LookupError; defaults if missing."""
     if _is_record(kind):
         return _record(data, kind)
     origin, inner = get_origin(kind), get_args(kind)
@@ -122,7 +115,6 @@ def _record(data: Any, kind: Any) -> Any:
 
 @lru_cache
 def _fields(kind: Any) -> dict[str, Any]:
-    """Fields that a record is made of, with their types."""
     hints = get_type_hints(kind)
     if not dataclasses.is_dataclass(kind):
         return hints

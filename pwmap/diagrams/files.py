@@ -14,12 +14,9 @@ from typing import Any
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write a file beside its final place and rename it.
+    """Write a file beside its final place and rename it: never half a file.
 
-    An interrupted write leaves an older file as it was.
-
-    FileNotFoundError if the folder does not exist; IsADirectoryError if there is a folder of this
-    name.
+    FileNotFoundError without the folder; IsADirectoryError if a folder has this name.
     """
     if not path.parent.is_dir():
         raise FileNotFoundError(f"cannot write {path.name}: there is no folder {path.parent}")
@@ -70,13 +67,10 @@ def in_format(names: Iterable[str], form: PictureFormat) -> tuple[str, ...]:
 
 
 def write_figure(path: Path, figure: Any) -> None:
-    """Write a matplotlib figure in the format of the suffix, and close it.
-
-    Letters in a PDF are fonts, as journals ask for. No file holds a date, so that the same picture
-    is the same file.
-    """
+    """Write a matplotlib figure in the format of the suffix, and close it."""
     data, form = io.BytesIO(), path.suffix[1:]
     with sys.modules["matplotlib"].rc_context({"pdf.fonttype": 42, "svg.hashsalt": "woodpecker"}):
+        # fonts as journals ask for, and no date: the same picture is the same file
         figure.savefig(data, dpi=200, format=form, metadata=_UNDATED.get(form))
     write_whole(path, data.getvalue())
     if "matplotlib.pyplot" in sys.modules:  # it keeps every figure until it is told

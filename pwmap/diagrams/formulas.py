@@ -1,10 +1,9 @@
 """Exact numbers, formulas and sets of sympy as plain data of JSON, and back, without ``eval``.
 
-A rational number is text such as ``"5/4"``, so is an infinity; everything else is a list that
-begins with the name of what it is: ``["Symbol", "r"]``, ``["Add", ["Symbol", "r"], "-2"]``,
-``["CRootOf", ["1", "0", "-2"], ["Symbol", "t"], 1]`` with the coefficients of a polynomial, and
-``["RealRootOf", polynomial, ["Symbol", "b"], 0]`` where it has another symbol, too. What
-is read has the same tree as what was written: nothing is evaluated, sorted or expanded.
+A rational or an infinity is text such as ``"5/4"``; all else is a list that begins with a name:
+``["Add", ["Symbol", "r"], "-2"]``, ``["CRootOf", ["1", "0", "-2"], ["Symbol", "t"], 1]`` with
+coefficients, or ``["RealRootOf", polynomial, ["Symbol", "b"], 0]``. The tree that is read is the
+one that was written: nothing is evaluated, sorted or expanded.
 """
 
 from __future__ import annotations
@@ -24,10 +23,7 @@ SETS = {"FiniteSet": sympy.FiniteSet, "Union": sympy.Union}
 
 
 def to_plain(value: sympy.Basic) -> Any:
-    """A number, formula or set as nested lists and text.
-
-    TypeError if it has a part of a kind that no exact diagram has.
-    """
+    """A number, formula or set as nested lists and text; TypeError for any other kind."""
     match value:
         case sympy.Rational():
             top, bottom = _text(int(value.p)), _text(int(value.q))
@@ -55,11 +51,7 @@ def to_plain(value: sympy.Basic) -> Any:
 
 @lru_cache(maxsize=65536, typed=True)
 def text_of(value: object) -> str:
-    """An exact value as people read it.
-
-    It is remembered, for the files of a diagram hold each several times, and so do those of the
-    same diagram with an order more: to write a long formula takes a millisecond.
-    """
+    """An exact value as people read it; remembered, for a diagram's files write it repeatedly."""
     return str(value)
 
 
@@ -98,10 +90,7 @@ def from_plain(data: Any) -> Any:
 
 
 def cost(data: Any) -> float:
-    """What it costs to read a formula, in units of which some 6 million take a second.
-
-    That are its roots of polynomials: they are factored, and their roots are told apart.
-    """
+    """The cost of reading a formula, 6 million a second: that of factoring its polynomials."""
     total, todo = 0.0, [data]
     while todo:
         part = todo.pop()

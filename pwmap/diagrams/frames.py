@@ -29,10 +29,7 @@ def _values(column: Column) -> Column:
 
 
 def joined(tables: Sequence[Mapping[str, Column]], names: Iterable[str]) -> dict[str, Column]:
-    """Tables below each other; a column that one of them lacks is nan there.
-
-    ``names`` are columns that are there also if there is no table.
-    """
+    """Tables below each other, with nan where one lacks a column; ``names`` are always there."""
     every = dict.fromkeys([*names, *chain.from_iterable(tables)])
     return {name: _stacked([_column(table, name) for table in tables]) for name in every}
 

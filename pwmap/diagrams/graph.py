@@ -1,22 +1,16 @@
 r"""Graphs to and from files without loss: GraphML, GEXF, JSON node-link and DOT.
 
-Every format holds the same graph, the one :func:`sanitised` returns: an undirected multigraph
-whose ids and edge keys are text and whose attributes are floats or text. networkx writes and
-reads the first three formats. What a format cannot say is said like this:
+Every format holds the graph of :func:`sanitised`; networkx writes and reads the first three. What a
+format cannot say is encoded:
 
-- An attribute whose name the format uses for itself (``id``) is stored with its type added,
-  ``id:float`` or ``id:str``; no other name holds a colon. GEXF gives each name one type, so an
-  attribute that is a number here and text there is stored likewise.
-- GraphML: the edge key is the id of the edge. networkx decides by what it meets in a file: without
-  parallel edges ``nx.read_graphml(path)`` gives a plain graph, in which the key is the attribute
-  ``id`` of the edge. ``nx.read_graphml(path, force_multigraph=True)`` gives the multigraph with its
-  keys in any case, as a comment in the file says.
-- GEXF: the edge key is the label of the edge; the graph attributes, for which GEXF has no
-  place, are the name of the graph, as JSON.
-- JSON: numbers that JSON lacks are tagged as in MongoDB's Extended JSON, for instance
-  ``{"$numberDouble": "NaN"}``.
-- DOT: text is quoted with ``\"``, ``\\``, ``\n`` and ``\r``; numbers are not quoted and are
-  spelt without exponent or as ``nan``, ``inf`` and ``minus_inf``; the edge key is ``key``.
+- An attribute with a name that the format reserves (``id``), or in GEXF with values of two types,
+  is stored with its type, ``id:float`` or ``id:str``; no other name holds a colon.
+- GraphML: the edge key is the id of the edge. Without parallel edges ``nx.read_graphml(path)``
+  gives a plain graph with the key as attribute ``id``; ``force_multigraph=True`` keeps the keys.
+- GEXF: the edge key is the label of the edge, and graph attributes are its name, as JSON.
+- JSON: nan and infinities are ``{"$numberDouble": "NaN"}``, as in MongoDB's Extended JSON.
+- DOT: text is quoted with ``\"``, ``\\``, ``\n`` and ``\r``; numbers are not, and have no exponent
+  or are ``nan``, ``inf`` and ``minus_inf``; the edge key is ``key``.
 """
 
 from __future__ import annotations
@@ -61,13 +55,11 @@ _EDGES = "edges" if "edges" in inspect.signature(nx.node_link_data).parameters e
 
 
 def sanitised(graph: nx.MultiGraph) -> nx.MultiGraph:
-    """Copy a graph into the form that every file format keeps.
+    """Copy a graph into the form that every file format keeps, with floats and text only.
 
-    The graph is an undirected multigraph. Ids of nodes and keys of edges are non-empty text without
-    ``:``, names of attributes are identifiers, and values are numbers, text or enums of these. Text
-    holds only characters of XML 1.0. The copy has the same nodes and edges in the same order, with
-    floats and plain text only; one that was sanitised stays as it is. TypeError, ValueError: one
-    sentence that names the node or edge, the attribute and the value.
+    Ids of nodes and keys of edges are non-empty text without ``:``, names of attributes
+    identifiers, values numbers, text of XML 1.0, or enums of these. Nodes and edges keep their
+    order. TypeError, ValueError: one sentence names the node or edge, the attribute and the value.
     """
     _check_kind(graph)
     copy = nx.MultiGraph()
@@ -86,14 +78,14 @@ def sanitised(graph: nx.MultiGraph) -> nx.MultiGraph:
 def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
     """Write a graph in the format of the suffix: .graphml, .gexf, .json, .dot or .gv.
 
-    The file is written beside its final place and then renamed, so that an interrupted write
-    leaves an older file as it was. :func:`read_graph` reads all formats; networkx needs
-    ``read_graphml(path, force_multigraph=True)`` for a GraphML file without parallel edges.
+    The file is written whole or not at all. networkx needs ``read_graphml(path,
+    force_multigraph=True)`` for a GraphML file without parallel edges.
 
     Parameters
     ----------
     graph
-        For instance ``diagram.graph()``; see :func:`sanitised` for what it may hold.
+        For instance ``diagram.graph()``: an undirected multigraph whose ids and keys are text
+        without ``:`` and whose attributes are numbers or text.
     path
         The file; its folder must exist.
 
@@ -114,8 +106,8 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
     >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram, write_graph
     >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
     >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
-    >>> [write_graph(diagram.graph(), f"lines.{suffix}").name for suffix in ("graphml", "dot")]
-    ['lines.graphml', 'lines.dot']
+    >>> write_graph(diagram.graph(), "lines.graphml").name
+    'lines.graphml'
     """
     path = Path(path)
     write_whole(path, graph_as_bytes(graph, path))
@@ -134,12 +126,12 @@ def read_graph(path: str | Path) -> nx.MultiGraph:
     Parameters
     ----------
     path
-        A file with one of the suffixes of :func:`write_graph`.
+        A file with one of its suffixes.
 
     Returns
     -------
     networkx.MultiGraph
-        Equal to the sanitised graph: nodes, keyed edges and all attributes, in their order.
+        With the nodes, keyed edges and attributes that were written, in their order.
 
     Raises
     ------
@@ -152,9 +144,8 @@ def read_graph(path: str | Path) -> nx.MultiGraph:
     --------
     >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram, read_graph, write_graph
     >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
-    >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
-    >>> path = write_graph(diagram.graph(), "lines.json")
-    >>> read_graph(path).nodes["BC2"]["parameter"]
+    >>> graph = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)).graph()
+    >>> read_graph(write_graph(graph, "lines.json")).nodes["BC2"]["parameter"]
     1.0
     """
     path = Path(path)
@@ -216,7 +207,6 @@ def _plain(value: object, where: str) -> float | str:
 
 
 def _rebuilt(graph: nx.MultiGraph, change: Callable[[Attributes], Attributes]) -> nx.MultiGraph:
-    """Copy a multigraph, each dictionary of attributes changed."""
     _check_kind(graph)
     copy = nx.MultiGraph()
     copy.graph.update(change(graph.graph))
@@ -251,10 +241,7 @@ def _to_graphml(graph: nx.MultiGraph) -> bytes:
 
 
 class _Bounded:
-    """What builds the tree of an XML file, and refuses types of documents, and depth.
-
-    Entities, of which a few lines may stand for gigabytes, can only be declared in such a type.
-    """
+    """Builds the tree of an XML file of bounded depth, without a document type (its entities)."""
 
     def __init__(self) -> None:
         self._builder = ET.TreeBuilder()

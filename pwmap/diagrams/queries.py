@@ -62,12 +62,10 @@ def _hits_of(
 
 
 def _between_samples(branch: Branch, at: float) -> Iterator[Hit]:
-    """Where the straight lines between the samples of a branch are at a parameter.
-
-    Samples there are hits; of several in a row, along one value, the first and the last.
-    """
+    """Where the straight lines between the samples of a branch meet a parameter."""
     p = branch.parameter
     for run in runs_of(p == at):
+        # of several samples in a row at this value, the first and the last
         for i in sorted(set(run)):
             yield Hit(branch, float(branch.x[i]), float(branch.multiplier[i]))
     sides = np.sign(p - at)
@@ -93,10 +91,7 @@ def sides_of(
 
 
 def _sides_of_ends(branch: Branch, point: SpecialPoint) -> tuple[int, int]:
-    """Whether a branch lies at smaller (-1) or larger (1) parameters than each end at a point.
-
-    In an exact diagram intervals say so, however short they are; otherwise samples do.
-    """
+    """For each end at a point, whether the branch lies at smaller (-1) or larger (1) parameters."""
     if "interval" in branch.exact:
         return _side(branch.words[0], point), _side(branch.words[-1], point)
     beside = branch.parameter[[min(1, len(branch) - 1), max(-2, -len(branch))]]
@@ -118,10 +113,7 @@ def collision_near(
     branches: Sequence[Branch],
     points: Sequence[SpecialPoint],
 ) -> SpecialPoint | None:
-    """The border collision of a place, in parts of what the diagram extends over.
-
-    Points of iterates lie beside those of the map, closer to a rounded place than these.
-    """
+    """The nearest border collision of the lowest order; distances in parts of the extent."""
     ends = ([branch.parameter for branch in branches], [branch.x for branch in branches])
     sizes = [float(np.ptp(np.concatenate(values))) or 1.0 for values in ends if values]
 

@@ -1,8 +1,6 @@
-"""What a command wrote into a folder, and from what: kept beside the files, as JSON.
+"""What a command wrote into a folder, and from what: ``about_<command>.json``, beside the files.
 
-CSV files stay as every reader expects them, without lines of comment: what made them stands in
-``about_<command>.json``. It names the files of the command, too, so that those of an earlier run
-which a new one does not write are removed, instead of lying among the new ones as if they belonged.
+It names the files too, so that a new run removes those of an earlier one that it does not write.
 """
 
 from __future__ import annotations
@@ -29,14 +27,7 @@ def record_of(command: str) -> str:
 def keep_record(
     folder: Path, command: str, names: Iterable[str], about: Mapping[str, object]
 ) -> tuple[str, ...]:
-    """Say what a command wrote into a folder, and remove what is left of its earlier run.
-
-    Only files that the earlier record names are removed, and only while they are, byte for byte,
-    what was written then.
-
-    The files that were written just now lie in the folder itself. Returned are the names of those
-    that were removed.
-    """
+    """Record what a command wrote; returns names of unchanged earlier files that it removed."""
     path, written = folder / record_of(command), list(names)
     stale = [
         name

@@ -1,10 +1,7 @@
-"""Records in files of their own: one JSON object that says what it holds, and in which version.
+"""Records in files of their own: one JSON object with its name, its version and the content.
 
-A file whose name ends with ``.gz`` is compressed. Other programs find the content under the name
-of what it is, say ``json.load(file)["diagram"]["branches"]``.
-
-A file may come from anywhere: what is read is bounded in size and in what its formulas cost, and
-whatever is wrong with it is said in one sentence.
+Names that end with ``.gz`` are compressed. What is read is bounded in size and in the cost of its
+formulas; whatever is wrong with it is said in one sentence.
 """
 
 from __future__ import annotations
@@ -43,10 +40,7 @@ def record_as_bytes(record: Any, name: str, version: int) -> bytes:
 
 
 def read_record(path: Path, kind: type, name: str, version: int) -> Any:
-    """Read what :func:`write_record` wrote, in this or an older version.
-
-    ValueError if the file is none of these.
-    """
+    """Read what :func:`write_record` wrote, in this or an older version; ValueError otherwise."""
     data = path.read_bytes()
     try:
         content = json.loads(_unzipped(data) if path.suffix == ZIPPED else data)

@@ -1,7 +1,6 @@
-"""What an exact diagram shows at one value of its parameter, in exact numbers.
+"""What an exact diagram shows at one value of its parameter, by substitution in its formulas.
 
-A formula is evaluated by putting the value for the parameter; no limit, no root is sought. At an
-algebraic value all numbers live in its field, where they are compared by exact signs.
+At an algebraic value numbers live in its field, where exact signs compare them.
 """
 
 from __future__ import annotations
@@ -101,7 +100,7 @@ def _side(key: Any) -> int:
 
 
 def exact_number(value: object) -> Real:
-    """The exact number that a value of a parameter is; a float is the binary number it holds.
+    """The exact number of a parameter's value; a float is the binary number it holds.
 
     ValueError if it is no finite real number; TypeError if it is neither a number nor text.
     """

@@ -20,12 +20,7 @@ FILES = ("points.csv", "branches.csv", "graph.graphml", "graph.json", "diagram.j
 
 
 def write_results(diagram: Diagram, folder: Path) -> None:
-    """Write tables of points and branches, the graph, and the diagram itself: :data:`FILES`.
-
-    Exact values, where a diagram has them, stand as text beside the floats; what was observed along
-    branches has columns of its own, empty where a branch has no such value. The last file holds
-    all, for :func:`pwmap.load_diagram`.
-    """
+    """Write tables of points and branches, the graph, and the diagram itself: :data:`FILES`."""
     for name, content in results_as_bytes(diagram).items():
         write_whole(folder / name, content)
 
@@ -129,10 +124,7 @@ def table_of_branches(diagram: Diagram) -> Table:
 
 
 def short(value: object, most: int = LONGEST) -> str:
-    """Text for people: what is longer than a few lines keeps its beginning and its end.
-
-    The files of :func:`write_results` hold it in full.
-    """
+    """Text for people: the beginning and the end of what is longer than a few lines."""
     text = str(value)
     if len(text) <= most:
         return text
@@ -155,7 +147,6 @@ def _shown(point: SpecialPoint, name: str, value: float) -> str:
 
 
 def _interval(stretch: Stretch) -> str:
-    """An interval as (a, b], or a set of one value."""
     interval = stretch.exact["interval"]
     if not hasattr(interval, "left_open"):
         return str(interval)

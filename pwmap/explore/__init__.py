@@ -1,4 +1,4 @@
 """The explorer of piecewise-linear maps, and the page, server and jobs of both explorers.
 
-Nothing here is loaded by ``import pwmap``; the extra ``explore`` brings Bokeh.
+It is not loaded by ``import pwmap``; the extra ``explore`` brings Bokeh.
 """

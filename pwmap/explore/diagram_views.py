@@ -127,7 +127,6 @@ class DiagramView:
         put(self.here, x=[p], y=[x])
 
     def _name(self) -> None:
-        """Write names where they cover nothing."""
         patch(self.names, **_named(self.figure, self._shown.points if self._shown else None)[0])
 
 
@@ -167,7 +166,6 @@ class GraphView:
         self._name()
 
     def _name(self) -> None:
-        """Write names of nodes and edges where they cover nothing."""
         found = self._shown
         nodes, edges = (found.nodes, found.edges) if found is not None else ({}, {})
         few = {**edges, "must": [False] * len(edges["x"])} if edges else None

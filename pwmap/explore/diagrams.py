@@ -154,10 +154,7 @@ def _graph(diagram: Diagram, points: Table) -> tuple[Table, Table]:
 
 
 def _layout(points: Table) -> Floats:
-    """Places (n, 2) in the unit square: the order of the diagram is kept, distances are evened out.
-
-    So left is left there, and what has one height there has one height here.
-    """
+    """Places (n, 2) in the unit square, in the order of the diagram with distances evened out."""
     places = np.column_stack([points["x"], points["y"]]).astype(float).reshape(-1, 2)
     return np.column_stack([_evened(column) for column in places.T]).reshape(-1, 2)
 
@@ -193,10 +190,7 @@ def _curve(a: Floats, b: Floats, k: int) -> Floats:
 
 
 def nearest_line(table: Table, x: float, y: float, scale: tuple[float, float]) -> tuple[str, float]:
-    """The branch whose line passes nearest to a place, and how far away [px].
-
-    The scale is in pixels for one unit of x, and of y.
-    """
+    """The branch whose line is nearest, and its distance [px]; scale in pixels per unit of x, y."""
     best, least = "", np.inf
     for xs, ys, branch in zip(table["xs"], table["ys"], table["branch"], strict=True):
         away = _distance(np.column_stack([xs, ys]) * scale, np.array([x, y]) * scale)

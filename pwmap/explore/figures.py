@@ -84,13 +84,10 @@ def set_range(axis_range: Any, low: float, high: float) -> None:
 
 
 def keep_in(axis_range: Any, low: float, high: float, *, moving: bool) -> None:
-    """Show an interval; while a slider moves only if it has outgrown what is shown, or shrunk.
-
-    An axis that moves is laid out anew, which costs more than its curves: where the interval has
-    outgrown it there is room for what comes next.
-    """
+    """Show an interval; while a slider moves, only if it has outgrown the axis, or shrunk much."""
     if moving:
         start, end = axis_range.start, axis_range.end
+        # to move an axis costs more than to draw its curves
         room = ROOM * (high - low)
         left = start if start <= low else low - room
         right = end if high <= end else high + room
@@ -100,11 +97,7 @@ def keep_in(axis_range: Any, low: float, high: float, *, moving: bool) -> None:
 
 
 def patch(table: ColumnDataSource, /, **columns: Any) -> None:
-    """Put new columns into a table, all at once.
-
-    Each array goes in a message of its own, so short ones go as lists, and nothing that is empty
-    and was empty goes at all.
-    """
+    """Put new columns into a table at once: short arrays as lists, and no empty ones again."""
     if any(map(len, columns.values())) or any(map(len, table.data.values())):
         table.data = {
             name: values.tolist() if isinstance(values, np.ndarray) and values.size < SHORT

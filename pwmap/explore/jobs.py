@@ -1,8 +1,8 @@
 """Long work in other processes, with its results as they come.
 
-A job is a generator at the top level of a module: whatever it yields is sent to the page at
-once. Processes are forked from one that has loaded the package already (``warm_up``), so that a job
-begins within milliseconds; where there is no such thing (Windows) each is started anew.
+A job is a generator at the top level of a module; what it yields is sent at once. Processes are
+forked from one that has loaded the package (``warm_up``), and begin within milliseconds; without
+fork (Windows) each is started anew.
 """
 
 from __future__ import annotations
@@ -35,10 +35,7 @@ class JobFinished:
 
 
 class Job:
-    """Work that is being done elsewhere.
-
-    The work is a generator function at the top level of a module.
-    """
+    """Work of a generator function, at the top level of a module, in another process."""
 
     def __init__(self, work: Work, *arguments: Any, seconds: float = 600.0) -> None:
         context: Any = get_context(METHOD)
@@ -107,7 +104,6 @@ def nothing() -> Iterator[None]:
 
 
 def _carry_out(sender: Connection, work: Work, arguments: tuple[Any, ...]) -> None:
-    """What the other process does."""
     with suppress(BrokenPipeError, KeyboardInterrupt):  # whoever asked for it is gone
         _limit_memory()
         try:

@@ -20,23 +20,10 @@ DISTANCES = (1.0, 6.0, 14.0)  # px from the point
 def place(
     texts: Sequence[str], points: Floats, frame: tuple[float, float], must: Sequence[bool]
 ) -> list[tuple[int, float, float]]:
-    """Choose places one after the other; a label that covers another one is left out.
+    """Places (which text, its middle beside its point [px]) for labels that cover no other one.
 
-    Parameters
-    ----------
-    texts
-        The labels; empty ones are not shown.
-    points
-        Shape (n, 2), in pixels of the frame, y upward. All of them have markers.
-    frame
-        Width and height [px].
-    must
-        Which are placed first, and shown in any case.
-
-    Returns
-    -------
-    list
-        Of the labels that are shown: which it is, and where its middle is beside its point [px].
+    The points (n, 2) and the frame are in pixels, y upward. Labels of ``must`` come first, and are
+    shown in any case; others are left out where they cover one.
     """
     taken: list[Floats] = []
     found: list[tuple[int, float, float]] = []

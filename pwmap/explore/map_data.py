@@ -51,10 +51,7 @@ class MapAnswer:
 
 
 def maps_of(state: MapState) -> tuple[PiecewiseLinearMap, PiecewiseLinearMap]:
-    """The map with its parameters, and with their values.
-
-    ValueError if the text is no map, or one with too many parameters.
-    """
+    """The map with its parameters, and with their values; ValueError if none or too many."""
     given = [part.strip() for part in state.given.split(";") if part.strip()]
     family = PiecewiseLinearMap.from_sympy(state.map, "x", given)
     unknown = {str(symbol) for symbol in family.parameters} - set(state.parameters)

@@ -40,10 +40,7 @@ OF_CURVE = "<div class='tip'><b>@name</b> @tip</div>"
 
 
 class MapTab(Tab[MapState]):
-    """One tab of a piecewise-linear map.
-
-    A reset goes back to the first state.
-    """
+    """One tab of a piecewise-linear map; a reset goes back to the first state."""
 
     def __init__(self, state: MapState, first: MapState) -> None:
         self.first = first
@@ -227,11 +224,9 @@ class MapTab(Tab[MapState]):
         self.show(self.state.at(**values), moving=bool(wish.get("drag")))
 
     def _tap_map(self, event: Any) -> None:
-        """The start."""
         self.change(start=str(_near(event.x, self.map.x_range)))
 
     def _tap_beside(self, event: Any) -> None:
-        """The parameter."""
         if self.state.axis:
             value = _near(event.x, self.diagram.figure.x_range)
             self.show(self.state.at(**{self.state.axis: str(value)}))

@@ -1,8 +1,7 @@
-"""The page: a form of controls, places for views, and the letters that go between both sides.
+"""The page: a form of controls, places for views, and JSON letters between browser and server.
 
-The browser writes a *wish*, the server an *answer*; each is one text (JSON), so that a page sends
-its next wish when the last one is answered, and a drag never queues up. A wish names one of the
-verbs of its page and its values; nothing in it is ever executed.
+A *wish* of the browser names a verb of the page and its values; nothing in it is executed. The next
+wish is sent when the last is answered, so that a drag never queues up.
 """
 
 from __future__ import annotations
@@ -54,10 +53,7 @@ class Control:
 
 
 class DrawnFrame:
-    """New columns of tables, for one letter: they are drawn by ``sketch.js``, and not by Bokeh.
-
-    A table, by its id, has columns that are lists, or say where their numbers lie among all.
-    """
+    """New columns of tables by id for one letter, which ``sketch.js`` draws instead of Bokeh."""
 
     def __init__(self) -> None:
         self.tables: dict[str, dict[str, Any]] = {}
@@ -85,12 +81,11 @@ def fill(
     document: Document, template: Path, roots: Sequence[Any], verbs: Mapping[str, Verb],
     **variables: Any,
 ) -> Callable[[Mapping[str, Any]], None]:  # fmt: skip
-    """Fill the document of one tab.
+    """Fill the document of one tab; returns what sends an answer to the script of the page.
 
-    The template extends ``shell.html``, in a folder of its own, and names the roots. Each verb
-    gives what the answer tells; a ``ValueError`` becomes its message. Of the variables ``controls``
-    are told to the script, too. What is returned sends an answer: values for the script of the
-    page, and the :class:`DrawnFrame` ``frame``, if there is one.
+    The template extends ``shell.html`` and names the roots. Each verb gives an answer; a
+    ``ValueError`` becomes its message. The variable ``controls`` is told to the script, too. An
+    answer holds values, and as ``frame`` a :class:`DrawnFrame`, if there is one.
     """
     wish, answer = Letter(name="wish"), Letter(name="answer")
     numbers = ColumnDataSource({"all": np.empty(0)}, name="numbers")  # of a frame

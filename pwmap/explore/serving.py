@@ -1,9 +1,7 @@
-"""One page on this machine, for this machine only.
+"""One page on this machine, for this machine only, until Ctrl-C, SIGTERM or the last page closes.
 
-The server listens at 127.0.0.1. A websocket is accepted from a page of this server alone, and files
-are given only to who calls the machine by its own name, so that no other page in the browser can
-reach it under a name of its own. It ends with Ctrl-C, with SIGTERM, and some time after the last
-page was closed.
+The server listens at 127.0.0.1, accepts websockets from its own pages alone, and gives files only
+to requests by this machine's name, so that no other page can reach it by DNS rebinding.
 """
 
 from __future__ import annotations
@@ -45,8 +43,8 @@ POLICY = (
 class Site:
     """What is served.
 
-    ``export`` is called with the name of a file and the query, and gives a job that yields its type
-    and content, with what that is called with; ValueError if there is no such file or state.
+    ``export`` gives the job, and what it is called with, for a file name and a query; the job
+    yields type and content. ValueError if there is no such file or state.
     """
 
     page: Callable[[Document], None]  # fills the document of one tab
@@ -57,11 +55,10 @@ class Site:
 def serve(
     site: Site, port: int | None = None, *, stay: bool = False, ready: Callable[[str], None]
 ) -> None:
-    """Serve a site until it is asked to end.
+    """Serve a site until it is asked to end; OSError if the port is taken.
 
-    The port is by default the first from 5007 on that is free. With ``stay`` it goes on when the
-    last page was closed; ``ready`` is called with the address when pages can be loaded. OSError if
-    the port is taken.
+    By default the first free port from 5007 on. With ``stay`` it goes on after the last page was
+    closed; ``ready`` is called with the address when pages can be loaded.
     """
     server, found = _started(site, port)
     loop: IOLoop = server.io_loop
@@ -81,11 +78,9 @@ def serve(
 
 
 class _PromptStream(IOStream):  # type: ignore[misc]
-    """Sends each part of a letter at once.
+    """Sends each part of a letter at once, without Nagle's algorithm.
 
-    A letter is several short messages. By default the next one waits until the receipt of the last
-    has come (Nagle's algorithm), which a browser holds back for some 40 ms; so do connections that
-    the server has answered once.
+    That would hold back short messages until a receipt, which browsers delay by some 40 ms.
     """
 
     def set_nodelay(self, value: bool) -> None:

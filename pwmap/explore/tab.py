@@ -27,12 +27,11 @@ Demand = Callable[[Mapping[str, Any]], None]
 
 
 class Tab(ABC, Generic[S]):
-    """One tab of a browser. What is shown besides the diagram is up to its subclasses.
+    """One tab of a browser; subclasses show more than the diagram.
 
-    Its state is frozen, with ``order``, ``steps`` and ``focus``. ``message`` and ``stage`` are what
-    there is to say about the state, and about the search for the diagram, which is ``shown`` as far
-    as it was found; ``branch`` is the one that is selected, or empty, and ``say`` sends values to
-    the script of the page.
+    ``message`` and ``stage`` tell of the frozen state (with ``order``, ``steps`` and ``focus``) and
+    of the search for the diagram, ``shown`` as far as it was found. ``branch`` is the selected one,
+    or empty; ``say`` sends values to the script of the page.
     """
 
     def __init__(self, state: S, map_figure: Any, y_label: str) -> None:

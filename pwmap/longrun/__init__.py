@@ -1,7 +1,4 @@
-"""What orbits do in the long run: attractors, basins, densities, entropy, and how they change.
-
-A name is loaded with what it needs when it is first used.
-"""
+"""What orbits do in the long run: attractors, basins, densities, entropy, and how they change."""
 
 import lazy_loader
 

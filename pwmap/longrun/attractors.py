@@ -1,11 +1,10 @@
-"""Where a map settles: attracting cycles and bands, and what surrounds them.
+"""Attractors: cycles and neutral intervals, and bands of chaotic attractors.
 
-A *band* is an interval of a chaotic attractor. Each chaotic attractor has a break inside, since
-where the map expands every interval comes to lie across one sooner or later. What grows from the
-sides of a break is mapped onto itself, and so a candidate. That it is an attractor is proved: if a
-map expands by more than 2 along each of finitely many words, any interval grows until it holds all
-of what follows one of these words [LasotaYorke1973]; so nothing in it is an attractor for itself if
-all grows from the image of each.
+Each chaotic attractor has a break inside, since an interval that expands comes to lie across one.
+What grows from the sides of a break and is mapped onto itself is a candidate. It is an attractor if
+the map expands by more than 2 along each of finitely many words: any interval grows until it holds
+all that follows one of these words [LasotaYorke1973], so no part of it is an attractor if all grows
+from the image of each.
 """
 
 from __future__ import annotations
@@ -44,20 +43,8 @@ Intervals = tuple[Interval, ...]
 class Bands:
     """A chaotic attractor: intervals between which orbits go, dense in all of them.
 
-    Attributes
-    ----------
-    intervals
-        Closed, apart, from left to right.
-    breaks
-        Those inside.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, dynamics
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> bands = dynamics(tent, {"a": "7/5"}).attractors[0].core
-    >>> len(bands), [(str(low), str(high)) for low, high in bands.intervals]
-    (2, [('21/50', '721/1250'), ('147/250', '7/10')])
+    The core of an attractor of :func:`pwmap.dynamics`. ``intervals`` are closed and apart, from
+    left to right; ``breaks`` are those inside.
     """
 
     intervals: Intervals
@@ -68,18 +55,7 @@ class Bands:
         return len(self.intervals)
 
     def holds(self, x: Exact) -> bool:
-        """Whether a point lies inside one of them.
-
-        Parameters
-        ----------
-        x
-            An exact number.
-
-        Returns
-        -------
-        bool
-            False at the ends of a band.
-        """
+        """Whether an exact number lies inside a band; False at the ends."""
         return any(low < x < high for low, high in self.intervals)
 
 
@@ -105,10 +81,7 @@ class _Settled(Exception):  # noqa: N818  it is not an error
 
 
 def attractors_of(line: MapLine, meter: Meter) -> Attractors:
-    """The attractors of a map.
-
-    If the budget is used up, more breaks are open.
-    """
+    """The attractors of a map; at the end of the budget, breaks that are left are open."""
     expands = all(abs_(branch.slope) > 1 for branch in line.branches)
     fates = Fates(line, EXPANDING if expands else STEPS, meter)
     orbits, open_, bands = list[GermOrbit](), set(line.breaks), list[Bands]()
@@ -196,19 +169,15 @@ def _inside(line: MapLine, intervals: Intervals) -> tuple[Exact, ...]:
 
 
 def absorbing_of(line: MapLine) -> Interval | None:
-    """The smallest closed interval with all breaks and their images that is mapped into itself.
-
-    It holds all breaks, so that its ends lie on the outer pieces, and an end is where the least or
-    largest image of a break is, or where an outer piece has its own end or the other one: each is
-    one of three linear equations. Of all intervals that solve two of them and are mapped into
-    themselves the smallest is taken, which lies in every other. None if there is none, for then
-    some images are lost, or if there is no break.
-    """
+    """The smallest closed interval with all breaks and images, mapped into itself; or None."""
     if not line.breaks:
         return None
     places = [*line.breaks, *line.values, *(line.image(germ).x for germ in line.germs)]
     least, most = min(places), max(places)
     left, right = line.branches[0], line.branches[-1]
+    # Its ends lie on the outer pieces: each is the least or largest image of a break, the fixed
+    # point of an outer piece, or its image of the other end. The smallest that solves two such
+    # equations and is mapped into itself lies in every other.
     found = [
         ends
         for low in ((QQ.zero, QQ.zero, least), (left.slope, QQ.zero, left.intercept),
@@ -264,11 +233,10 @@ def _ends_at_a_break(line: MapLine, orbit: GermOrbit, fates: Fates) -> bool:
 class _Growth:
     """What grows from the sides of breaks.
 
-    The side of a break is a short interval, of which the longest part between breaks is followed
-    until it is no longer small beside what these keep apart, or grows no more; then all images are
-    collected. Long fractions are rounded, by far less than the sides from which something grows. In
-    the end the images of breaks to which ends have come so close are put in their place, and what
-    has grown is taken only if it is mapped onto itself exactly.
+    A short interval at a break is followed, each time by its longest part between breaks, until it
+    is no longer small or grows no more; then all images are collected. Long fractions are rounded,
+    by far less than that interval. At last ends are replaced by the images of breaks next to them,
+    and the result is taken only if it is mapped onto itself exactly.
     """
 
     def __init__(
@@ -291,12 +259,9 @@ class _Growth:
             return ()
 
     def smallest(self, intervals: Intervals) -> Intervals | None:
-        """What grew, if nothing smaller grows in it, else such; None if that is not known.
-
-        If orbits expand by more than 2 along each of finitely many words, the longer one of two
-        halves does so by more than 1: any interval grows until it holds all points that follow one
-        of these words, and its image all images of them.
-        """
+        """What grew, or the smallest that grows in it; None if that is not known."""
+        # along words that expand by more than 2 the longer half of a cut interval expands by more
+        # than 1: any interval grows until it holds all that follows one of these words
         images = expanded(self.line, intervals, self.meter)
         if images is None:
             return None
@@ -398,10 +363,7 @@ def _length(part: Interval) -> Exact:
 
 
 def expanded(line: MapLine, intervals: Intervals, meter: Meter) -> set[Interval] | None:
-    """The images of all that follows a word until the product of its slopes is larger than 2.
-
-    None if they are not found: then something in there may be attracting, neutral or wandering.
-    """
+    """The images of all that follows words until slopes multiply to more than 2; None if open."""
     found, looked = set[Interval](), 0
     level = dict.fromkeys(intervals, QQ.one)
     while level and looked < WORDS:

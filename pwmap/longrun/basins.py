@@ -1,14 +1,10 @@
 """Basins: the intervals around an attractor from which nothing leaves it, and all that comes there.
 
-The immediate basin of an attractor is made of the largest intervals around its points, or bands, in
-which all orbits come to it, but for those that end in a repelling cycle inside. They are found from
-inside: an interval is extended as far as what lies beside it is mapped into the intervals that are
-known. Where a piece rises and is steep that leads to its repelling fixed point in infinitely many
-ever smaller steps; so the fixed point is taken at once.
-
-The whole basin is what comes to the immediate one. Where a map jumps that may lie anywhere, so its
-preimages are taken, again and again, as sets with ends and single points, exactly. When none leads
-out of what was collected it is complete.
+The immediate basin has the largest intervals around an attractor in which all orbits come to it,
+but for those that end in a repelling cycle. An interval is extended while what lies beside it is
+mapped into known intervals; on a steep rising piece that converges to a repelling fixed point,
+which is taken at once. The whole basin is all its preimages, exactly, as sets with ends and single
+points. It is complete when no preimage leads out of it.
 """
 
 from __future__ import annotations
@@ -46,30 +42,20 @@ Reaching = tuple[Exact, Exact, Exact]  # slope and intercept of a piece, and how
 
 @dataclass(frozen=True, slots=True, eq=False)
 class WholeBasin:
-    """All that is known to come to an attractor, from anywhere.
+    """All that is known to come to an attractor, from anywhere, up to a set of measure zero.
 
-    Inside its intervals there may be points that do not, but these have no length: such as end in a
-    repelling cycle, or at a break whose value leads elsewhere.
-
-    Attributes
-    ----------
-    region
-        Its intervals and points, with the ends that belong to it.
-    complete
-        Whether it is proved that no other point comes there: no preimage leads out of it.
+    Exceptions end in a repelling cycle, or at a break whose value leads elsewhere. ``complete``
+    says whether no preimage leads out of the ``region``: then nothing else comes there.
 
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, dynamics
     >>> text = "Piecewise((x/2, x < 1), (x + 1, x < 10), (-1, True))"
-    >>> jumping = PiecewiseLinearMap.from_sympy(text)
-    >>> (cycle,) = dynamics(jumping).attractors
+    >>> (cycle,) = dynamics(PiecewiseLinearMap.from_sympy(text)).attractors
     >>> cycle.basin, cycle.basin_is_complete
     ((Interval.open(-oo, 1),), False)
-    >>> cycle.whole_basin.parts, cycle.whole_basin.complete
-    ((Interval(-oo, oo),), True)
-    >>> cycle.whole_basin
-    WholeBasin(Interval(-oo, oo))
+    >>> cycle.whole_basin, cycle.whole_basin.complete
+    (WholeBasin(Interval(-oo, oo)), True)
     """
 
     region: PointSet
@@ -91,11 +77,7 @@ class WholeBasin:
 def whole_basin(
     line: MapLine, core: PointSet, immediate: Sequence[Interval], meter: Meter
 ) -> WholeBasin:
-    """All that comes to an attractor.
-
-    The core are points that stay at the attractor, or are known to be drawn in; the immediate basin
-    is given as open intervals. If the budget is used up what was collected is not complete.
-    """
+    """All that comes to an attractor, from its core and open immediate basin on, by preimages."""
     found = [core | open_intervals(immediate)]
     complete = False
     with meter.keeping(found):
@@ -128,7 +110,6 @@ def _with_more(line: MapLine, known: PointSet, longer: PointSet, meter: Meter) -
 
 
 def _work(part: Part) -> int:
-    """To find what is mapped into a part."""
     return STEP + 3 * sum(work_of(x) for x, _ in part)
 
 
@@ -162,19 +143,13 @@ def _comes(line: MapLine, core: PointSet, x: Exact, meter: Meter) -> bool | None
 
 
 def basin_of(line: MapLine, start: Sequence[Interval], meter: Meter) -> tuple[Interval, ...]:
-    """The immediate basin of an attractor: open intervals, from left to right.
-
-    Iterates are looked at until all ends may have come back, twice: what is mapped to the other
-    side of a repelling point comes back the second time.
-
-    They start as intervals from left to right that hold the attractor, and that are mapped into
-    themselves: its bands, its neutral intervals, or what its points are known to draw in. If the
-    budget is used up, or that takes many rounds, intervals may be too short.
-    """
+    """The immediate basin, from intervals mapped into themselves on; too short without budget."""
     known = list(start)
     with meter.keeping(known):
         for _ in meter.each(range(ROUNDS), "rounds"):
             before = list(known)
+            # all ends may have come back twice: what is mapped to the other side of a repelling
+            # point comes back the second time
             orders = 4 * min(len(known), MOST)
             for k in range(len(known)):
                 for side in (-1, 1):
@@ -188,10 +163,7 @@ def basin_of(line: MapLine, start: Sequence[Interval], meter: Meter) -> tuple[In
 def _extended(
     line: MapLine, known: Sequence[Interval], k: int, side: int, orders: int, meter: Meter
 ) -> Interval:
-    """An interval with what lies beside it, on one piece of the map, and is mapped into the known.
-
-    Iterates up to some order are looked at.
-    """
+    """An interval with what lies beside it on its piece and iterates take into known intervals."""
     end = known[k][side > 0]
     if isinstance(end, Infinite) or work_of(end) > LONGEST:
         return known[k]
@@ -206,10 +178,7 @@ def _extended(
 
 
 def _reach(piece: Reaching, known: Sequence[Interval], end: Exact, side: int) -> Exact:
-    """How far beside an end points are mapped into known intervals, or ever farther from its image.
-
-    The end itself if none is.
-    """
+    """How far beside an end points are mapped into known intervals, or away; the end if none is."""
     slope, intercept, limit = piece
     image = slope * end + intercept
     if slope == 0:

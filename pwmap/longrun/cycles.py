@@ -1,10 +1,9 @@
 """All cycles of a map at one place of its parameters, by enumeration of words.
 
-A cycle is looked for at its leftmost point. The points that follow a word, and of which no image so
-far lies left of them, are an interval; letter by letter it is cut further, by one linear inequality
-for each image, and where it is empty no longer word is looked at. So the cost follows the number of
-such words, which grows like the exponential of the topological entropy times the order, and not the
-number of pieces of an iterate. Cycles through breaks are found by following the breaks themselves.
+A cycle is searched at its leftmost point: the points that follow a word, with no image left of
+them, are an interval, cut further by one linear inequality for each letter. Where it is empty no
+longer word is looked at, so that the cost grows like the exponential of the topological entropy
+times the order. Cycles through breaks are found by following the breaks themselves.
 """
 
 from __future__ import annotations
@@ -31,26 +30,10 @@ STEP = 8  # operations with which a letter is tried behind a word
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FoundCycle:
-    """A cycle at one place of the parameters.
+    """A cycle that :func:`pwmap.cycles` found, from its leftmost point on.
 
-    Attributes
-    ----------
-    word
-        The pieces that it visits, from its leftmost point on.
-    start
-        That point.
-    slope
-        Its multiplier; None if no points beside it follow its pieces.
-    at_break
-        Whether it has a point on a break: then it attracts as both sides of it do.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, cycles
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    >>> found = cycles(skew, {"a": "1/2", "b": -4}, 3)
-    >>> [(cycle.word, cycle.exact_points, cycle.multiplier) for cycle in found.of_period(3)]
-    [('LLR', (-5/2, -1/4, 7/8), -1), ('LRR', (-13/7, 1/14, 5/7), 8)]
+    ``slope`` is the multiplier, None if no points beside it follow its pieces. A cycle ``at_break``
+    has a point on a break, and attracts as both sides of it do.
     """
 
     line: MapLine
@@ -91,26 +74,18 @@ class FoundCycle:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FoundCycles:
-    """All isolated cycles up to some period.
+    """All isolated cycles up to some period, by period and then from left to right.
+
+    See :func:`pwmap.cycles`.
 
     Attributes
     ----------
-    cycles
-        By period, and then from left to right.
     order
         Up to which period they are complete.
     words
         How many words were looked at.
     left_out
         A sentence on what is missing; empty if nothing is.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, cycles
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    >>> found = cycles(skew, {"a": 2, "b": "-3/2"}, 6)
-    >>> len(found), [len(found.of_period(n)) for n in range(1, 7)]
-    (9, [2, 1, 1, 1, 2, 2])
     """
 
     cycles: tuple[FoundCycle, ...]
@@ -119,31 +94,18 @@ class FoundCycles:
     left_out: str = ""
 
     def __repr__(self) -> str:
-        """How many, up to which period, of how many words."""
         found, words = counted(len(self), "cycle"), counted(self.words, "word")
         rest = f"; {self.left_out}" if self.left_out else ""
         return f"FoundCycles({found} of period up to {self.order}, {words} looked at{rest})"
 
     def of_period(self, period: int) -> tuple[FoundCycle, ...]:
-        """Those of one period, from left to right.
-
-        Parameters
-        ----------
-        period
-            The least period.
-
-        Returns
-        -------
-        tuple of FoundCycle
-            Empty if there is none.
-        """
+        """Those of one least period, from left to right."""
         return tuple(cycle for cycle in self.cycles if len(cycle.word) == period)
 
     def __len__(self) -> int:
         return len(self.cycles)
 
     def __iter__(self) -> Iterator[FoundCycle]:
-        """All cycles."""
         return iter(self.cycles)
 
 
@@ -176,18 +138,17 @@ def cycles(
     order
         The largest period.
     budget
-        How many words of one length may be looked at (its ``pieces``), and its other limits.
+        Its ``pieces`` bound the words of one length.
     progress
         Is told after each period: the period, the cycles and the words so far.
     on_interrupt
-        Is called where Ctrl-C ends the search, as that of the budget; then what was completed is
-        kept.
+        Is called where Ctrl-C ends the search, in place of that of the budget.
 
     Returns
     -------
     FoundCycles
-        If the budget ends the search, or an interruption, what was completed, with a sentence.
-        Points that are periodic over an interval, where a word has the slope 1, are left out.
+        If the budget or an interrupt ends the search, what was completed, with a sentence. Points
+        that are periodic over an interval, where a word has the slope 1, are left out.
 
     Raises
     ------
@@ -197,10 +158,12 @@ def cycles(
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, cycles
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> found = cycles(tent, {"a": "7/4"}, 5)
-    >>> [cycle.word for cycle in found]
-    ['L', 'R', 'LR', 'LLR', 'LRR', 'LRRR', 'LLRRR', 'LLRLR', 'LRRLR', 'LRRRR']
+    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    >>> found = cycles(skew, {"a": "1/2", "b": -4}, 6)
+    >>> [len(found.of_period(n)) for n in range(1, 7)]
+    [1, 1, 2, 1, 2, 2]
+    >>> [(cycle.word, cycle.exact_points, cycle.multiplier) for cycle in found.of_period(3)]
+    [('LLR', (-5/2, -1/4, 7/8), -1), ('LRR', (-13/7, 1/14, 5/7), 8)]
     """
     order, meter = checked_order(order), metered(budget, on_interrupt)
     line = line_of(map_, values)
@@ -237,10 +200,7 @@ def cycles(
 def closed_words(
     line: MapLine, order: int, meter: Meter
 ) -> Iterator[tuple[tuple[int, ...], Exact]]:
-    """Words of cycles that lie on no break, as numbers of branches, with their multipliers.
-
-    Each once, from the leftmost point on; by period.
-    """
+    """Words (numbers of branches) of cycles off breaks, each once, by period; and multipliers."""
     for level in islice(_levels(line, meter), order):
         for start in level:
             if _closed(start) is not None:
@@ -299,7 +259,6 @@ def _spelled(line: MapLine, word: tuple[int, ...]) -> str:
 
 
 def _through_breaks(line: MapLine, order: int, meter: Meter) -> Iterator[FoundCycle]:
-    """Cycles that have a point on a break."""
     seen = set[Any]()
     for x in line.breaks:
         points = [x]
@@ -326,10 +285,7 @@ def _through_breaks(line: MapLine, order: int, meter: Meter) -> Iterator[FoundCy
 
 
 def _is_followed(line: MapLine, points: list[Exact], pieces: list[Owner], side: int) -> bool:
-    """Whether points close to a cycle through breaks, on one side of its first, follow its pieces.
-
-    If not on either side, it is a piece of an iterate for itself, and has no slope.
-    """
+    """Whether points beside a cycle through breaks, on one side of its first, follow its pieces."""
     for x, piece in zip(points, pieces, strict=True):
         if piece.slope is None or (side and line.letter(Germ(x, side)) != piece.letter):
             return False

@@ -1,12 +1,11 @@
 """Invariant densities: steps whose jumps travel along critical orbits.
 
-The density h of a chaotic attractor is what the map's transfer operator leaves as it is. Its jumps
-are of two kinds: one at the image of each side of a break, as high as h on that side over the
-slope; and the image of each other jump, divided by the slope. So h is known once its values beside
-the breaks are: few unknowns, however many steps and bands h has. They obey linear equations whose
-coefficients are sums along critical orbits [Kopf1990; Gora2009]. If these orbits are finite the
-sums are finite or geometric, and everything is exact; otherwise what is cut off is bounded by a
-geometric series, and everything is enclosed.
+The density h of a chaotic attractor is invariant under the transfer operator. Its jumps are at the
+image of each side of a break, as high as h on that side over the slope, and at the image of each
+other jump, divided by the slope. So h follows from its values beside the breaks, which obey linear
+equations whose coefficients are sums along critical orbits [Kopf1990; Gora2009]. For finite orbits
+they are finite or geometric, and all is exact; otherwise a geometric series bounds the rest, and
+everything is enclosed.
 """
 
 from __future__ import annotations
@@ -45,15 +44,7 @@ STEP = 10  # operations of one step
 class Enclosure(mpmath.ctx_iv.ivmpf):  # type: ignore[misc]
     """An interval of mpmath that holds a number; as a double it is its middle.
 
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, dynamics
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> density = dynamics(tent, {"a": "7/4"}).attractors[0].density
-    >>> low, high = density.places[0], density.places[-1]
-    >>> half = density.measure(low, (low + high) / 2)
-    >>> type(half).__name__, round(float(half), 12)
-    ('Enclosure', 0.443088227182)
+    It is what :meth:`Density.measure` gives where the density is not exact.
     """
 
     ctx = mpmath.iv
@@ -87,12 +78,11 @@ class Density:
         Where it is positive.
     exact
         Whether all numbers are; if not they are enclosed.
-    places
-        Where it jumps, from left to right; the first and the last are ends of bands.
-    values
-        Between two places; zero between bands. If it is not exact they are close to it.
+    places, values
+        Where it jumps, the ends of bands among them, and its values in between: zero between bands,
+        and only close to it unless it is exact.
     error
-        How far the density is from these values at most; zero if it is exact.
+        Bound of its distance from these values; zero if it is exact.
 
     Examples
     --------
@@ -113,18 +103,17 @@ class Density:
     error: float
 
     def measure(self, low: Exact, high: Exact) -> Any:
-        """How much of the attractor lies between two points: exact, or an interval of mpmath.
+        """The part of the attractor between two points, from 0 to 1.
 
         Parameters
         ----------
         low, high
-            The points, exact numbers.
+            Exact numbers.
 
         Returns
         -------
         exact number, or Enclosure
-            From 0 to 1; all of the attractor has the measure 1. An interval of mpmath encloses it
-            if it is not exact; as a double that is its middle.
+            An enclosure if the density is not exact; as a double, its middle.
         """
         total = QQ.zero if self.exact else mpmath.iv.mpf(0)
         for a, b, value in self.steps():
@@ -172,11 +161,7 @@ class Density:
 
 
 def density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
-    """The invariant density of a chaotic attractor.
-
-    None if no iterate is found that expands everywhere, or rounding leaves open which it is, or the
-    budget does not suffice.
-    """
+    """The invariant density; None if no iterate expands, rounding leaves it open, or no budget."""
     try:
         return _density_of(line, bands, meter)
     except BudgetError:
@@ -224,7 +209,6 @@ def _slack(rest: float) -> Any:
 
 
 def _enclosure(x: Exact) -> Any:
-    """A number as an interval of mpmath."""
     low, high = map(quotient_enclosure, enclosed(x, BITS))
     return mpmath.iv.mpf([low.a, high.b])
 
@@ -328,7 +312,6 @@ def _solved(matrix: list[list[Any]]) -> list[Any] | None:
 
 
 def _size(x: Any) -> Any:
-    """The least size of a number, zero if it may be zero."""
     if not isinstance(x, mpmath.ctx_iv.ivmpf):
         return abs_(x)
     return mpmath.mpf(0) if 0 in x else min(abs(mpmath.mpf(x.a)), abs(mpmath.mpf(x.b)))

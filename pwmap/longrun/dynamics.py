@@ -37,14 +37,7 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 
 
 class Extremum(Enum):
-    """What the iterate of a map is at one side of a break; the value is its symbol.
-
-    Examples
-    --------
-    >>> from pwmap.longrun import Extremum
-    >>> [(kind.name, kind.value) for kind in Extremum]
-    [('MAXIMUM', 'M'), ('MINIMUM', 'm'), ('CONSTANT', 'c')]
-    """
+    """What the iterate of a map is at one side of a break; the value is its symbol."""
 
     MAXIMUM = "M"
     MINIMUM = "m"
@@ -53,30 +46,18 @@ class Extremum(Enum):
 
 @dataclass(frozen=True, slots=True)
 class MinMax:
-    """The min-max sequence of one side of a break [Amigo2012].
+    """The min-max sequence of one side of a break [Amigo2012], of a :class:`Kneading`.
 
-    The n-th iterate, n = 1, 2, ..., has a limit at the break from that side. If it comes to it from
-    below, points beside the break are mapped to the left of the limit: it is a local maximum of the
-    iterate's branch there; a minimum if they are mapped to its right. Its address is the piece in
-    which these images lie.
+    The n-th iterate, n = 1, 2, ..., has a limit at the break from that side. If points beside the
+    break are mapped to the left of the limit, it is a local maximum of the iterate's branch there;
+    a minimum if they are mapped to its right. Its address is the piece in which these images lie.
 
     Attributes
     ----------
     symbols
-        What the iterate is, and the letter of the address, for n = 1, 2, ... Beyond a flat piece
-        iterates are constant.
+        Extremum and letter of the address for n = 1, 2, ...; constant beyond a flat piece.
     start
-        The number of the first that comes again and again with all that follow; None if that is not
-        known.
-
-    Examples
-    --------
-    >>> from sympy import sqrt
-    >>> from pwmap import PiecewiseLinearMap, dynamics
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> kneading, *_ = dynamics(tent, {"a": (1 + sqrt(5))/2}).kneading
-    >>> print(kneading.minmax)
-    (M^R m^L m^R)
+        The number of the first that recurs with all that follow; None if that is not known.
     """
 
     symbols: tuple[tuple[Extremum, str], ...]
@@ -96,18 +77,14 @@ class Kneading:
 
     Attributes
     ----------
-    x
-        The break.
-    side
-        -1 for the limit from the left, +1 from the right.
+    x, side
+        The break, and -1 for the limit from the left, +1 from the right.
     word
-        The letters, those that come again and again in brackets; dots where it was not followed on.
+        The letters, with those that recur in brackets; dots where it was not followed on.
     fate
         What becomes of the orbit, in words.
-    letters
-        The same letters one by one, each once.
-    repeating
-        How many of the last ones come again and again; 0 if none are known to.
+    letters, repeating
+        The same letters one by one, and how many of the last ones recur; 0 if none are known to.
     minmax
         Whether limits of the iterates are maxima or minima of their branches, with addresses.
 
@@ -117,8 +94,8 @@ class Kneading:
     >>> from pwmap import PiecewiseLinearMap, dynamics
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
     >>> kneading, *_ = dynamics(tent, {"a": (1 + sqrt(5))/2}).kneading
-    >>> kneading.x, kneading.side, kneading.word, kneading.fate
-    (1/2, -1, 'L(RLR)', 'periodic after a while')
+    >>> kneading.x, kneading.side, kneading.word, str(kneading.minmax)
+    (1/2, -1, 'L(RLR)', '(M^R m^L m^R)')
     """
 
     x: sympy.Expr
@@ -132,25 +109,10 @@ class Kneading:
 
 @dataclass(frozen=True, eq=False)
 class Attractor:
-    """What orbits settle to, with what surrounds it.
+    """What orbits settle to, with what surrounds it; one of those of :func:`pwmap.dynamics`.
 
-    An attracting cycle, neutral intervals full of cycles, or the bands of a chaotic attractor.
-
-    Attributes
-    ----------
-    core
-        The cycle, the intervals or the bands, in exact numbers.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, dynamics
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> bands, = dynamics(tent, {"a": "7/5"}).attractors
-    >>> print(bands, bands.is_chaotic, bands.basin[0])
-    2 bands: [21/50, 721/1250], [147/250, 7/10] True Interval.open(0, 1)
-    >>> cycle, = dynamics(tent, {"a": "1/2"}).attractors
-    >>> cycle.points, cycle.multiplier, cycle.is_chaotic
-    ((0,), 1/2, False)
+    ``core`` is an attracting cycle, neutral intervals full of cycles, or the bands of a chaotic
+    attractor, in exact numbers.
     """
 
     line: MapLine
@@ -202,8 +164,8 @@ class Attractor:
     def period(self) -> int:
         """Of a cycle, or of all points of neutral intervals but the middles of turned ones.
 
-        For bands it is the greatest common divisor of the times of return: some iterate of that
-        order, and none of a lower one, mixes in each part [Block1980].
+        For bands the greatest common divisor of the return times: the order of the first iterate
+        that mixes in each part [Block1980].
         """
         if not isinstance(self.core, Bands):
             return self.core.period
@@ -275,24 +237,9 @@ class Attractor:
         return whole_basin(self.line, self._core, self._basin, metered(self.budget))
 
     def share(self, window: tuple[object, object]) -> sympy.Expr:
-        """The part of a window that the immediate basin covers.
+        """The part of a window, two rationals, that the immediate basin covers: exact, from 0 to 1.
 
-        Parameters
-        ----------
-        window
-            Two rationals.
-
-        Returns
-        -------
-        sympy.Expr
-            From 0 to 1, exact.
-
-        Raises
-        ------
-        ValueError
-            If the window is no interval.
-        TypeError
-            If an end is a float.
+        ValueError if the window is no interval, TypeError if an end is a float.
         """
         low, high = (rational(end) for end in window)
         if not low < high:
@@ -300,7 +247,6 @@ class Attractor:
         return exact_to_sympy(share(self._basin, (low, high)))
 
     def __str__(self) -> str:
-        """Its kind, and where it is."""
         if self.points:
             return f"cycle {self.word} through {self.points[0]}"
         intervals = (*self.bands, *self.neutral)
@@ -310,26 +256,17 @@ class Attractor:
         return f"{len(intervals)} {kind}{'s' * (len(intervals) > 1)}{word}: {shown}"
 
     def __repr__(self) -> str:
-        """The same, with its type."""
         return f"Attractor({self})"
 
 
 class FoundAttractors(tuple[Attractor, ...]):
-    """Attractors of a map, and the breaks of which it is open where orbits beside them settle.
+    """The attractors of a map; complete unless orbits beside some breaks (``open``) are unsettled.
 
-    Attributes
-    ----------
-    open
-        These breaks; if there is none the attractors are complete.
-    cause
-        A sentence if a budget or an interrupt is the cause.
+    ``cause`` is a sentence if a budget or an interrupt is the cause.
 
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, dynamics
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> dynamics(tent, {"a": "1/2"}).attractors
-    (Attractor(cycle L through 0),)
     >>> flat = PiecewiseLinearMap.from_sympy("Piecewise((x/2, x < 1), (1, True))")
     >>> found = dynamics(flat).attractors
     >>> found
@@ -361,7 +298,6 @@ class FoundAttractors(tuple[Attractor, ...]):
         return "; ".join([*parts, self.cause]) if self.cause else "".join(parts)
 
     def __repr__(self) -> str:
-        """All of them, and what is missing."""
         if not self.left_out:
             return super().__repr__()
         return f"({', '.join([*map(repr, self), self.left_out])})"
@@ -369,22 +305,10 @@ class FoundAttractors(tuple[Attractor, ...]):
 
 @dataclass(frozen=True, eq=False)
 class Dynamics:
-    """The long run of a map at one place of its parameters.
+    """The long run of a map at one place of its parameters; each part is computed when it is used.
 
-    Attributes
-    ----------
-    orders
-        Up to which the graph of laps is made for bounds of the entropy, one after the other.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, dynamics
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> found = dynamics(tent, {"a": 2})
-    >>> found.entropy.value, found.absorbing, found.laps(4)
-    (log(2), Interval(0, 1), [2, 4, 8, 16])
-    >>> print(*found.attractors)
-    1 band: [0, 1]
+    It comes from :func:`pwmap.dynamics`. ``orders`` are those up to which the graph of laps is made
+    for bounds of the entropy, in turn.
     """
 
     line: MapLine
@@ -392,7 +316,6 @@ class Dynamics:
     budget: Budget | Meter = field(default=BUDGET, repr=False)
 
     def __repr__(self) -> str:
-        """Its pieces, and its attractors, with what is missing."""
         pieces = counted(len(self.line.branches), "piece")
         return f"Dynamics(map of {pieces}, attractors: {self.attractors!r})"
 
@@ -404,7 +327,7 @@ class Dynamics:
     def attractors(self) -> FoundAttractors:
         """All bounded attractors: cycles, neutral intervals, then bands, each from left to right.
 
-        Where breaks are left :attr:`open` there may be more; the text of the result says so.
+        There may be more beside breaks that are left :attr:`open`.
         """
         found = self._found
         cores: list[AttractingCycle | NeutralIntervals | Bands] = [
@@ -421,9 +344,9 @@ class Dynamics:
 
     @cached_property
     def absorbing(self) -> sympy.Interval | None:
-        """The smallest closed interval with all breaks, and their images, mapped into itself.
+        """The smallest closed interval with all breaks and their images that is mapped into itself.
 
-        None if there is none, since some of their orbits are lost, or if there is no break.
+        None if there is none, as some of their orbits are lost, or if there is no break.
         """
         found = absorbing_of(self.line)
         return None if found is None else _closed(found)
@@ -455,19 +378,9 @@ class Dynamics:
         return all(orbit.fate is not Fate.OPEN for orbit in self._found.orbits)
 
     def laps(self, order: int) -> list[int]:
-        """Into how many intervals, each with one affine piece, iterates up to one cut the line.
+        """How many affine pieces the iterates 1, 2, ... up to an order have, as one list.
 
         It takes time in proportion to the square of the order, not to the number of laps.
-
-        Parameters
-        ----------
-        order
-            The largest order, at least 1.
-
-        Returns
-        -------
-        list of int
-            One number for each order from 1 to ``order``.
         """
         return lap_numbers(self.line, checked_order(order), metered(self.budget))
 
@@ -486,14 +399,13 @@ def dynamics(
     map_
         The map, or an iterate.
     values
-        Of its parameters by symbol or name: rationals, and one may be a real algebraic number given
-        as an expression, such as ``(1 + sqrt(5))/2``.
+        Of its parameters by symbol or name: rationals, and one may be a real algebraic number such
+        as ``(1 + sqrt(5))/2``.
     orders
-        Up to which the graph of laps is made, one after the other, until the entropy is known to
-        1e-12; higher ones are closer.
+        Up to which the graph of laps is made, in turn, until the entropy is known to 1e-12.
     budget
-        What each question about the result may take: where it ends attractors are incomplete,
-        bounds wide, basins parts of the whole, and densities missing.
+        Of each part of the result: at its end attractors are incomplete, bounds wide, basins parts
+        of the whole, and densities missing.
 
     Returns
     -------
@@ -512,8 +424,11 @@ def dynamics(
     >>> from pwmap import PiecewiseLinearMap, dynamics
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
     >>> found = dynamics(tent, {"a": "7/5"})
-    >>> print(*found.attractors)
-    2 bands: [21/50, 721/1250], [147/250, 7/10]
+    >>> bands, = found.attractors
+    >>> print(bands, bands.is_chaotic, bands.basin[0])
+    2 bands: [21/50, 721/1250], [147/250, 7/10] True Interval.open(0, 1)
+    >>> found.absorbing, found.laps(4)
+    (Interval(21/50, 7/10), [2, 4, 8, 14])
     """
     for order in orders:
         checked_order(order)
@@ -560,11 +475,9 @@ def _from_first_image(sides: Sequence[int], letters: Sequence[str], start: int |
 
 
 def _bracketed(interval: sympy.Interval) -> str:
-    """An interval with brackets at ends that belong to it, else parentheses."""
     low, high = "(" if interval.left_open else "[", ")" if interval.right_open else "]"
     return f"{low}{interval.start}, {interval.end}{high}"
 
 
 def _closed(interval: Interval) -> sympy.Interval:
-    """An interval as a set of sympy."""
     return sympy.Interval(exact_to_sympy(interval[0]), exact_to_sympy(interval[1]))

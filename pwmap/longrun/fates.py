@@ -36,6 +36,8 @@ class Fate(Enum):
 class AttractingCycle:
     """A cycle to which all orbits close to it come.
 
+    The core of an attractor of :func:`pwmap.dynamics`.
+
     Attributes
     ----------
     points
@@ -43,17 +45,9 @@ class AttractingCycle:
     word
         The letters of the pieces they lie in.
     multiplier
-        Product of the slopes; its size is less than one.
+        Product of the slopes, less than one in size.
     reach
-        How close an orbit must come to each point to be drawn in; infinite if it need not be close.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, dynamics
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> cycle = dynamics(tent, {"a": "1/2"}).attractors[0].core
-    >>> type(cycle).__name__, cycle.word, cycle.points, cycle.multiplier
-    ('AttractingCycle', 'L', (0,), 1/2)
+        How close to each point an orbit must come to be drawn in; it may be infinite.
     """
 
     points: tuple[Exact, ...]
@@ -67,18 +61,7 @@ class AttractingCycle:
         return len(self.points)
 
     def draws(self, x: Exact) -> bool:
-        """Whether an orbit that comes to a point is known to be drawn in.
-
-        Parameters
-        ----------
-        x
-            An exact number.
-
-        Returns
-        -------
-        bool
-            False also where it is not known.
-        """
+        """Whether an orbit that comes to an exact number is known to be drawn in."""
         k = bisect_left(self.drawn_in, x, key=lambda each: each[1])
         return k < len(self.drawn_in) and bool(self.drawn_in[k][0] < x < self.drawn_in[k][1])
 
@@ -189,11 +172,7 @@ class Fates:
         return self.attracting(whole.fixed_point, period)
 
     def attracting(self, x: Exact, period: int) -> AttractingCycle | None:
-        """The attracting cycle of a point; None if it has none, or a jump of it is in the way.
-
-        What lies as close to a point as its reach follows its pieces: the first time round it stays
-        within them, and then it is closer.
-        """
+        """The attracting cycle of a point; None if it has none, or a jump of it is in the way."""
         points, slopes, word = list[Exact](), list[Exact](), list[str]()
         for _ in range(period):
             if x in self.line.breaks:
@@ -218,14 +197,10 @@ class Fates:
         return AttractingCycle(tuple(points), "".join(word), multiplier, reach)
 
     def _reach(self, points: Sequence[Exact], slopes: Sequence[Exact]) -> tuple[Exact, ...]:
-        """How close to each point of a cycle orbits follow it once round.
-
-        As close as the nearest break, and as the reach of the next point allows. That follows from
-        the last point back, twice: a second turn asks for less than the first, which is smaller by
-        the multiplier.
-        """
+        """How close to each point of a cycle orbits follow it once round."""
         away = [min((abs_(x - at) for at in self.line.breaks), default=HIGHEST) for x in points]
         found, after = list[Exact](away), HIGHEST
+        # twice: the second turn needs less than the first, by the multiplier
         for k in [*reversed(range(len(points)))] * 2:
             near = after / abs_(slopes[k]) if slopes[k] else HIGHEST
             after = found[k] = min(away[k], near)
@@ -238,16 +213,13 @@ def abs_(x: Exact) -> Exact:
 
 
 def escapes(line: MapLine) -> Interval:
-    """Ends beyond which orbits tend to infinity, below and above; infinite where they do not.
-
-    Where both outer pieces rise each side is for itself; a falling one maps its far end to the
-    other side, and two falling ones map both to each other.
-    """
+    """Ends beyond which orbits tend to infinity, below and above; infinite where they do not."""
     left, right = line.branches[0], line.branches[-1]
     below, above = _own(left, -1), _own(right, 1)
     turns = sign(left.slope), sign(right.slope)
     if len(line.branches) == 1:
         return below, above
+    # a falling piece maps its far end to the other side
     if turns[0] < 0:
         below = min(left.upper, (above - left.intercept) / left.slope)
     if turns[1] < 0:
@@ -268,13 +240,10 @@ def _own(branch: AffinePiece, side: int) -> Exact:
 
 
 def _swapped(left: AffinePiece, right: AffinePiece) -> Interval:
-    """The ends where two falling pieces map what lies beyond to each other's side.
-
-    Twice, each is an affine map that runs away from its fixed point, a 2-cycle of the two pieces;
-    if that does not lie in them, from where both images do.
-    """
+    """The ends where two falling pieces map what lies beyond to each other's side."""
     slope = left.slope * right.slope
     low = (right.slope * left.intercept + right.intercept) / (1 - slope)
+    # from a 2-cycle of both pieces or, if it is not in them, where both images are
     low = min(low, left.upper, (right.lower - left.intercept) / left.slope)
     high = left(low)
     return low, max(high, right.lower)

@@ -1,8 +1,7 @@
 """A piecewise-linear map of the line at one place of its parameters, in exact numbers.
 
-What orbits do beside a break is the orbit of a *germ*: a point with a side, to which all points
-close to it on that side stay close as long as they are not cut by another break. A germ maps to a
-germ, by the piece on its side; only where that piece is flat it becomes a point without a side.
+A *germ* is a point with a side: the orbits of all points close to it on that side, as long as no
+break cuts them. It maps to a germ, by the piece on its side, or to a point if that piece is flat.
 """
 
 from __future__ import annotations
@@ -190,9 +189,9 @@ def length(intervals: Iterable[Interval]) -> Exact:
 def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None) -> MapLine:
     """A map at one place of its parameters.
 
-    Values are rationals by symbol or name, and one may be a real algebraic number given as an
-    expression, such as ``(1 + sqrt(5))/2``. ValueError if a parameter has no value, or several have
-    algebraic values, or of an iterate; TypeError if it is no map, or a value is a float.
+    Values are rationals by symbol or name, and one may be algebraic, such as ``(1 + sqrt(5))/2``.
+    ValueError if one is missing, several are algebraic, or of an iterate; TypeError if it is no
+    map, or a value is a float.
     """
     check_map(map_)
     rationals, roots = dict[str, object](), dict[str, RealRoot]()
@@ -251,12 +250,7 @@ def _of_pieces(map_: PiecewiseLinearMap) -> MapLine:
 
 
 def line_at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
-    """A map of one parameter at a rational or algebraic value of it.
-
-    Its branches are those of the map's layout, one by one.
-
-    ValueError if that contradicts what is assumed of it.
-    """
+    """A map at a rational or algebraic value of its parameter; ValueError if that is excluded."""
     table, ring = map_.definition.table, map_.definition.ring
 
     def element(polynomial: Any) -> Exact:

@@ -1,9 +1,9 @@
 """Neutral intervals: words of slope 1 or -1 that points of a whole interval follow for ever.
 
-A word of slope 1 that takes one point back takes back all points beside it which follow it: they
-are all periodic, and neither attract nor repel. With slope -1 the word turns an interval about its
-middle, and twice the word takes all of it back. The largest such interval reaches to a break, or an
-image of it does. So it is found from a germ at a break that comes back to itself with slope 1.
+A word of slope 1 that takes one point back takes back all that follow it: they are periodic, and
+neither attract nor repel. One of slope -1 turns an interval about its middle, so that two rounds
+do. The largest such interval reaches to a break, or an image of it does, and is found from a germ
+at a break that comes back with slope 1.
 """
 
 from __future__ import annotations
@@ -24,12 +24,10 @@ from pwmap.longrun.pointsets import Part, PointSet, point_set
 class NeutralIntervals:
     """Intervals that a map permutes, and all of whose points are periodic.
 
-    Orbits that come to them end in a cycle there, each in one of its own.
-
     Attributes
     ----------
     intervals
-        The ends of each, in the order in which they are visited, from the leftmost on.
+        The ends of each, in the order of visits, from the leftmost on.
     parts
         The same with the ends that belong to them.
     word
@@ -43,10 +41,8 @@ class NeutralIntervals:
     >>> from pwmap import PiecewiseLinearMap, dynamics
     >>> turned = PiecewiseLinearMap.from_sympy("Piecewise((3 - x, x < 2), (9 - 3*x, True))")
     >>> neutral = dynamics(turned).attractors[0].core
-    >>> type(neutral).__name__, neutral.word, neutral.multiplier, neutral.period
-    ('NeutralIntervals', 'L', -1, 2)
-    >>> [(str(low), str(high)) for low, high in neutral.intervals]
-    [('1', '2')]
+    >>> neutral.word, neutral.multiplier, neutral.period, [tuple(map(str, neutral.intervals[0]))]
+    ('L', -1, 2, [('1', '2')])
     """
 
     intervals: tuple[Interval, ...]
@@ -55,7 +51,6 @@ class NeutralIntervals:
     multiplier: int
 
     def __len__(self) -> int:
-        """How many intervals."""
         return len(self.intervals)
 
     @property

@@ -1,8 +1,7 @@
 """Real numbers that can be added, multiplied, divided and compared exactly.
 
-These are the rationals, and the numbers of a field Q(t) of one real algebraic number t, such as the
-golden mean. Both have + - * / and < and ==, so that what computes with them need not know which
-they are.
+These are the rationals, and the numbers of a field Q(t) of one real algebraic number t, with the
+same operators.
 """
 
 from __future__ import annotations
@@ -27,10 +26,7 @@ Exact = Any  # an element of QQ, or an Element; an end of an interval may be Inf
 
 @total_ordering
 class Element:
-    """A number of the field of one real root: a polynomial in it, of a lower degree than its own.
-
-    Its value has coefficients, highest power first, reduced.
-    """
+    """A number of the field of one real root: its reduced coefficients, highest power first."""
 
     __slots__ = ("root", "value")
 
@@ -120,11 +116,7 @@ def work_of(x: Exact) -> int:
 
 
 def in_order(numbers: Iterable[Exact]) -> list[Exact]:
-    """Numbers from the smallest on.
-
-    Long fractions, whose comparison takes long products, are compared where their doubles are the
-    same; others differ as these do, which are the nearest.
-    """
+    """Numbers from the smallest on: by their nearest doubles, exactly where these are equal."""
     listed = list(numbers)
     if any(isinstance(x, Element) for x in listed):
         return sorted(listed)
@@ -146,7 +138,7 @@ def exact_to_sympy(x: Exact) -> sympy.Expr:
 def enclosed(x: Exact, bits: int = 64) -> tuple[Fraction, Fraction]:
     """Fractions below and above a number, equal if it is rational, else 2**-bits apart or closer.
 
-    The width is in units of the number's own size, and of one if that is smaller.
+    The width is relative to the larger of the number's size and one.
     """
     if not isinstance(x, Element):
         exact = Fraction(*pair(x))

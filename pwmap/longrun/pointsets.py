@@ -1,9 +1,8 @@
-"""Sets made of finitely many intervals and points of the line, exactly, with or without their ends.
+"""Sets of finitely many intervals and points of the line, exactly, with or without their ends.
 
-An end is a *cut*: a place between a number and what lies beside it, just below it (-1) or just
-above it (+1). An interval lies between two cuts, [a, b) between those just below a and just below
-b, and a point between the two cuts beside it. So there is one kind of part, and cuts are compared
-as pairs.
+An end is a *cut*: just below (-1) or just above (+1) a number. An interval [a, b) lies between the
+cuts just below a and just below b, a point between the two cuts beside it. So there is one kind of
+part, and cuts are compared as pairs.
 """
 
 from __future__ import annotations

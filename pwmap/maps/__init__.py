@@ -1,7 +1,4 @@
-"""Maps as words, pieces and cylinders; what a computation may take.
-
-A name is loaded with what it needs when it is first used.
-"""
+"""Maps as words, pieces and cylinders; what a computation may take."""
 
 import lazy_loader
 

@@ -1,12 +1,8 @@
 """How much may be computed, how far a computation is, and how it ends early.
 
-A *budget* is what a caller allows: limits, which are counts, so that every machine gives the same
-answer, whom to tell, and whether an interrupt keeps what is finished. A call makes a *meter* of it,
-hands that down to whatever loops, and each loop notes its work there before it does it. So no part
-needs limits of its own; where one is reached, the outermost loop keeps the parts that are finished,
-and the result says what is missing. The meter is an argument and no state of the module or of a
-context: a signature says what is metered, a test can hand over a small one, and results that
-compute when they are asked, long after the call, still have theirs.
+A call makes a *meter* of its *budget* and hands it down; each loop notes its work there before it
+does it. At a limit or an interrupt the outermost loop keeps the parts that are finished, and the
+result says what is missing. The meter is an argument, no global state: lazy results keep theirs.
 """
 
 from __future__ import annotations
@@ -25,27 +21,15 @@ OFTEN = 0.25  # seconds between two calls of ``progress``
 
 
 class Advance(NamedTuple):
-    """How far a call is.
+    """How far a call is, as :class:`pwmap.Budget` tells it.
 
     Attributes
     ----------
-    what
-        What is counted, such as ``"columns"``; empty before anything is.
-    done
-        How many of them are finished.
-    total
-        How many there are; 0 if that is not known in advance.
+    what, done, total
+        What is counted, such as ``"columns"`` (empty before anything is), and how many of how many
+        are finished; the total is 0 if it is not known in advance.
     work
-        That was done so far, as :class:`pwmap.Budget` counts it.
-
-    Examples
-    --------
-    >>> from pwmap import Budget, PiecewiseLinearMap, tongues
-    >>> circle = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
-    >>> told = []
-    >>> found = tongues(circle, 5, budget=Budget(progress=told.append))
-    >>> told[-1][:3]
-    ('tongues', 11, 11)
+        That was done so far.
     """
 
     what: str
@@ -61,39 +45,38 @@ NOTHING = Advance("", 0, 0, 0)
 class Budget:
     """What a call may take, whom it tells how far it is, and what an interrupt does.
 
-    Limits are counts, so that they are the same on every machine. Where one is reached the call
-    returns what is finished, and the result says what is not; if nothing is, or a part of the
-    result would be wrong, it raises :class:`BudgetError`.
+    At a limit the call returns what is finished, and the result says what is not; if nothing is, or
+    a part of the result would be wrong, it raises :class:`BudgetError`. Limits are counts, the same
+    on every machine; the default ones allow about a minute.
 
     Attributes
     ----------
     pieces
-        Of one iterate of a map; of a diagram, of all iterates in all cells together. So many take
-        about a minute and half a gigabyte.
+        Of one iterate of a map; of a diagram, of all iterates in all cells together, in about half
+        a gigabyte.
     letters
-        Of a word. What follows a word takes time in proportion to its square.
+        Of a word, which takes time in proportion to its square.
     work
-        Exact operations, weighted by the length of their numbers, see :func:`cost`. So many take
-        about a minute.
+        Exact operations, weighted by the length of their numbers, see :func:`cost`.
     seconds
         None for no limit; with one, what is finished depends on the machine.
     progress
         Is called with a :class:`pwmap.maps.Advance` at once, some times a second, and after each
         part.
     on_interrupt
-        Is called at Ctrl-C, after which what is finished is returned; by default nothing is, and
+        Is called at Ctrl-C, after which what is finished is returned; by default
         ``KeyboardInterrupt`` is raised.
 
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, Budget, bifurcation_diagram
-    >>> p1 = PiecewiseLinearMap.from_sympy(
-    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
-    ... )
-    >>> few = Budget(pieces=40)
-    >>> diagram = bifurcation_diagram(p1.at({"a": "5/4"}), "r", (-1, 4), range(1, 9), budget=few)
-    >>> diagram.given
+    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
+    >>> told = []
+    >>> few = Budget(pieces=40, progress=told.append)
+    >>> bifurcation_diagram(p1, "r", (-1, 4), range(1, 9), budget=few).given
     ('stopped after orders 1..2: order 3 takes more than 40 pieces in all cells',)
+    >>> told[-1][:3]
+    ('orders', 2, 8)
     """
 
     pieces: int = 500_000
@@ -116,41 +99,17 @@ BUDGET = Budget()
 
 
 class BudgetError(ValueError):
-    """A budget is used up.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, BudgetError
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
-    >>> try:
-    ...     p1.iterate(10**6)
-    ... except BudgetError as error:
-    ...     print(error)
-    the iterate of order 1000000 is too large: each of its pieces would have a word of 1000000
-    letters, at most 10000 are allowed
-    """
+    """A budget is used up; a :class:`Budget` with other limits allows more."""
 
 
 def cost(bits: int) -> int:
-    """The work of one operation upon rationals whose parts have together so many bits.
-
-    That of short ones is 1, about a microsecond; long ones take time in proportion to their length,
-    and very long ones, whose common divisors are sought, to its square.
-
-    Examples
-    --------
-    >>> from pwmap.maps.budget import cost
-    >>> [cost(bits) for bits in (10, 1000, 10_000, 100_000)]
-    [1, 9, 440, 38807]
-    """
+    """The work of one operation on rationals of so many bits, in products of short ones (1 us)."""
+    # very long ones are reduced by their common divisor: squared
     return 1 + bits // 128 + (bits // 512) ** 2
 
 
 class Meter:
-    """What a call has used of a budget.
-
-    A call that is part of another one takes the meter of that one in place of a budget, and both
-    have one limit.
+    """What a call has used of a budget; a call inside another one takes its meter as a budget.
 
     Parameters
     ----------
@@ -191,18 +150,7 @@ class Meter:
         self._tell()
 
     def spend(self, work: int) -> None:
-        """Take note of work that is about to be done.
-
-        Parameters
-        ----------
-        work
-            As :func:`cost` weighs it.
-
-        Raises
-        ------
-        BudgetError
-            If that is more than is left.
-        """
+        """Note work, as :func:`cost` weighs it, before it is done; BudgetError if too much."""
         self.work += work
         if self.work >= self._next:
             self._look()
@@ -224,7 +172,7 @@ class Meter:
         return next((loop for loop in self._loops if loop.what), NOTHING)
 
     def advance(self, what: str, done: int, total: int = 0) -> None:
-        """Take note of how many parts are finished, and tell it.
+        """Note how many parts are finished, and tell it.
 
         Parameters
         ----------
@@ -241,14 +189,12 @@ class Meter:
             self.budget.progress(self._outermost._replace(work=self.work))
 
     def each(self, parts: Iterable[Part], what: str) -> Iterator[Part]:
-        """One part after the other; of loops within each other the outermost is told.
+        """One part after the other; of nested loops the outermost is told.
 
         Parameters
         ----------
-        parts
-            Those that a loop goes through.
-        what
-            What they are, in words.
+        parts, what
+            Those that a loop goes through, and what they are, in words.
 
         Returns
         -------
@@ -269,20 +215,9 @@ class Meter:
     def keeping(self, finished: Sized) -> Iterator[None]:
         """Let a loop end early, at a limit or an interrupt, if it has finished anything.
 
-        Parameters
-        ----------
-        finished
-            The parts so far, to which the loop adds each when it is finished.
-
-        Returns
-        -------
-        context manager
-            Around the loop; behind it :attr:`left_out` says whether it ended early.
-
-        Raises
-        ------
-        BudgetError, KeyboardInterrupt
-            If nothing is finished, or an interrupt is to keep nothing.
+        The loop inside of this context adds each part to ``finished``; behind it :attr:`left_out`
+        says whether it ended early. BudgetError or KeyboardInterrupt passes if nothing is finished,
+        or an interrupt is to keep nothing.
         """
         self._loops.append(NOTHING)
         try:
@@ -308,10 +243,7 @@ class Meter:
 
 
 def metered(budget: Budget | Meter, on_interrupt: Callable[[], None] | None = None) -> Meter:
-    """The meter of a call, or of the one that it is part of.
-
-    An ``on_interrupt`` of the call itself goes before that of a budget.
-    """
+    """The meter of a call, or of the one it is part of; its own ``on_interrupt`` goes first."""
     if isinstance(budget, Meter):
         return budget
     return Meter(budget if on_interrupt is None else replace(budget, on_interrupt=on_interrupt))
@@ -320,17 +252,7 @@ def metered(budget: Budget | Meter, on_interrupt: Callable[[], None] | None = No
 class Progress(NamedTuple):
     """What was completed: the last order, with its cells, edges included, and all pieces so far.
 
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
-    >>> p1 = PiecewiseLinearMap.from_sympy(
-    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
-    ... )
-    >>> seen = []
-    >>> at_a = p1.at({"a": "5/4"})
-    >>> diagram = bifurcation_diagram(at_a, "r", (-1, 4), orders=(1, 2), progress=seen.append)
-    >>> seen[-1]
-    Progress(order=2, cells=7, pieces=34)
+    :func:`pwmap.bifurcation_diagram` tells it to its ``progress``.
     """
 
     order: int
@@ -342,10 +264,7 @@ Report = Callable[[Progress], None]
 
 
 def checked_size(order: int, maps: int, budget: Budget = BUDGET) -> None:
-    """Refuse an iterate of a composition of some maps whose words would be too long.
-
-    BudgetError with the length they would have.
-    """
+    """BudgetError if the words of an iterate of a composition of some maps would be too long."""
     letters = order * maps
     if letters > budget.letters:
         raise BudgetError(

@@ -17,28 +17,16 @@ from pwmap.maps.words import Layout, Offset, Word
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cycle:
-    """A cycle given by its word.
+    """What :meth:`PiecewiseLinearMap.cycle` gives: a cycle by its word.
 
     Attributes
     ----------
     points
-        The points, in the order of the word.
+        In the order of the word.
     multiplier
         Product of the slopes of the pieces visited; ``nan`` if one of them is a single point.
     conditions
         What must hold for the cycle to exist: each point in its piece.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> p1 = PiecewiseLinearMap.from_sympy(
-    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
-    ... )
-    >>> cycle = p1.cycle("RL")
-    >>> cycle.points, cycle.multiplier
-    ((r - 2, -a*r + 2*a + r), 0)
-    >>> cycle.conditions
-    (r - 2 > 0, -a*r + 2*a + r <= 0)
     """
 
     word: str
@@ -50,13 +38,7 @@ class Cycle:
 
     @property
     def admissible(self) -> bool:
-        """Whether all conditions hold.
-
-        Raises
-        ------
-        UndecidedError
-            If that does not follow from what is assumed of the parameters.
-        """
+        """Whether all conditions hold; UndecidedError if the assumptions leave that open."""
         decide = self._scope.sign
         return all(
             decide(top) * decide(bottom) >= (0 if closed else 1)
@@ -116,7 +98,6 @@ def _read_word(map_: Decided, word: str) -> Word:
 
 
 def _cycle_points(map_: Decided, word: Word) -> tuple[list[Fraction_], sympy.Expr]:
-    """Points and multiplier of a cycle."""
     root = word[: map_.period(word)]  # what is repeated has the same points
     slope = map_.orbits.slope(word)
     at = _point_piece(map_, root)
@@ -152,11 +133,7 @@ def _point_piece(map_: Decided, word: Word) -> Cut | None:
 
 
 def _only_point(map_: Decided, word: Word) -> Cut:
-    """Where a cycle passes whose word has slope 1.
-
-    All points of such a word are fixed, or none. The cycle is isolated where the word has one
-    point only: its neighbours, on both sides, visit other pieces.
-    """
+    """Where a cycle of slope 1 passes: only one whose word has a single point is isolated."""
     if map_.oracle.sign(Offset(word)) == 0:
         chain = map_.chain * (len(word) // map_.order)
         cylinder = cyl.cylinder_of(word, chain, map_.oracle)

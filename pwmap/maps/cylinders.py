@@ -1,9 +1,9 @@
 """Iterates of a piecewise-linear map as cylinders, and what lies on the diagonal in each.
 
-The *cylinder* of a word is the set of points that visit the pieces the word names. Each letter is
-an interval and each A_w is monotone, so a cylinder is an interval, and the cylinders of length n
-partition the line: they are the pieces of the n-th iterate. Their ends are kept as cuts (a
-preimage of a break along the word's own prefix), never as numbers.
+The *cylinder* of a word is the set of points that visit the pieces the word names. Each A_w is
+monotone, so cylinders of length n are intervals that partition the line: the pieces of the n-th
+iterate. Their ends are kept as cuts (a preimage of a break along the word's own prefix), never as
+numbers.
 """
 
 from __future__ import annotations
@@ -53,12 +53,7 @@ def refined(
     meter: Meter,
     ask: Ask | None = None,
 ) -> tuple[Cylinder, ...]:
-    """Cylinders one letter longer: the pieces of P o Q from those of Q, where P is ``layout``.
-
-    Who is asked may know answers from elsewhere; by default it is the oracle.
-
-    BudgetError if there are too many.
-    """
+    """The pieces of P o Q from the cylinders of Q, P being ``layout``; BudgetError if too many."""
     pieces, ask = list[Cylinder](), ask or oracle.ask
     for cylinder in cylinders:
         meter.spend(PIECE + oracle.orbits.work(len(cylinder.word)))
@@ -132,12 +127,10 @@ def _split(cylinder: Cylinder, layout: int, oracle: SignOracle) -> Iterator[Cyli
 
 
 def _constant_value(cylinder: Cylinder, oracle: SignOracle) -> tuple[int, Word]:
-    """A critical orbit that equals the one value of the iterate on a cylinder.
-
-    On a point it is the orbit of its end. After a letter of slope zero the orbit of any break.
-    """
+    """A critical orbit that equals the one value of the iterate on a cylinder."""
     if cylinder.lower is not None and cylinder.is_point:
         return cylinder.lower.k, cylinder.word[cylinder.lower.steps :]
+    # after a letter of slope zero the orbit of any break
     flat = max(i for i, letter in enumerate(cylinder.word) if oracle.slope((letter,)) == 0)
     return 0, cylinder.word[flat:]
 
@@ -146,12 +139,9 @@ def _constant_value(cylinder: Cylinder, oracle: SignOracle) -> tuple[int, Word]:
 
 
 def above_diagonal(oracle: SignOracle, word: Word, cut: Cut) -> int:
-    """Sign of A_word(x) - x at a cut x of the word.
-
-    Follow both sides along the prefix u that leads from x to its break: A_u is affine with a
-    slope that is not zero, and A_u(A_w(x)) - A_u(x) = A_{vu}(b_k) - b_k for the word w = uv.
-    """
+    """Sign of A_word(x) - x at a cut x of the word."""
     prefix, rest = word[: cut.steps], word[cut.steps :]
+    # with w = uv, u from x to its break: A_u(A_w(x)) - A_u(x) = A_{vu}(b_k) - b_k
     return oracle.slope(prefix) * oracle.sign(CriticalOrbit(cut.k, rest + prefix, cut.k))
 
 
@@ -207,10 +197,7 @@ def iterate_of(cylinders: tuple[Cylinder, ...], ask: Ask) -> StudiedIterate:
 
 
 def inclusion_of(cylinder: Cylinder, known: Sides | None, oracle: SignOracle) -> Inclusion:
-    """Whether the fixed point of a cylinder's affine map lies in it, and where.
-
-    The signs of its sides may be known.
-    """
+    """Whether and where the fixed point of a cylinder's affine map lies in it, from known signs."""
     word = cylinder.word
     steepness = oracle.multiplier(word, 1)
     if steepness == 0:
@@ -231,10 +218,7 @@ def inclusion_of(cylinder: Cylinder, known: Sides | None, oracle: SignOracle) ->
 def crossings(
     cylinders: Sequence[Cylinder], sides: Iterable[Sides | None]
 ) -> Iterator[CylinderCrossing]:
-    """Cuts whose one-sided limits lie strictly on opposite sides of the diagonal.
-
-    The signs of the sides of all cylinders but points are given.
-    """
+    """Cuts whose one-sided limits lie on opposite sides, from signs at all cylinders but points."""
     pairs = zip(cylinders, sides, strict=True)
     intervals = [(each, signs) for each, signs in pairs if signs is not None]
     for (left, (_, before)), (right, (after, _)) in pairwise(intervals):
@@ -254,10 +238,7 @@ def minimal_period(word: Word, unit: int = 1) -> int:
 def words_beside(
     cylinders: Sequence[Cylinder], i: int, inclusion: Inclusion
 ) -> tuple[Cut | None, tuple[Word, ...]]:
-    """The cut at which a fixed point lies, if it does, and the words on its sides.
-
-    There is one word inside a cylinder, and none if the point does not lie in it, or not alone.
-    """
+    """The cut at which a fixed point lies, if any, and the words beside it; of a band, none."""
     cylinder = cylinders[i]
     match inclusion:
         case Inclusion.INSIDE:
@@ -279,16 +260,14 @@ def is_stable(cut: Cut | None, words: tuple[Word, ...], oracle: SignOracle) -> b
 def stability_tests(
     cut: Cut | None, words: tuple[Word, ...], oracle: SignOracle
 ) -> tuple[Callable[[], bool], ...]:
-    """What must be true of a fixed point that attracts from both sides, each on its own.
-
-    At a cut it does if the iterate is continuous there, with slopes m and n on its sides such
-    that m < 1, n < 1 and m n < 1: a positive slope keeps its side, two negative ones take turns.
-    """
+    """What must be true of a fixed point that attracts from both sides, each on its own."""
     if not words:
         return (lambda: False,)
     if cut is None:
         (word,) = words
         return lambda: oracle.multiplier(word, 1) < 0, lambda: oracle.multiplier(word, -1) > 0
+    # continuous with slopes m < 1, n < 1 and m n < 1: a positive slope keeps its side, two
+    # negative ones alternate
     left, right = words
     meets = partial(_meets_diagonal, oracle, cut)
     contracts = partial(_is_less_than_one, oracle)

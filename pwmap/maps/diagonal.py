@@ -20,13 +20,13 @@ from pwmap.maps.words import Layout, Word
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FixedPoint:
-    """A fixed point of an iterate.
+    """A fixed point of an iterate, of :meth:`PiecewiseLinearMap.fixed_points`.
 
     Attributes
     ----------
     x, multiplier
-        Exact values. At the end of a piece the multiplier is the slope of the piece that owns
-        the point; it is ``nan`` where that piece is the point alone.
+        Exact. At the end of a piece the multiplier is the slope of the piece that owns the point,
+        ``nan`` if that is the point alone.
     word
         The pieces visited, starting at x.
     order, period
@@ -34,19 +34,10 @@ class FixedPoint:
     admissible
         False for a virtual fixed point: that of a formula, outside the formula's piece.
     stable
-        Whether all orbits from nearby, on both sides, stay near and converge to it. None if that
-        does not follow from the assumptions on the parameters.
+        Whether all orbits from nearby, on both sides, stay near and converge to it; None if the
+        assumptions leave it open.
     at_border
         Whether it lies at an end of a piece.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
-    >>> for point in p1.fixed_points():
-    ...     print(point.x, point.word, point.multiplier, point.stable)
-    -1 L 0 True
-    4/9 R -5/4 False
     """
 
     x: sympy.Expr
@@ -63,13 +54,7 @@ class FixedPoint:
 class FixedInterval:
     """A piece of an iterate that is the identity: every point of it is fixed.
 
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> mirror = PiecewiseLinearMap.from_sympy("Piecewise((-x, x <= 1), (x - 2, True))")
-    >>> band, *_ = mirror.iterate(2).fixed_intervals()
-    >>> band.interval, band.word, band.period
-    (Interval(-1, 1), 'LL', 2)
+    See :meth:`PiecewiseLinearMap.fixed_intervals`.
     """
 
     interval: sympy.Set
@@ -80,16 +65,7 @@ class FixedInterval:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Discontinuity:
-    """A discontinuity: the one-sided limits, and the value at the point itself.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
-    >>> jump, = p1.jumps()
-    >>> jump
-    Discontinuity(x=0, left=-1, value=-1, right=1)
-    """
+    """A discontinuity: the one-sided limits and the value, of :meth:`PiecewiseLinearMap.jumps`."""
 
     x: sympy.Expr
     left: sympy.Expr
@@ -99,15 +75,9 @@ class Discontinuity:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JumpCrossing:
-    """A discontinuity whose one-sided limits lie strictly on opposite sides of the diagonal.
+    """A discontinuity with limits strictly on opposite sides of the diagonal.
 
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
-    >>> crossing, = p1.iterate(2).jump_crossings()
-    >>> crossing.x, crossing.left, crossing.right, crossing.left_word, crossing.right_word
-    (4/5, 1, -1, 'RR', 'RL')
+    See :meth:`PiecewiseLinearMap.jump_crossings`.
     """
 
     x: sympy.Expr
@@ -171,11 +141,9 @@ def jumps(map_: Decided) -> Iterator[Discontinuity]:
 def _neighbours(
     cylinders: Sequence[Cylinder],
 ) -> Iterator[tuple[Cylinder, Cylinder, Cylinder, Cylinder]]:
-    """For each cut: the interval before it, the pieces that meet there, the interval after it.
-
-    A piece that is a single point lies between two cuts at the same place; that cut comes once.
-    """
+    """For each cut: the interval before it, the pieces that meet there, the interval after it."""
     for i, (left, right) in enumerate(pairwise(cylinders)):
+        # it lies between two cuts at one place, which comes once
         if left.is_point:
             continue
         after = cylinders[i + 2] if right.is_point else right
@@ -261,11 +229,9 @@ def _is_stable(map_: Decided, i: int, inclusion: Inclusion) -> bool | None:
 
 
 def bands(map_: Decided) -> Iterator[tuple[int, int]]:
-    """The pieces on which the map is the identity, by their numbers, with minimal periods.
-
-    Where a word's own slope is -1, points beside its fixed point have twice its period.
-    """
+    """The pieces on which the map is the identity, by their numbers, with minimal periods."""
     for i, cylinder in enumerate(map_.cylinders):
         if _inclusion(map_, i) is Inclusion.BAND:
             period = map_.period(cylinder.word)
+            # a word of slope -1 turns points about its fixed point
             yield i, period if map_.oracle.slope(cylinder.word[:period]) > 0 else 2 * period

@@ -15,20 +15,7 @@ from pwmap.maps.decided import Decided
 
 @dataclass(frozen=True, slots=True, eq=False)
 class LinearPiece:
-    """One affine piece of a map: ``slope x + intercept`` on an interval or at a point.
-
-    The exact values are computed when they are asked for.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
-    >>> left, right = p1.pieces
-    >>> right.word, right.expression, right.interval
-    ('R', 1 - 5*x/4, Interval.open(0, oo))
-    >>> right.slope, right.lower_closed
-    (-5/4, False)
-    """
+    """An affine piece of a :class:`PiecewiseLinearMap`: ``slope x + intercept`` on its interval."""
 
     cylinder: Cylinder
     owner: Decided = field(repr=False)
@@ -105,11 +92,9 @@ class LinearPiece:
         return left + x + right if left or right else f"all {x}"
 
     def __str__(self) -> str:
-        """Word, formula and domain."""
         return f"{self.word}: {self.expression} for {self.condition()}"
 
     def __repr__(self) -> str:
-        """The same in brackets."""
         return f"<LinearPiece {self}>"
 
 

@@ -27,9 +27,9 @@ from pwmap.maps.words import Orbits, SignOracle, Word, first_turn
 class PiecewiseLinearMap:
     """A piecewise-linear map of the line with finitely many pieces.
 
-    Coefficients are quotients of polynomials in parameters over the rationals, whose denominators
-    have a sign under what is assumed of the parameters. Each break belongs to the piece
-    that says so; a single point can be a piece of its own. Nothing is ever decided by a float.
+    Coefficients are quotients of polynomials in parameters over the rationals, with denominators of
+    one sign under the assumptions. Each break belongs to the piece that says so; a single point can
+    be a piece of its own. Nothing is ever decided by a float.
 
     Parameters
     ----------
@@ -52,25 +52,22 @@ class PiecewiseLinearMap:
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
-    >>> print(p1.iterate(2))
-    LL  -1             for x <= 0
-    RR  25*x/16 - 1/4  for 0 < x < 4/5
-    RL  -1             for 4/5 <= x
-    >>> [point.x for point in p1.fixed_points()]
-    [-1, 4/9]
-    >>> [jump.x for jump in p1.iterate(2).jump_crossings()]
-    [4/5]
-
-    Parameters may stay symbols, if what is assumed of them decides every sign:
-
     >>> p1 = PiecewiseLinearMap.from_sympy(
     ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1", "r > 0", "r < 2"]
     ... )
-    >>> [point.x for point in p1.fixed_points()]
-    [r - 2, r/(a + 1)]
-    >>> p1.at({"a": 2, "r": 1}).iterate(3).jump_crossings()[0].x
-    1/4
+    >>> [(point.x, point.word, point.multiplier, point.stable) for point in p1.fixed_points()]
+    [(r - 2, 'L', 0, True), (r/(a + 1), 'R', -a, False)]
+    >>> p1.jumps()
+    (Discontinuity(x=0, left=r - 2, value=r - 2, right=r),)
+    >>> p1.cycle("RL").conditions
+    (r - 2 > 0, -a*r + 2*a + r <= 0)
+    >>> second = p1.at({"a": "5/4", "r": 1}).iterate(2)
+    >>> print(second)
+    LL  -1             for x <= 0
+    RR  25*x/16 - 1/4  for 0 < x < 4/5
+    RL  -1             for 4/5 <= x
+    >>> [(jump.x, jump.left_word, jump.right_word) for jump in second.jump_crossings()]
+    [(4/5, 'RR', 'RL')]
     """
 
     def __init__(
@@ -90,9 +87,9 @@ class PiecewiseLinearMap:
         given: Iterable[object] = (),
         letters: Sequence[str] | None = None,
     ) -> PiecewiseLinearMap:
-        """Build a map from a ``sympy.Piecewise`` or its text.
+        """A map from a ``sympy.Piecewise`` or its text: the first condition that holds counts.
 
-        The first condition that holds counts. Errors are those of the class.
+        Errors are those of the class.
 
         Parameters
         ----------
@@ -110,18 +107,7 @@ class PiecewiseLinearMap:
 
     @classmethod
     def of(cls, map_: Decided) -> PiecewiseLinearMap:
-        """A map whose decisions are made.
-
-        Parameters
-        ----------
-        map_
-            Its pieces, and who decides.
-
-        Returns
-        -------
-        PiecewiseLinearMap
-            The same map for a user.
-        """
+        """A map whose pieces, and who decides about them, are known."""
         self = cls.__new__(cls)
         self._map = map_
         return self
@@ -192,66 +178,25 @@ class PiecewiseLinearMap:
         return tuple(LinearPiece(cylinder, self._map) for cylinder in self.cylinders)
 
     def spelled(self, word: Word) -> str:
-        """A word in letters.
-
-        Parameters
-        ----------
-        word
-            Numbers of pieces.
-
-        Returns
-        -------
-        str
-            Its letters, in the order in which pieces are visited.
-        """
+        """The letters of a word that is given by numbers of pieces."""
         return self._map.spelled(word)
 
     # --- New maps -------------------------------------------------------------------------------
 
     def at(self, values: Mapping[Any, object]) -> PiecewiseLinearMap:
-        """Give some or all parameters rational values.
+        """A map with rational values of parameters, such as ``{a: Rational(5, 4), "r": 1}``.
 
-        Parameters
-        ----------
-        values
-            By symbol or by name, for instance ``{a: Rational(5, 4), "r": 1}``.
-
-        Returns
-        -------
-        PiecewiseLinearMap
-            A new map; parameters that got no value stay symbols.
-
-        Raises
-        ------
-        ValueError
-            If a name is no parameter of the map, or a value contradicts the assumptions or, for
-            the map of a cell, lies outside.
-        TypeError
-            If a value is a float.
+        Others stay symbols. ValueError if a name is no parameter, or a value contradicts the
+        assumptions or, for the map of a cell, lies outside; TypeError if it is a float.
         """
         return self.of(with_values(self._map, values))
 
     def iterate(self, j: int) -> PiecewiseLinearMap:
-        """The j-th iterate, j >= 1, with the words of its pieces.
+        """The j-th iterate, j >= 1, whose pieces are computed when they are asked for.
 
-        Parameters
-        ----------
-        j
-            The order, at least 1.
-
-        Returns
-        -------
-        PiecewiseLinearMap
-            The iterate, whose pieces are computed when they are asked for.
-
-        Raises
-        ------
-        BudgetError
-            If its words would be too long, or when its pieces are asked for and are too many.
-        UndecidedError
-            When its pieces are asked for, if they differ within what is assumed of the parameters.
-        ValueError
-            If j is no integer of at least 1.
+        ValueError if j is no integer of at least 1, BudgetError if its words would be too long.
+        When its pieces are asked for: BudgetError if they are too many, UndecidedError if they
+        differ within the assumptions.
         """
         order = checked_order(j)
         checked_size(order, len(self.chain))
@@ -260,23 +205,8 @@ class PiecewiseLinearMap:
     def compose(self, inner: PiecewiseLinearMap) -> PiecewiseLinearMap:
         """The map x -> self(inner(x)); words hold the letters of ``inner``, then of ``self``.
 
-        Maps of one cell make a map of this cell. If two different maps both have parameters,
-        only their assumptions are kept.
-
-        Parameters
-        ----------
-        inner
-            The map that is applied first.
-
-        Returns
-        -------
-        PiecewiseLinearMap
-            The composition.
-
-        Raises
-        ------
-        ValueError
-            If the maps belong to different cells, or have different variables.
+        Maps of one cell make a map of this cell. Of two different maps with parameters only the
+        assumptions are kept. ValueError if cells or variables differ.
         """
         return self.of(composed(self._map, inner._map))
 
@@ -289,28 +219,13 @@ class PiecewiseLinearMap:
     def __call__(self, x: object) -> sympy.Expr:
         """The exact value at a point, a rational or an expression in the parameters.
 
-        Raises
-        ------
-        TypeError
-            If the point is a float.
-        UndecidedError
-            If the assumptions do not say in which piece it lies.
+        TypeError if it is a float; UndecidedError if the assumptions do not say in which piece it
+        lies.
         """
         return fraction_to_sympy(diagonal.followed(self._map, x)[1])
 
     def word_of(self, x: object) -> str:
-        """The pieces of the original map that a point visits.
-
-        Parameters
-        ----------
-        x
-            An exact number; parameters may occur in it.
-
-        Returns
-        -------
-        str
-            Its letters. At a break it is the piece that owns the break.
-        """
+        """The letters of the original map that an exact point visits; a break is in its owner."""
         return self.spelled(diagonal.followed(self._map, x)[0])
 
     def limit(self, x: object, side: str) -> sympy.Expr:
@@ -326,7 +241,7 @@ class PiecewiseLinearMap:
         Returns
         -------
         sympy.Expr
-            The exact limit, whoever owns the value at the point itself.
+            Exact; it does not depend on the value at the point itself.
 
         Raises
         ------
@@ -348,22 +263,9 @@ class PiecewiseLinearMap:
     # --- The diagonal ---------------------------------------------------------------------------
 
     def fixed_points(self, *, virtual: bool = False) -> tuple[FixedPoint, ...]:
-        """All isolated fixed points, from left to right.
+        """All isolated fixed points, from left to right; then the virtual ones if asked for.
 
-        Parameters
-        ----------
-        virtual
-            Whether to add the virtual ones, in the order of their formulas' pieces.
-
-        Returns
-        -------
-        tuple of FixedPoint
-            Each with its exact x, multiplier and stability.
-
-        Raises
-        ------
-        UndecidedError
-            If the assumptions on the parameters leave open whether one exists.
+        UndecidedError if the assumptions leave open whether one exists.
         """
         return tuple(diagonal.fixed_points(self._map, virtual))
 
@@ -382,45 +284,17 @@ class PiecewiseLinearMap:
     # --- Cycles ---------------------------------------------------------------------------------
 
     def cycles(self, period: int) -> tuple[Cycle, ...]:
-        """All isolated cycles of a minimal period, each once.
-
-        Each starts at its point with the alphabetically first word.
-
-        Parameters
-        ----------
-        period
-            The least period.
-
-        Returns
-        -------
-        tuple of Cycle
-            In the alphabetical order of their words.
-        """
+        """All isolated cycles of a minimal period, each from its alphabetically first word on."""
         found = self.iterate(period).fixed_points()
         words = [p.word for p in found if p.period // math.gcd(p.period, self.order) == period]
         return tuple(map(self.cycle, sorted({first_turn(w, self.order) for w in words})))
 
     def cycle(self, word: str) -> Cycle:
-        """The cycle that visits the pieces a word names, with its conditions of existence.
+        """The cycle of a word such as ``"RLL"``, with its conditions; it need not be admissible.
 
-        Parameters
-        ----------
-        word
-            Letters of :attr:`letters`, for instance ``"RLL"``; each names a piece of the map that
-            acts at its position, in a composition those of the inner map and the outer in turn.
-
-        Returns
-        -------
-        Cycle
-            Its exact points and multiplier; it need not be admissible.
-
-        Raises
-        ------
-        ValueError
-            If a letter is unknown, or the word's slope is 1 and its points form a band, which is
-            listed by :meth:`fixed_intervals`, or no cycle at all.
-        UndecidedError
-            If the word's slope is 1, and the assumptions leave open which of these it is.
+        In a composition letters are those of the inner map and the outer in turn. ValueError if a
+        letter is unknown, or the word has slope 1 and its points form a band
+        (:meth:`fixed_intervals`) or no cycle; UndecidedError if the assumptions leave open which.
         """
         return cycle_of(self._map, word)
 
@@ -431,27 +305,17 @@ class PiecewiseLinearMap:
         return sympy.Piecewise(*((p.expression, p.relation) for p in self.pieces))
 
     def to_dataframe(self) -> DataFrame:
-        """The pieces from left to right, one in each row.
+        """The pieces from left to right as a pandas DataFrame; ImportError without pandas.
 
-        Returns
-        -------
-        pandas.DataFrame
-            With the columns ``word``, ``slope``, ``intercept``, ``lower``, ``upper`` (exact, as
-            expressions of sympy), ``lower_closed`` and ``upper_closed``.
-
-        Raises
-        ------
-        ImportError
-            If pandas is not installed.
+        Its columns are ``word``, ``slope``, ``intercept``, ``lower``, ``upper`` (expressions of
+        sympy), ``lower_closed`` and ``upper_closed``.
         """
         return dataframe(columns_of(self.pieces))
 
     def __str__(self) -> str:
-        """One line for each piece: its word, formula and domain."""
         return lines_of(self.pieces)
 
     def __repr__(self) -> str:
-        """Variable, order, letters, parameters and assumptions."""
         given = f", given {self.definition.region}" if self.given else ""
         names = ", ".join(map(str, self.parameters)) or "none"
         return (

@@ -1,11 +1,9 @@
-"""Functions of the variable of a map that are given piece by piece, and what they are made of.
+"""Functions of the variable of a map that are given piece by piece.
 
-With n breaks the line has 2 n + 1 slots: the open interval left of the first break, that break,
-the next open interval, and so on. A profile has one value on each slot: a quotient, a truth
-value, a sign, or None where it is not defined. Sums, products, comparisons, conjunctions, ``Abs``,
-``Max``, ``Min`` and ``Piecewise`` all work slot by slot; a comparison adds breaks where a
-difference has a zero. The breaks are quotients of polynomials in the parameters, and how they lie
-is asked of what is assumed of these.
+With n breaks the line has 2 n + 1 slots: open intervals and breaks in turn. A profile has on each a
+quotient, a truth value, a sign, or None where it is undefined. Operations work slot by slot; a
+comparison adds breaks where a difference is zero. The assumptions decide how breaks, quotients of
+polynomials in the parameters, lie.
 """
 
 from __future__ import annotations
@@ -140,13 +138,10 @@ class ProfileLine:
         return Profile(breaks, tuple(map(value, range(2 * len(breaks) + 1))))
 
     def _larger(self, profiles: Sequence[Profile], sense: int, term: Term) -> Profile:
-        """The largest of some profiles, or the smallest for a sense of -1.
-
-        A break at which two are equal goes with the slot on its right, whatever their order; so
-        neighbours can be taken together, and their winners again.
-        """
+        """The largest of some profiles, or the smallest for a sense of -1."""
         left = list(profiles)
         while len(left) > 1:
+            # equal ones at a break go with the slot on its right, in any order
             pairs = zip(left[::2], left[1::2], strict=False)
             odd = left[-1:] if len(left) % 2 else []
             left = [self._larger_of_two(one, other, sense, term) for one, other in pairs] + odd
@@ -171,8 +166,8 @@ class ProfileLine:
     def union(self, profiles: Iterable[Profile]) -> tuple[Fraction_, ...]:
         """The breaks of all profiles, sorted.
 
-        UndecidedError if their order does not follow from the assumptions; ValueError if two of
-        them coincide there, or there are too many.
+        UndecidedError if the assumptions leave their order open; ValueError if two coincide, or
+        there are too many.
         """
         several = {profile.breaks for profile in profiles if profile.breaks}
         if len(several) <= 1:
@@ -248,7 +243,6 @@ class ProfileLine:
         return [zero], [-steepness, 0, steepness]
 
     def _sign_at(self, value: Quotient, place: Fraction_, term: Term) -> int:
-        """The sign of a quotient at a break."""
         times, plus = self._arithmetic.times, self._arithmetic.plus
         total, power = self._arithmetic.zero, self._arithmetic.one
         for coefficient in reversed(value.top):  # Horner's rule, without denominators
@@ -286,7 +280,6 @@ class ProfileLine:
         return cancelled((top, bottom))
 
     def _order(self, left: Fraction_, right: Fraction_) -> int:
-        """The sign of the difference of two breaks."""
         if (left, right) not in self._orders:
             times, decide = self._arithmetic.times, self._region.sign
             difference = times(left[0], right[1]) - times(right[0], left[1])

@@ -56,9 +56,7 @@ def read(
     *,
     first_wins: bool,
 ) -> Definition:
-    """Read pieces (formula, condition), as in ``sympy.Piecewise``.
-
-    With ``first_wins`` the first condition that holds counts, otherwise exactly one must hold.
+    """Read pieces (formula, condition), of which one holds; with ``first_wins`` the first counts.
 
     ValueError, TypeError: one sentence that names the piece and what is wrong with it.
     """
@@ -120,10 +118,7 @@ def _formula(term: Term, line: ProfileLine) -> Profile:
 
 
 def _region(terms: Sequence[Term], assumed: Sequence[Term], x: sympy.Symbol) -> AssumedRegion:
-    """The parameters of some trees, and what is assumed of them.
-
-    What is assumed of parameters that do not occur says nothing about the map, but is read.
-    """
+    """The parameters of some trees, with assumptions on them; other assumptions are only read."""
     used = set().union(*(term.names() for term in terms)) - {plain_name(x)}
     chosen = _symbols([*terms, *assumed])
     for condition in assumed:
@@ -166,7 +161,6 @@ def _assumed(symbol: sympy.Symbol) -> tuple[int, str]:
 def _affine(
     value: Quotient | None, formula: Term, slot: Callable[[], str], x: sympy.Symbol
 ) -> Affine:
-    """Slope and intercept of a formula on a slot."""
     if value is None:
         raise ValueError(f"there is a gap: no piece of {formula} covers {slot()}")
     if len(value.top) > 2:
@@ -234,10 +228,7 @@ def _value(affine: Affine, x: Fraction_) -> Fraction_:
 
 
 def _denominator(fractions: Iterable[Fraction_], region: AssumedRegion, one: Number) -> Number:
-    """A positive common multiple of denominators.
-
-    UndecidedError if the sign of one does not follow from the assumptions.
-    """
+    """A positive common multiple of denominators; UndecidedError if the sign of one is open."""
     common = one
     for _, bottom in fractions:
         if not is_constant(bottom) and bottom != common:

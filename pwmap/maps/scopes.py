@@ -1,7 +1,6 @@
-"""For which values of the parameters the answers of a map hold.
+"""For which values of the parameters the answers of a map hold: its assumptions, or a cell.
 
-That of a map as it was written is the region its assumptions leave. The map of a cell is decided
-for the cell only. It was cut for some orders of iterates: whatever else is asked is answered if the
+A cell is cut for some orders of iterates; any other question about its map is answered if the
 answer is the same throughout the cell, and refused otherwise.
 """
 
@@ -178,8 +177,8 @@ class SymbolicCell(CellScope):
 class ColumnCell(CellScope):
     """The part of a column between two roots, or the ends of the line; or one root.
 
-    Over an open interval of one parameter real roots in the other one, of polynomials of any
-    degree, are functions that do not meet. A cell lies between two of them, an edge is one of them.
+    Over an open interval of one parameter real roots in the other one are functions that do not
+    meet. A cell lies between two of them, an edge is one of them.
     """
 
     column: Column

@@ -1,15 +1,11 @@
 """Words, the affine maps they stand for, and the only decisions that ever need a sign.
 
-Let the pieces of a map be A_i(x) = m_i x + c_i and its breaks b_k. A word w = i_1 ... i_n names
-the affine map A_w = A_{i_n} o ... o A_{i_1}. Every break of an iterate is a preimage of some b_k
-along the prefix of a word, and following it onward gives A_v(b_k): so each comparison that
-composition, fixed points and jump crossings need is the sign of a *critical orbit*
-
-    A_v(b_k) - b_l,
-
-of a slope m_i, or of a multiplier minus 1 or plus 1. The words are the symbols: what holds for
-one value of the parameters is a table of such signs, and it holds wherever these polynomials
-keep their signs.
+Let the pieces of a map be A_i(x) = m_i x + c_i and its breaks b_k. A word w = i_1 ... i_n names A_w
+= A_{i_n} o ... o A_{i_1}. Every break of an iterate is a preimage of some b_k along the prefix of a
+word, and following it onward gives A_v(b_k): so composition, fixed points and jump crossings need
+the signs of *critical orbits* A_v(b_k) - b_l, of slopes m_i, and of multipliers minus 1 or plus 1.
+What holds for one value of the parameters is a table of such signs, and it holds wherever these
+polynomials keep their signs.
 """
 
 from __future__ import annotations
@@ -30,11 +26,7 @@ Letters = TypeVar("Letters", Word, str)
 
 
 class Layout(NamedTuple):
-    """How one map cuts the line.
-
-    With n breaks there are 2 n + 1 slots from left to right: the open interval left of the first
-    break, that break, the next open interval, and so on. Break i is slot 2 i + 1.
-    """
+    """How one map cuts the line: n breaks make 2 n + 1 slots, of which slot 2 i + 1 is break i."""
 
     breaks: tuple[int, ...]  # indices into Table.breaks, from left to right
     slots: tuple[int, ...]  # the letter that owns each slot
@@ -44,7 +36,7 @@ class Layout(NamedTuple):
 class Table(Portable):
     """Coefficients of one or more maps: slope and intercept by letter, breaks by index.
 
-    All of them are numerators over one ``denominator``, which is positive under the assumptions.
+    They are numerators over one ``denominator``, which is positive under the assumptions.
     """
 
     slopes: tuple[Number, ...]
@@ -55,10 +47,7 @@ class Table(Portable):
     denominator: Number
 
     def mapped(self, change: Callable[[Number], Number]) -> Table:
-        """The same maps with every coefficient changed, for instance evaluated.
-
-        A denominator that becomes a constant is divided out.
-        """
+        """The same maps with other coefficients; a constant denominator is divided out."""
         one, denominator = change(self.one), change(self.denominator)
         if denominator != one and is_constant(denominator):
             scale, numerator, denominator = constant(denominator), change, one
@@ -89,7 +78,6 @@ def in_integers(table: Table) -> Table:
 
 
 def _bits(number: Number) -> int:
-    """Of the longest coefficient."""
     parts = number.values() if isinstance(number, PolyElement) else (number,)
     return max(map(bits, parts), default=1)
 
@@ -155,13 +143,7 @@ def first_turn(word: Letters, step: int = 1) -> Letters:
 
 
 class Orbits:
-    """Affine forms of words and orbits of breaks, each computed once.
-
-    With D the denominator of the table, the affine form of a word of n letters is kept over D**n,
-    and the orbit of a break along it over D**(n + 1): all signs are those of numerators.
-
-    All coefficients of the table are in one ring.
-    """
+    """Orbits of breaks along words, over powers of the positive denominator; each kept."""
 
     def __init__(self, table: Table) -> None:
         self.table = table
@@ -170,6 +152,7 @@ class Orbits:
         self._whole = isinstance(table.one, int)
         self._bits = max(map(_bits, table.numbers()))
         self._powers: list[Number] = [table.one]
+        # of a word of n letters over D**n, and the orbit of a break along it over D**(n + 1)
         self._affine: dict[Word, tuple[Number, Number]] = {(): (table.one, zero)}
         self._orbits: dict[tuple[int, Word], Number] = {}
         self._slopes: dict[Word, Fraction_] = {}

@@ -41,8 +41,8 @@ class AdmittedInterval:
 def admitted_intervals(axis: Axis, span: Span) -> list[AdmittedInterval]:
     """The parts of a span that the assumptions admit, from left to right.
 
-    ValueError if an interval inside a span with two ends is not admitted, or a value is admitted
-    that has none beside it, or an assumption is of a degree that the axis does not take.
+    ValueError if an interval inside a span with two ends is not admitted, a value is admitted that
+    has none beside it, or an assumption is of a degree that the axis does not take.
     """
     low, high = (end if isinstance(end, Infinite) else axis.place(end) for end in span)
     limits = _limits(axis)
@@ -99,10 +99,7 @@ def _is_alone(axis: Axis, place: Any, found: Sequence[AdmittedInterval]) -> bool
 def samples(
     map_: PiecewiseLinearMap, name: str, span: Span, chosen: Mapping[Any, object] | None
 ) -> Iterator[dict[str, Number]]:
-    """Values for the parameters besides one, to be tried in turn; only one if it was chosen.
-
-    ValueError if the chosen one lacks a parameter or contradicts the assumptions.
-    """
+    """Values for the other parameters, in turn; ValueError if the chosen one does not suit."""
     others = {str(s) for s in map_.parameters} - {name}
     if chosen is not None:
         values = {own_name(key, map_.parameters): rational(value) for key, value in chosen.items()}
@@ -125,11 +122,7 @@ def samples(
 
 
 def _over(region: AssumedRegion, name: str, span: Span) -> AssumedRegion:
-    """What assumptions leave to the other parameters if they hold all over a span.
-
-    One that is of degree one in the parameter of the axis holds inside a span just if it does at
-    its ends, or is zero at one of them.
-    """
+    """What assumptions leave to the other parameters if they hold all over a span."""
     if span == (LOWEST, HIGHEST):
         return region
     index = [str(symbol) for symbol in region.ring.symbols].index(name)
@@ -138,6 +131,7 @@ def _over(region: AssumedRegion, name: str, span: Span) -> AssumedRegion:
         if not degree_in(constraint.polynomial, index):
             constraints.append(constraint)
             continue
+        # of degree one it holds inside if it does at the ends, or is zero at one
         values = [constraint.polynomial.subs(index, end) for end in span]
         constraints += [Constraint(v, False) for v in values if not is_constant(v)]
     narrowed = AssumedRegion(region.ring, tuple(constraints))

@@ -1,7 +1,7 @@
 """Branches as arrays of floats, for drawing: nothing is decided here.
 
-Along a curved branch x and multiplier are computed in floats, with a bound of what rounding may
-have done; where that is too much (near a pole, or where large terms cancel), from exact numbers.
+Along a curved branch x and multiplier are computed in floats with a bound of rounding errors; where
+it is too large (near a pole, or where large terms cancel), from exact numbers.
 """
 
 from __future__ import annotations
@@ -26,14 +26,11 @@ RESOLVED = 2.0**-30  # width of an interval over its ends from which floats can 
 
 
 def curve_arrays(continuation: Continuation, curve: SegmentCurve) -> tuple[FloatArray, list[int]]:
-    """Parameter, x and multiplier of a branch, (3, n), and the first sample of each segment.
-
-    Where a segment is followed by another one they share a sample, that of the following one. A
-    segment that exists at one value only has that sample for itself.
-    """
+    """Parameter, x and multiplier of a branch, (3, n), and the first sample of each segment."""
     parts = []
     for segment, entered in curve:
         found = _known_arrays(continuation, segment)[:, :: -1 if entered else 1]
+        # a sample that two segments share is that of the later one
         parts.append(found if segment is curve[-1][0] else found[:, : max(1, len(found[0]) - 1)])
     starts = np.cumsum([0, *(len(part[0]) for part in parts[:-1])])
     return np.hstack(parts), starts.tolist()
@@ -47,10 +44,7 @@ def _known_arrays(continuation: Continuation, segment: Segment) -> FloatArray:
 
 
 def segment_arrays(continuation: Continuation, segment: Segment) -> FloatArray:
-    """Parameter, x and multiplier along a segment, few points where that is enough.
-
-    They are infinite where a number is too large for a float.
-    """
+    """Parameter, x and multiplier along a segment, at few points; infinite beyond floats."""
     axis, slope = continuation.axis, continuation.orbits.slope(segment.key.word)
     ends = [continuation.number(end) for end in continuation.ends(segment)]
     smooth = segment.key.kind is BranchKind.FIXED_POINT and not segment.is_isolated

@@ -1,8 +1,7 @@
 """One parameter of a map as an axis with exact places on it.
 
-A place is a number, or, where other parameters stay symbolic, a function of these with its value at
-a sample of them. All is decided at the sample, where places are numbers; an axis beside others
-records which polynomials in these must keep their signs for that to hold.
+A place is a number or, beside symbolic parameters, a function of these with its value at a sample,
+where all is decided; such an axis records which polynomials in these must keep their signs.
 """
 
 from __future__ import annotations
@@ -87,10 +86,7 @@ def identical(first: Any, second: Any) -> bool:
 
 
 class Axis(ABC):
-    """One parameter of a map, along which the signs of polynomials are followed.
-
-    The sample has values of the others, which stay symbolic.
-    """
+    """One parameter of a map, along which signs are followed; others stay symbolic at a sample."""
 
     def __init__(self, definition: Definition, name: str, sample: dict[str, Number]) -> None:
         self.definition, self.name, self.sample = definition, name, sample
@@ -131,10 +127,7 @@ class Axis(ABC):
         return self._roots[decision]
 
     def limits(self, constraint: Constraint) -> tuple[Any, ...]:
-        """Places where an assumption begins or ceases to hold.
-
-        ValueError if its degree is too high for that.
-        """
+        """Places where an assumption begins or ceases to hold; ValueError for too high a degree."""
         polynomial = constraint.polynomial
         if polynomial not in self._roots:
             try:
@@ -186,10 +179,7 @@ class Axis(ABC):
         return to_float(value_at(top, value) / value_at(bottom, value))
 
     def compare_values(self, first: Any, second: Any, place: Any) -> int:
-        """Sign of the difference of two values, as :meth:`value` returned them for a place.
-
-        With symbolic parameters it is the sign at their sample, which is not recorded.
-        """
+        """Sign of the difference of two values of :meth:`value` at a place; it is not recorded."""
         one, other = (v.value if isinstance(v, ValueAt) else v for v in (first, second))
         value = self.real(place)
         return (
@@ -209,10 +199,7 @@ class Axis(ABC):
         """Sign of the difference of two finite quotients at a place."""
 
     def closing(self, places: Sequence[Any], decided: Iterable[Decision]) -> None:  # noqa: B027
-        """Record what the order of some places, from left to right, asks of other parameters.
-
-        So does what was decided at some of these places, but maybe not beside them.
-        """
+        """Record what the order of places, and decisions at some, ask of other parameters."""
 
     @property
     def given(self) -> tuple[sympy.Basic, ...]:
@@ -231,10 +218,7 @@ class Axis(ABC):
 
     @abstractmethod
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
-        """Where the decisions of a cell hold that was cut for some orders of iterates.
-
-        With other parameters symbolic, after :meth:`closing`.
-        """
+        """Where the decisions of a cell cut for some orders hold; call :meth:`closing` before."""
 
     @property
     def identity(self) -> Fraction_:

@@ -1,8 +1,7 @@
 """The exact bifurcation diagram of a piecewise-linear map over one parameter.
 
-Segments become branches, and the junctions of their ends special points. What kind of point it is
-follows from which branches meet there, and on which side. Where only jumps meet a branch goes on
-with another word.
+Segments become branches, and the junctions of their ends special points, whose kind follows from
+the branches that meet there, and on which side.
 """
 
 from __future__ import annotations
@@ -71,34 +70,30 @@ def bifurcation_diagram(
     map_, parameter
         The map, whose other parameters have values or stay symbolic, and the symbol or name.
     span
-        Two rationals; by default from about one below the first value at which something happens
-        to about one above the last. What exists at an end of the span only is left out.
+        Two rationals; by default from about one below the first value at which something happens to
+        about one above the last. What exists at an end of the span only is left out.
     orders
         The iterates j. A periodic point is listed with its minimal period only, a jump crossing
-        with every order it occurs in. Where an iterate is the identity over an interval of the
-        parameter, those ends of the band that belong to it are listed.
+        with every order it occurs in, a band (where an iterate is the identity) by those of its
+        ends that belong to it.
     sample
-        Values for symbolic parameters, at which the floats of the diagram are taken and around
-        which its formulas hold; by default values that the map's assumptions admit.
+        Values for symbolic parameters, at which floats are taken and around which the formulas
+        hold; by default values that the assumptions admit.
     budget
-        How much may be computed; orders that take more are left out, and ``given`` says so.
-    progress
-        Called with every order that is completed.
+        Orders that take more are left out, and ``given`` says so.
+    progress, finished
+        Called with every order that is completed, and with the diagram up to it.
     on_interrupt
         Called at Ctrl-C, after which the completed orders are returned, as that of the budget.
-    finished
-        Called with the diagram up to each order of these as soon as that is completed, to keep it:
-        the one that Ctrl-C in the next order leaves, and in the end the one that is returned.
 
     Returns
     -------
     Diagram
-        The exact values are sympy objects: ``exact`` of a branch holds ``x``, ``multiplier`` (or
-        the limits ``left`` and ``right`` of a jump) and ``interval``, the values of the parameter
-        at which it exists; a jump that changes its word has them for each of its stretches, see
-        ``words``. A band along one value has its ends ``lower`` and ``upper`` for ``x``,
-        and each can belong to it or not. That of a point holds ``parameter`` and ``x``. ``given``
-        says for which values of symbolic parameters all of it holds.
+        With sympy objects in ``exact``. That of a branch holds ``x``, ``multiplier`` (or the limits
+        ``left`` and ``right`` of a jump) and ``interval``, the values of the parameter at which it
+        exists; a jump that changes its word has them for each stretch of ``words``, and a band
+        along one value has ``lower`` and ``upper`` for ``x``. That of a point holds ``parameter``
+        and ``x``. ``given`` says for which values of symbolic parameters all of it holds.
 
     Raises
     ------
@@ -109,8 +104,7 @@ def bifurcation_diagram(
     --------
     >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
     >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
-    >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
-    >>> for branch in diagram.branches:
+    >>> for branch in bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)).branches:
     ...     print(branch.id, branch.kind, branch.exact["x"], branch.exact["interval"])
     F1 fixed-point 2*p Interval(-1, 0)
     J1 jump 0 Interval.open(0, 1)
@@ -134,11 +128,7 @@ def bifurcation_diagram(
 
 @dataclass(frozen=True, slots=True)
 class _Growing:
-    """Follows how a diagram grows, and keeps what is there when that ends early.
-
-    Where an interrupt is to keep something, the diagram of each order is put together as soon as
-    the order is completed: that may take as long as the order itself.
-    """
+    """Follows how a diagram grows, and keeps each order's for an interrupt that wants it."""
 
     map: PiecewiseLinearMap
     orders: tuple[int, ...]
@@ -274,7 +264,6 @@ def _text(map_: PiecewiseLinearMap) -> list[str]:
 
 
 def _length(curve: SegmentCurve) -> int:
-    """Of the words."""
     return len(curve[0][0].key.word)
 
 
@@ -368,7 +357,6 @@ def _spelled(map_: PiecewiseLinearMap, segment: Segment) -> str:
 
 
 def _formulas(continuation: Continuation, segment: Segment) -> dict[str, sympy.Basic]:
-    """The exact expressions of a segment, by name."""
     known = continuation.known.formulas
     if segment not in known:
         known[segment] = _new_formulas(continuation, segment)
@@ -427,7 +415,6 @@ def _between(
 
 
 def _borders(map_: PiecewiseLinearMap, continuation: Continuation, met: Iterable[int]) -> str:
-    """Some breaks in words."""
     values = [quotient_to_sympy(continuation.orbits.value(k, ())) for k in sorted(met)]
     which = " and ".join(f"{map_.x} = {value}" for value in values)
     return f"the border {which}" if which else "a border"
@@ -509,10 +496,7 @@ def classify(junction: Junction, *, at_span_end: bool) -> tuple[PointKind, str]:
 
 
 def _of_jumps(ends: Sequence[SegmentEnd]) -> str:
-    """What happens at a point in which jumps end, but no fixed points.
-
-    A single jump ends where a piece is flat: then a whole interval is mapped onto its break.
-    """
+    """What happens where jumps end, but no fixed points; one alone ends where a piece is flat."""
     beside = Counter(end.length for end in ends if end.side != ALONG)
     if max(beside.values(), default=0) > 2:
         return "jumps meet"

@@ -1,9 +1,8 @@
-"""What is followed through the cells of a parameter, and where the ends of it meet.
+"""Fixed points and jump crossings through the cells of a parameter, and where they meet.
 
-Fixed points and jump crossings are followed from cell to cell by their keys: that of a fixed point
-is its word, that of a crossing its cut and the words on both sides. A segment lasts while its key
-does; it ends where the key does, or where its multiplier is +1 or -1. Ends that lie at one place
-meet in a junction.
+The key of a fixed point is its word, that of a crossing its cut and the words on both sides. A
+segment lasts while its key does, up to a multiplier of +1 or -1; ends at one place meet in a
+junction.
 """
 
 from __future__ import annotations
@@ -58,14 +57,12 @@ class Continuation:
 
     @cached_property
     def present(self) -> list[dict[BranchKey, Location | None]]:
-        """For each cell what lies on the diagonal: fixed points with their location, and jumps.
-
-        A fixed point that is a cylinder of its own has no slope, and is named by its cut too. But
-        at an edge, where it belongs to a branch of the cells beside, it has that branch's key.
-        """
+        """For each cell what lies on the diagonal: fixed points with their location, and jumps."""
         same = self.known.keys  # so that dictionaries need no ==
         found = [dict(self._keys(cell)) for cell in self.cells]
         for i, keys in enumerate(found):
+            # at an edge a fixed point that is a cylinder of its own, without slope, has the key of
+            # the branch beside
             beside = [*found[i - 1 : i], *found[i + 1 : i + 2]] if self.cells[i].is_edge else []
             for key in [key for key, location in keys.items() if location and location.is_isolated]:
                 plain = same.get(plain := BranchKey(key.kind, key.words), plain)
@@ -188,13 +185,10 @@ class Continuation:
         return found
 
     def _exposed(self, key: BranchKey, stretch: Sequence[int], borders: Borders) -> Iterator[int]:
-        """Edges that a segment passes and at which others of its order can end on it.
-
-        A fixed point inside its cylinder has none near; it must lie on a border. A jump that
-        crosses the diagonal has none beside, but its break can be a fixed point.
-        """
+        """Edges that a segment passes and at which others of its order can end on it."""
         order = len(key.word)
         for i in stretch[1:-1]:
+            # a fixed point has others near on a border only, a jump where its break is one
             if self.cells[i].is_edge and ((i, order) in borders or self._is_on_border(key, i)):
                 yield i
 
@@ -217,12 +211,9 @@ class Continuation:
         yield stretch[start:]
 
     def _is_among(self, key: BranchKey, place: Any, values: Mapping[Any, float]) -> bool:
-        """Whether the x of what has a key, where it is finite, is one of some values.
-
-        Their floats, right but for the last bit, tell most of them apart; only where they do not,
-        the exact value is taken.
-        """
+        """Whether the x of what has a key, where it is finite, is one of some values."""
         x = self._number(key, place)
+        # floats, right but for the last bit, tell most of them apart
         near = any(
             not abs(x - other) > 4.0 * EPSILON * max(abs(x), abs(other))  # also if they overflow
             for other in values.values()
@@ -334,7 +325,6 @@ class Continuation:
 
     @cached_property
     def _edges(self) -> dict[Any, int]:
-        """Which cell an edge is."""
         return {cell.lower: i for i, cell in enumerate(self.cells) if cell.is_edge}
 
     def _compared(self, first: Junction, second: Junction) -> int:
@@ -379,13 +369,11 @@ class Continuation:
         return self.known.values[key, place]
 
     def _number(self, key: BranchKey, place: Any) -> float:
-        """The same as a float."""
         if (key, place) not in self.known.numbers:
             self.known.numbers[key, place] = self.axis.number(self.position(key), place)
         return self.known.numbers[key, place]
 
     def _x(self, segment: Segment, which: int) -> Position:
-        """The x of an end as a quotient."""
         return self.position(segment.key) if segment.band is None else segment.band[which]
 
     def _value(self, segment: Segment, which: int) -> Any:
@@ -453,10 +441,7 @@ def _identities(cell: Cell) -> Iterator[tuple[int, Cylinder]]:
 
 
 def _cuts(cylinder: Cylinder, inclusion: Inclusion) -> list[Cut | None]:
-    """What, besides the word, is in the keys of the fixed points of a cylinder.
-
-    A point, or those ends of a band that belong to it; nothing for others.
-    """
+    """In keys of a cylinder's fixed points, besides the word: a point, or the ends a band owns."""
     if inclusion is Inclusion.BAND:
         lower = [cylinder.lower] if cylinder.lower_closed else []
         return [*lower, *([cylinder.upper] if cylinder.upper_closed else [])]

@@ -1,14 +1,13 @@
 """Parameter cells: where along a parameter the same words describe the iterates of a map.
 
-A map is studied at an exact sample; every sign that decided something is remembered with the
-polynomial behind it. The nearest roots of these polynomials bound the cell of the sample: inside
-it no sign changes, so all words, fixed points and crossings are the same. The next sample is
-taken beyond. Edges are cells of their own, studied exactly at the root.
+A map is studied at an exact sample, and the polynomials of all signs that decided something are
+kept: their nearest roots bound the cell of the sample, in which words, fixed points and crossings
+are the same. The next sample is taken beyond; edges are cells of their own, studied exactly at the
+root.
 
 With other parameters symbolic the same is done at a sample of these. Beside one other parameter a
-place is a root of a polynomial in both; beside several, every polynomial must be of degree one in
-the parameter of the axis, so that its root is a quotient of polynomials in the others. The order of
-all roots is recorded too: where it persists, the whole picture holds.
+place is a root of a polynomial in both; beside several, polynomials must be of degree one in the
+parameter of the axis. The order of all roots is recorded: where it persists, everything holds.
 """
 
 from __future__ import annotations
@@ -137,10 +136,9 @@ def stages(
 ) -> Iterator[CellStage]:
     """Cut cells of which nothing is known into cells and edges, order by order.
 
-    What a cell knows of lower orders holds in all its parts and on the edges between them. What the
-    new order finds is kept from one place to the next (:mod:`pwmap.parameters.persistence`).
-
-    BudgetError if an order takes more pieces than there are left.
+    What is known of lower orders holds in all parts and on the edges between them; what a new order
+    finds is kept from one place to the next (:mod:`pwmap.parameters.persistence`). BudgetError if
+    an order takes more pieces than are left.
     """
     pieces = 0
 
@@ -283,8 +281,8 @@ def parameter_cells(
     span
         Two rationals, or None for the whole line.
     sample
-        Values of the symbolic parameters around which the list is to hold; by default one that
-        the map's assumptions admit.
+        Values of the symbolic parameters around which the list is to hold; by default one that the
+        assumptions admit.
     budget
         How much may be computed.
 
@@ -302,11 +300,12 @@ def parameter_cells(
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, parameter_cells
-    >>> p1 = PiecewiseLinearMap.from_sympy(
-    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
-    ... )
-    >>> parameter_cells(p1, "r", orders=(1, 2, 3)).edges
+    >>> p1 = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
+    >>> cells = parameter_cells(p1, "r", orders=(1, 2, 3))
+    >>> cells.edges
     (0, 2, 2*a**2/(a**2 - a + 1), 2*a/(a - 1))
+    >>> [len(cell.map.fixed_points()) for cell in cells]
+    [1, 1, 2, 2, 1, 1, 1, 1, 1]
     """
     meter = metered(budget)
     orders = checked_orders(orders, meter.budget)
@@ -370,8 +369,8 @@ def with_stages(
 ) -> Result:
     """Build something from cells that are cut order by order, at the first generic sample.
 
-    With ``with_ends`` the ends of the span, and of what the assumptions admit of it, are edges too
-    if they are admitted. Who builds has the axis record what its cells ask of it: :func:`close`.
+    With ``with_ends`` admitted ends of the span, and of what the assumptions admit of it, are edges
+    too. ``build`` calls :func:`close`, which records what its cells ask of the other parameters.
     """
     check_map(map_)
     name = checked_parameter(parameter, map_.parameters)
@@ -462,11 +461,7 @@ def checked_span(span: tuple[object, object]) -> tuple[Number, Number]:
 def only_axis(
     map_: PiecewiseLinearMap, parameter: object, span: tuple[object, object]
 ) -> tuple[Axis, tuple[Number, Number]]:
-    """The axis of the one parameter of a map, and the ends of a span of it.
-
-    ValueError if the map has other parameters, or is an iterate, or the span is no interval that
-    the assumptions admit.
-    """
+    """The axis of a map's only parameter, with the ends of a span; ValueError if there is none."""
     name = str(own_name(parameter, map_.parameters))
     names = [str(symbol) for symbol in map_.parameters]
     if names != [name]:

@@ -1,9 +1,8 @@
-"""Segments that go on in each other: where only jumps meet a branch passes, and its word changes.
+"""Segments that continue each other: where only jumps meet a branch passes, and its word changes.
 
-A jump crosses the diagonal with limits on both sides of it, so that nothing is born or lost where
-the orbit of a limit meets another break: one jump ends there and another one of the same iterate
-begins, on the other side of the parameter, or on the same side where it turns round. That is a mark
-on a branch. Where more than two jumps of one iterate meet, or one ends alone, branches end.
+Nothing is born or lost where the orbit of a crossing jump's limit meets another break: one jump
+ends there and another one of the same iterate begins, on either side of the parameter. Where more
+than two jumps of one iterate meet, or one ends alone, branches end.
 """
 
 from __future__ import annotations
@@ -30,14 +29,11 @@ def tips_of(line: Sequence[tuple[Thing, int]]) -> tuple[tuple[Thing, int], tuple
 def connected(
     segments: Sequence[Segment], junctions: Sequence[Junction], stops: Sequence[Any]
 ) -> tuple[list[SegmentCurve], list[Junction]]:
-    """The curves that segments make, and the junctions that are left, in which curves end.
-
-    Every branch ends at a stop. Curves start at the one of their ends that comes first; junctions
-    have the ends of curves only.
-    """
+    """The curves of segments, from the end that comes first, and the junctions they end in."""
     following = {
         tip: other
         for junction in junctions
+        # every branch ends at a stop
         if junction.place not in stops and not isinstance(junction.value, Infinite)
         for pair in _passing(junction)
         for tip, other in (pair, pair[::-1])
@@ -55,7 +51,6 @@ def connected(
 
 
 def _turned(curve: SegmentCurve) -> SegmentCurve:
-    """The same from its other end."""
     return [(segment, 1 - entered) for segment, entered in reversed(curve)]
 
 
@@ -64,10 +59,7 @@ def _tip(end: SegmentEnd) -> Tip:
 
 
 def _passing(junction: Junction) -> Iterator[tuple[Tip, Tip]]:
-    """Pairs of ends that go on in each other, where only jumps meet.
-
-    With those of one iterate on both sides of the meeting there may be one more, right at it.
-    """
+    """Pairs of ends that continue each other, where only jumps meet."""
     if any(end.is_fixed for end in junction.ends):
         return
     own: dict[int, list[SegmentEnd]] = defaultdict(list)
@@ -77,6 +69,7 @@ def _passing(junction: Junction) -> Iterator[tuple[Tip, Tip]]:
         beside = [_tip(end) for end in ends if end.side != ALONG]
         here = [_tip(end) for end in ends if end.side == ALONG]
         if len(beside) == 2 and len(here) in (0, 2):
+            # between two of one iterate there may be one more, right at the meeting
             line = [beside[0], *here, beside[1]]
             yield from zip(line[::2], line[1::2], strict=True)
 
@@ -84,16 +77,12 @@ def _passing(junction: Junction) -> Iterator[tuple[Tip, Tip]]:
 def traced(
     things: Iterable[Thing], following: Mapping[tuple[Thing, int], tuple[Thing, int]]
 ) -> Iterator[list[tuple[Thing, int]]]:
-    """Lines through things with two ends, 0 and 1: each with the end at which it is entered.
-
-    Each thing is in one line; one that closes begins at the first end of its first thing.
-
-    Of two ends that meet, each is followed by the other.
-    """
+    """Lines through things with two ends, 0 and 1: each with the end at which it is entered."""
     passed = set[Thing]()
     for thing in things:
         if thing in passed:
             continue
+        # back to an end, or once round: a closed line begins at its first thing
         first = start = thing, 0
         while start in following:
             before, met = following[start]

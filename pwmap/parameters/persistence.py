@@ -1,9 +1,8 @@
 """What signs decide at a place of an axis, kept for as long as these signs are.
 
-An answer, such as the parts that a cylinder is cut into, follows from the signs of a few decisions.
-Along the axis it can change only at roots of these. So where a map is studied at one place after
-the other, just the answers are found anew that have a root in between. In a kinetic data structure
-such signs are called certificates, and their roots events [Basch1999].
+An answer follows from the signs of a few decisions, and can change along the axis only at their
+roots: only answers with a root in between are found anew. In a kinetic data structure such signs
+are called certificates, and their roots events [Basch1999].
 """
 
 from __future__ import annotations
@@ -97,10 +96,7 @@ class Answers:
                 self._deciding[root].append(decision)
 
     def nearest(self, low: Any, high: Any) -> tuple[Any, Any]:
-        """The nearest roots on both sides at which an answer here may change.
-
-        One end or the other of an interval where there is none inside it.
-        """
+        """The nearest roots on both sides at which an answer here may change, else the ends."""
         roots = self._roots
         first, last = bisect_right(roots, low), bisect_left(roots, high)
         here = bisect_left(roots, self._place)

@@ -1,9 +1,8 @@
 """One parameter as an axis beside others, which stay symbolic, with values at a sample.
 
-Places are real roots of polynomials in all parameters, and so functions of the others; beside
-several others these are of degree one. Places are compared at the sample, where they are numbers;
-each comparison records the polynomial in the others that is zero wherever it could change: a
-leading coefficient, discriminant or resultant. While these keep their signs everything persists.
+Places are real roots of polynomials in all parameters, of degree one beside several others. They
+are compared at the sample; each comparison records the polynomial in the others (a leading
+coefficient, discriminant or resultant) at whose zeros it could change.
 """
 
 from __future__ import annotations
@@ -111,7 +110,6 @@ class RecordedAxis(Axis):
         return tuple(found)
 
     def _zeros(self, factor: PolyElement) -> tuple[Root, ...]:
-        """The roots of an irreducible polynomial."""
         if factor not in self._factors:
             degree, alone = self.degree(factor), len(self.sample) == 1
             if degree > 1 and not alone:
@@ -234,13 +232,11 @@ class RecordedAxis(Axis):
         return without_implied(kept, len(own))
 
     def _rest(self, polynomial: PolyElement) -> PolyElement:
-        """A polynomial in the other parameters in the ring of these."""
         return evaluate(polynomial, {self.name: QQ.zero}, self._others)
 
     # --- Beside one other parameter -------------------------------------------------------------
 
     def _across(self, polynomial: PolyElement) -> Dense:
-        """A polynomial in the only other parameter."""
         return dense(polynomial, 1 - self.index)
 
     @property

@@ -13,29 +13,17 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ParameterCell:
-    """An interval of the parameter, or an edge, on which the same words describe the map.
+    """An interval of the parameter, or an edge, of :func:`pwmap.parameter_cells`.
 
     Attributes
     ----------
     lower, upper
         Exact ends, equal for an edge; they do not belong to an open cell.
     map
-        The map with its decisions made for this cell: its ``iterate(j).pieces``,
-        ``fixed_points()`` and ``jump_crossings()`` are formulas in the parameters, for the orders
-        the cells were cut for. What else is asked of it is answered if that holds throughout the
-        cell; if it does not, or that is not proved, :class:`UndecidedError` names the orders.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_cells
-    >>> p1 = PiecewiseLinearMap.from_sympy(
-    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
-    ... )
-    >>> edge = parameter_cells(p1, "r", orders=(1, 2)).cells[1]
-    >>> edge.lower, edge.upper, edge.is_edge
-    (0, 0, True)
-    >>> [point.x for point in edge.map.fixed_points()]
-    [r - 2]
+        The map decided for this cell: its ``iterate(j).pieces``, ``fixed_points()`` and
+        ``jump_crossings()`` are formulas in the parameters, for the orders of the cells. Other
+        questions are answered if that holds throughout the cell; otherwise :class:`UndecidedError`
+        names the orders.
     """
 
     lower: sympy.Expr
@@ -50,26 +38,9 @@ class ParameterCell:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ParameterCells:
-    """All cells of an interval of one parameter, from left to right, open cells and edges in turn.
+    """All cells of :func:`pwmap.parameter_cells`, from left to right, open cells and edges in turn.
 
-    What the assumptions exclude, inside the interval too, is left out.
-
-    Attributes
-    ----------
-    given
-        Under which conditions on the other parameters this list holds.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_cells
-    >>> p1 = PiecewiseLinearMap.from_sympy(
-    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
-    ... )
-    >>> cells = parameter_cells(p1, "r", orders=(1, 2))
-    >>> cells.edges
-    (0, 2, 2*a/(a - 1))
-    >>> [len(cell.map.fixed_points()) for cell in cells]
-    [1, 1, 2, 2, 1, 1, 1]
+    What the assumptions exclude is left out; ``given`` are conditions on the other parameters.
     """
 
     parameter: sympy.Symbol
@@ -83,14 +54,12 @@ class ParameterCells:
         return tuple(cell.lower for cell in self.cells if cell.is_edge)
 
     def __iter__(self) -> Iterator[ParameterCell]:
-        """The cells from left to right."""
         return iter(self.cells)
 
     def __len__(self) -> int:
         return len(self.cells)
 
     def __repr__(self) -> str:
-        """The parameter, and the values at which something changes."""
         edges = shortened(", ".join(map(str, self.edges)) or "none", 160)
         orders = ", ".join(map(str, self.orders))
         return (

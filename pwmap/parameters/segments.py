@@ -111,12 +111,7 @@ class Junction:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KnownValues:
-    """What was computed of keys and segments, which is the same whatever the cells are.
-
-    Who follows the cells of one order after the other hands it on, so that only what is new with an
-    order is computed; not where other parameters are symbolic, of which every comparison asks
-    something.
-    """
+    """What was computed of keys and segments, kept from order to order (without other symbols)."""
 
     keys: dict[BranchKey, BranchKey] = field(default_factory=dict)  # one object for each
     present: dict[int, tuple[StudiedIterate, Present]] = field(default_factory=dict)  # by id

@@ -1,7 +1,4 @@
-"""A plane of two parameters, cut by exact curves.
-
-A name is loaded with what it needs when it is first used.
-"""
+"""A plane of two parameters, cut by exact curves."""
 
 import lazy_loader
 

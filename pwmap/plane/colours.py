@@ -6,14 +6,7 @@ from enum import StrEnum
 
 
 class Colours(StrEnum):
-    """What the colours of a plane say.
-
-    Examples
-    --------
-    >>> from pwmap.plane import Colours
-    >>> [(colours.name, colours.value) for colours in Colours]
-    [('PERIOD', 'period'), ('ENTROPY', 'entropy'), ('BANDS', 'bands')]
-    """
+    """What the colours of a plane say."""
 
     PERIOD = "period"
     ENTROPY = "entropy"

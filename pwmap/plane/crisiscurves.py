@@ -1,9 +1,9 @@
 """Curves of two parameters on which chaotic attractors change.
 
-At some values of one parameter crises are found along the other one, each with the images of breaks
-that meet repelling cycles: two words, and so a polynomial in both parameters. Where that is zero is
-asked at many values whether a crisis happens, and where it begins to happen, or ceases to, between
-two of them the interval is halved. What lies between two such values is not proved.
+At some values of one parameter crises along the other are found; each has two words, of an image of
+a break and of a repelling cycle, and so a polynomial in both parameters. On its zeros many values
+are asked whether the crisis happens; where it begins or ceases to, the interval is halved. Between
+two such values nothing is proved.
 """
 
 from __future__ import annotations
@@ -65,15 +65,15 @@ def with_crises(
     columns
         At how many values of the parameter across crises are looked for.
     budget
-        What all of it may take; where it or an interrupt ends the search, the curves that are
-        finished are returned, and ``left_out`` says so.
+        At its end, or at an interrupt, the curves that are finished are returned, and ``left_out``
+        says so.
     progress
-        Is told after each how many are done.
+        Is told after each column how many are done.
 
     Returns
     -------
     ParameterPlane
-        Another plane; the one that was given stays as it is.
+        A new one.
 
     Raises
     ------
@@ -86,9 +86,9 @@ def with_crises(
     >>> from pwmap.plane import with_crises
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
     >>> plane = parameter_plane(skew, "a", "b", ("19/20", 1), ("-17/10", "-8/5"), orders=(1,))
-    >>> more = with_crises(plane, order=1, columns=1)
-    >>> [(curve.kind.label, str(curve.polynomial)) for curve in more.curves]
-    [('merging crisis', 'a*b**2 - a + b')]
+    >>> curve, = with_crises(plane, order=1, columns=1).curves
+    >>> curve.kind.label, curve.polynomial
+    ('merging crisis', a*b**2 - a + b)
     """
     if columns < 1:
         raise ValueError(f"crises are looked for at one value at least, got {columns}")
@@ -124,7 +124,6 @@ class _Search:
         self.index = [str(symbol) for symbol in plane.map.parameters].index(self.along)
 
     def map_at(self, value: Number) -> PiecewiseLinearMap:
-        """The map over the parameter along."""
         return self.plane.map.at({self.plane.across: QQ.to_sympy(value)})
 
     def families(self, value: Number) -> Iterator[_Family]:

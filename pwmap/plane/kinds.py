@@ -6,16 +6,7 @@ from pwmap.diagrams.data import Coded
 
 
 class PlaneKind(Coded):
-    """A special point of codimension two, or why a curve ends; the value is its code.
-
-    Examples
-    --------
-    >>> from pwmap.plane import PlaneKind
-    >>> print(PlaneKind.FLIP_BORDER, PlaneKind.FLIP_BORDER.label)
-    PDB flip-border collision
-    >>> PlaneKind("JC") is PlaneKind.JUMP_CLOSES
-    True
-    """
+    """A special point of codimension two, or why a curve ends; the value is its code."""
 
     CUSP = "CP", "cusp: two folds meet, and the second derivative is zero"
     GENERALISED_FLIP = "GPD", "generalised flip: the cubic coefficient of a flip is zero"

@@ -36,10 +36,9 @@ class PlaneMark(NamedTuple):
 def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[PlaneMark]:
     """All bifurcations of cycles along an axis, from left to right, each cycle once.
 
-    Where jumps alone end nothing happens to a cycle; that is left out. So is what happens to
-    intervals of points of twice a period at the one place where a multiplier is -1: the cycle
-    itself says it. Where the multiplier is -1 all along, such an interval persists, and other
-    cycles that meet it count.
+    Where jumps alone end nothing happens to a cycle. Intervals of points of twice a period, at the
+    one place where a multiplier is -1, are said by the cycle itself; where it is -1 all along, such
+    an interval persists, and other cycles that meet it count.
     """
     ends, step = (cells[0].lower, cells[-1].upper), len(map_.chain)
     continuation = Continuation(axis, cells, step, ends)

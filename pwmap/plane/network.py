@@ -1,9 +1,8 @@
 """Curves of bifurcations over two parameters, and the points in which they meet.
 
-In a strip every mark is a root of a polynomial, an arc from one end of the strip to the other. At
-the ends arcs meet; where the whole picture changes with the parameter across, there are upright
-arcs, too. Where two arcs of one polynomial with the same event meet, and nothing else does, they
-are one curve; everything else that meets is a point of codimension two.
+In a strip every mark is a root of a polynomial, an arc from one end to the other; at the ends arcs
+meet, and there are upright arcs where everything changes at one value across. Where just two arcs
+of one polynomial and event meet they are one curve; all else is of codimension two.
 """
 
 from __future__ import annotations
@@ -46,7 +45,7 @@ Tip = tuple[PlaneArc, int]  # one end of an arc: 0 or 1
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlaneCurve:
-    """A curve of two parameters on which cycles bifurcate.
+    """A curve of two parameters on which cycles bifurcate, of :func:`pwmap.parameter_plane`.
 
     Attributes
     ----------
@@ -61,17 +60,7 @@ class PlaneCurve:
     arcs
         One after the other.
     ends
-        Names of the points in which it begins and ends; empty at an end of a span, or if it is
-        closed.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_plane
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
-    >>> curve = plane.curve("PD1")
-    >>> curve.kind.label, curve.words, curve.polynomial
-    ('flip', ('LR',), a*b + 1)
+        Names of the points at both ends; empty at an end of a span, or if it is closed.
     """
 
     id: str
@@ -83,19 +72,9 @@ class PlaneCurve:
     ends: tuple[str, str]
 
     def along(self, across: object) -> tuple[sympy.Expr, ...]:
-        """Exact values of the second parameter on the curve, for a rational one of the first.
+        """Exact values of the second parameter on the curve, ascending, for a rational first one.
 
-        Where the curve is upright it has no single values; where two arcs meet it is not asked.
-
-        Parameters
-        ----------
-        across
-            A rational value of the first parameter, or its text.
-
-        Returns
-        -------
-        tuple of sympy.Expr
-            Ascending; empty where the curve does not exist.
+        There are none where the curve does not exist, is upright, or two arcs meet.
         """
         value = rational(across)
         found = [
@@ -109,7 +88,7 @@ class PlaneCurve:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class CodimensionTwo:
-    """A point of two parameters in which bifurcation curves meet or end.
+    """A point of two parameters in which bifurcation curves of :func:`pwmap.parameter_plane` meet.
 
     Attributes
     ----------
@@ -119,15 +98,6 @@ class CodimensionTwo:
         Values of both parameters, the one across first.
     curves
         Names of the curves that pass or end here.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_plane
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2, 3))
-    >>> point, = plane.points
-    >>> point.kind.label, point.values, point.curves
-    ('flip-border collision', (-1/2 + sqrt(5)/2, -3/2 - sqrt(5)/2), ('PD3', 'BC1'))
     """
 
     id: str
@@ -236,7 +206,6 @@ def _points(
 
 
 def _kind(meeting: Meeting, passes: bool) -> PlaneKind:
-    """What kind of point it is, from the curves that meet."""
     words = [word for event, _ in meeting for word in event.words]
     kinds = {event.kind for event, _ in meeting}
     if passes and len(set(words)) == len(words):
@@ -249,7 +218,6 @@ def _kind(meeting: Meeting, passes: bool) -> PlaneKind:
 def _ends(
     line: Sequence[Tip], following: Mapping[Tip, Tip], at: Mapping[Node, str]
 ) -> tuple[str, str]:
-    """Names of the points at both ends; empty where there is none."""
     first, last = (
         "" if (arc, which) in following else at.get(arc.ends[which], "")
         for arc, which in tips_of(line)

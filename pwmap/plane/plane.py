@@ -24,7 +24,7 @@ from pwmap.plane.tables import curve_columns, point_columns
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ParameterPlane:
-    """A rectangle of two parameters: its cells, strip by strip, and its bifurcation curves.
+    """A rectangle of two parameters, cut by :func:`pwmap.parameter_plane`.
 
     Attributes
     ----------
@@ -33,24 +33,11 @@ class ParameterPlane:
     across_span, along_span
         The rectangle, in exact rationals.
     strips
-        From left to right. The single values between two strips, where edges meet, belong to
-        neither.
-    curves
-        On which cycles of the orders that were looked at bifurcate.
-    points
-        Of codimension two, in which curves meet or end.
+        From left to right. The single values between two strips, where edges meet, are in neither.
+    curves, points
+        Bifurcations of cycles of the orders, and where curves meet or end.
     left_out
         A sentence on the part of the rectangle that was not finished; empty if all was.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_plane
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
-    >>> [(curve.id, str(curve.polynomial)) for curve in plane.curves]
-    [('PD1', 'a*b + 1'), ('PD2', 'b + 1')]
-    >>> print(*plane.at("1/2", "-3/2").attractors)
-    cycle LR through -2/7
     """
 
     map: PiecewiseLinearMap
@@ -64,7 +51,6 @@ class ParameterPlane:
     left_out: str = ""
 
     def __repr__(self) -> str:
-        """Both parameters with their spans, how much was found, and what was not finished."""
         spans = (
             f"{name} in [{low}, {high}]"
             for name, (low, high) in (
@@ -98,22 +84,8 @@ class ParameterPlane:
     def regions(self, period: int | None = None) -> tuple[PlaneRegion, ...]:
         """The parts of the plane in which the same periods attract, with their exact borders.
 
-        Parameters
-        ----------
-        period
-            Only those in which a cycle of this period attracts, one of the orders that were looked
-            at; by default all.
-
-        Returns
-        -------
-        tuple of PlaneRegion
-            In the order in which they end, from left to right, and upwards; what goes on in the
-            next strip between the same curves is one region.
-
-        Raises
-        ------
-        ValueError
-            If no cycles of this period were looked for.
+        They are in the order in which they end, from left to right and upwards; all, or those with
+        an attracting cycle of one period. ValueError if no cycles of this period were looked for.
         """
         orders = sorted({order for strip in self.strips for order in strip.cells.orders})
         if period is not None and period not in orders:
@@ -126,57 +98,25 @@ class ParameterPlane:
         )
 
     def curve(self, curve_id: str) -> PlaneCurve:
-        """The curve with a name.
-
-        Parameters
-        ----------
-        curve_id
-            Its id, such as ``"BC1"``.
-
-        Returns
-        -------
-        PlaneCurve
-            The curve.
-
-        Raises
-        ------
-        KeyError
-            If there is none.
-        """
+        """The curve with an id, such as ``"BC1"``; KeyError if there is none."""
         for curve in self.curves:
             if curve.id == curve_id:
                 return curve
         raise KeyError(f"there is no curve {curve_id!r}")
 
     def to_dataframe(self) -> DataFrame:
-        """The curves, one in each row.
+        """The curves as rows of a pandas DataFrame; ImportError if pandas is not installed.
 
-        Returns
-        -------
-        pandas.DataFrame
-            With the columns ``id``, ``kind``, ``note``, ``words`` (parted by blanks),
-            ``polynomial`` (of sympy), ``from`` and ``to`` (names of points).
-
-        Raises
-        ------
-        ImportError
-            If pandas is not installed.
+        Its columns are ``id``, ``kind``, ``note``, ``words`` (with blanks between), ``polynomial``
+        (of sympy), ``from`` and ``to`` (names of points).
         """
         return dataframe(curve_columns(self.curves))
 
     def points_to_dataframe(self) -> DataFrame:
-        """The points of codimension two, one in each row.
+        """The points of codimension two as rows of a pandas DataFrame; ImportError without pandas.
 
-        Returns
-        -------
-        pandas.DataFrame
-            With the columns ``id`` and ``kind``, both parameters by their names (doubles) and by
-            these names with ``_exact`` (of sympy), and ``curves`` (parted by blanks).
-
-        Raises
-        ------
-        ImportError
-            If pandas is not installed.
+        Its columns are ``id`` and ``kind``, both parameters by their names (doubles) and by these
+        names with ``_exact`` (of sympy), and ``curves`` (with blanks between).
         """
         return dataframe(point_columns(self.points, (self.across, self.along)))
 
@@ -198,10 +138,10 @@ def parameter_plane(
     map_, across, along, across_span, along_span
         A map with just two parameters, their symbols or names, and two rationals for each.
     orders
-        The iterates to look at; those of orders that divide them are, too.
+        The iterates to look at, with those whose order divides one of these.
     budget
-        How many pieces may be computed in a strip, and how much work in all of them. What is left
-        of the first strip that is not finished is returned, as a smaller rectangle.
+        Pieces of one strip, and work of all. From the first strip that is not finished on, the
+        rectangle is left out.
 
     Returns
     -------
@@ -211,18 +151,20 @@ def parameter_plane(
     Raises
     ------
     ValueError
-        If the map has other parameters. A ``BudgetError`` if not even the leftmost strip is
-        finished.
+        If the map has other parameters. A ``BudgetError`` if the leftmost strip is not finished.
 
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, parameter_plane
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
     >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"))
-    >>> for curve in plane.curves:
-    ...     print(curve.id, *curve.words, curve.polynomial)
-    PD1 LR a*b + 1
-    PD2 R b + 1
+    >>> [(curve.id, curve.words, str(curve.polynomial)) for curve in plane.curves]
+    [('PD1', ('LR',), 'a*b + 1'), ('PD2', ('R',), 'b + 1')]
+    >>> region, = plane.regions(period=2)
+    >>> region.across, region.along
+    ((1/4, 3/4), (-1/a, -1))
+    >>> print(*plane.at("1/2", "-3/2").attractors)
+    cycle LR through -2/7
     """
     check_map(map_)
     across, along = (own_name(name, map_.parameters) for name in (across, along))

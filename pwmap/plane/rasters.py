@@ -28,7 +28,7 @@ ORDER = 24  # up to which the graph of laps is made for a colour: its bounds dif
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class PlaneRaster:
-    """The long run at points of a plane, in the middles of equal rectangles.
+    """The long run in the middles of equal rectangles of a plane, of :func:`plane_raster`.
 
     Attributes
     ----------
@@ -44,17 +44,6 @@ class PlaneRaster:
         Whether something is not known there.
     left_out
         A sentence on columns that were not finished; empty if all were.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_plane
-    >>> from pwmap.plane import plane_raster
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
-    >>> raster = plane_raster(plane, 3, 2)
-    >>> raster.periods
-    array([[0, 3, 0],
-           [2, 2, 0]])
     """
 
     across: tuple[Number, ...]
@@ -66,7 +55,6 @@ class PlaneRaster:
     left_out: str = ""
 
     def __repr__(self) -> str:
-        """How many points, how many of them are open, and what was not finished."""
         rows, columns = self.open.shape
         rest = f"; {self.left_out}" if self.left_out else ""
         return f"PlaneRaster({columns} x {rows} points, {self.open.sum()} open{rest})"
@@ -89,8 +77,8 @@ def plane_raster(
     columns, rows
         How many values of the parameter across, and of the one along.
     budget
-        How much may be computed, by default forty times as much as in one call at a point; what
-        is left out then is open, and ``left_out`` says so.
+        By default forty times that of one point; what is left out then is open, and ``left_out``
+        says so.
     progress
         Is told after each column how many are done.
 
@@ -110,9 +98,9 @@ def plane_raster(
     >>> from pwmap.plane import plane_raster
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
     >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
-    >>> plane_raster(plane, 3, 2).bands
-    array([[1, 0, 1],
-           [0, 0, 4]])
+    >>> raster = plane_raster(plane, 3, 2)
+    >>> raster.periods.tolist(), raster.bands.tolist()
+    ([[0, 3, 0], [2, 2, 0]], [[1, 0, 1], [0, 0, 4]])
     """
     check_kind("plane", plane, ParameterPlane, "pwmap.plane")
     if min(columns, rows) < 1:
@@ -161,7 +149,6 @@ def _at(line: MapLine, meter: Meter) -> _Point:
 
 
 def _middles(low: Number, high: Number, n: int) -> tuple[Number, ...]:
-    """The middles of equal parts of an interval."""
     return tuple(low + (high - low) * QQ(2 * i + 1, 2 * n) for i in range(n))
 
 

@@ -15,30 +15,19 @@ from pwmap.plane.strips import Strip
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PlaneRegion:
-    """A part of the plane in which cycles of the same periods attract.
-
-    It lies between two values of the parameter across, and there between two curves; the curves do
-    not belong to it.
+    """A part of a :func:`pwmap.parameter_plane` in which cycles of the same periods attract.
 
     Attributes
     ----------
     across
         Exact lower and upper end of the first parameter.
     along
-        Lower and upper border of the second one, as expressions in the first.
+        Lower and upper border of the second one, as expressions in the first; curves that do not
+        belong to it.
     periods
         Of the cycles that attract, among the orders of the plane; empty if none does.
     words
         Of these cycles, each begun where it comes first in the alphabet.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_plane
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
-    >>> region, = plane.regions(period=2)
-    >>> region.across, region.along, region.words
-    ((1/4, 3/4), (-1/a, -1), ('LR',))
     """
 
     across: tuple[sympy.Expr, sympy.Expr]
@@ -84,5 +73,4 @@ def _of_strip(strip: Strip) -> Iterator[PlaneRegion]:
 
 
 def _continues(left: PlaneRegion, right: PlaneRegion) -> bool:
-    """Whether a region goes on in the next strip."""
     return left.across[1] == right.across[0] and replace(left, across=right.across) == right

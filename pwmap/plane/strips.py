@@ -22,7 +22,7 @@ from pwmap.plane.marks import PlaneMark, marks
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Strip:
-    """An open interval of one parameter, with the cells of the other.
+    """An open interval of one parameter, with cells of the other; of :func:`pwmap.parameter_plane`.
 
     Attributes
     ----------
@@ -34,14 +34,6 @@ class Strip:
         The same edges, and both ends of the span, as roots of polynomials, from the lowest.
     upright
         Coefficients of polynomials in the first parameter alone that decided something.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, parameter_plane
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
-    >>> plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2))
-    >>> [(strip.lower, strip.upper, len(strip.cells)) for strip in plane.strips]
-    [(1/4, 3/4, 5)]
     """
 
     column: Column
@@ -85,11 +77,7 @@ class Rectangle:
         return tuple(sorted(divisors))
 
     def strips(self) -> list[Strip]:
-        """From left to right; between two of them edges meet, or the whole picture changes.
-
-        They are found from left to right, too: where the budget ends the search, those up to the
-        first gap are kept.
-        """
+        """From left to right, up to the first gap; between two edges meet, or all changes."""
         found: list[Strip] = []
         waiting: list[tuple[Real, Real]] = [self.across_span]
         with self.meter.keeping(waiting):

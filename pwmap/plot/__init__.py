@@ -1,7 +1,6 @@
 """Pictures of maps, diagrams, long runs and planes of parameters, with matplotlib.
 
-Every function takes the axes to draw on, or makes some, and gives a :class:`Drawn`: the artists by
-name. A name is loaded with what it needs when it is first used.
+Every function takes the axes to draw on, or makes some, and gives the artists: a :class:`Drawn`.
 """
 
 import lazy_loader

@@ -1,7 +1,7 @@
 """Pictures of maps and diagrams: stable solid, unstable dashed, jumps dotted.
 
-Where there are several iterates each has the colour of its period; of one, unstable branches and
-jumps have colours of their own.
+Of several iterates each has the colour of its period; of one, unstable branches and jumps have
+colours of their own.
 """
 
 from __future__ import annotations
@@ -71,10 +71,9 @@ def plot_diagram(
 ) -> Drawn:
     """Draw all branches of a diagram and its special points, with their names.
 
-    Stable branches are solid, unstable ones dashed, jumps dotted. Where there are iterates, that to
-    which a branch belongs, such as P_2, is written on it if there is room; each has the colour of
-    its period, and the higher it is the thinner are its lines. Points whose markers lie on one
-    another share one label, with their names from left to right.
+    Stable branches are solid, unstable ones dashed, jumps dotted. Iterates have the colours of
+    their periods, thinner lines the higher they are, and names such as P_2 if there is room. Points
+    whose markers lie on one another share one label.
 
     Parameters
     ----------
@@ -87,11 +86,10 @@ def plot_diagram(
     legend
         Whether to explain the lines and markers that occur.
     words
-        Whether to mark where the word of a branch changes: there can be hundreds of places.
+        Whether to mark where the word of a branch changes, in hundreds of places perhaps.
     labels
-        Whether to write names or ids beside all points that are marked, and not only beside those
-        that have a name. By default points but end points have them where there are no more than
-        30, and no more than two to each square inch.
+        Whether to write names or ids beside all marked points, or only names. By default all points
+        but end points have them if there are no more than 30, and two to each square inch.
     branches
         Whether to write ids on branches, or what to write on those of some ids.
     stable_only
@@ -117,8 +115,7 @@ def plot_diagram(
     >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram
     >>> from pwmap.plot import plot_diagram
     >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
-    >>> drawn = plot_diagram(bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)))
-    >>> list(drawn.artists)
+    >>> list(plot_diagram(bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))).artists)
     ['stable', 'jump crossing', 'border collision', 'end point', 'names']
     """
     check_kind("diagram", diagram, Diagram)
@@ -184,10 +181,7 @@ def draw_branches(
     diagram: Diagram, ax: Axes, kinds: Iterable[PointKind], *, labels: bool | None = None,
     branches: bool | Mapping[str, str] = False, stable_only: bool = False,
 ) -> Artists:  # fmt: skip
-    """Draw branches, special points of some kinds, names and axes; artists by their legend.
-
-    Arguments are those of :func:`plot_diagram`.
-    """
+    """Draw branches, special points, names and axes as :func:`plot_diagram`; artists by legend."""
     shown: Artists = {}
     for branch in diagram.branches:
         if branch.kind is BranchKind.BAND:
@@ -277,7 +271,6 @@ def _colour(curve: _Curve, several: bool) -> str:
 
 
 def _word_changes(diagram: Diagram) -> tuple[list[float], list[float]]:
-    """Places where the word of a branch changes."""
     p, x = list[float](), list[float]()
     for branch in diagram.branches:
         firsts = [stretch.first for stretch in branch.changes]
@@ -287,10 +280,7 @@ def _word_changes(diagram: Diagram) -> tuple[list[float], list[float]]:
 
 
 def _curves(diagram: Diagram) -> list[_Curve]:
-    """Curves in one style; branches of one style and order that meet are one.
-
-    A dash pattern starts anew with each curve, and hundreds of short branches would look solid.
-    """
+    """Curves in one style; branches of one style and order that meet are one."""
     curves: list[_Curve] = []
     for branch in diagram.branches:
         parts = stretches(branch) if branch.kind is not BranchKind.BAND else []
@@ -301,6 +291,7 @@ def _curves(diagram: Diagram) -> list[_Curve]:
             )
             p, x = branch.parameter[stretch], branch.x[stretch]
             new = _Curve(label, branch.order, ends, p, x)
+            # a dash pattern starts anew with each: short branches would look solid
             for known in [c for c in curves if c[:2] == new[:2] and set(c.ends) & set(ends)]:
                 joined = known.joined(new)
                 if joined is not None:
@@ -385,15 +376,10 @@ def plot_map(
     ----------
     map_
         A map without parameters.
-    ax
-        Axes to draw on; new ones by default.
     window
         Interval of x; by default around all breaks and fixed points.
-    legend
-        Whether to explain the markers that occur.
-    styles
-        Properties of matplotlib by ``"diagonal"``, ``"pieces"``, ``"ends"`` and the names in the
-        legend.
+    ax, legend, styles
+        As for :func:`plot_diagram`; other names are ``"diagonal"``, ``"pieces"`` and ``"ends"``.
 
     Returns
     -------
@@ -402,10 +388,8 @@ def plot_map(
 
     Raises
     ------
-    TypeError
-        If that is no map, or not drawn on axes.
-    ValueError
-        If the map still has parameters, or there is no part of the name of a style.
+    TypeError, ValueError
+        As :func:`plot_diagram`, for a map; ValueError if it still has parameters.
 
     Examples
     --------
@@ -484,10 +468,7 @@ def around(marks: Sequence[float]) -> tuple[float, float]:
 def pieces_within(
     map_: PiecewiseLinearMap, window: tuple[float, float]
 ) -> tuple[list[tuple[tuple[float, float], ...]], list[tuple[float, float, bool]]]:
-    """Both ends (x, y) of each line of a map, and those that are ends of pieces.
-
-    The latter with whether they belong to their piece.
-    """
+    """Both ends (x, y) of each line of a map; ends of pieces, with whether they belong to it."""
     lines, ends = [], []
     for piece in map_.pieces:
         outer = float(piece.lower), float(piece.upper)
@@ -522,10 +503,9 @@ def plot_cobweb(
         A map without parameters.
     start, steps
         A rational, and the number of steps, at least 1.
-    ax, window
-        As for :func:`plot_map`; by default the window holds the orbit.
-    styles
-        As for :func:`plot_map`, with ``"orbit"`` and ``"start"``.
+    ax, window, styles
+        As for :func:`plot_map`, with ``"orbit"`` and ``"start"``; by default the window holds the
+        orbit.
 
     Returns
     -------

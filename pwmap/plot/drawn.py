@@ -23,23 +23,10 @@ LABEL = 30.0  # height of the numbers and the name of an axis [pt]
 
 @dataclass(frozen=True, slots=True)
 class Drawn:
-    """A picture, or a part of one.
+    """A picture, or a part of one; every plot gives one, such as :func:`pwmap.plot.plot_map`.
 
-    Attributes
-    ----------
-    axes
-        On which it was drawn, in order.
-    artists
-        What was drawn, lists of artists of matplotlib by the name of the part; where there is a
-        legend the names are those it has. Each can still be changed, by ``artist.set(color="k")``.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> from pwmap.plot import plot_map
-    >>> drawn = plot_map(PiecewiseLinearMap([("1 - x", "x > 0"), ("-1", "x <= 0")]))
-    >>> [line.get_linewidth() for line in drawn.artists["pieces"]]
-    [1.5, 1.5]
+    ``axes`` are those on which it was drawn, in order; ``artists`` lists of artists of matplotlib
+    by the name of the part, as in the legend. Each can be changed, by ``artist.set(color="k")``.
     """
 
     axes: tuple[Axes, ...]
@@ -81,11 +68,7 @@ def below(ax: Axes) -> dict[str, Any]:
 
 
 def styled(artists: Artists, styles: Styles | None, known: Iterable[str] = ()) -> None:
-    """Give parts of a picture properties of matplotlib, such as ``{"stable": {"color": "k"}}``.
-
-    Known parts are those that the picture could have had. ValueError if there can be no part of
-    such a name.
-    """
+    """Give parts of a picture properties of matplotlib; ValueError if a part cannot be there."""
     names = dict.fromkeys((*artists, *known))
     if not isinstance(styles, Mapping | None):
         raise TypeError(f"styles must be a mapping of names, got {shortened(repr(styles))}")

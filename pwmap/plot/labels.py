@@ -1,12 +1,10 @@
 """Names of points and of curves in a picture, so that none covers another.
 
-Places depend on what is shown, so they are looked for anew whenever the picture is drawn: after a
-zoom, too, which makes room for names that are left out where points crowd. Points whose markers lie
-on one another share one label: their names from left to right, or, if there are many, by kinds with
-runs of numbers, such as FF3-FF9. A label stands close to its point if there is room; otherwise it
-moves away from it. Wherever it is not nearer to its own point than to all others, a thin line leads
-back. It stays inside the frame, and avoids other labels, their lines and the legend first, then
-markers, then curves. A curve's name stands on the curve, and is left out where there is no room.
+Places are found whenever the picture is drawn, after a zoom, too. Points whose markers lie on one
+another share one label: their names from left to right or, if there are many, kinds with runs of
+numbers, such as FF3-FF9. A label moves away from its point for room, with a thin line back where
+another point is nearer. It avoids other labels, their lines and the legend first, then markers,
+then curves. A curve's name stands on the curve, or is left out.
 """
 
 from __future__ import annotations
@@ -87,11 +85,7 @@ class _Places(NamedTuple):
 
 
 class Labels(Artist):
-    """The names in a picture.
-
-    Names of points do not cover curves if there is room elsewhere. Other points have markers at
-    places (n, 2).
-    """
+    """The names in a picture; those of points avoid curves, and markers of other points."""
 
     def __init__(
         self, names: Sequence[Name], curves: Sequence[LabelledCurve] = (), markers: Any = ()
@@ -194,7 +188,6 @@ class _TakenRoom:
         return groups
 
     def _places(self, group: Sequence[tuple[Name, Floats]]) -> _Places:
-        """Where the label of some points may stand."""
         ordered = sorted(group, key=lambda each: float(each[1][0]))
         written = _together([name.text for name, _ in ordered])
         own = np.array([point for _, point in group])
@@ -278,11 +271,7 @@ class _TakenRoom:
 
 
 def _chosen(labels: Sequence[_Places]) -> list[int]:
-    """For each label the place that costs least beside the others.
-
-    Those that choose first have the best places. Where a label covers something at the end, the
-    choice begins anew, and it chooses first.
-    """
+    """For each label the place that costs least beside the others."""
     order = list(range(len(labels)))
     best, least = list[int](), math.inf
     for _ in range(STARTS):
@@ -293,6 +282,7 @@ def _chosen(labels: Sequence[_Places]) -> list[int]:
         worse = [k for k in order if costs[k] >= COSTS["lines"]]
         if not worse:
             break
+        # those that cover something choose first the next time
         order = [*worse, *(k for k in order if k not in worse)]
     return best
 
@@ -361,7 +351,6 @@ def _together(names: Sequence[str]) -> str:
 
 
 def _in_rows(written: str) -> str:
-    """The names of a long label in two rows, broken at the comma nearest to its middle."""
     commas = [match.end() for match in re.finditer(", ", written)]
     if len(written) <= LONGEST or not commas:
         return written
@@ -370,7 +359,6 @@ def _in_rows(written: str) -> str:
 
 
 def _padded(boxes: Floats, margin: float) -> Floats:
-    """Boxes (n, 4) with a margin."""
     return boxes + margin * np.array([-1.0, -1.0, 1.0, 1.0])
 
 
@@ -409,7 +397,6 @@ def _inside(boxes: Floats, places: Floats, margin: float) -> npt.NDArray[np.int6
 
 
 def _apart(box: Bbox, other: Bbox) -> float:
-    """How far the middles of two boxes are apart."""
     return 0.5 * math.hypot(
         box.x0 + box.x1 - other.x0 - other.x1, box.y0 + box.y1 - other.y0 - other.y1
     )

@@ -86,23 +86,16 @@ def plot_long_run(
 ) -> Drawn:
     """Draw branches and special points over the bands below them, with the crises of these.
 
-    A crisis is marked where it takes place: at the points of the repelling cycle that an image of a
-    break meets.
+    A crisis is marked at the points of the repelling cycle that an image of a break meets.
 
     Parameters
     ----------
     diagram, found, map_
         Branches, attractors over an interval of the same parameter, and the map both are of.
-    ax
-        Axes to draw on; new ones by default.
     steps
         How many places the whole interval has; at each bands are computed exactly.
-    legend
-        Whether to explain what is drawn.
-    labels
-        Whether special points of branches have labels, as :func:`pwmap.plot.plot_diagram` says.
-    styles
-        Properties of matplotlib by the names in the legend.
+    ax, legend, labels, styles
+        As for :func:`pwmap.plot.plot_diagram`.
 
     Returns
     -------
@@ -111,10 +104,8 @@ def plot_long_run(
 
     Raises
     ------
-    TypeError
-        If that is no diagram, long run or map, or not drawn on axes.
-    ValueError
-        If the two are over different parameters, or there is no part of the name of a style.
+    TypeError, ValueError
+        As :func:`pwmap.plot.plot_diagram`; ValueError if the two are over different parameters.
 
     Examples
     --------
@@ -158,12 +149,10 @@ def plot_attractors(
     ----------
     found, map_
         What to draw, and the map it is of.
-    ax
-        Axes to draw on; new ones by default.
     steps
         How many places the whole interval has; each is computed exactly.
-    styles
-        Properties of matplotlib by the names in the legend.
+    ax, styles
+        As for :func:`pwmap.plot.plot_diagram`.
 
     Returns
     -------
@@ -243,10 +232,7 @@ def _areas(
     ax: Axes, places: Sequence[float], seen: Sequence[tuple[Attractor, ...]],
     cell: tuple[float, float], shown: Artists,
 ) -> None:  # fmt: skip
-    """What attracts in one cell; places between which its bands and points are as many are joined.
-
-    Long words are not told apart by cells, so that there may be several such groups.
-    """
+    """Draw one cell, joining places between which bands and points are as many."""
     first = 0
     for _, group in groupby(seen, key=_shape):
         rows = list(group)
@@ -328,19 +314,16 @@ def plot_kneading(
 ) -> Drawn:
     """Draw the letters along the orbits of both sides of all breaks, with what becomes of these.
 
-    Each row is an orbit, each column a step. What comes again and again is framed, and paler where
-    it is repeated.
+    Each row is an orbit, each column a step. What recurs is framed, and paler in repetition.
 
     Parameters
     ----------
     seen
         The long run of a map.
-    ax
-        Axes to draw on; new ones by default.
     steps
         How many steps are shown.
-    styles
-        Properties of matplotlib by the letters, ``"frames"`` and ``"texts"``.
+    ax, styles
+        As for :func:`pwmap.plot.plot_diagram`; names are the letters, ``"frames"`` and ``"texts"``.
 
     Returns
     -------
@@ -393,7 +376,6 @@ def _side(row: Kneading) -> str:
 
 
 def _draw_row(ax: Axes, number: int, row: Kneading, steps: int, colors: dict[str, str]) -> Artists:
-    """One row of a kneading table: rectangles by their letters, frames and texts."""
     shown: Artists = {"frames": [], "texts": []}
     known, start = len(row.letters), len(row.letters) - row.repeating
     for step in range(steps if row.repeating else min(steps, known)):
@@ -434,21 +416,20 @@ def plot_entropy(
 ) -> Drawn:  # fmt: skip
     """Draw the topological entropy at values of a parameter, as dots at its bounds.
 
-    Dots are not joined: between two values it may be anything. Where it is known to be constant it
-    is drawn as a thick horizontal piece.
+    Dots are not joined, as it may be anything in between. Where it is known to be constant it is a
+    thick horizontal line.
 
     Parameters
     ----------
     map_, parameter, span
         A map of one parameter, its name, and two rationals.
-    ax
-        Axes to draw on; new ones by default.
     steps, orders
         How many rational values, and up to which orders the graph of laps is made.
     intervals
         What :func:`pwmap.constant_entropy` found; by default it is asked.
-    styles
-        Properties of matplotlib by ``"between"``, ``"bounds"`` and ``"constant"``.
+    ax, styles
+        As for :func:`pwmap.plot.plot_diagram`; names are ``"between"``, ``"bounds"`` and
+        ``"constant"``.
 
     Returns
     -------
@@ -519,12 +500,10 @@ def plot_density(
     ----------
     found
         The long run of a map.
-    ax
-        Axes to draw on; new ones by default.
     points
         Of orbits in the histogram, of each attractor.
-    styles
-        Properties of matplotlib by ``"orbits"`` (bars) and ``"densities"``.
+    ax, styles
+        As for :func:`pwmap.plot.plot_diagram`; names are ``"orbits"`` (bars) and ``"densities"``.
 
     Returns
     -------

@@ -1,7 +1,7 @@
 """One colour for each period, in cells, rasters, diagrams and orbits alike; lines of curves.
 
-Any two of them can be told apart in grey print, by a lightness L* that differs by six or more, and
-by eyes that lack one kind of cone; ``tests/pwmap/plot/test_palette.py`` measures both.
+Any two differ in grey print (lightness L* by six or more) and to eyes that lack one kind of cone:
+see ``tests/pwmap/plot/test_palette.py``.
 """
 
 from __future__ import annotations

@@ -52,24 +52,20 @@ def plot_plane(
     ----------
     plane
         What to draw.
-    ax
-        Axes to draw on; new ones by default.
     raster
-        What attracts at points of the plane; without it, the colours of cells say which cycles of
-        the orders that were looked at attract there.
+        What attracts at points of the plane; without it cells are coloured by the attracting cycles
+        of the orders of the plane.
     colours
         What the colours of the raster say.
     samples
         Points along a curve from one side to the other.
-    legend
-        Whether to explain colours and lines.
-    styles
-        Properties of matplotlib for curves and points by the names in the legend.
+    ax, legend, styles
+        As for :func:`pwmap.plot.plot_diagram`.
 
     Returns
     -------
     Drawn
-        The axes, and the artists of curves and points by these names.
+        The axes, and the artists of curves and points by the names in the legend.
 
     Raises
     ------
@@ -183,7 +179,6 @@ def _periods_label(periods: tuple[int, ...]) -> str:
 
 
 def _corners(raster: PlaneRaster) -> tuple[FloatArray, FloatArray]:
-    """Ends of the rectangles of which a raster has the middles."""
     across, along = (np.array(list(map(to_float, each))) for each in (raster.across, raster.along))
     return _ends(across), _ends(along)
 
@@ -200,7 +195,6 @@ def _periods(ax: Axes, plane: ParameterPlane, raster: PlaneRaster) -> list[Patch
 
 
 def _bands(ax: Axes, plane: ParameterPlane, raster: PlaneRaster) -> list[Patch]:
-    """How many bands there are; where only cycles attract, light."""
     numbers = np.where(raster.bands > 0, raster.bands + 1, np.where(raster.periods > 0, 1, 0))
     return _listed(ax, raster, numbers, ("none known", "cycles only"), "{} bands", 2)
 
@@ -227,7 +221,6 @@ def _listed(
 
 
 def _entropy(ax: Axes, plane: ParameterPlane, raster: PlaneRaster) -> list[Patch]:
-    """The topological entropy, with a scale beside."""
     mesh = ax.pcolormesh(*_corners(raster), raster.entropy, cmap="YlGnBu", vmin=0.0,
                          rasterized=True)  # fmt: skip
     bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02, aspect=30)

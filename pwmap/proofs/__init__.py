@@ -1,7 +1,4 @@
-"""Certificates of what pwmap found, and who checks them.
-
-A name is loaded with what it needs when it is first used.
-"""
+"""Certificates of what pwmap found, and their checker."""
 
 import lazy_loader
 

@@ -54,9 +54,9 @@ def prove(
     Parameters
     ----------
     what
-        A map whose coefficients are numbers: then all fixed points of an iterate and all its jumps
-        over the diagonal are stated. Or a diagram over one parameter, all others being numbers:
-        then its branches and special points.
+        A map whose coefficients are numbers, for all fixed points and jumps over the diagonal of an
+        iterate; or a diagram over one parameter, all others being numbers, for its branches and
+        points.
     map_
         The map that the diagram is of.
     order
@@ -78,8 +78,11 @@ def prove(
     --------
     >>> from pwmap import PiecewiseLinearMap, prove
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((2*x, x <= 1/2), (2 - 2*x, True))")
-    >>> print(prove(tent).statement[:71])
+    >>> certificate = prove(tent)
+    >>> print(certificate.statement[:71])
     For the map with the pieces L: 2 x for x <= 1/2; R: -2 x + 2 for 1/2 <
+    >>> certificate.save("tent.json").name
+    'tent.json'
     """
     if isinstance(what, PiecewiseLinearMap):
         if map_ is not None or orders is not None:
@@ -111,7 +114,6 @@ def _fail(reason: str) -> NoReturn:
 
 
 def _text(number: Number) -> str:
-    """A rational as the checker reads it."""
     return str(Fraction(*pair(number)))
 
 
@@ -196,7 +198,6 @@ class _Recorder(Place):
         self.asked: set[Poly] = set()
 
     def sign(self, f: Poly) -> int:
-        """The sign at the sample."""
         self.asked.add(primitive(self.work, f))
         return super().sign(f)
 
@@ -287,8 +288,6 @@ def _runs(rows: Mapping[int, Row]) -> list[list[int]]:
 
 
 class _DiagramWriter:
-    """Writes a diagram of a map over its only parameter."""
-
     def __init__(
         self, diagram: Diagram, map_: PiecewiseLinearMap, orders: Iterable[int] | None
     ) -> None:
@@ -316,7 +315,6 @@ class _DiagramWriter:
         self._index = {edge: i for i, edge in enumerate(self._edges)}
 
     def content(self) -> Row:
-        """Everything but statement and seal."""
         around = zip([LOWEST, *self._edges], self._edges, [*self._edges[1:], HIGHEST], strict=False)
         found: Row = {
             "kind": certificate.DIAGRAM,
@@ -365,7 +363,6 @@ class _DiagramWriter:
         return "x" in stretch.exact and stretch.exact.get("multiplier") != 1
 
     def _ends(self, stretch: Stretch) -> tuple[Real, Real]:
-        """The first and the last value of the parameter."""
         interval: Any = stretch.exact["interval"]
         if isinstance(interval, sympy.FiniteSet):
             return algebraic(interval.args[0]), algebraic(interval.args[0])
@@ -374,7 +371,6 @@ class _DiagramWriter:
         return algebraic(interval.start), algebraic(interval.end)
 
     def _places(self, stretch: Stretch) -> list[int]:
-        """Its first and its last place."""
         interval: Any = stretch.exact["interval"]
         first, last = (2 * self._index[end] for end in self._ends(stretch))
         if isinstance(interval, sympy.FiniteSet):
@@ -382,7 +378,6 @@ class _DiagramWriter:
         return [first + bool(interval.left_open), last - bool(interval.right_open)]
 
     def _row(self, branch: Branch, stretch: Stretch) -> Row:
-        """A stretch as the checker reads it."""
         exact: Mapping[str, Any] = stretch.exact
         row: Row = {
             "order": branch.order,

@@ -15,24 +15,9 @@ from pwmap.diagrams.shown import brief
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Certificate:
-    """A statement that is proved, with all that it takes to verify it.
+    """A statement of :func:`pwmap.prove` with all that its verification needs.
 
-    Attributes
-    ----------
-    content
-        All of it, as it is written to JSON, sealed.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, prove
-    >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((-1, x <= 0), (1 - 5*x/4, True))")
-    >>> certificate = prove(p1)
-    >>> print(certificate.statement[:58])
-    For the map with the pieces L: -1 for x <= 0; R: -5/4 x +
-    >>> len(certificate.content["fixed points"])
-    2
-    >>> certificate.save("map.json").name
-    'map.json'
+    ``content`` is sealed, as it is written to JSON.
     """
 
     content: Mapping[str, Any]
@@ -43,7 +28,6 @@ class Certificate:
         return str(self.content["statement"])
 
     def __repr__(self) -> str:
-        """What kind of statement, and how it begins."""
         return f"Certificate({self.content['kind']}: {brief(self.statement)!r})"
 
     def __str__(self) -> str:
@@ -57,7 +41,6 @@ class Certificate:
 
 
 def _lines(value: object) -> str:
-    """JSON with a line for each entry of a list."""
     if not isinstance(value, list | tuple) or not value:
         return json.dumps(value)
     return "[\n  " + ",\n  ".join(map(json.dumps, value)) + "\n]"

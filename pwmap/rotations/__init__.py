@@ -1,7 +1,4 @@
-"""Cycles by their words: rotations, tongues, families, and where they begin.
-
-A name is loaded with what it needs when it is first used.
-"""
+"""Cycles by their words: rotations, tongues, families, and where they begin."""
 
 import lazy_loader
 

@@ -1,24 +1,22 @@
 """Organising centres: both one-sided limits at the break of a two-piece map lie on the break.
 
 Near such a point of two parameters, also called a big bang bifurcation [AvrutinSchanz2006], the map
-is that of its two slopes, seen through a magnifying glass: with y = x - b, i the height of L(b)
-over b and j the depth of R(b) under b,
+is, with y = x - b, i the height of L(b) over b and j the depth of R(b) under b,
 
     y -> s y + i (left),    y -> m y - j (right),
 
-and a common factor of y, i and j changes nothing. So cycles live in sectors of the plane, all of
-which meet at the centre. Infinitely many do in the quarter i > 0, j > 0, where no fixed point is.
+and a common factor of y, i and j changes nothing. So cycles live in sectors of the plane that meet
+at the centre, infinitely many in the quarter i > 0, j > 0, where no fixed point is.
 
 If both slopes lie in (-1, 1), the signs decide [Granados2017; Avrutin2019]:
 
-- Both positive: rotational cycles, one at a time, whose rotation numbers run through all values
-  from 0 to 1. Between the sectors of two Farey neighbours is that of their mediant, the periods
-  are added.
-- One positive, s on the left say, and one not, m = -t: cycles R L^n, n = 0, 1, 2, ... With
-  h_n = (s^-n - 1)/(1 - s) the point -h_n i goes to the break in n steps on the left, so that R L^n
-  exists for j/i from h_(n - 1) - t to h_n, and for n = 0, which is a fixed point, up to 0. Adjacent
-  ones overlap for t > 0 and coexist there, no others do, as h_(n + 1) - t > h_n; for t = 0 each
-  begins where the last one ends. The periods are incremented by one [Avrutin2011].
+- Both positive: rotational cycles, one at a time, of all rotation numbers from 0 to 1. Between the
+  sectors of two Farey neighbours is that of their mediant, the periods are added.
+- One positive, s on the left say, and one not, m = -t: cycles R L^n, n = 0, 1, 2, ... With h_n =
+  (s^-n - 1)/(1 - s) the point -h_n i goes to the break in n steps on the left, so that R L^n exists
+  for j/i from h_(n - 1) - t to h_n, and for n = 0, which is a fixed point, up to 0. Adjacent ones
+  overlap for t > 0 and coexist there, no others do, as h_(n + 1) - t > h_n; for t = 0 each begins
+  where the last one ends. The periods are incremented by one [Avrutin2011].
 - None positive, -s and -t: with i > 0, j > 0 all orbits alternate and come to L R. It lives beyond
   this quarter too, beside the fixed point on the right for -t i < j < 0, and beside the one on the
   left for -s j < i < 0. Where i < 0, j < 0 both fixed points live [Hogan2007].
@@ -46,18 +44,7 @@ from pwmap.rotations.pieces import LEFT, RIGHT, TwoPieces, two_pieces
 
 
 class CentreKind(Enum):
-    """What is to be found around an organising centre.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> from pwmap.rotations import CentreKind, organising_centre
-    >>> jump = PiecewiseLinearMap([("x/2 + r", "x < 1"), ("-x/3 + a", "x >= 1")])
-    >>> organising_centre(jump, "r", "a").kind is CentreKind.INCREMENTING
-    True
-    >>> CentreKind.ADDING.value
-    'period adding: between two neighbours is a cycle with the points of both'
-    """
+    """What is to be found around an organising centre."""
 
     ADDING = "period adding: between two neighbours is a cycle with the points of both"
     INCREMENTING = "period incrementing: adjacent cycles of n and n + 1 points coexist"
@@ -71,30 +58,19 @@ class CentreKind(Enum):
 class OrganisingCentre:
     """A point of two parameters at which both limits at the break lie on the break.
 
+    It comes from :func:`organising_centre`.
+
     Attributes
     ----------
     values
-        Their values at the centre.
-    x
-        The break there.
-    slopes
-        Of the left and the right piece there.
+        Of both parameters at the centre.
+    x, slopes
+        The break there, and the slopes of the left and the right piece.
     kind
         What lives around the centre, where L(b) > b > R(b).
     patterns
         Words of cycles around it, for :func:`pwmap.word_family`: both families that lead towards
         the fixed points for period adding, the one there is for period incrementing.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> from pwmap.rotations import organising_centre
-    >>> jump = PiecewiseLinearMap([("x/2 + r", "x < 1"), ("-x/3 + a", "x >= 1")])
-    >>> centre = organising_centre(jump, "r", "a")
-    >>> centre.values, centre.x, centre.slopes
-    ((1/2, 4/3), 1, (1/2, -1/3))
-    >>> centre.kind.name, centre.patterns
-    ('INCREMENTING', ('R L^n',))
     """
 
     across: sympy.Symbol
@@ -114,8 +90,8 @@ def organising_centre(map_: PiecewiseLinearMap, across: object, along: object) -
     map_
         A map of two pieces that meet at one break.
     across, along
-        Two of its parameters, symbols or names. If there are others, both limits at the break
-        must be linear in these two.
+        Two of its parameters, symbols or names. If there are others, both limits at the break must
+        be linear in these two.
 
     Returns
     -------
@@ -125,8 +101,8 @@ def organising_centre(map_: PiecewiseLinearMap, across: object, along: object) -
     Raises
     ------
     TypeError, ValueError
-        If the map has not two pieces and one break, a name is no parameter of it or comes twice,
-        or there is not exactly one centre where the assumptions hold.
+        If the map has not two pieces and one break, a name is no parameter of it or comes twice, or
+        there is not exactly one centre where the assumptions hold.
     UndecidedError
         If the assumptions on other parameters leave open what is there.
 
@@ -135,8 +111,9 @@ def organising_centre(map_: PiecewiseLinearMap, across: object, along: object) -
     >>> from pwmap import PiecewiseLinearMap
     >>> from pwmap.rotations import organising_centre
     >>> jump = PiecewiseLinearMap([("x/2 + r", "x < 1"), ("-x/3 + a", "x >= 1")])
-    >>> organising_centre(jump, "r", "a").values
-    (1/2, 4/3)
+    >>> centre = organising_centre(jump, "r", "a")
+    >>> centre.values, centre.slopes, centre.kind.name, centre.patterns
+    ((1/2, 4/3), (1/2, -1/3), 'INCREMENTING', ('R L^n',))
     """
     found = organising_centres(map_, across, along)
     if len(found) != 1:
@@ -152,17 +129,15 @@ def organising_centres(
 ) -> tuple[OrganisingCentre, ...]:
     """All organising centres in the plane of two parameters, where the assumptions hold.
 
-    Errors are those of :func:`organising_centre`.
-
     Parameters
     ----------
     map_, across, along
-        As for :func:`organising_centre`.
+        As for :func:`organising_centre`, whose errors are the same.
 
     Returns
     -------
     tuple of OrganisingCentre
-        None, one or several; see :func:`organising_centre`.
+        None, one or several.
 
     Examples
     --------
@@ -207,7 +182,6 @@ class _PlanePlace(NamedTuple):
 def _places(
     map_: PiecewiseLinearMap, symbols: tuple[sympy.Symbol, sympy.Symbol], equations: list[Number]
 ) -> Iterator[_PlanePlace]:
-    """Where both equations hold."""
     at = [map_.parameters.index(symbol) for symbol in symbols]
     if all(sum(e[i] for i in at) <= 1 for equation in equations for e in equation.monoms()):
         yield from _linear(map_, at, equations)
@@ -308,20 +282,15 @@ def _algebraic(
 def _univariate(
     map_: PiecewiseLinearMap, at: list[int], equations: list[Number]
 ) -> tuple[PolyElement, tuple[PolyElement, PolyElement]]:
-    """A polynomial f(t) and both parameters as polynomials in t, at all common zeros.
-
-    t is a parameter, or a sum of both by which the zeros can be told apart. Then the Groebner basis
-    of the radical has this shape; an ideal with finitely many zeros is made radical by a polynomial
-    without multiple roots in each variable.
-
-    ValueError if the common zeros are a curve.
-    """
+    """A polynomial f(t) and both parameters as polynomials in t, at all common zeros."""
     u, v = (map_.parameters[k] for k in at)
     t = sympy.Dummy("t")
     line = PolyRing((t,), QQ, lex)
     given = [to_sympy(equation) for equation in equations]
     if sympy.gcd(*given).free_symbols:
         raise ValueError(f"both limits lie on the break along a curve in ({u}, {v}), no point")
+    # polynomials without multiple roots in each variable make an ideal with finitely many zeros
+    # radical, whose Groebner basis has this shape if t tells them apart
     radical = [*given, _abscissae(given, v, u), _abscissae(given, u, v)]
     for shear in count():  # n points have at most n (n - 1) / 2 directions in which two are one
         ideal = [*radical, t - u - shear * v]
@@ -352,7 +321,6 @@ def _unit(symbol: sympy.Symbol, symbols: tuple[sympy.Symbol, ...]) -> tuple[int,
 
 
 def _quotient(top: PolyElement, bottom: PolyElement, root: Real) -> sympy.Expr:
-    """A quotient of polynomials at a root."""
     if isinstance(root, RealRoot):
         return root.element_to_sympy(root.quotient(dense(top), dense(bottom)))
     return QQ.to_sympy(QQ.convert(top.evaluate(0, root)) / QQ.convert(bottom.evaluate(0, root)))
@@ -389,7 +357,6 @@ def _centre(
 
 
 def _contracts(place: _PlanePlace, slope: Number, denominator: Number) -> bool:
-    """Whether a slope lies in (-1, 1)."""
     return place.sign(denominator - slope) > 0 and place.sign(denominator + slope) > 0
 
 

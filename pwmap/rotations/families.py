@@ -2,13 +2,12 @@
 
 With A_w(x) = s x + c, the word w^n stands for s^n x + c (1 - s^n)/(1 - s), and for x + n c if s is
 1. So all points of the cycle of a pattern are quotients of polynomials in the parameters, n and
-powers s^n, which are variables of their own here. To follow one word through its replacements in
-this way is what [Avrutin2010] call map replacement.
+powers s^n, which are variables of their own here [Avrutin2010: map replacement].
 
-Which conditions bind: the points y_i = A^i(y_0) that begin with the same letter of a repeated
-word are monotone for s > 0, so that the first and the last decide. For s < 0 they alternate round
-the fixed point of A and come nearer to it for s > -1, where the first two decide, or go away from
-it for s < -1, where the last two do. For s = 0 all but the first are the same. After a run of one
+Which conditions bind: the points y_i = A^i(y_0) that begin with the same letter of a repeated word
+are monotone for s > 0, so that the first and the last decide. For s < 0 they alternate round the
+fixed point of A and come nearer to it for s > -1, where the first two decide, or go away from it
+for s < -1, where the last two do. For s = 0 all but the first are the same. After a run of one
 letter whose slope is positive comes a point on another side of a break: the run goes towards it.
 """
 
@@ -50,25 +49,9 @@ Element = Any  # of the field of quotients in the parameters, n and the powers
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FamilyCondition:
-    """A condition of the cycles of a family.
+    """A condition of a :func:`pwmap.word_family`: a relation in the parameters, n and powers.
 
-    Attributes
-    ----------
-    relation
-        In the parameters, n and powers.
-    since
-        The n from which on it is one; for smaller n its point does not exist.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, word_family
-    >>> text = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
-    >>> family = word_family(PiecewiseLinearMap.from_sympy(text, given=["a > 1"]), "L R^n")
-    >>> for condition in family.conditions:
-    ...     print(condition.since, condition.relation)
-    1 (a*r*(-a)**n - 2*a*(-a)**n + r - 2*(-a)**n)/(a + 1) <= 0
-    2 (a**2*r + a*r*(-a)**n - 2*a*(-a)**n - 2*(-a)**n)/(a**2*(a + 1)) > 0
-    1 -(a*r*(-a)**n - a*r - 2*a*(-a)**n - 2*(-a)**n)/(a*(a + 1)) > 0
+    It is one from n = ``since`` on; for smaller n its point does not exist.
     """
 
     relation: sympy.Basic
@@ -78,17 +61,7 @@ class FamilyCondition:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FamilyCycle:
-    """One cycle of a family: its word, first point, multiplier, and the conditions that bind.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, word_family
-    >>> text = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
-    >>> family = word_family(PiecewiseLinearMap.from_sympy(text, given=["a > 1"]), "L R^n")
-    >>> cycle = family.at(2)
-    >>> cycle.word, cycle.x, cycle.multiplier
-    ('LRR', a**2*r - 2*a**2 - a*r + r, 0)
-    """
+    """One cycle of :func:`pwmap.word_family`: word, first point, multiplier, binding conditions."""
 
     word: str
     x: sympy.Expr
@@ -98,31 +71,17 @@ class FamilyCycle:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class WordFamily:
-    """The cycles of a pattern of words, for every n.
+    """The cycles of a pattern of words, for every n, of :func:`pwmap.word_family`.
 
     Attributes
     ----------
-    n
-        The exponent, a positive integer.
-    least
-        The smallest n for which all exponents are at least 1.
+    n, least
+        The exponent, a positive integer, and the smallest for which all exponents are at least 1.
     x
         The first point of the cycle, whose word begins as the pattern does. Where the slope of a
         repeated word is 1 for single values of the parameters, x is the limit there.
     conditions
         Those that bind: together they say for every n that each point lies in its piece.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, word_family
-    >>> p1 = PiecewiseLinearMap.from_sympy(
-    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
-    ... )
-    >>> family = word_family(p1, "L R^n")
-    >>> family.word(3), family.multiplier
-    ('LRRR', 0)
-    >>> family.thresholds("r")[0]
-    2*(-a)**n*(a + 1)/(a*(-a)**n + 1)
     """
 
     pattern: str
@@ -136,32 +95,14 @@ class WordFamily:
     _form: tuple[Element, Element] = field(repr=False)  # x and multiplier
 
     def word(self, n: int) -> str:
-        """The word for a value of n.
-
-        Parameters
-        ----------
-        n
-            A value of the exponent, an integer of at least :attr:`least`.
-
-        Returns
-        -------
-        str
-            Its letters.
-
-        Raises
-        ------
-        ValueError
-            If n is no integer of at least :attr:`least`.
-        """
+        """The word for a value of n; ValueError if that is no integer of at least :attr:`least`."""
         count = self._checked(n)
         return self._powers.map_.spelled(
             tuple(letter for run in self._runs for letter in run.word * run.count(count))
         )
 
     def at(self, n: int, *, budget: Budget | Meter = BUDGET) -> FamilyCycle:
-        """The cycle for a value of n, from the formulas that hold for every n.
-
-        It agrees with ``map_.cycle(word)``, of whose conditions it has those that bind.
+        """The cycle for a value of n, as ``map_.cycle(word)``, with the conditions that bind.
 
         Parameters
         ----------
@@ -173,7 +114,7 @@ class WordFamily:
         Returns
         -------
         FamilyCycle
-            Its first point, multiplier and conditions.
+            From the formulas that hold for every n.
 
         Raises
         ------
@@ -202,24 +143,10 @@ class WordFamily:
         )
 
     def thresholds(self, parameter: object) -> tuple[sympy.Expr, ...]:
-        """Where each of :attr:`conditions` is met with equality, in a parameter linear in it.
+        """Where each of :attr:`conditions` is an equality, in a parameter linear in it.
 
-        Conditions in which the parameter does not occur are left out.
-
-        Parameters
-        ----------
-        parameter
-            Symbol or name of a parameter.
-
-        Returns
-        -------
-        tuple of sympy.Expr
-            Formulas in n and the other parameters, in the order of the conditions.
-
-        Raises
-        ------
-        ValueError
-            If it is no parameter of the map, or occurs in another way.
+        They are formulas in n and the other parameters. Conditions without the parameter are left
+        out. ValueError if it is no parameter of the map, or occurs in another way.
         """
         symbols = self._powers.map_.parameters
         index = [str(each) for each in symbols].index(checked_parameter(parameter, symbols))
@@ -242,7 +169,6 @@ class _Bound(NamedTuple):
     closed: bool
 
     def relation(self, point: sympy.Expr, at: sympy.Expr) -> sympy.Basic:
-        """As a sympy relation."""
         if self.side > 0:
             return (sympy.Ge if self.closed else sympy.Gt)(point, at)
         return (sympy.Le if self.closed else sympy.Lt)(point, at)
@@ -256,8 +182,8 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
     map_
         A map with any number of pieces and parameters.
     pattern
-        Letters of the map and groups in parentheses, with or without an exponent: an integer, n,
-        or a sum such as ``(n+1)``. For instance ``"(RL)^n R"`` or ``"L R^n L R^(n+1)"``.
+        Letters of the map and groups in parentheses, with or without an exponent: an integer, n, or
+        a sum such as ``(n+1)``. For instance ``"(RL)^n R"`` or ``"L R^n L R^(n+1)"``.
     n
         The name of the exponent.
 
@@ -271,20 +197,18 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
     TypeError
         If it is no map.
     ValueError
-        If the pattern cannot be read or has no exponent n, the map is an iterate, has a parameter
-        n or a piece that is a single point, or the multiplier of the words is 1 for every n.
+        If the pattern cannot be read or has no exponent n, the map is an iterate, has a parameter n
+        or a piece that is a single point, or the multiplier of the words is 1 for every n.
     UndecidedError
         If the assumptions do not say which sign the slope of a repeated word has.
 
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, word_family
-    >>> p1 = PiecewiseLinearMap.from_sympy(
-    ...     "Piecewise((r - 2, x <= 0), (r - a*x, True))", given=["a > 1"]
-    ... )
+    >>> p1 = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
     >>> family = word_family(p1, "L R^n")
-    >>> family.thresholds("r")[0]
-    2*(-a)**n*(a + 1)/(a*(-a)**n + 1)
+    >>> family.word(3), family.multiplier, family.thresholds("r")[0]
+    ('LRRR', 0, 2*(-a)**n*(a + 1)/(a*(-a)**n + 1))
     >>> family.at(2).conditions
     (a**2*r - 2*a**2 - a*r + r <= 0, r - 2 > 0, -a*r + 2*a + r > 0)
     """
@@ -300,10 +224,7 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
 
 
 class _Powers:
-    """The field in which a family is computed: the parameters, n, and a variable for each s^n.
-
-    The bases are the slopes s of repeated words, without those that are 0 or 1.
-    """
+    """The field of a family: the parameters, n, and a variable for each s^n (s not 0 or 1)."""
 
     def __init__(self, map_: PiecewiseLinearMap, bases: tuple[Fraction_, ...], name: str) -> None:
         self.map_ = map_
@@ -326,7 +247,6 @@ class _Powers:
         return variable * self.element(base) ** run.shift
 
     def count(self, run: WordRun) -> Element:
-        """How many words a run has."""
         return self.field.gens[len(self.map_.parameters)] + run.shift
 
     def to_sympy(self, element: Element) -> sympy.Expr:
@@ -391,7 +311,6 @@ class _Powers:
         return self.to_sympy(self.field(-parts[0]) / self.field(parts[1])) if parts[1] else None
 
     def relation_at(self, bound: _Bound, n: int, meter: Meter) -> sympy.Basic:
-        """A condition for one n."""
         point = self.at(bound.point, n, meter)
         assert point is not None  # x has a value
         at = quotient_to_sympy(self.map_.orbits.preimage(bound.k, ()))
@@ -508,10 +427,7 @@ class _Builder:
         return (0, 1) if beyond >= 0 else (-2, -1)
 
     def _aims(self) -> list[int]:
-        """Where runs of one letter go: to the right (1), to the left (-1); 0 if that is not used.
-
-        It follows from where the next point lies, so that the condition of this point is kept.
-        """
+        """Where runs of one letter go: to the right (1), to the left (-1), or unused (0)."""
         aims, kept = [0] * len(self._runs), set[int]()
         for i, run in enumerate(self._runs):
             j = (i + 1) % len(self._runs)
@@ -520,6 +436,7 @@ class _Builder:
             if i in kept or not single or self._places(run) != (0, -1):
                 continue
             if 0 in self._places(self._runs[j]) and not aims[j]:
+                # it follows from the next point, whose condition is kept
                 aims[i] = 1 if after > letter else -1
                 kept.add(j)
         return aims

@@ -3,14 +3,13 @@
 Let b be the break, t = L(b) and l = R(b) its limits from the left and the right, l < b < t. The
 interval [l, t] with its ends joined is a circle, and the map on it has a lift of degree one: F = L
 left of b and R + (t - l) right of it, which is continuous at b and jumps at the joint, from R(t) to
-L(l). If it jumps upwards the lift increases (the pieces do not overlap, a *gap*) and has one
-rotation number. Otherwise rotation numbers fill an interval. Its ends are those of the monotone
-lifts that bound F from above and below, which are F but for a level piece where they leave the
-overlap out; [Granados2017] surveys this theory.
+L(l). If it jumps upwards the lift increases (a *gap*) and has one rotation number. Otherwise (an
+overlap) rotation numbers fill an interval. Its ends are those of the monotone lifts that bound F
+from above and below: F but for a level piece that leaves the overlap out [Granados2017].
 
-An orbit of a monotone lift bounds its rotation number: if F^n takes one point by k turns or more,
-the rotation number is at least k/n. It *is* k/n if a cycle has that number, which is a matter of
-the two conditions of :mod:`pwmap.rotations.tongues`, or if the level piece comes back to itself.
+If F^n takes one point by k turns or more, the rotation number is at least k/n. It *is* k/n if a
+cycle has that number, by the two conditions of :mod:`pwmap.rotations.tongues`, or if the level
+piece comes back to itself.
 """
 
 from __future__ import annotations
@@ -32,24 +31,7 @@ ITERATES = 1000  # by default; the bounds are then at most 1/1000 apart
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RotationNumber:
-    """Bounds of a rotation number, which are equal where it is known exactly.
-
-    Attributes
-    ----------
-    lower, upper
-        It lies between them, ends included.
-    iterates
-        How many iterates that took.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> from pwmap.rotations import rotation_number_at
-    >>> circle = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
-    >>> number = rotation_number_at(circle.at({"d": "5/7"}))
-    >>> number.lower, number.upper, number.exact
-    (Fraction(1, 2), Fraction(1, 2), True)
-    """
+    """Bounds of :func:`rotation_number_at`, ends included, and how many ``iterates`` they took."""
 
     lower: Fraction
     upper: Fraction
@@ -63,17 +45,7 @@ class RotationNumber:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RotationInterval:
-    """The smallest and the largest rotation number of a map's orbits.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap
-    >>> from pwmap.rotations import rotation_interval
-    >>> circle = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
-    >>> found = rotation_interval(circle.at({"d": "5/7"}))
-    >>> found.least.lower, found.greatest.upper
-    (Fraction(1, 2), Fraction(1, 2))
-    """
+    """The smallest and the largest rotation number of a map's orbits: :func:`rotation_interval`."""
 
     least: RotationNumber
     greatest: RotationNumber
@@ -106,12 +78,12 @@ def rotation_number_at(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Ro
         A map without parameters; see :meth:`pwmap.PiecewiseLinearMap.at`.
     iterates
         How many may be used. A rational number is found exactly once this is enough; that of a
-        contracted rotation, x -> a x + d mod 1, always is one [Laurent2018].
+        contracted rotation, x -> a x + d mod 1 with rational a and d, is rational [Laurent2018].
 
     Returns
     -------
     RotationNumber
-        Bounds of the number, which are equal where it is known exactly.
+        Bounds, which are equal where it is known exactly.
 
     Raises
     ------
@@ -124,8 +96,8 @@ def rotation_number_at(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Ro
     --------
     >>> from pwmap import PiecewiseLinearMap
     >>> from pwmap.rotations import rotation_number_at
-    >>> circle = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
-    >>> rotation_number_at(circle.at({"d": "3/5"})).lower
+    >>> circle = PiecewiseLinearMap([("x/2 + 3/5", "x < 4/5"), ("x/2 - 2/5", "x >= 4/5")])
+    >>> rotation_number_at(circle).lower
     Fraction(1, 3)
     """
     found = rotation_interval(map_, iterates)
@@ -167,8 +139,8 @@ def rotation_interval(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Rot
     --------
     >>> from pwmap import PiecewiseLinearMap
     >>> from pwmap.rotations import rotation_interval
-    >>> circle = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
-    >>> least = rotation_interval(circle.at({"d": "3/5"})).least
+    >>> circle = PiecewiseLinearMap([("x/2 + 3/5", "x < 4/5"), ("x/2 - 2/5", "x >= 4/5")])
+    >>> least = rotation_interval(circle).least
     >>> least.lower, least.exact
     (Fraction(1, 3), True)
     """
@@ -199,10 +171,7 @@ def _lines(map_: PiecewiseLinearMap) -> TwoLines:
 
 
 def _fixed(lines: TwoLines) -> Fraction | None:
-    """The rotation number 0 or 1 where no orbit comes round; None where the break is crossed.
-
-    ValueError if there is no rotation number.
-    """
+    """The rotation number 0 or 1 of bounded orbits, None if they cross the break; or ValueError."""
     top, low = lines.limits
     stays = top <= lines.at, low >= lines.at
     if all(stays):
@@ -223,14 +192,10 @@ def _overlap(lines: TwoLines) -> bool:
 
 
 def _greatest(lines: TwoLines, iterates: int) -> RotationNumber:
-    """The rotation number of the monotone lift that bounds that of a map from above.
-
-    That lift is level from the joint l on, as far as L(x) is below R(t). The orbit starts at t:
-    after n steps and k turns it lies in [l, t], so that the rotation number is between (k - 1)/n
-    and k/n; it is (k - 1)/n if the orbit is on the level piece, k/n if it is back at t.
-    """
+    """The rotation number of the monotone lift that bounds that of a map from above."""
     top, low = lines.limits
     floor_ = lines.right(top)
+    # the lift is level from the joint on, as far as L(x) is below R(t)
     level = max(low, (floor_ - lines.left.intercept) / lines.left.slope)
     x, turns = top, 0
     lower, upper = Fraction(0), Fraction(1)
@@ -240,6 +205,8 @@ def _greatest(lines: TwoLines, iterates: int) -> RotationNumber:
             x, turns = lines.right(x), turns + 1
         else:
             x = max(lines.left(x), floor_)
+        # after n steps and k turns the orbit lies in [l, t]: the number is between (k - 1)/n and
+        # k/n, the first if it is on the level piece, the second if it is back at t
         lower = max(lower, Fraction(turns - (x != top), n))
         upper = min(upper, Fraction(turns - (x <= level), n))
         simplest = lower if lower == upper else _simplest(lower, upper)

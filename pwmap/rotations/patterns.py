@@ -1,10 +1,9 @@
 """Patterns of words with one exponent n, such as ``R L^n`` or ``(RL)^n R L^(n+1)``.
 
-pattern:  item item ...
-item:     letter or (pattern), with or without ^exponent
-exponent: an integer, n, or a sum in parentheses such as (n+1), (n-2)
+    pattern:  item item ...       (blanks mean nothing) item:     letter or (pattern), with or
+    without ^exponent exponent: an integer, n, or a sum in parentheses such as (n+1), (n-2)
 
-Blanks mean nothing. What is raised to a power of n must be a plain word.
+What is raised to a power of n must be a plain word.
 """
 
 from __future__ import annotations
@@ -32,10 +31,7 @@ class WordRun(NamedTuple):
 
 
 def read_pattern(text: str, letters: Sequence[str], n: str = "n") -> tuple[WordRun, ...]:
-    """The runs of a pattern; letters that are not raised to n are runs of one letter, once.
-
-    ValueError: one sentence that says what is wrong with the pattern.
-    """
+    """The runs of a pattern; a letter not raised to n is a run of one, ValueError a sentence."""
     if not isinstance(text, str):
         raise ValueError(f"a pattern must be text such as 'R L^n', got {shortened(repr(text))}")
     runs = _PatternReader(text, tuple(letters), n).all()
@@ -45,8 +41,6 @@ def read_pattern(text: str, letters: Sequence[str], n: str = "n") -> tuple[WordR
 
 
 class _PatternReader:
-    """Reads a pattern from left to right."""
-
     def __init__(self, text: str, letters: tuple[str, ...], n: str) -> None:
         self._text, self._letters, self._n = text, letters, n
         self._rest = re.sub(r"\s", "", text)

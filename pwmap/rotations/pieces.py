@@ -23,21 +23,14 @@ class TwoPieces(NamedTuple):
         return tuple(map(self.map_.letters.index, word))
 
     def margin(self, word: Word) -> tuple[Fraction_, bool]:
-        """By how much a cycle's point lies inside of the first piece of its word.
-
-        The distance to the break, positive inside, and whether it may be zero.
-        """
+        """The distance of a cycle's first point to the break, positive inside, and if 0 is, too."""
         (top, bottom), (a, b) = self.map_.orbits.fixed_point(word), self.at
         side = 1 if word[0] == RIGHT else -1
         return (side * (b * top - a * bottom), b * bottom), self.owner == word[0]
 
 
 def two_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
-    """Check that a map has two pieces and one break.
-
-    TypeError if it is no map; ValueError if it has other pieces, is an iterate, or the map of a
-    cell of parameters.
-    """
+    """The map as two pieces with one break; TypeError, ValueError if it is anything else."""
     layout = checked_map(map_)
     if map_.scope != map_.definition.region:
         raise ValueError(f"expected a map for all values assumed, got one of the cell {map_.scope}")
@@ -51,11 +44,7 @@ def two_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
 
 
 def increasing_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
-    """Check that a map has two pieces that increase.
-
-    TypeError, ValueError as :func:`two_pieces`, and if one of the pieces does not increase;
-    UndecidedError if the assumptions do not say whether they do.
-    """
+    """Two pieces that increase; errors of :func:`two_pieces`, ValueError, or UndecidedError."""
     pieces = two_pieces(map_)
     for letter in (LEFT, RIGHT):
         if map_.oracle.slope((letter,)) <= 0:

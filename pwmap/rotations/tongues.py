@@ -1,14 +1,13 @@
 """Tongues: where a map of two increasing pieces has a cycle on which it acts as a rotation.
 
 A cycle with the rotational word of p/q has q conditions, of which two bind. Let g_j be the gap
-between the points j and j + 1, counted from left to right. The map takes two neighbours that lie
-on one side of the break to neighbours, and multiplies their gap by a positive slope. From the
-images of the outermost points, q - 1 and 0, which are the points p - 1 and p, every gap is reached
-in this way, and last the one over the break, between the points q - p - 1 and q - p. So all gaps
-have its sign: if the largest point on the left and the smallest one on the right are where they
-belong, all points are in order, and all lie where they belong. The multiplier does not matter, nor
-whether the pieces overlap. For contracted rotations, x -> a x + d mod 1, the tongues are those of
-[Bugeaud1993] and [Laurent2018].
+between the points j and j + 1, counted from left to right. The map takes two neighbours on one side
+of the break to neighbours, and multiplies their gap by a positive slope. From the images of the
+outermost points, q - 1 and 0, which are the points p - 1 and p, every gap is reached in this way,
+and last the one over the break, between the points q - p - 1 and q - p. So all gaps have its sign:
+if the largest point on the left and the smallest one on the right are where they belong, all points
+are. The multiplier does not matter, nor whether the pieces overlap. For contracted rotations, x ->
+a x + d mod 1, the tongues are those of [Bugeaud1993] and [Laurent2018].
 """
 
 from __future__ import annotations
@@ -44,20 +43,8 @@ Piece_ = tuple[Real, Real]  # of the axis of the parameter; see gaps_and_roots
 class Tongue:
     """Where a cycle of one rotation number exists; its formulas are computed when they are asked.
 
-    Attributes
-    ----------
-    rotation
-        The rotation number p/q.
-    word
-        The rotational word, which begins at the leftmost point.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, tongues
-    >>> circle = PiecewiseLinearMap([("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")])
-    >>> half = tongues(circle, 2)[1]
-    >>> half.rotation, half.word, half.values, half.multiplier
-    (Fraction(1, 2), 'LR', Interval.Ropen(2/3, 5/6), 1/4)
+    Of :func:`tongues`: ``rotation`` is p/q, ``word`` the rotational word from the leftmost point
+    on.
     """
 
     rotation: Fraction
@@ -76,10 +63,9 @@ class Tongue:
 
     @cached_property
     def borders(self) -> tuple[sympy.Basic, ...]:
-        """The conditions that bind.
+        """The conditions that bind: the points nearest to the break are on their sides.
 
-        The largest point on the left of the break is there, and the smallest on the right. A fixed
-        point has one of them only.
+        A fixed point has one of them only.
         """
         return tuple(_border(self._pieces, word) for word in self._nearest())
 
@@ -98,13 +84,7 @@ class Tongue:
 
     @property
     def values(self) -> sympy.Set:
-        """The values of the only parameter for which the cycle exists, with exact ends.
-
-        Raises
-        ------
-        ValueError
-            If the map has not exactly one parameter.
-        """
+        """Where the cycle exists, in the map's parameter; ValueError if it has not just one."""
         if len(self._map.parameters) != 1:
             names = ", ".join(map(str, self._map.parameters)) or "none"
             raise ValueError(f"the map must have exactly one parameter, it has {names}")
@@ -159,9 +139,9 @@ def tongues(
 
     Returns
     -------
-    One tongue for each fraction of :func:`pwmap.rotations.farey`, in its order. A tongue may be
-    empty. Where the slope of a word is 1 for all values of the parameters it has no isolated cycle:
-    these are left out.
+    tuple of Tongue
+        In the order of :func:`pwmap.rotations.farey`; a tongue may be empty. Where the slope of a
+        word is 1 for all values of the parameters it has no isolated cycle, and is left out.
 
     Raises
     ------
@@ -201,18 +181,15 @@ def tongues(
 
 
 def _nearest(rotation: Fraction) -> tuple[int, ...]:
-    """Where in its word a cycle is nearest to the break, from the left and from the right.
-
-    Step k of the cycle is at point k p modulo q: the smallest on the right, q - p, is the last.
-    """
+    """Where in its word a cycle is nearest to the break, from the left and from the right."""
     p, q = rotation.as_integer_ratio()
     if q == 1:
         return (0,)
+    # step k is at point k p modulo q: the smallest on the right, q - p, is the last
     return (-1 - pow(p, -1, q)) % q, q - 1
 
 
 def _border(pieces: TwoPieces, word: Word) -> sympy.Basic:
-    """The condition that the first point of a word lies in its piece."""
     closed = pieces.owner == word[0]
     relations = {
         LEFT: (sympy.Lt, sympy.Le),

@@ -1,8 +1,7 @@
 """Rotational words: how a rotation by p/q visits the two arcs of a circle [Berstel2008, Ch. 1].
 
-The points of a cycle on which a map acts as a rotation by p/q are counted from left to right,
-0 ... q - 1: point j goes to point j + p modulo q. The q - p points on the left go up (L), the p
-points on the right come round (R).
+From left to right the points of a cycle are 0 ... q - 1, and point j goes to j + p modulo q. The q
+- p points on the left go up (L), the p points on the right come round (R).
 """
 
 from __future__ import annotations
@@ -15,17 +14,17 @@ from pwmap.algebra.terms import positive_integer, shortened
 
 
 def farey(q_max: int) -> tuple[Fraction, ...]:
-    """All reduced fractions from 0 to 1 whose denominators are at most ``q_max``, in order.
+    """All reduced fractions from 0 to 1 whose denominators are at most ``q_max``, ascending.
 
     Parameters
     ----------
     q_max
-        The largest denominator, at least 1.
+        The largest denominator.
 
     Returns
     -------
     tuple of Fraction
-        Ascending, 0 and 1 included.
+        0 and 1 included.
 
     Raises
     ------
@@ -89,12 +88,10 @@ def rotational_word(rotation: object, letters: str = "LR") -> str:
 def rotation_number(word: str, letters: str = "LR") -> Fraction:
     """How often a cycle comes round for each step: the share of the letter R in its word.
 
-    The word need not be rotational: cycles of overlapping maps are often not.
-
     Parameters
     ----------
     word
-        Letters of the pieces that a cycle visits, such as ``"LLR"``.
+        The letters that a cycle visits, such as ``"LLR"``; it need not be rotational.
     letters
         The letter of the left and that of the right piece.
 

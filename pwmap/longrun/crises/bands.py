@@ -1,8 +1,4 @@
-"""Bands and crises as branches and special points of a bifurcation diagram.
-
-A band between two crises is a branch as a cycle between two collisions is, and the points between
-bands are crises; so the graph of connections goes on where cycles end and chaos begins.
-"""
+"""Bands and crises as branches and special points: they go on where cycles end, chaos begins."""
 
 from __future__ import annotations
 
@@ -40,10 +36,10 @@ def with_attractors(diagram: Diagram, found: AttractorDiagram) -> Diagram:
     Returns
     -------
     Diagram
-        Bands have the kind ``BAND``, as order the number of bands of their attractor, the columns
-        ``low`` and ``high``, and in ``exact`` the formulas ``lower`` and ``upper``, unless
-        other images of breaks take over in between. Where bands give way to a cycle they end in the
-        point at which it loses its stability, if the diagram has it.
+        A branch of kind ``BAND`` has the number of its attractor's bands as order, the columns
+        ``low`` and ``high``, and in ``exact`` the formulas ``lower`` and ``upper``, unless other
+        images of breaks take over in between. Where bands give way to a cycle they end in the point
+        at which it loses its stability, if the diagram has it.
 
     Raises
     ------
@@ -57,10 +53,8 @@ def with_attractors(diagram: Diagram, found: AttractorDiagram) -> Diagram:
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
     >>> diagram = bifurcation_diagram(tent, "a", ("4/3", "3/2"), orders=(1,))
     >>> both = with_attractors(diagram, attractor_diagram(tent, "a", ("4/3", "3/2"), 1))
-    >>> len(diagram.branches), len(both.branches)
-    (2, 5)
-    >>> [(point.id, point.exact["parameter"]) for point in both.points if point.kind.name == "MC"]
-    [('MC1', sqrt(2))]
+    >>> len(diagram.branches), len(both.branches), both.point("MC1").exact["parameter"]
+    (2, 5, sqrt(2))
     """
     check_parameter(diagram, found)
     points = _Points(diagram, found)
@@ -202,7 +196,6 @@ class _Points:
         self._known: dict[sympy.Expr, str] = {}
 
     def all(self) -> tuple[SpecialPoint, ...]:
-        """Those of the diagram first."""
         return tuple(self._points.values())
 
     def at(self, parameter: sympy.Expr, x: float, branch: str) -> str:

@@ -1,11 +1,10 @@
 """Where what attracts changes between two samples.
 
-Each sample says where what attracts there may end. A cycle does so exactly where one of its points
-meets a break, or its multiplier is 1 or -1; so it is known to attract up to there. Bands may end,
-or change, where an end of one meets a break or a point of a repelling cycle. Between two samples
-that differ these places are looked at, with samples between neighbouring ones and close to each.
-What happens at one of them happens exactly there if it is what the samples beside it say; what no
-place explains is halved, and what is not settled then is open.
+A cycle ends where one of its points meets a break or its multiplier is 1 or -1; bands end or change
+where an end of one meets a break or a point of a repelling cycle. Between two samples that differ,
+samples are taken between neighbouring places of this kind and close to each. A change is at such a
+place if both samples beside it say so; what no place explains is halved, and what is not settled
+then is open.
 """
 
 from __future__ import annotations
@@ -58,10 +57,7 @@ class Onset:
 
 
 class Changes:
-    """Finds what happens between samples.
-
-    Cycles up to the order are told apart whatever it takes.
-    """
+    """Finds what happens between samples, with cycles up to the order told apart in any case."""
 
     def __init__(self, samples: Samples, order: int) -> None:
         self.samples, self.order = samples, order
@@ -116,11 +112,7 @@ class Changes:
         yield from self._further(near[1], y, less)
 
     def _exactly(self, place: Real, x: Attracted, y: Attracted, effort: int) -> Iterator[Onset]:
-        """A change at a place, with what happens between it and samples beside it.
-
-        Where a cycle begins or ends bands may merge without an end, closer and closer to it: what
-        attracts must be the same still closer, or is open from the last known sample on.
-        """
+        """A change at a place, with what happens between it and samples beside it."""
         if x.words == y.words:
             if not self.same(x, y):
                 yield Onset(place, place, x, y, met=self.places(x, y).get(place, ()))
@@ -131,6 +123,7 @@ class Changes:
         ]
         if not close[0].is_open:
             yield from self._further(x, close[0], effort)
+        # bands may merge infinitely often where a cycle begins or ends
         is_open = any(
             each.is_open or not self.same(each, near)
             for each, near in zip(close, (x, y), strict=True)
@@ -238,11 +231,7 @@ class Changes:
 
     @cache  # noqa: B019  as long as the changes live
     def ends_of(self, word: tuple[str, bool], low: Real, high: Real) -> tuple[Real, ...]:
-        """Where a cycle, or a neutral interval, may end between two places.
-
-        A cycle does where it meets a break, or has the multiplier 1 or -1; so does an interval that
-        is turned about its middle. Ends of any other one are images of breaks, which meet another.
-        """
+        """Where a cycle, or a neutral interval, may end between two places."""
         letters, attracts = word
         numbers = tuple(map(self.samples.map.letters.index, letters))
         decisions: list[CriticalOrbit | MultiplierSign] = [
@@ -251,6 +240,8 @@ class Changes:
         breaks = self.samples.layout.breaks
         for k in range(len(letters)):
             turned = numbers[k:] + numbers[:k]
+            # a point meets a break, or has the multiplier 1 or -1; ends of intervals that are not
+            # turned are images of breaks, which meet others
             decisions += [CriticalOrbit(b, turned, b) for b in breaks]
             if not attracts:
                 decisions += [

@@ -1,11 +1,9 @@
-"""What surely cannot end bands: meetings with a cycle that lies within what grows from it.
+"""Meetings with a repelling cycle that cannot end bands, as it lies inside of what grows from it.
 
-Where the image of a break meets a repelling cycle, what grows beside the break grows along the
-cycle until it comes to a break, and on from there. If an image of that surrounds a point of the
-cycle, then the cycle lies inside of every band that the break may belong to, at that place and
-beside it: no band ends there, none begins, and no two merge. This is decided with doubles, on
-intervals that are made smaller at each step by far more than doubles are wrong; in doubt nothing is
-said.
+What grows from a point of the cycle is followed along it to a break, and on. If an image surrounds
+a point of the cycle, the cycle lies inside of every band that the break may belong to, there and
+nearby: no band ends, begins or merges. Doubles decide, on intervals that shrink at each step by far
+more than their error; in doubt nothing is claimed.
 """
 
 from __future__ import annotations
@@ -86,11 +84,7 @@ def doubles_of(line: MapLine) -> DoubleMap:
 
 
 def is_covered(line: DoubleMap, word: Sequence[int], side: int) -> bool:
-    """Whether what grows from one side of a repelling cycle surrounds a point of it.
-
-    The word has the numbers of the pieces of the cycle; the side, -1 or 1, is one of its first
-    point.
-    """
+    """Whether what grows from a side of a repelling cycle's first point surrounds one of it."""
     points, slope = line.cycle(word)
     first = _first_part(line, word if slope > 0.0 else (*word, *word), points[0], side)
     if first is None:
@@ -111,10 +105,7 @@ def is_covered(line: DoubleMap, word: Sequence[int], side: int) -> bool:
 
 
 def _first_part(line: DoubleMap, word: Sequence[int], x: float, side: int) -> Part | None:
-    """The first interval from a point of a cycle to a break that what grows from it comes to.
-
-    A short interval beside the cycle grows with each turn, in proportion to the slopes.
-    """
+    """The first interval, from a point of a cycle to a break, that growing beside it reaches."""
     nearest, found, scale = math.inf, None, 1.0
     for k in word:
         end = k if side > 0 else k - 1

@@ -1,8 +1,8 @@
-"""Where what attracts may change by short words: images of breaks meet breaks or repelling cycles.
+"""Where short words of what attracts may change: images of breaks meet breaks or repelling cycles.
 
-The words of images are followed letter by letter; where one meets a break they go on with different
-letters on both sides. In a part in which all words up to some length are constant no cycle up to
-that period begins or ends, but for those whose multiplier passes through one.
+Words of images are followed letter by letter; where an image meets a break they continue with both
+letters. In a part on which all words up to some length are constant no cycle up to that period
+begins or ends, except where a multiplier passes through one.
 """
 
 from __future__ import annotations
@@ -40,10 +40,7 @@ class AxisPart:
 
 
 class Cuts:
-    """Places at which words up to some order change, or say that what attracts may.
-
-    Words of images and cycles are as long as the order, at most.
-    """
+    """Places at which words of images and cycles, up to the order, say that attractors change."""
 
     def __init__(self, samples: Samples, order: int) -> None:
         self.axis, self.orbits, self.order = samples.axis, samples.axis.orbits, order
@@ -53,11 +50,7 @@ class Cuts:
         self._returns = set[Real]()  # places at which a break comes back to itself
 
     def between(self, low: Real, high: Real) -> dict[Real, bool]:
-        """All such places strictly between two others, with whether a cycle meets a break there.
-
-        Beside such a place something may attract in an interval that is much shorter than that to
-        the next one.
-        """
+        """All such places strictly between two others, with whether a cycle meets a break there."""
         found = dict[Real, bool]()
         for part in self._parts(low, high):
             found |= {end: end in self._returns for end in (part.low, part.high)}
@@ -137,10 +130,7 @@ class Cuts:
     # --- Meetings -----------------------------------------------------------------------------
 
     def _meetings(self, part: AxisPart) -> set[Real]:
-        """Places of a part at which an image meets a repelling cycle that may end bands there.
-
-        What meets a cycle does so, too, one letter later: only the first image is looked at.
-        """
+        """Places of a part at which an image first meets a repelling cycle and may end bands."""
         place = self.axis.between(part.low, part.high)
         oracle = self.axis.oracle(place)
         images = dict[

@@ -1,11 +1,10 @@
 """Attractors over one parameter: cells in which they do not change, and crises between these.
 
-Bands end in images of breaks, and they change where such an image meets a point of a repelling
-cycle [Grebogi1982]: then two bands merge, an attractor becomes larger at once, or it is lost.
-Images and cycles are named by words, so these places are roots of polynomials. The parameter is cut
-where images up to some order meet a break, or a cycle that may end bands there, and what attracts
-is asked once in each part, at a rational place. Where that differs between two parts the place is
-looked for at which a cycle or a band of one of them ends, with words as long as they are there.
+Bands end in images of breaks and change where one meets a repelling cycle [Grebogi1982]: they
+merge, grow at once, or are lost. Words name images and cycles, so these places are roots of
+polynomials. The parameter is cut where images up to some order meet a break, or a cycle that may
+end bands, and each part is studied at a rational sample. Where parts differ, the place is searched
+at which a cycle or a band of one of them ends, with words as long as theirs.
 """
 
 from __future__ import annotations
@@ -45,30 +44,21 @@ PARTS = 16  # of an interval, in each of which something is asked, and which are
 class AttractorCell:
     """An interval of a parameter in which the same words describe all attractors.
 
+    It is one of the cells of :func:`pwmap.attractor_diagram`.
+
     Attributes
     ----------
     lower, upper
         Exact ends; they do not belong to it.
-    cycles
-        Words of the attracting cycles, as long as they are.
-    neutral
-        Words of neutral intervals, whose points are all periodic.
+    cycles, neutral
+        Words of attracting cycles of any length, and of neutral intervals (all points periodic).
     bands
-        For each chaotic attractor its bands at the sample, from left to right: formulas for both
-        ends, which hold beside it as long as the same images of breaks are the outermost.
+        For each chaotic attractor its bands at the sample: formulas for both ends, which hold
+        nearby as long as the same images of breaks are the outermost.
     line
         The map at the sample.
     is_open
-        Whether it is not known what attracts there, or not everywhere: then nothing is said, and
-        there may be any number of changes.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> found = attractor_diagram(tent, "a", ("4/3", "3/2"), 1)
-    >>> [(str(cell.lower), str(cell.upper), len(cell.bands[0])) for cell in found.cells]
-    [('4/3', 'sqrt(2)', 2), ('sqrt(2)', '3/2', 1)]
+        Whether it is not known everywhere what attracts; there may be any number of changes.
     """
 
     lower: sympy.Expr
@@ -88,12 +78,12 @@ class AttractorCell:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Crisis:
-    """A value of a parameter at which attractors change.
+    """A value of a parameter at which attractors change, of :func:`pwmap.attractor_diagram`.
 
     Attributes
     ----------
-    parameter
-        Exact; if it is open, the middle of where it lies.
+    parameter, width
+        Exact, with the width 0; if it is open, the middle and the width of where it lies.
     kind
         MC: bands merge; XC: bands become larger at once; FC: bands are lost; BC and PD: bands give
         way to a cycle that meets a break, or has the multiplier -1 there.
@@ -101,16 +91,6 @@ class Crisis:
         How many there are on the left and on the right.
     meetings
         Images of breaks that meet repelling cycles there.
-    width
-        Of the interval in which it lies; zero if it is exact.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> merging, = attractor_diagram(tent, "a", ("4/3", "3/2"), 1).crises
-    >>> print(merging.kind, merging.parameter, merging.bands)  # two bands become one
-    MC sqrt(2) (2, 1)
     """
 
     parameter: sympy.Expr
@@ -132,29 +112,17 @@ class Crisis:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class AttractorDiagram:
-    """Attractors over an interval of a parameter.
+    """Attractors over an interval of a parameter, of :func:`pwmap.attractor_diagram`.
 
     Attributes
     ----------
     order
         Up to which images of breaks are compared with breaks and cycles everywhere.
-    cells
-        From left to right.
-    crises
-        Of chaotic attractors, from left to right. Other bifurcations of attracting cycles separate
-        cells, too; they are in :func:`pwmap.bifurcation_diagram`.
+    cells, crises
+        From left to right. Bifurcations of attracting cycles, which separate cells too, are in
+        :func:`pwmap.bifurcation_diagram`.
     left_out
         A sentence on what was not looked at; empty if all was.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> found = attractor_diagram(tent, "a", ("4/3", "3/2"), 1)
-    >>> [(str(crisis.kind), crisis.parameter) for crisis in found.crises]
-    [('MC', sqrt(2))]
-    >>> [(str(cell.lower), str(cell.upper)) for cell in found.cells]
-    [('4/3', 'sqrt(2)'), ('sqrt(2)', '3/2')]
     """
 
     map: PiecewiseLinearMap
@@ -170,7 +138,6 @@ class AttractorDiagram:
         return tuple(cell for cell in self.cells if cell.is_open)
 
     def __repr__(self) -> str:
-        """The interval, how much of it is open, and the crises in it."""
         low, high = self.cells[0].lower, self.cells[-1].upper
         crises = shortened(", ".join(f"{c.kind} {c.parameter}" for c in self.crises) or "none", 160)
         rest = f"; {self.left_out}" if self.left_out else ""
@@ -205,19 +172,18 @@ def attractor_diagram(
     map_, parameter, span
         A map whose other parameters have values, the symbol or name of this one, and two rationals.
     order
-        Up to which images of breaks are compared with breaks, and with repelling cycles of periods
-        up to that, everywhere. All changes by such words are found; of changes by longer ones those
-        which do not undo each other between two of these places. Where longer cycles attract one
-        after the other, some of them have cells, and what is between these is open.
+        Up to which images of breaks are compared with breaks, and with repelling cycles up to that
+        period. All changes by such words are found; those by longer ones unless they undo each
+        other between two of these places. Where longer cycles attract in turn, some have cells, and
+        what is between them is open.
     budget
-        What it may take, whom to tell, and what an interrupt keeps: then the parts of the interval
-        that are finished, from the left, and the rest is one open cell.
+        At its end, or at an interrupt, the parts that are finished, from the left, are kept; the
+        rest is one open cell.
 
     Returns
     -------
     AttractorDiagram
-        Cells of the parameter from left to right, each with what attracts there, and the crises
-        between them.
+        Cells of the parameter with what attracts there, and the crises between them.
 
     Raises
     ------
@@ -230,8 +196,11 @@ def attractor_diagram(
     --------
     >>> from pwmap import PiecewiseLinearMap, attractor_diagram
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> for crisis in attractor_diagram(tent, "a", ("4/3", "3/2"), 1).crises:
-    ...     print(crisis.kind, crisis.parameter, crisis.bands)
+    >>> found = attractor_diagram(tent, "a", ("4/3", "3/2"), 1)
+    >>> [(str(cell.lower), str(cell.upper), len(cell.bands[0])) for cell in found.cells]
+    [('4/3', 'sqrt(2)', 2), ('sqrt(2)', '3/2', 1)]
+    >>> crisis, = found.crises
+    >>> print(crisis.kind, crisis.parameter, crisis.bands)  # two bands become one
     MC sqrt(2) (2, 1)
     """
     check_map(map_)
@@ -271,7 +240,6 @@ class _Sweep:
         self._opened = low  # where the last open one begins
 
     def advance(self, end: Real) -> None:
-        """Go on to the end of another part."""
         start = self.finished[-1] if self.finished else self._low
         cuts = self.cuts.between(start, end)
         found = list[tuple[Real, Real, Attracted]]()
@@ -320,7 +288,6 @@ class _Sweep:
             yield hidden
 
     def _keep(self, event: Onset | Attracted | tuple[Real, Real]) -> None:
-        """Go on with the cell, or end it."""
         match event:
             case Attracted():
                 self._inside.append(event)

@@ -1,7 +1,6 @@
 """Where to look for what attracts in a short interval only: orbits in doubles, at many places.
 
-What these orbits do is compared with what they do at an exact sample. Where it differs another
-exact sample is taken, which says what attracts; so doubles choose places, and decide nothing.
+Where they differ from those at an exact sample, another exact sample is taken and decides.
 """
 
 from __future__ import annotations
@@ -25,10 +24,7 @@ Floats = npt.NDArray[np.float64]
 
 
 class Glimpses:
-    """Chooses places at which something else may attract.
-
-    Cycles longer than the order are not looked for.
-    """
+    """Chooses places at which something else may attract: bands, or cycles up to the order."""
 
     def __init__(self, samples: Samples, low: Number, high: Number, order: int) -> None:
         self._family = family_of(samples.axis.orbits.table, samples.layout)
@@ -41,10 +37,7 @@ class Glimpses:
         self._kinds = self.kinds(places) if breaks else [(0,)] * PLACES
 
     def between(self, low: Real, high: Real, place: Number) -> list[Number]:
-        """Simple places of an interval where orbits look otherwise than at the place of a sample.
-
-        Two neighbours must do so: near a merging, and by chance, numbers of bands are wrong.
-        """
+        """Simple places where orbits, at a neighbour, too, differ from those of a sample."""
         kind = self._kinds[min(PLACES - 1, floor((place - self._low) / self._step))]
         start = max(0, floor((bounds(low)[1] - self._low) / self._step))
         found, inside = list[Number](), False
@@ -53,6 +46,7 @@ class Glimpses:
             if not y < bounds(high)[0] or len(found) == LOOKS:
                 break
             both = self._kinds[k : k + 2]
+            # one alone does not count: near a merging, and by chance, it is wrong
             differ = low < x and kind not in both and max(map(max, both)) <= 1 + self._order
             if differ and not inside:
                 found.append(simplest_between(x, y))
@@ -60,10 +54,7 @@ class Glimpses:
         return found
 
     def kinds(self, places: Floats) -> list[tuple[int, ...]]:
-        """For each place, how many points or bands the orbits of both sides of breaks come to.
-
-        As 1 + the number of points of a cycle, as minus the number of bands, as 0 what is lost.
-        """
+        """For each place 1 + the period of a cycle, minus the number of bands, or 0 if lost."""
         line = self._family(places)
         slopes, intercepts, breaks = map(np.array, (line.slopes, line.intercepts, line.breaks))
         sides = [(b, k) for b in range(len(breaks)) for k in (b, b + 1)]

@@ -21,10 +21,7 @@ def kind_at(
     map_: PiecewiseLinearMap, name: str, order: int, place: Real, width: Number,
     meter: Meter,
 ) -> PointKind | None:  # fmt: skip
-    """What happens to bands at a place of a map's only parameter; None if nothing does.
-
-    What attracts is asked between a half and one width beside it.
-    """
+    """What happens to bands at a place, from what attracts a half and one width beside it."""
     samples = Samples(map_, axis_of(map_.definition, name, {}), meter)
     low, high = bounds(place)
     left = samples.between(low - width, low - width / 2)

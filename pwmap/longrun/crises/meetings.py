@@ -15,24 +15,8 @@ from pwmap.maps.words import Word
 class Meeting(NamedTuple):
     """A break's image that is a point of a cycle, as :func:`meeting_curve` takes it.
 
-    Attributes
-    ----------
-    number
-        Which break, counted from the left.
-    image
-        The word along which it goes.
-    cycle
-        The word of the cycle from that point on.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, attractor_diagram
-    >>> from pwmap.longrun import meeting_curve
-    >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> crisis, = attractor_diagram(tent, "a", ("4/3", "3/2"), 1).crises
-    >>> meeting = crisis.meetings[0]
-    >>> meeting.image, meeting.cycle
-    ('LRL', 'R')
+    The break has a ``number`` from the left; ``image`` is the word along which it goes, ``cycle``
+    that of the cycle from that point on.
     """
 
     number: int
@@ -49,12 +33,8 @@ def meeting_curve(map_: PiecewiseLinearMap, image: str, cycle: str, number: int 
     ----------
     map_
         The map; all of its parameters may be free.
-    image
-        The word along which the break goes, as :attr:`Crisis.images` has it.
-    cycle
-        A word of the cycle, whose point it is at which the word starts.
-    number
-        Which break, counted from the left.
+    image, cycle, number
+        As in a :class:`Meeting`, of :attr:`Crisis.meetings`.
 
     Returns
     -------
@@ -105,11 +85,9 @@ def numbers_of(map_: PiecewiseLinearMap, word: str) -> Word:
 
 
 def earliest(image: Word, cycle: Word) -> tuple[Word, Word]:
-    """The shortest image of a break, along a word, that meets a cycle where a longer one does.
-
-    As long as the last letter before the meeting is that of the cycle, the image before lies on the
-    cycle, too; but a word keeps one letter: the break itself is no image.
-    """
+    """The shortest image of a break, along a word, that meets a cycle where a longer one does."""
+    # the last letters agree: the image before lies on the cycle, too; one letter is kept, for the
+    # break itself is no image
     while len(image) > 1 and image[-1] == cycle[-1]:
         image, cycle = image[:-1], cycle[-1:] + cycle[:-1]
     return image, cycle

@@ -138,13 +138,11 @@ class Samples:
         return any(polynomial(decision) for decision in met)
 
     def between(self, low: Real, high: Real) -> Attracted:
-        """What attracts at a simple place of an interval; at another one if it is special or open.
-
-        The simplest places are just those at which cycles flip or collide.
-        """
+        """What attracts at a simple place of an interval; elsewhere if that is special or open."""
         first, last = bounds(low)[1], bounds(high)[0]
         third = (last - first) / 3
         opened = 0
+        # cycles flip or collide at the simplest places of all
         for start, end in THIRDS:
             found = self.at(
                 simplest_between(

@@ -1,19 +1,16 @@
 """Intervals of a parameter on which the topological entropy is constant, proved.
 
 At a rational sample the itineraries of all germs at breaks are followed until they are known to the
-end. What was decided on the way is the sign of finitely many polynomials in the parameter, and as
-long as these keep their signs the itineraries are the same, so that the graph of laps is, and its
-growth. Where the orbits of both sides of a break match they need not be followed any farther, and
-next to such an interval one proof may hold for many of them, and for all places between: see
-:mod:`pwmap.longrun.entropy.matching`.
+end. They, and so the graph of laps and its growth, stay the same while the polynomials in the
+parameter that were decided keep their signs: the nearest roots are the ends of an interval of one
+entropy. Orbits of both sides of a break that match are followed no farther, and beside such an
+interval one proof may hold for many (:mod:`pwmap.longrun.entropy.matching`). Samples sweep the
+span, the widest gap first; intervals that touch are joined if their entropies agree, also at the
+number between them.
 
-The nearest roots on both sides of the sample are the ends of an interval of one entropy. An
-interval is swept with such samples, the widest gap first. Two intervals that touch are joined if
-their entropies agree, and at the number between them, where it is computed exactly, too.
-
-There is a second proof, for entropy zero: pieces none of which expands. N steps cut a short
-interval once at most, if it is short enough; as no image is longer, N steps at most double the
-number of laps but for a factor that grows like a power, for any N.
+A second proof is for entropy zero: pieces none of which expands. As no image is longer, N steps cut
+a short interval once at most, and so at most double the laps, but for a factor that grows like a
+power, for any N.
 """
 
 from __future__ import annotations
@@ -75,10 +72,7 @@ Left = tuple[Real, Real, tuple[GapCause, ...]]  # an interval that is left out, 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Proved:
-    """An open interval with one entropy, and whether the same proof holds at its ends.
-
-    Where orbits of a break match at its sample, entropy may be the same next to it.
-    """
+    """An open interval with one entropy; ``closed`` if the proof holds at its ends."""
 
     low: Real
     high: Real
@@ -118,7 +112,7 @@ def constant_entropy(
     samples, steps
         How many values are tried, and how far orbits of breaks are followed, at most.
     budget
-        What all of it may take; what is not looked at then is a gap.
+        Of all of it; what is not looked at then is a gap.
 
     Returns
     -------
@@ -135,10 +129,11 @@ def constant_entropy(
     --------
     >>> from pwmap import PiecewiseLinearMap, constant_entropy
     >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
-    >>> for each in constant_entropy(skew, "b", (-6, -1), samples=20).intervals:
-    ...     print(each.lower, each.upper, each.entropy.value, *each.cycles)
-    -4 -3 log(1/2 + sqrt(5)/2) LLR
-    -2 -1 0 LR
+    >>> found = constant_entropy(skew, "b", (-4, -1), samples=12)
+    >>> [(each.lower, each.upper, each.entropy.value, each.cycles) for each in found.intervals]
+    [(-4, -3, log(1/2 + sqrt(5)/2), ('LLR',)), (-2, -1, 0, ('LR',))]
+    >>> [(gap.lower, gap.upper, [cause.name for cause in gap.causes]) for gap in found.gaps]
+    [(-3, -2, ['OPEN'])]
     """
     check_map(map_)
     axis, (low, high) = only_axis(map_, parameter, span)
@@ -166,12 +161,10 @@ class _Study:
         self.letters = self.layout.slots[::2]
 
     def admits(self, place: Real) -> bool:
-        """Whether the assumptions hold at a place."""
         region = self.axis.definition.region
         return region.broken(lambda polynomial: self.axis.sign(polynomial, place)) is None
 
     def line(self, place: Real) -> MapLine:
-        """The map at a place."""
         return line_at(self.map, place)
 
     def proof(self, line: MapLine) -> Proof | GapCause:
@@ -204,11 +197,7 @@ class _Study:
         return found
 
     def proved_at_once(self, low: Real, high: Real) -> _Proved | None:
-        """A proof for all places from one to another, though orbits of one break need not match.
-
-        What orbits of all other breaks do must be the same everywhere. See
-        :mod:`pwmap.longrun.entropy.matching`.
-        """
+        """A proof from one place to another, though orbits of one break need not match."""
         if isinstance(low, RealRoot) or isinstance(high, RealRoot):
             return None
         family = family_of(self.map, low, high)
@@ -223,6 +212,7 @@ class _Study:
             if each.ending is Fate.OPEN
             or not self.lasts(self.decisions(line, number // 2, each), low, high)
         }
+        # the orbits of all other breaks must do the same everywhere
         if len(changing) != 1:
             return None
         (number,) = changing
@@ -251,10 +241,7 @@ class _Study:
         return found if one == other else None
 
     def decisions(self, line: MapLine, number: int, itinerary: Itinerary) -> Iterator[Decision]:
-        """What says that a germ at a break has an itinerary.
-
-        Signs of slopes go without saying; they say on which side of an image points lie.
-        """
+        """What says that a germ at a break has an itinerary, besides the signs of slopes."""
         k = self.layout.breaks[number]
         word = tuple(self.letters[i] for i in itinerary.pieces)
         for n, piece in enumerate(itinerary.pieces):
@@ -273,7 +260,6 @@ class _Study:
                     yield from (CriticalOrbit(b, turned, b) for b in self.around(piece))
 
     def around(self, piece: int) -> tuple[int, ...]:
-        """The breaks at the ends of a piece."""
         return self.layout.breaks[max(0, piece - 1) : piece + 1]
 
     @staticmethod
@@ -401,10 +387,7 @@ def _beside(
 
 
 def _reached(study: _Study, start: Real, stop: Real, least: Number) -> _Proved | None:
-    """The longest part found of a gap that begins at an end of it and has one proof; or None.
-
-    Its other end is looked for by bisection, and at last at the simplest rational that is left.
-    """
+    """The longest part found, by bisection, of a gap from one end that has one proof; or None."""
 
     def tried(end: Real) -> _Proved | None:
         return study.proved_at_once(*sorted((start, end)))
@@ -435,7 +418,6 @@ def _between(one: Real, other: Real) -> Number:
 
 
 def _width(low: Real, high: Real) -> Number:
-    """How far two places are apart, at most."""
     return bounds(high)[1] - bounds(low)[0]
 
 
@@ -447,7 +429,6 @@ def _near(low: Real, high: Real, part: tuple[int, int]) -> Number:
 
 
 def _contiguous(left: Sequence[Left]) -> list[Left]:
-    """What is left, with parts that touch joined."""
     found = list[Left]()
     for low, high, causes in sorted(left, key=lambda each: each[0]):
         if found and found[-1][1] == low:
@@ -458,7 +439,6 @@ def _contiguous(left: Sequence[Left]) -> list[Left]:
 
 
 def _joined(study: _Study, proved: Sequence[_Proved]) -> Iterator[ConstantEntropy]:
-    """Intervals as long as they have one entropy."""
     run = list[_Proved]()
     for each in proved:
         if run and not _goes_on(study, run[-1], each):
@@ -470,7 +450,6 @@ def _joined(study: _Study, proved: Sequence[_Proved]) -> Iterator[ConstantEntrop
 
 
 def _goes_on(study: _Study, one: _Proved, other: _Proved) -> bool:
-    """Whether two intervals, and the place between them, have one entropy."""
     if one.high != other.low or one.growth != other.growth:
         return False
     return one.closed[1] or other.closed[0] or study.growth(one.high) == one.growth

@@ -1,12 +1,11 @@
 """Topological entropy: exact where critical orbits have an end, enclosed where they have not.
 
 The laps of the iterates are the paths of a graph [Hofbauer1979]: its nodes are intervals on which
-the map is one affine piece, first the pieces themselves, and from each node ways lead to the parts
-into which the breaks cut its image. All ends are images of breaks. If there are finitely many nodes
-the growth of the number of laps is the spectral radius of a finite matrix, an algebraic number. If
-not, nodes beyond some order are left out for a lower bound, and taken for whole pieces for an upper
-one: what is wrong about them becomes small like the inverse of the growth to the power of the
-order. What is drawn into a cycle or runs away has no further laps, and is cut off.
+the map is one affine piece, first the pieces, then the parts into which breaks cut the image of a
+node. With finitely many nodes the growth of laps is the spectral radius of a finite matrix, an
+algebraic number. Otherwise nodes beyond some order are left out for a lower bound, and taken for
+whole pieces for an upper one; the error falls like the growth to minus the order. What is drawn
+into a cycle or runs away has no further laps, and is cut off.
 """
 
 from __future__ import annotations
@@ -63,9 +62,8 @@ class Entropy:
     >>> from sympy import sqrt
     >>> from pwmap import PiecewiseLinearMap, dynamics
     >>> tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
-    >>> entropy = dynamics(tent, {"a": (1 + sqrt(5))/2}).entropy
-    >>> entropy.value, entropy.is_exact
-    (log(1/2 + sqrt(5)/2), True)
+    >>> dynamics(tent, {"a": (1 + sqrt(5))/2}).entropy.value
+    log(1/2 + sqrt(5)/2)
     >>> found = dynamics(tent, {"a": "7/5"}).entropy  # bounds, where critical orbits do not end
     >>> found.is_exact, found.high - found.low < 1e-12
     (False, True)
@@ -87,10 +85,7 @@ Ways = tuple[tuple[int, ...], ...]  # from each node to others, by their numbers
 
 
 def laps_of(line: MapLine, found: Attractors, order: int, meter: Meter) -> tuple[Ways, Ways]:
-    """The graph of laps up to an order: ways to nodes that are known, and all.
-
-    Of all, those to further nodes are taken for whole pieces. Both are the same if there are none.
-    """
+    """The graph of laps up to an order: ways to known nodes; and to all, as whole pieces."""
     cut_off = _without_laps(line, found)
     pieces = [(k, *part) for k, branch in enumerate(line.branches)
               for part in _clipped((branch.lower, branch.upper), cut_off)]  # fmt: skip
@@ -118,7 +113,6 @@ def laps_of(line: MapLine, found: Attractors, order: int, meter: Meter) -> tuple
 
 
 def _work(node: Node) -> int:
-    """To find where the ways from a node lead."""
     return STEP + 3 * sum(map(work_of, node[1:]))
 
 
@@ -145,7 +139,6 @@ def _clipped(part: Interval, cut_off: Sequence[Interval]) -> Iterator[Interval]:
 
 
 def _onward(line: MapLine, node: Node, cut_off: Sequence[Interval]) -> Iterator[Node]:
-    """Where the ways from a node lead."""
     k, low, high = node
     branch = line.branches[k]
     if not branch.slope:
@@ -160,11 +153,7 @@ def entropy_of(
     orders: Sequence[int],
     meter: Meter,
 ) -> Entropy:
-    """The topological entropy of a map.
-
-    Nodes are found up to one order after the other, until that is close enough; where the budget
-    ends bounds are those of the last order that is finished.
-    """
+    """The topological entropy of a map, from nodes up to each order until the bounds are close."""
     most = math.nextafter(math.log(len(line.branches)), math.inf)  # each step has so many laps
     best = Entropy(low=0.0, high=most, value=None, order=0)
     with meter.keeping(orders):
@@ -210,11 +199,7 @@ def _components(ways: Sequence[Sequence[int]]) -> list[list[int]]:
 
 
 def spectral_bounds(ways: Sequence[Sequence[int]]) -> tuple[Fraction, Fraction]:
-    """Fractions below and above the spectral radius of a matrix of zeros and ones.
-
-    For a connected part, and any positive vector v, it lies between the least and the largest
-    quotient of (A v)_i and v_i [Collatz1942]; v is close to the eigenvector, in integers.
-    """
+    """Fractions below and above the spectral radius of a matrix of zeros and ones."""
     low = high = Fraction(0)
     for nodes in _components(ways):
         number = {node: k for k, node in enumerate(nodes)}
@@ -223,20 +208,18 @@ def spectral_bounds(ways: Sequence[Sequence[int]]) -> tuple[Fraction, Fraction]:
         image = [0] * len(nodes)
         for k, other in inner:
             image[k] += vector[other]
+        # for any positive v it lies between the extreme (A v)_i / v_i [Collatz1942]
         quotients = [Fraction(a, b) for a, b in zip(image, vector, strict=True)]
         low, high = max(low, min(quotients)), max(high, max(quotients))
     return low, high
 
 
 def _perron(ways: Sequence[tuple[int, int]], size: int) -> list[int]:
-    """About the eigenvector of the spectral radius of a connected matrix, in positive integers.
-
-    By multiplying with the matrix plus one, which takes away its periods, again and again. Few ways
-    lead from a node, so sums over these take less than the products of a whole matrix.
-    """
+    """About the Perron eigenvector of a connected matrix, in positive integers."""
     rows, columns = (np.array(each) for each in zip(*ways, strict=True))
     vector = np.ones(size)
     for _ in range(ROUNDS):
+        # A + 1 has no period
         image = vector + np.bincount(rows, weights=vector[columns], minlength=size)
         image /= image.max()
         change = np.abs(image - vector).max()
@@ -259,12 +242,7 @@ def growth_of(ways: Sequence[Sequence[int]]) -> Real | None:
 
 
 def lap_numbers(line: MapLine, order: int, meter: Meter) -> list[int]:
-    """How many intervals iterates up to an order cut the line into, each affine on every one.
-
-    Nodes of the graph of laps are counted with how many paths lead there, so that the cost grows
-    with the square of the order, not with the number of laps. An interval that is mapped to a
-    point remains one.
-    """
+    """How many affine intervals the iterates up to an order have, by paths that lead to nodes."""
     found = list[int]()
     counted = {(k, branch.lower, branch.upper): 1 for k, branch in enumerate(line.branches)}
     ended = 0
@@ -273,6 +251,7 @@ def lap_numbers(line: MapLine, order: int, meter: Meter) -> list[int]:
         meter.spend(sum(map(_work, counted)))
         more = dict[Node, int]()
         for node, times in counted.items():
+            # an interval that is mapped to a point remains one
             if not line.branches[node[0]].slope:
                 ended += times
             for other in _onward(line, node, ()):
@@ -285,14 +264,7 @@ def lap_numbers(line: MapLine, order: int, meter: Meter) -> list[int]:
 
 
 class GapCause(Enum):
-    """Why an interval is left out; the value says it in words.
-
-    Examples
-    --------
-    >>> from pwmap.longrun import GapCause
-    >>> GapCause.NARROW.value
-    'it is narrower than the tolerance'
-    """
+    """Why an interval is left out; the value says it in words."""
 
     EXPANDS = "every piece expands, so that nothing attracts, and orbits of breaks go on"
     OPEN = "orbits of breaks are not known to the end after as many steps"
@@ -306,27 +278,16 @@ class GapCause(Enum):
 class ConstantEntropy:
     """An interval of a parameter on which the topological entropy is constant.
 
+    It is one of those of :func:`pwmap.constant_entropy`.
+
     Attributes
     ----------
-    lower, upper
-        Exact ends.
-    closed
-        Whether the entropy is known to be the same at the ends.
-    entropy
-        Exact, with doubles below and above.
+    lower, upper, closed
+        Exact ends, and whether the entropy is known to be the same there.
     samples
         Rational values inside, one of each part that has a proof of its own, from left to right.
     cycles
         Words of the attracting cycles at these samples, each once.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, constant_entropy
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
-    >>> found = constant_entropy(skew, "b", (-4, -1), samples=12)
-    >>> interval = found.intervals[0]
-    >>> interval.lower, interval.upper, interval.entropy.value, interval.cycles
-    (-4, -3, log(1/2 + sqrt(5)/2), ('LLR',))
     """
 
     lower: sympy.Expr
@@ -339,24 +300,7 @@ class ConstantEntropy:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EntropyGap:
-    """An interval of a parameter of which nothing was proved.
-
-    Attributes
-    ----------
-    lower, upper
-        Exact ends.
-    causes
-        Why, each once.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, constant_entropy
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
-    >>> found = constant_entropy(skew, "b", (-4, -1), samples=12)
-    >>> gap = found.gaps[0]
-    >>> gap.lower, gap.upper, [cause.name for cause in gap.causes]
-    (-3, -2, ['OPEN'])
-    """
+    """An interval, exact, for which :func:`pwmap.constant_entropy` proved nothing, and why."""
 
     lower: sympy.Expr
     upper: sympy.Expr
@@ -365,22 +309,9 @@ class EntropyGap:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EntropyIntervals:
-    """Where the topological entropy is known to be constant over an interval of a parameter.
+    """What :func:`pwmap.constant_entropy` proved, over an interval of a parameter.
 
-    Attributes
-    ----------
-    intervals
-        Apart, or touching with different entropies, from left to right.
-    gaps
-        What is between them, from left to right.
-
-    Examples
-    --------
-    >>> from pwmap import PiecewiseLinearMap, constant_entropy
-    >>> skew = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
-    >>> found = constant_entropy(skew, "b", (-4, -1), samples=12)
-    >>> len(found.intervals), len(found.gaps), found.share
-    (2, 1, 0.6666666666666666)
+    ``intervals`` are apart, or touch with different entropies; ``gaps`` are between them.
     """
 
     parameter: sympy.Symbol

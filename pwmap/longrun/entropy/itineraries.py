@@ -1,10 +1,9 @@
 """Itineraries of germs that are known to the end, and the growth of laps that follows from them.
 
-Where an orbit goes on for ever can often be said after finitely many steps: it has come back, or it
-follows a word that draws it in, or it moves outward on outer pieces. Then its letters are known for
-all times, and if those of all germs at breaks are, so is the graph of laps: an end of a node is
-named by a germ and a number of steps, the image of a node is cut at the breaks between the letters
-of the images of its ends, and nothing else is asked for. Points are not compared with each other.
+An orbit is known for all times once it has come back, follows a word that draws it in, or moves
+outward on outer pieces. If all germs at breaks are, so is the graph of laps: a germ and a number of
+steps name an end of a node, and the image of a node is cut at the breaks between the letters of the
+images of its ends. Points are not compared with each other.
 """
 
 from __future__ import annotations
@@ -65,20 +64,17 @@ def itinerary_of(line: MapLine, germ: Germ, steps: int, meter: Meter) -> Itinera
 
 
 def _drawn_from(line: MapLine, pieces: Sequence[int]) -> int | None:
-    """The step from which on the last letters are a word that draws in what follows it; or None.
-
-    A word w of slope s, 0 < s < 1, takes an orbit that has followed it once closer to its fixed
-    point on the same side. If the fixed point follows w too, in the closures of pieces, then all
-    between them does, and so does the orbit for ever. If -1 < s < 0 an orbit that has followed w
-    twice has its first point and that after w on two sides of the fixed point, and what lies
-    between them is taken into itself.
-    """
+    """The step from which on the last letters are a word that draws in what follows it; or None."""
     whole = IDENTITY
     for start in range(len(pieces) - 1, -1, -1):
         whole = whole.after(Affine(*line.branches[pieces[start]][:2]))
         slope, word = whole.slope, pieces[start:]
+        # an orbit comes closer to the fixed point on the same side; if that follows the word too,
+        # so does all between them, for ever
         if 0 < slope < 1 and _follows(line, whole.fixed_point, word):
             return start
+        # the first point and that after one round lie on two sides of the fixed point, and what is
+        # between them is mapped into itself
         before = start - len(word)
         if -1 < slope < 0 and before >= 0 and pieces[before:start] == word:
             return start
@@ -104,16 +100,14 @@ def _follows(line: MapLine, x: Exact, word: Sequence[int]) -> bool:
 
 
 def _outward_from(line: MapLine, pieces: Sequence[int], places: Sequence[Exact]) -> int | None:
-    """The step from which on an orbit moves outward, and goes on like that; None if it does not.
-
-    Either within one outer piece that rises, or round two that fall: a word of a positive slope
-    moves a point always the same way.
-    """
+    """The step from which on an orbit moves outward for ever; None if it does not."""
     first, last = 0, len(line.branches) - 1
     for word in ((first,), (last,), (first, last), (last, first)):
         if tuple(pieces[-len(word) :]) != word:
             continue
         falls = [line.branches[k].slope < 0 for k in word]
+        # in one rising outer piece, or round two falling ones, the slope of the word is positive: a
+        # point always moves the same way
         way = sign(places[-1] - places[-1 - len(word)])
         if all(falls) == any(falls) == (len(word) == 2) and way == (1 if word[0] == last else -1):
             return len(pieces) - len(word)
@@ -121,11 +115,7 @@ def _outward_from(line: MapLine, pieces: Sequence[int], places: Sequence[Exact])
 
 
 def growth_at(line: MapLine, itineraries: Sequence[Itinerary]) -> Real | None:
-    """How laps grow: the spectral radius of the graph that itineraries make, at least 1.
-
-    Of the map only the signs of slopes are looked at. Itineraries are those of all its germs, in
-    its order, and all known to the end. None if the graph is too large.
-    """
+    """The growth of laps, at least 1, from known itineraries; None if the graph is too large."""
     return growth_of(_merged(_ways(line, itineraries)))
 
 
@@ -134,7 +124,6 @@ _Node = tuple[int, End, End]  # the number of a piece, and both ends of a part o
 
 
 def _ways(line: MapLine, itineraries: Sequence[Itinerary]) -> list[list[int]]:
-    """The graph of laps."""
     slopes = [sign(branch.slope) for branch in line.branches]
     last = len(slopes) - 1
 

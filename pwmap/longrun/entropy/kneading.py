@@ -1,14 +1,12 @@
 """The growth of laps from kneading sequences, of which only differences need to be known.
 
 Give each piece a symbol e, and each germ the series of the symbols that it visits, the n-th with
-the factor t^n and the sign of the slope of the way there. As a point moves along the line its
-series jumps only where an image of it is a break, and always by t^n times the difference of the
-series of both sides of that break, whether the map has a jump there or not. So these differences
-count the preimages of breaks, and the growth of laps is one over the least root between 0 and 1 of
-the determinant that they make [MilnorThurston1988].
+the factor t^n and the sign of the slope up to there. Along the line the series of a point jumps
+only where an image of it is a break, by t^n times the difference of the series of both sides of
+that break. So these differences count the preimages of breaks, and the growth of laps is one over
+the least root in (0, 1) of the determinant that they make [MilnorThurston1988].
 
-A difference is a polynomial where both orbits *match*: after as many steps they are at one place,
-with slopes of one sign; see :mod:`pwmap.longrun.entropy.matching`.
+A difference is a polynomial where both orbits *match* (:mod:`pwmap.longrun.entropy.matching`).
 """
 
 from __future__ import annotations
@@ -29,23 +27,16 @@ RING, T = ring("t", QQ)
 
 
 def growth_by_kneading(line: MapLine, itineraries: Sequence[Itinerary]) -> Real | None:
-    """How laps grow: one over the least root of the kneading determinant, at least 1.
-
-    Of the map only the signs of slopes are looked at. Itineraries are those of all its germs, in
-    its order, each known to the end, or matched with that of the other side. None if the
-    determinant is too large.
-    """
+    """The growth of laps, at least 1, from itineraries; None if the determinant is too large."""
     rows = _matrix(line, itineraries)
+    # one over the least root of the kneading determinant
     return growth_from(_determinant(rows)) if rows else QQ.one
 
 
 def _matrix(
     line: MapLine, itineraries: Sequence[Itinerary], left_out: int = 0
 ) -> list[list[PolyElement]]:
-    """The differences of both sides of each break, times a polynomial that has no root in (0, 1).
-
-    Of the columns, one for each piece, any may be left out.
-    """
+    """The differences at each break, without a column, times polynomials with no root in (0, 1)."""
     signs = [sign(branch.slope) for branch in line.branches]
     rows = list[list[PolyElement]]()
     for left, right in zip(itineraries[::2], itineraries[1::2], strict=True):
@@ -62,14 +53,11 @@ def _determinant(rows: Sequence[Sequence[PolyElement]]) -> PolyElement:
 
 
 def cofactors(line: MapLine, itineraries: Sequence[Itinerary], number: int) -> list[PolyElement]:
-    """The factors of the pieces in the series of one break, which make the determinant of it.
-
-    What the itineraries of this break are does not matter. The piece on its left has the factor
-    zero.
-    """
+    """The factors of the pieces in the series of one break that give the determinant."""
     rows = _matrix(line, itineraries, number)
     units = [[RING(k == j) for k in range(len(rows))] for j in range(len(rows))]
     found = [_determinant([*rows[:number], unit, *rows[number + 1 :]]) for unit in units]
+    # the piece on the left of the break has the factor zero
     return [*found[:number], RING.zero, *found[number:]]
 
 

@@ -1,9 +1,9 @@
 """Orbits of both sides of a break that match, and the growth of laps where only almost all do.
 
 Both orbits *match* if after as many steps they are at one place, with slopes of one sign. From
-there on they go on side by side, and what they do cancels in the kneading determinant D. Intervals
-of a parameter on which that is so accumulate at places at which they never match; yet growth can be
-the same there, too [Bruin2019]. Here is a proof for an interval G of the parameter at once.
+there on they cancel in the kneading determinant D. Intervals of a parameter on which that is so
+accumulate at places at which they never match; yet growth can be the same there, too [Bruin2019].
+Here is a proof for an interval G of the parameter at once.
 
 Let each step move one of both orbits: that of the smaller slope, or else the one that is behind.
 Let slopes not depend on the parameter, and intercepts and breaks be affine in it. Then the right
@@ -52,10 +52,7 @@ Range = tuple[Number, Number]  # of a number: all from one to another
 def matched(
     line: MapLine, number: int, steps: int, meter: Meter
 ) -> tuple[Itinerary, Itinerary] | None:
-    """The itineraries of both sides of a break up to the step at which they match; None if none.
-
-    Breaks are counted from the left.
-    """
+    """The itineraries of both sides of a break, numbered from the left, up to a match; or None."""
     sides = line.germs[2 * number : 2 * number + 2]
     pieces = list[int](), list[int]()
     for _ in range(steps):
@@ -102,7 +99,6 @@ def family_of(map_: PiecewiseLinearMap, low: Number, high: Number) -> MapFamily 
 
 
 def _along(slope: Number, x: Ends, intercept: Ends) -> Ends:
-    """The values of slope x + intercept."""
     return slope * x[0] + intercept[0], slope * x[1] + intercept[1]
 
 
@@ -133,13 +129,10 @@ class PairStep(NamedTuple):
 def _step(
     family: MapFamily, weights: Sequence[PolyElement], pair: Pair, piece: int, *, left: bool
 ) -> PairStep:
-    """What a step of the left or right orbit by a piece says of the right minus the left series.
-
-    Both series begin where the orbits are, with the power of t from the earlier time on. The
-    difference is counted in signs of the slope of the left orbit.
-    """
+    """What a step of the left or right orbit by a piece says of the right minus the left series."""
     slope, intercept = family.slopes[piece], family.intercepts[piece]
     ratio, offset, lag = pair
+    # both series begin at the earlier time, with the sign of the left slope
     ahead, behind = max(lag, 0), max(-lag, 0)
     if left:
         onward = Pair(ratio / slope, _along(-ratio / slope, intercept, offset), lag + 1)
@@ -163,14 +156,12 @@ class PairRange(NamedTuple):
         return PairRange((a, b), (c, d))
 
     def between(self, low: Ends | None, high: Ends | None) -> PairRange | None:
-        """A region that holds its part between two bounds; None if there is none.
-
-        Of two bounds that cross the new one is taken, so that there are few of them.
-        """
+        """A region that holds its part between two bounds; None if there is none."""
         lows = [self.low] if low is None else [low, self.low]
         highs = [self.high] if high is None else [high, self.high]
         if any(a[0] > b[0] and a[1] > b[1] for a in lows for b in highs):
             return None
+        # of bounds that cross the new one, so that there are few of them
         least = next(a for a in lows if a is self.low or not _at_most(a, self.low))
         most = next(a for a in highs if a is self.high or not _at_most(self.high, a))
         return PairRange(least, most)
@@ -184,12 +175,9 @@ def _at_most(one: Ends, other: Ends) -> bool:
 def _graph(
     family: MapFamily, weights: Sequence[PolyElement], number: int, first: Pair, meter: Meter
 ) -> Mapping[Pair, Sequence[PairStep]] | None:
-    """The steps from the pair that follows a break, and from all that follow then.
-
-    Regions are larger than what orbits do, so that none is missed. None if they are too many, or if
-    both orbits come together after different numbers of steps.
-    """
+    """The steps from a pair and all that follow; None if too many, or ends at different times."""
     start = family.breaks[number]
+    # larger than what orbits do, so that none is missed
     regions = {first: _moved(family, PairRange(start, start), number)}
     found, changes, waiting = dict[Pair, list[PairStep]](), Counter[Pair](), deque([first])
     while waiting:
@@ -229,7 +217,6 @@ def _regions(
 
 
 def _moved(family: MapFamily, region: PairRange, piece: int) -> PairRange:
-    """Where a piece maps a region to."""
     slope = family.slopes[piece]
     low, high = (_along(slope, ends, family.intercepts[piece]) for ends in region)
     return PairRange(low, high) if slope > 0 else PairRange(high, low)
@@ -241,11 +228,7 @@ def growth_of_pairs(
     weights: Sequence[PolyElement],
     meter: Meter,
 ) -> Real | None:
-    """The growth of laps if it is one number over an interval, its ends among it.
-
-    Orbits of the break with this number need not match. Weights are those of pieces in the series
-    of an orbit, of which the determinant is a difference. Above 1; None if nothing is proved.
-    """
+    """The growth of laps, above 1, if it is one number on a closed interval; else None."""
     one = _step(family, weights, TOGETHER, number, left=True)
     other = _step(family, weights, one.onward, number + 1, left=False)
     start = PairStep(one.term + one.factor * other.term, one.factor * other.factor, other.onward)
@@ -310,11 +293,7 @@ def _has_no_root(
 def _bounds(
     part: Range, start: PairStep, steps: Mapping[Pair, Sequence[PairStep]], meter: Meter
 ) -> Range:
-    """Bounds of what paths make of terms and factors, for all t in a part of [0, 1).
-
-    So many steps as there are pairs come back to one of them, which takes a power of t: that gives
-    first bounds, and what steps make of bounds is bounds again.
-    """
+    """Bounds of what paths make of terms and factors, for all t in a part of [0, 1)."""
     ranges = {
         pair: [(_range(s.term, part), _range(s.factor, part), s.onward) for s in each]
         for pair, each in steps.items()
@@ -322,6 +301,7 @@ def _bounds(
     largest = max(
         (abs(x) for each in ranges.values() for term, _, _ in each for x in term), default=QQ.zero
     )
+    # as many steps as pairs come back to one, which takes a power of t
     most = len(steps) * largest / (1 - part[1])
     found = {pair: (-most, most) if each else (QQ.zero, QQ.zero) for pair, each in ranges.items()}
 
