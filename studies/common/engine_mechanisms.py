@@ -30,8 +30,8 @@ MECHANISMS: Final = (
     Mechanism("engine.curves", "SolutionCurve._bend", _no_bend, "predict along a cubic"),
     Mechanism(FOLLOWING, "_to_end", gives(None), "step just to the end of the span"),
     Mechanism(FOLLOWING, "_closes", gives(False), "see a closed branch"),
-    Mechanism(FOLLOWING, "agrees", gives(True), "ask the map for its piece"),
-    Mechanism(FOLLOWING, "SAME_VALUE", math.inf, "tell two solutions of a piece apart"),
+    Mechanism("engine.curves", "SolutionCurve.agrees", gives(True), "ask the map for its piece"),
+    Mechanism("engine.curves", "SAME_VALUE", math.inf, "tell two solutions of a piece apart"),
     Mechanism(FOLLOWING, "KEPT_TURN", 1.0, "keep clear of the largest turn"),
     # --- What ends an arc
     Mechanism(FOLLOWING, "_strays", gives(False), "refuse samples of other curves"),
@@ -45,7 +45,7 @@ MECHANISMS: Final = (
     Mechanism(ENDS, "BEGINS", 0.0, "ignore what a curve begins with"),
     Mechanism(ENDS, "COARSE", 0.0, "go closer where ends are unclear"),
     Mechanism(ENDS, "CLOSED_IN", math.inf, "refuse a pole for a zero"),
-    Mechanism(FOLLOWING, "Arc._left", gives(0.0), "say how well a root's end is located"),
+    Mechanism("engine.curves", "Arc._left", gives(0.0), "say how well a root's end is located"),
     # --- Newton's method
     Mechanism("engine.newton", "Problem._along_borders", gives(None), "roots along their border"),
     Mechanism("engine.newton", "_towards", _at_once, "halve steps to where there is no map"),

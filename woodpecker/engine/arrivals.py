@@ -13,8 +13,7 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import Sample, SolutionCurve
-from woodpecker.engine.following import ASIDE, Arc, agrees
+from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve
 from woodpecker.engine.germs import Beginning, crossings_at, is_inside, lost_beyond
 from woodpecker.engine.maps import ACCUMULATE, Image, PiecewiseMap
 from woodpecker.engine.newton import Problem, solve
@@ -100,7 +99,7 @@ def passed_over(
             return None
         held = problem.with_(Held(size + column, float(p[column])))
         found = solve(held, Orbit(x, p, 0.0, tuple(images)))
-        if found.converged and agrees(curve, found.orbit):
+        if found.converged and curve.agrees(found.orbit):
             if not problem.same(found.orbit.x, end.orbit.x, FASTEST * away):
                 return None
             sample = curve.start(found.orbit, np.eye(size + 1)[-1] * rate)

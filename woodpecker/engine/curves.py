@@ -11,8 +11,16 @@ from functools import lru_cache
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints, norm
-from woodpecker.engine.maps import PiecewiseMap, length_of
-from woodpecker.engine.newton import Problem, across, solve, tangent
+from woodpecker.engine.maps import Image, PiecewiseMap, length_of, margins_decide, taken
+from woodpecker.engine.newton import (
+    BLUR,
+    STEEP,
+    Problem,
+    across,
+    solve,
+    tangent,
+    uncertainty,
+)
 from woodpecker.engine.orbits import (
     Chained,
     Condition,
@@ -23,6 +31,10 @@ from woodpecker.engine.orbits import (
     pulled_inside,
 )
 
+ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
+SAME_VALUE = 1e-9  # scaled, times slopes: values of a piece that are farther apart are of two
+# solutions of its events, as there are beside a grazing
+SHORTEST_ROW = 1e-7  # a gradient shorter than this does not say how far away its border is
 LEVEL = 1e-7  # part of a unit tangent: along one with less the parameter does not change
 
 
@@ -196,6 +208,27 @@ class SolutionCurve:
         square = 2.0 * b.tangent + a.tangent - 3.0 * mean
         return np.asarray(distance * part * (square + part * cubic))
 
+    def agrees(self, orbit: Orbit, border: tuple[int, int] | None = None) -> bool:
+        """Whether the map takes the pieces of an orbit; points on borders do not count."""
+        at_border = {orbit.place(i) for i, _ in self.ignored}
+        if border is not None:
+            at_border.add(orbit.place(border[0]))
+        return all(
+            i in at_border or self.takes(x, orbit.p, image)
+            for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True))
+        )
+
+    def takes(self, x: Floats, p: Floats, image: Image) -> bool:
+        """Whether the map takes the piece of an image, and the same of its solutions."""
+        # A map whose margins decide is asked only where one of them vanishes but for rounding.
+        if image.reason:
+            return False
+        if margins_decide(self.map) and not image.tied(x, p).any():
+            return bool((image.margins > 0.0).all())
+        key, value = taken(self.map, x, p)
+        slack = SAME_VALUE * max(1.0, float(np.abs(image.jacobian).max()))
+        return key == image.piece.key and self.problem.same(value, image.value, slack)
+
     def bounds(self, orbit: Orbit) -> tuple[Ints, Floats, Floats, list[Stop]]:
         """The bounded unknowns of an orbit, their lower and upper bounds, and the Stop of each."""
         n, share = len(orbit.x), -1 if orbit.outer is None else len(orbit.unknowns) - 1
@@ -236,6 +269,51 @@ class SolutionCurve:
         last = motion[len(orbit.x) - 1 : -1]
         inner, outer = (float(each.jacobian[0] @ last) for each in orbit.taken[-2:])
         return inner, outer, float(motion[0])
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Arc:
+    """A curve from a sample to what ends it."""
+
+    samples: tuple[Sample, ...]  # the end included
+    stop: Stop
+    curve: SolutionCurve
+    border: tuple[int, int] | None = None  # of BORDER: image and code of the margin that vanishes
+    beyond: Sample | None = None  # the sample after the end, where the curve goes on
+    condition: Condition | None = None  # that its end obeys besides the equations of the curve
+    step: float = math.inf
+    width: float = 0.0
+    test: TestFunction | None = None  # that vanishes at its end
+
+    @property
+    def precision(self) -> float:
+        """How well the first free parameter is known at its end; infinite if it was given up."""
+        if self.stop is Stop.SPAN:
+            return 0.0
+        if self.stop in (*MULTIPLIERS, Stop.ASKED):
+            orbit, column = self.samples[-1].orbit, self.curve.problem.free[0]
+            scale = self.curve.problem.p_scale[column]
+            rate = abs(self.samples[-1].ahead) * scale
+            return self.width * rate + BLUR * max(scale, abs(float(orbit.p[column])))
+        if self.condition is None:
+            return math.inf
+        known = uncertainty(self.curve.problem.with_(self.condition), self.samples[-1].orbit)
+        return max(known, self._left())
+
+    def _left(self) -> float:
+        """The error of the parameter where the end is only close to a steep border."""
+        # A steep slope is that of a square root, b / (2 sqrt(h)), and b sqrt(h) is left of it;
+        # twice that of other roots.
+        if self.border is None:
+            return 0.0
+        orbit, problem = self.samples[-1].orbit, self.curve.problem
+        image = orbit.taken[self.border[0]]
+        k, d = image.place(self.border[1]), orbit.x.shape[1]
+        away = abs(float(image.margins[k])) / max(norm(image.gradients[k]), SHORTEST_ROW)
+        steep = float(np.abs(image.jacobian[:, :d]).max())
+        if steep < STEEP or not math.isfinite(steep):
+            return 0.0
+        return 4.0 * steep * away * problem.p_scale[problem.free[0]] / problem.x_scale[0]
 
 
 @lru_cache

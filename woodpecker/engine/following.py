@@ -6,25 +6,20 @@ An *arc* is a part of a curve along which no piece changes and no test function 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from woodpecker.base.arrays import Floats, norm
-from woodpecker.engine.curves import MULTIPLIERS, Sample, SolutionCurve, Stop, TestFunction
+from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.ends import ROUNDED_OFF, ArcEnd, UnclearError, asked_before, ends_between
-from woodpecker.engine.maps import Image, Piece, margins_decide, taken
-from woodpecker.engine.newton import BLUR, STEEP, solve, uncertainty
-from woodpecker.engine.orbits import Condition, Held, Orbit, held_at
+from woodpecker.engine.maps import Piece, margins_decide, taken
+from woodpecker.engine.newton import STEEP, solve
+from woodpecker.engine.orbits import Held, held_at
 
-ASIDE = 1e-6  # scaled: an end that the piece beyond locates farther off is another one
 STRAIGHT = 1e-4  # angle between a chord and its tangents that any smooth curve may have [rad]
 KEPT_TURN = 0.7  # of the largest turn: what the next step is to have, so that few are refused
-SAME_VALUE = 1e-9  # scaled, times slopes: values of a piece that are farther apart are of two
-# solutions of its events, as there are beside a grazing
-SHORTEST_ROW = 1e-7  # a gradient shorter than this does not say how far away its border is
 LOOKED = 2.0**-14  # scaled: steps longer than that are looked at halfway
 TOGETHER = 2.0**-8  # of how far apart points of a cycle were a step before
 
@@ -37,49 +32,20 @@ class Halt(NamedTuple):
     asked: Callable[[Sample], bool] | None = None
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Arc:
-    """A curve from a sample to what ends it."""
+class _TooLongError(Exception):
+    """A part of the step may do; if none does the curve ends by ``stop``."""
 
-    samples: tuple[Sample, ...]  # the end included
-    stop: Stop
-    curve: SolutionCurve
-    border: tuple[int, int] | None = None  # of BORDER: image and code of the margin that vanishes
-    beyond: Sample | None = None  # the sample after the end, where the curve goes on
-    condition: Condition | None = None  # that its end obeys besides the equations of the curve
-    step: float = math.inf
-    width: float = 0.0
-    test: TestFunction | None = None  # that vanishes at its end
+    def __init__(self, part: float, stop: Stop = Stop.SHORT) -> None:
+        self.part, self.stop = part, stop
 
-    @property
-    def precision(self) -> float:
-        """How well the first free parameter is known at its end; infinite if it was given up."""
-        if self.stop is Stop.SPAN:
-            return 0.0
-        if self.stop in (*MULTIPLIERS, Stop.ASKED):
-            orbit, column = self.samples[-1].orbit, self.curve.problem.free[0]
-            scale = self.curve.problem.p_scale[column]
-            rate = abs(self.samples[-1].ahead) * scale
-            return self.width * rate + BLUR * max(scale, abs(float(orbit.p[column])))
-        if self.condition is None:
-            return math.inf
-        known = uncertainty(self.curve.problem.with_(self.condition), self.samples[-1].orbit)
-        return max(known, self._left())
 
-    def _left(self) -> float:
-        """The error of the parameter where the end is only close to a steep border."""
-        # A steep slope is that of a square root, b / (2 sqrt(h)), and b sqrt(h) is left of it;
-        # twice that of other roots.
-        if self.border is None:
-            return 0.0
-        orbit, problem = self.samples[-1].orbit, self.curve.problem
-        image = orbit.taken[self.border[0]]
-        k, d = image.place(self.border[1]), orbit.x.shape[1]
-        away = abs(float(image.margins[k])) / max(norm(image.gradients[k]), SHORTEST_ROW)
-        steep = float(np.abs(image.jacobian[:, :d]).max())
-        if steep < STEEP or not math.isfinite(steep):
-            return 0.0
-        return 4.0 * steep * away * problem.p_scale[problem.free[0]] / problem.x_scale[0]
+class _Step(NamedTuple):
+    """A step along a curve."""
+
+    sample: Sample
+    ends: list[ArcEnd]  # what it passes, by distance
+    turn: float  # of the tangent [rad]
+    is_last: bool  # it leads just to the end of the span
 
 
 def follow(
@@ -91,9 +57,10 @@ def follow(
     It closes where it comes back to its origin, by default the start. The loop is bounded: each
     turn keeps one of ``max_samples`` or shortens the step, down to ``min_step``.
     """
-    settings, samples, grows, bent = curve.settings, [start], True, 0.0
+    settings, samples, grows, turn = curve.settings, [start], True, 0.0
     step = min(first, settings.step)
     given_up, halt = Stop.SHORT, halt or Halt()
+    home = start if origin is None else origin
     at_once = leaves(curve, start)
     if at_once is None and halt.asked is not None and halt.asked(start):
         at_once = Stop.ASKED
@@ -104,51 +71,67 @@ def follow(
             return Arc(tuple(samples), Stop.SPENT, curve)
         if step < settings.min_step:
             return Arc(tuple(samples), given_up, curve)
-        last = samples[-1]
-        before = samples[-2] if len(samples) > 1 else None
-        found = to_end = _to_end(curve, last, step)
-        found = found or curve.advance(last, step, before)
-        turned = math.inf
-        if found is not None and not _strays(curve, last, found, bent):
-            turned = _angle(last, found) / settings.max_turn
-        if found is None or turned > 1.0:
-            step = _shorter(curve, step, max(0.25, min(0.5, KEPT_TURN / turned)))
-            grows, given_up = False, Stop.SHORT
-            continue
         try:
-            ends = ends_between(curve, last, found, step, starts=len(samples) == 1)
-            if halt.asked is not None:
-                ends = asked_before(curve, last, found, step, ends, halt.asked)
-        except UnclearError:
-            step, grows, given_up = _shorter(curve, step, 0.5), False, Stop.SHORT
+            taken = _step(curve, samples, step, turn, halt)
+        except _TooLongError as refused:
+            step, grows, given_up = _shorter(curve, step, refused.part), False, refused.stop
             continue
-        end = ends[0] if ends else None
-        if step > LOOKED and _differs_between(curve, last, found if end is None else end.sample):
-            step, grows = 0.5 * step, False
-            continue
-        if not agrees(curve, found.orbit if end is None else end.sample.orbit, end):
-            step, grows, given_up = _shorter(curve, step, 0.25), False, Stop.OTHER_PIECE
-            continue
-        if end is not None:
-            beyond: Sample | None = found
-            if len(ends) > 1:
-                beyond = curve.advance(last, 0.5 * (end.distance + ends[1].distance))
-            test = end.test
-            return Arc(
-                (*samples, end.sample), test.stop, curve, test.border, beyond, test.condition,
-                step, end.width, test,
-            )  # fmt: skip
-        if to_end is not None:
-            return Arc((*samples, to_end), Stop.SPAN, curve)
-        home = start if origin is None else origin
+        if taken.ends:
+            return _ended(curve, samples, taken, step)
+        if taken.is_last:
+            return Arc((*samples, taken.sample), Stop.SPAN, curve)
         is_away = len(samples) > 2 or home is not start
-        if is_away and _closes(curve, home, last, found, step):
+        if is_away and _closes(curve, home, samples[-1], taken.sample, step):
             return Arc((*samples, home), Stop.CLOSED, curve)
-        samples.append(found)
-        bent = turned * settings.max_turn
-        growth = min(2.0 if grows else 1.0, KEPT_TURN / max(turned, 1e-3))
+        samples.append(taken.sample)
+        turn = taken.turn
+        growth = 2.0 if grows else 1.0
+        if growth * turn > KEPT_TURN * settings.max_turn:
+            growth = KEPT_TURN * settings.max_turn / turn
         step, grows = min(settings.max_step, max(settings.min_step, step * growth)), True
     return Arc(tuple(samples), Stop.MANY, curve)
+
+
+def _step(
+    curve: SolutionCurve, samples: Sequence[Sample], step: float, bent: float, halt: Halt
+) -> _Step:
+    """A step from the last of some samples, to which the curve has turned by ``bent``.
+
+    _TooLongError if it leads elsewhere, or what lies between is not clear.
+    """
+    last, before = samples[-1], samples[-2] if len(samples) > 1 else None
+    to_end = _to_end(curve, last, step)
+    found = to_end or curve.advance(last, step, before)
+    turn, most = math.inf, curve.settings.max_turn
+    if found is not None and not _strays(curve, last, found, bent):
+        turn = _angle(last, found)
+    if found is None or turn > most:
+        raise _TooLongError(max(0.25, min(0.5, KEPT_TURN * most / turn)))
+    try:
+        ends = ends_between(curve, last, found, step, starts=before is None)
+        if halt.asked is not None:
+            ends = asked_before(curve, last, found, step, ends, halt.asked)
+    except UnclearError:
+        raise _TooLongError(0.5) from None
+    sample, border = (ends[0].sample, ends[0].test.border) if ends else (found, None)
+    if step > LOOKED and _differs_between(curve, last, sample):
+        raise _TooLongError(0.5)
+    if not curve.agrees(sample.orbit, border):
+        raise _TooLongError(0.25, Stop.OTHER_PIECE)
+    return _Step(found, ends, turn, to_end is not None)
+
+
+def _ended(curve: SolutionCurve, samples: Sequence[Sample], last: _Step, step: float) -> Arc:
+    """The arc that ends with the first of what its last step passes."""
+    end, *others = last.ends
+    beyond: Sample | None = last.sample
+    if others:
+        beyond = curve.advance(samples[-1], 0.5 * (end.distance + others[0].distance))
+    test = end.test
+    return Arc(
+        (*samples, end.sample), test.stop, curve, test.border, beyond, test.condition, step,
+        end.width, test,
+    )  # fmt: skip
 
 
 def leaves(curve: SolutionCurve, start: Sample) -> Stop | None:
@@ -207,17 +190,6 @@ def _comes_together(curve: SolutionCurve, a: Floats, b: Floats) -> bool:
     )
 
 
-def agrees(curve: SolutionCurve, orbit: Orbit, end: ArcEnd | None = None) -> bool:
-    """Whether the map takes the pieces of an orbit; points on borders do not count."""
-    at_border = {orbit.place(i) for i, _ in curve.ignored}
-    if end is not None and end.test.border is not None:
-        at_border.add(orbit.place(end.test.border[0]))
-    return all(
-        i in at_border or _is_taken(curve, x, orbit.p, image)
-        for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True))
-    )
-
-
 def _differs_between(curve: SolutionCurve, a: Sample, b: Sample) -> bool:
     """Whether the map takes another piece halfway: a margin may vanish that no sample has."""
     x = 0.5 * (a.orbit.x + b.orbit.x)
@@ -234,20 +206,8 @@ def _differs_between(curve: SolutionCurve, a: Sample, b: Sample) -> bool:
 def _takes(curve: SolutionCurve, x: Floats, p: Floats, piece: Piece) -> bool:
     """Whether the map takes a piece at a point."""
     if margins_decide(curve.map):
-        return _is_taken(curve, x, p, piece.at(x, p))
+        return curve.takes(x, p, piece.at(x, p))
     return taken(curve.map, x, p)[0] == piece.key
-
-
-def _is_taken(curve: SolutionCurve, x: Floats, p: Floats, image: Image) -> bool:
-    """Whether the map takes the piece of an image, and the same of its solutions."""
-    # A map whose margins decide is asked only where one of them vanishes but for rounding.
-    if image.reason:
-        return False
-    if margins_decide(curve.map) and not image.tied(x, p).any():
-        return bool((image.margins > 0.0).all())
-    key, value = taken(curve.map, x, p)
-    slack = SAME_VALUE * max(1.0, float(np.abs(image.jacobian).max()))
-    return key == image.piece.key and curve.problem.same(value, image.value, slack)
 
 
 def _closes(curve: SolutionCurve, start: Sample, a: Sample, b: Sample, step: float) -> bool:

@@ -15,8 +15,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Floats, norm
-from woodpecker.engine.curves import Sample, SolutionCurve, Stop
-from woodpecker.engine.following import Arc, agrees
+from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.newton import STEEP, across, solve
 from woodpecker.engine.orbits import Multiplier
 
@@ -50,7 +49,7 @@ def rounded(arc: Arc) -> Arc | None:
     place = _located(curve, last, way, other, away, test)
     if curve.problem.step_between(last.orbit, place.orbit) @ last.tangent < 0.0:
         return None
-    if not agrees(curve, place.orbit):
+    if not curve.agrees(place.orbit):
         return None
     samples = arc.samples if place is last else (*arc.samples, place)
     return replace(arc, samples=samples, stop=stop, beyond=other, condition=Multiplier(stop.name))
@@ -68,7 +67,7 @@ def _other_arm(curve: SolutionCurve, last: Sample, way: Floats) -> tuple[Sample,
         turns = float(last.tangent @ along) <= math.cos(curve.settings.max_turn)
         folds = _folds(last, other)
         if (folds or (turns and nearest is None)) and (
-            agrees(curve, other.orbit) and _leads_on(curve, other)
+            curve.agrees(other.orbit) and _leads_on(curve, other)
         ):
             nearest = other, away
             if folds:

@@ -12,8 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import Sample, SolutionCurve, Stop
-from woodpecker.engine.following import ASIDE, Arc
+from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.maps import ACCUMULATE, Image, limit
 from woodpecker.engine.newton import BLUR, STEEP, newton_step, solve
 from woodpecker.engine.orbits import OnBorder, Orbit

@@ -22,8 +22,8 @@ from woodpecker.engine.arrivals import (
     passed_over,
     round_corner,
 )
-from woodpecker.engine.curves import Sample, SolutionCurve, Stop
-from woodpecker.engine.following import ASIDE, Arc, Halt, agrees, follow, leaves
+from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve, Stop
+from woodpecker.engine.following import Halt, follow, leaves
 from woodpecker.engine.germs import (
     SAME,
     SLOW,
@@ -281,7 +281,7 @@ def _off_border(
         return None
     margin = OnBorder(i, code, float(guess.images[i].margins[place]))
     found = solve(problem.with_(margin), guess)
-    if not found.converged or not agrees(curve, found.orbit):
+    if not found.converged or not curve.agrees(found.orbit):
         return None
     way = problem.step_between(at, found.orbit)
     sample = curve.start(found.orbit, way)

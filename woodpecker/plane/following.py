@@ -12,8 +12,8 @@ from pwmap.diagrams.diagram import PointKind, PointStatus, SpecialPoint
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.checks import interval
 from woodpecker.base.settings import Settings
-from woodpecker.engine.curves import Sample, SolutionCurve, Stop
-from woodpecker.engine.following import Arc, follow
+from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
+from woodpecker.engine.following import follow
 from woodpecker.engine.maps import ACCUMULATE
 from woodpecker.engine.newton import across, uncertainties
 from woodpecker.engine.orbits import Multiplier, OnBorder, Orbit

@@ -11,8 +11,7 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import Sample, SolutionCurve, Stop
-from woodpecker.engine.following import Arc
+from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.germs import SAME, is_inside
 from woodpecker.engine.maps import ACCUMULATE, Image
 from woodpecker.engine.newton import Problem, across, solve

@@ -9,7 +9,7 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.following import Arc
+from woodpecker.engine.curves import Arc
 from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, Orbit
 from woodpecker.plane.maps import Plane
 from woodpecker.plane.nodes import border_in, curve_of, inside
