@@ -192,7 +192,6 @@ def _connected(
     stop: StopRule | None, progress: Progress | None, run: str | os.PathLike[str] | None,
     resume: bool,
 ) -> Diagram:  # fmt: skip
-    """What is connected to a periodic solution over one parameter."""
     function("progress", progress)
     settings, map_ = followed.settings, followed.map_
     start = _start(followed, orbit)

@@ -300,7 +300,6 @@ def _moved(model: BallToy, motion: BallState, fires: ZeroCrossing) -> BallState:
 
 
 def _arrive(model: BallToy, motion: BallState) -> list[BallState]:
-    """The event that ends a phase, and the start of the next one."""
     fired, states = motion.fired, motion.states
     if fired == SECTION:
         return [motion]
@@ -314,7 +313,6 @@ def _arrive(model: BallToy, motion: BallState) -> list[BallState]:
 
 
 def _strike(model: BallToy, motion: BallState, contacts: list[int]) -> list[BallState]:
-    """An impact, and the start of the next phase."""
     u, striking = motion.u, motion.fired
     free: list[Any] = []
     for i in contacts:

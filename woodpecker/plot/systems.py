@@ -296,7 +296,6 @@ def _values(system: ContactSystem, motion: Motion, name: Any) -> Floats:
 
 
 def _marks(motion: Motion) -> Marks:
-    """Events by what they are."""
     times = {
         name: [event.time for event in motion.events if EventKind(event.symbol[0]) in kinds]
         for name, (kinds, _) in EVENTS.items()

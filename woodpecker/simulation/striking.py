@@ -244,7 +244,6 @@ def _single_phase(
 
 @part
 def _slacks(n: int, combination: int, code: int, notes: Floats, route: Route) -> None:
-    """Slack at each contact in one phase of an impact."""
     # Two gap rates and a slip that are zero bring the whole toy to rest: then the other slip is
     # zero too, whatever its friction.
     if notes.shape[1] == 0:
