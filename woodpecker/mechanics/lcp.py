@@ -1,8 +1,8 @@
 """Linear complementarity problems, and the contact problems of the paper written as one.
 
 Lemke's path solves y = A x + b, x, y >= 0, x.y = 0 [Leine2001, Eqs. 4-5] for any number of
-unknowns. Impact and the choice of accelerations share one form, :func:`contact_lcp` [Pfeiffer1996,
-chs. 6-8].
+unknowns. Impact and the choice of accelerations share one form, :func:`contact_lcp`
+[Pfeiffer1996, chs. 6-8].
 """
 
 from __future__ import annotations

@@ -50,8 +50,8 @@ def strike(model: Floats, change: Floats, n: int, k: int, notes: Floats, route: 
     """Change the velocities of a route and their derivatives by an impact at n contacts.
 
     Where g = G Lambda + free, and Lambda_T = -+F Lambda_N at contacts that slide, the derivative of
-    Lambda solves the same equations as Lambda, with d(free) + dG Lambda + G_T tau for free and tau
-    = -+dF Lambda_N added to its tangential part: no other table is needed.
+    Lambda solves the same equations as Lambda, with d(free) + dG Lambda + G_T tau for free and
+    tau = -+dF Lambda_N added to its tangential part: no other table is needed.
 
     Margins are the slack of all inequalities of the index combinations. Impulses, and the speeds at
     which contacts separate, are taken over the speed at which the gap closes, to which they are in
