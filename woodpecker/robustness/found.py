@@ -98,9 +98,8 @@ class Limit:
     --------
     >>> from woodpecker import Toy, shoot
     >>> from woodpecker.robustness import smallest_changes
-    >>> toy = Toy()
-    >>> down, up = smallest_changes(toy, shoot(toy, -0.53), ["mu_2"]).limits
-    >>> [(limit.direction, round(limit.value, 9), str(limit.kind)) for limit in (down, up)]
+    >>> limits = smallest_changes(Toy(), shoot(Toy(), -0.53), ["mu_2"]).limits
+    >>> [(limit.direction, round(limit.value, 9), str(limit.kind)) for limit in limits]
     [(-1, 0.289509232, 'PD'), (1, 0.315812983, 'PD')]
     """
 
