@@ -273,7 +273,7 @@ class FormulaMap:
     Raises
     ------
     ValueError, TypeError
-        If there is no piece, two have one name, or something is none.
+        If there is no piece, two have one name, or something else is given.
 
     Examples
     --------

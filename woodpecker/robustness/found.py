@@ -120,9 +120,11 @@ class Robustness:
     ----------
     orbit
         The motion.
-    critical, harmless
-        What destroys or destabilises it, what is confirmed first, and of that the nearest; borders
-        at which it only gets another word or multiplier, or is unstable in a spike, likewise.
+    critical
+        What destroys or destabilises it: confirmed places first, each group by distance.
+    harmless
+        Borders at which it only gets another word or multiplier, or is unstable in a spike, in the
+        same order.
     limits
         Each parameter alone, down and up.
 

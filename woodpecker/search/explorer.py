@@ -37,7 +37,7 @@ class Stage(NamedTuple):
     parameter, order
         Where a branch of P_order was followed to.
     slices, branches
-        How many slices were taken, and branches are known, so far.
+        How many slices were taken, and how many branches are known.
 
     Examples
     --------
