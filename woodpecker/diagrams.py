@@ -124,8 +124,8 @@ def continuation(
     progress
         Called before the first branch, and with every one that is finished.
     run, resume
-        A file that keeps every finished branch; and whether to go on with the run in it, which
-        keeps no ``stop``: give it again.
+        A file that keeps every finished branch; ``resume`` goes on with the interrupted run in it.
+        The file keeps no ``stop``: give it again.
 
     Returns
     -------
@@ -192,7 +192,6 @@ def _connected(
     stop: StopRule | None, progress: Progress | None, run: str | os.PathLike[str] | None,
     resume: bool,
 ) -> Diagram:  # fmt: skip
-    """What is connected to a periodic solution over one parameter."""
     function("progress", progress)
     settings, map_ = followed.settings, followed.map_
     start = _start(followed, orbit)
@@ -285,7 +284,7 @@ def bifurcation_diagram(
     progress
         Called with every branch that is finished, and before every slice.
     run, resume
-        A file that keeps every finished branch; and whether to go on with the run in it.
+        A file that keeps every finished branch; ``resume`` goes on with the interrupted run in it.
     workers
         How many processes do the work, this one among them; by default one for each core, for a map
         this one alone. A map goes to others by cloudpickle, with lambdas in it too. The result does

@@ -227,7 +227,6 @@ class ToyPieces(ToyMap):
         return {self.parameter: 1.0}
 
     def _values(self, p: float) -> Values:
-        """The parameters that are held, and the one that varies."""
         return *self._held, (self.parameter, p)
 
     def taken(self, x: float, p: float) -> tuple[bytes, float]:

@@ -54,16 +54,21 @@ class Settings:
         resolved.
     converged
         A Newton step of this length is the last.
-    beside, nearest
-        Distances from a border at which the piece beyond is asked for first, and at least if there
-        are other pieces in between. Pieces thinner than a thousandth of the first are passed over.
-    jump, kink
-        Limits of a map closer than the one are one value; slopes that differ by a larger part than
-        the other differ.
-    finest, coarse
-        Pieces shorter than the first part of the window are not looked for one by one, only their
-        total length is reported; nor those shorter than the other that lead elsewhere: away from
-        the diagonal for fixed points of P_1, out of the window for cycles of iterates.
+    beside
+        Distance from a border at which the piece beyond is asked for first; pieces thinner than a
+        thousandth of it are passed over.
+    nearest
+        Smallest such distance, tried if there are other pieces in between.
+    jump
+        Limits of a map closer than this are one value.
+    kink
+        Slopes whose relative difference is larger are different.
+    finest
+        Pieces shorter than this part of the window are not looked for one by one; their total
+        length is reported.
+    coarse
+        The same for pieces whose images lie away from the diagonal, if fixed points of P_1 are
+        looked for, or out of the window, if cycles of iterates are.
     same
         Orbits this close at one parameter are one.
 

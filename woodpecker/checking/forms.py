@@ -11,7 +11,7 @@ from fractions import Fraction
 from functools import cached_property
 
 from woodpecker.checking import intervals
-from woodpecker.checking.intervals import Extent, I, T, inverse, through, wave
+from woodpecker.checking.intervals import Extent, I, T, inverse, inverse_factorial, through, wave
 
 ORDERS: list[tuple[int, int]] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]
 """Derivatives (in s, in tau), in the order in which a form lists them."""
@@ -124,17 +124,12 @@ def _wave_models(kappa: I, t: T) -> dict[int, T]:
             s[k] = kappa * s[k + 2]
         tables.append(s)
     thin, whole, head = tables
-    factor = I.of(1)
-    inverse_factorials = [factor]
-    for j in range(1, n + 1):
-        factor = factor / I.of(j)
-        inverse_factorials.append(factor)
     return {
         k: through(
             t,
-            [thin[k - j] * inverse_factorials[j] for j in range(n)],
+            [thin[k - j] * inverse_factorial(j) for j in range(n)],
             whole[k - 1],
-            head[k - n] * inverse_factorials[n],
+            head[k - n] * inverse_factorial(n),
         )
         for k in range(-2, 5)
     }
@@ -170,8 +165,5 @@ def _shape_model(x: T, tables: list[list[list[I]]], k: int, d: int) -> T:
     """The d-th derivative of c_k of a Taylor model."""
     n = x.span.terms
     thin, whole, head = tables
-    taylor, factor = [], I.of(1)
-    for j in range(n):
-        taylor.append(thin[d + j][k] * factor)
-        factor = factor / I.of(j + 1)
-    return through(x, taylor, whole[d + 1][k], head[d + n][k] * factor)
+    taylor = [thin[d + j][k] * inverse_factorial(j) for j in range(n)]
+    return through(x, taylor, whole[d + 1][k], head[d + n][k] * inverse_factorial(n))

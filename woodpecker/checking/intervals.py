@@ -58,6 +58,12 @@ class I:  # noqa: E742  (the name of intervals in the field)
             (x.numerator << bits) // x.denominator, -((-top.numerator << bits) // top.denominator)
         )
 
+    @classmethod
+    def pi(cls) -> I:
+        """The number pi."""
+        bits = Context.bits + 20
+        return _own((libmp.mpf_pi(bits, "f"), libmp.mpf_pi(bits, "c")))  # floor and ceiling
+
     def __add__(self, other: I) -> I:
         if type(other) is not I:  # a function over a box adds itself
             return NotImplemented
@@ -329,7 +335,7 @@ def _direct(kappa: I, t: I) -> list[I]:
         c, s = (up + down) * half, (up - down) * half
     found = [c, s / omega]
     for k in range(4):
-        found.append((found[k] - t.power(k) * _reciprocal(k, Context.bits)) / kappa)
+        found.append((found[k] - t.power(k) * inverse_factorial(k)) / kappa)
     return found
 
 
@@ -340,13 +346,13 @@ def shapes(x: I, last: int) -> list[I]:
     found = [I.of(0)] * (last + 1)
     for k in range(max(last - 1, 0), last + 1):
         terms = _terms(x, k)
-        after = _reciprocal(k + 2 * terms, Context.bits)  # what follows is less than half each time
+        after = inverse_factorial(k + 2 * terms)  # what follows is less than half each time
         total = (after + after).ball
         for n in range(terms - 1, -1, -1):
-            total = _reciprocal(k + 2 * n, Context.bits) + x * total
+            total = inverse_factorial(k + 2 * n) + x * total
         found[k] = total
     for k in range(last - 2, -1, -1):
-        found[k] = _reciprocal(k, Context.bits) + x * found[k + 2]
+        found[k] = inverse_factorial(k) + x * found[k + 2]
     return found
 
 
@@ -359,7 +365,11 @@ def _terms(x: I, k: int) -> int:
     return n + 1
 
 
-@lru_cache(maxsize=1000)
-def _reciprocal(n: int, bits: int) -> I:
+def inverse_factorial(n: int) -> I:
     """1 / n!."""
+    return _inverse_factorial(n, Context.bits)
+
+
+@lru_cache(maxsize=1000)
+def _inverse_factorial(n: int, _bits: int) -> I:
     return I.of(Fraction(1, factorial(n)))

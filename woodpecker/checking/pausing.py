@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from functools import lru_cache
 from typing import Any, NamedTuple
 
 from woodpecker.checking.forms import Box, F, chain, constant, over
 from woodpecker.checking.guards import GuardValue
 from woodpecker.checking.impacts import slip, solve_impact
-from woodpecker.checking.intervals import Context, I, NotSeparated, T, wave
+from woodpecker.checking.intervals import I, NotSeparated, T, wave
 from woodpecker.checking.plateaus import Landing
 from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, UP, Coasting, ExactToy
 
@@ -43,7 +42,7 @@ def pause(motion: Flight, i: int, late: bool, bracket: I, jet: Sequence[F | I]) 
     assert isinstance(start, F)
     if not isinstance(fall, F) or fall.value.sign() != -1 or kappa.sign() != -1:
         raise NotSeparated("a gap does not fall to a pause")
-    swing = _swing(kappa)
+    swing = I.pi() * I.of(2) / (-kappa).sqrt()
     n = round(float(bracket.mid) / float(swing))
     if n < 1:
         raise NotSeparated("a gap has no pause where it begins to close")
@@ -77,27 +76,6 @@ def pause(motion: Flight, i: int, late: bool, bracket: I, jet: Sequence[F | I]) 
         q[j] = q[j] - level * I.of(response[j]) + places * b
         u[j] = u[j] + speeds * b
     return Sliding(q, u, after, level, middle, whole.last)
-
-
-def _swing(kappa: I) -> I:
-    """2 pi / omega."""
-    return _pi(Context.bits) * I.of(2) / (-kappa).sqrt()
-
-
-@lru_cache(maxsize=10)
-def _pi(bits: int) -> I:
-    """By Machin's formula."""
-    total = I.of(0)
-    for factor, n in ((16, 5), (-4, 239)):
-        power, k = Fraction(factor, n), 0
-        while True:
-            term = I.of(power / (2 * k + 1))
-            total = total + (-term if k % 2 else term)
-            if term.size.b <= 1:
-                total = total + term.ball  # an alternating series errs by less than its last term
-                break
-            power, k = power / (n * n), k + 1
-    return total
 
 
 def _flown(mode: Coasting, q: Sequence[Any], u: Sequence[Any], t: I) -> tuple[Any, Any]:

@@ -190,7 +190,6 @@ def _searched(search: _Search, parameter: str, run: Path, results: Results) -> t
 
 
 def _shown(bar: Bar, parameter: str) -> _Show:
-    """Shows how far a search has come."""
     task = bar.add_task(parameter, total=None)
 
     def show(stage: Stage) -> None:
@@ -252,7 +251,6 @@ def _draw_models(toy: Toy, found: Diagram, results: Results, form: PictureFormat
 
 
 def _summary(everything: Found) -> str:
-    """What a search came to, in a sentence or two."""
     slices = everything.slices
     unresolved = max(seen.unresolved for seen in slices)
     left = sum(len(seen.left) for seen in slices)

@@ -101,7 +101,6 @@ def _looked_closer(toy: Toy, returns: ReturnMap, order: int, bar: Bar) -> MapSam
 
 
 def _rows(returns: ReturnMap) -> Iterator[Sequence[object]]:
-    """One row of the table for each start."""
     names = [reason.name.lower() for reason in returns.status]
     numbers = (
         column.tolist()
@@ -121,7 +120,6 @@ def _outcomes(returns: ReturnMap) -> Table:
 
 
 def _left_out(curve: MapSamples, order: int) -> str:
-    """What the picture does not resolve."""
     from woodpecker.plot.curve import Detail, Link
 
     return (

@@ -128,7 +128,6 @@ def _write_tables(trajectory: Trajectory, target: Path) -> None:
 
 
 def _events(trajectory: Trajectory) -> Table:
-    """The first events, for the screen."""
     from rich.table import Table
 
     title = f"{trajectory.status.value}; fell {in_metres(trajectory.drop)}"

@@ -97,7 +97,6 @@ def _single(
 
 
 def _along(tangential: int, bound: Any, impulse: Any, velocity: Any) -> list[Any]:
-    """The conditions on friction."""
     if tangential == HOLD:
         return [bound - impulse, bound + impulse]
     return [velocity if tangential == FORWARD else -velocity]

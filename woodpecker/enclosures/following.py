@@ -36,7 +36,7 @@ from woodpecker.enclosures.motions import (
     touch,
 )
 from woodpecker.enclosures.not_proved import NotProved
-from woodpecker.enclosures.oscillator import Guard, ZeroCrossing, crossing, name_of
+from woodpecker.enclosures.oscillator import Guard, ZeroCrossing, crossing, everywhere, name_of
 from woodpecker.enclosures.pausing import paused
 from woodpecker.enclosures.taylor import Frame
 from woodpecker.mechanics.cases import HOLD, REST
@@ -63,7 +63,7 @@ from woodpecker.motion.guards import first_root
 from woodpecker.simulation.words import word
 
 MOST_EVENTS = 400
-MOST_PARTS = 2**16  # of a phase in which the bird is shown not to turn: some tens are usual
+HALVINGS = 21  # of a phase in which the bird is shown not to turn
 
 
 def follow(model: BallToy, frame: Frame, curve: Sequence[Any], plateaus: bool = False) -> list[Way]:
@@ -259,22 +259,17 @@ def _survives(guard: Guard, end: Any, falling: Any = None) -> bool:
 
 def _no_turn(guard: Guard, end: Any) -> bool:
     """Whether the bird does not turn upward in (0, end]: nowhere u = 0 and u' >= 0."""
-    parts, tiny = [(ZERO, end)], end / 2**20
-    for _ in range(MOST_PARTS):
-        if not parts:
-            return True
-        a, b = parts.pop()
+
+    def told(a: Any, b: Any) -> bool | None:
         t = a.union(b)
         value, slope = guard.over(t), guard.over(t, 1)
         if sign(value) or slope < 0:
-            continue
-        if slope > 0 and ((a.is_zero() and guard.order == 1) or sign(guard.at(b)) == -1):
-            continue  # it starts at rest, and rises; or it is still negative in the end
-        if b - a < tiny:
-            return False
-        middle = ((a + b) / 2).mid()
-        parts += [(a, middle), (middle, b)]
-    return False
+            return True
+        # it starts at rest, and rises; or it is still negative in the end
+        rises = slope > 0 and ((a.is_zero() and guard.order == 1) or sign(guard.at(b)) == -1)
+        return True if rises else None
+
+    return everywhere(ZERO, end, told, HALVINGS)
 
 
 def _moved(model: BallToy, motion: BallState, fires: ZeroCrossing) -> BallState:
@@ -300,7 +295,6 @@ def _moved(model: BallToy, motion: BallState, fires: ZeroCrossing) -> BallState:
 
 
 def _arrive(model: BallToy, motion: BallState) -> list[BallState]:
-    """The event that ends a phase, and the start of the next one."""
     fired, states = motion.fired, motion.states
     if fired == SECTION:
         return [motion]
@@ -314,7 +308,6 @@ def _arrive(model: BallToy, motion: BallState) -> list[BallState]:
 
 
 def _strike(model: BallToy, motion: BallState, contacts: list[int]) -> list[BallState]:
-    """An impact, and the start of the next phase."""
     u, striking = motion.u, motion.fired
     free: list[Any] = []
     for i in contacts:

@@ -8,11 +8,8 @@ class NotProved(Exception):  # noqa: N818  (no error: an answer)
     --------
     >>> from pwmap import SpecialPoint
     >>> from woodpecker import prove
-    >>> from woodpecker.proofs import NotProved
-    >>> nowhere = SpecialPoint(id="A", kind="FF", parameter=0.3, x=-0.8)
-    >>> try:
-    ...     prove(nowhere)
-    ... except NotProved as error:
-    ...     print(error)
-    no two gaps close at once here
+    >>> prove(SpecialPoint(id="A", kind="FF", parameter=0.3, x=-0.8))
+    Traceback (most recent call last):
+        ...
+    woodpecker.enclosures.not_proved.NotProved: no two gaps close at once here
     """

@@ -22,7 +22,7 @@ from woodpecker.mechanics.modes import SECTION
 
 Derivatives = Callable[[int], Any]
 KINDS = ("gap", "normal", "cone+", "cone-", "slip", "section")
-MOST_PARTS = 2**16  # of a phase in which a guard is shown positive: an unstable cycle takes 2**13
+MOST_PARTS = 2**16  # of a phase in which something is shown: an unstable cycle takes 2**13
 HALVINGS = 40  # of a phase in which a guard is shown to be positive: a millionth of a millionth
 
 
@@ -79,31 +79,21 @@ class Guard:
     def lasts(self, end: Any) -> bool:
         """Whether it is proved positive on (0, end], for an exact end > 0."""
         low = self._grows(end)
-        if low is None:
-            return False
-        parts = [(low, end, 0)]
-        for _ in range(MOST_PARTS):
-            if not parts:
-                return True
-            a, b, depth = parts.pop()
-            if not b > a or self._positive(a, b):
-                continue
-            middle = ((a + b) / 2).mid()
-            if depth >= HALVINGS or sign(self.at(middle)) == -1:
-                return False
-            parts += [(middle, b, depth + 1), (a, middle, depth + 1)]
-        return False
+        return low is not None and everywhere(low, end, self._positive)
 
-    def _positive(self, a: Any, b: Any) -> bool:
+    def _positive(self, a: Any, b: Any) -> bool | None:
         """Whether it is positive on [a, b]: by its range, or by its end where it is monotone."""
+        if not b > a:
+            return True
         t = a.union(b)
         if self.over(t) > 0:
             return True
         slope = sign(self.over(t, 1))
-        if not slope:
-            return False
-        lower = a if slope == 1 else b
-        return bool(self.over(lower) > 0) or sign(self.at(lower)) == 1
+        if slope:
+            lower = a if slope == 1 else b
+            if self.over(lower) > 0 or sign(self.at(lower)) == 1:
+                return True
+        return False if sign(self.at(t.mid())) == -1 else None
 
     def _grows(self, end: Any) -> Any | None:
         """A time > 0 until which it is positive because it grows from its zero; 0: no zero."""
@@ -121,6 +111,25 @@ class Guard:
                 return low
             low = (low / 2).mid()
         return None
+
+
+def everywhere(
+    low: Any, high: Any, told: Callable[[Any, Any], bool | None], halvings: int = HALVINGS
+) -> bool:
+    """Whether something holds in an interval: that is told of all of it, or of all its parts."""
+    todo = [(low, high, 0)]
+    for _ in range(MOST_PARTS):
+        if not todo:
+            return True
+        a, b, depth = todo.pop()
+        holds = told(a, b)
+        if holds:
+            continue
+        if holds is False or depth == halvings:
+            return False
+        middle = ((a + b) / 2).mid()
+        todo += [(middle, b, depth + 1), (a, middle, depth + 1)]
+    return False
 
 
 def _value(

@@ -181,7 +181,6 @@ def _stopped(pause: _Pause, u: Sequence[Any]) -> list[Any]:
 
 
 def _mark(model: BallToy, pause: _Pause) -> int:
-    """What the impact does, see `impacts.MARKS`."""
     along = [ZERO, arb(pause.direction)]
     case = impulses_of(model, [pause.contact], along, None, True).cases[0]
     return mark(case, UNSOLVED, False, 0.0)

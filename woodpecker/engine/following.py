@@ -204,7 +204,6 @@ def _differs_between(curve: SolutionCurve, a: Sample, b: Sample) -> bool:
 
 
 def _takes(curve: SolutionCurve, x: Floats, p: Floats, piece: Piece) -> bool:
-    """Whether the map takes a piece at a point."""
     if margins_decide(curve.map):
         return curve.takes(x, p, piece.at(x, p))
     return taken(curve.map, x, p)[0] == piece.key

@@ -268,7 +268,6 @@ class _Component:
         return []
 
     def _known(self, cycle: Orbit, kind: PointKind) -> _Vertex | None:
-        """The special point of a kind that lies at a cycle, if there is one."""
         scale = self.problem.scale(cycle)
         for node in self.nodes:
             if node.kind is kind and node.orbit.unknowns.shape == cycle.unknowns.shape:

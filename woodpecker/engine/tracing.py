@@ -128,7 +128,6 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
 
 
 def _length(arc: Arc) -> float:
-    """How far apart its ends are, scaled."""
     one, other = arc.samples[0].orbit, arc.samples[-1].orbit
     return norm(arc.curve.problem.step_between(one, other))
 

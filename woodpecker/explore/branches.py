@@ -86,7 +86,6 @@ def diagram(state: PageState) -> Iterator[DiagramProgress]:
 
 
 def _find(state: PageState, run: Path, stages: list[str], ended: list[Any]) -> None:
-    """What the thread does that finds branches."""
 
     def hear(stage: Stage) -> None:
         slices = f", slice {stage.slices}" if stage.slices else ""

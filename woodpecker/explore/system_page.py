@@ -191,12 +191,10 @@ class SystemTab(Tab[SystemState]):
         self._draw_motion()
 
     def _tap_map(self, event: Any) -> None:
-        """Another start."""
         place = (float(event.x), float(event.y))[: len(self.state.x)]
         self.change(x=(*place, *self.state.x[len(place) :]), periodic=False)
 
     def _tap_beside(self, event: Any) -> None:
-        """The parameter."""
         self.show(self.state.at({self.state.parameter: float(event.x)}))
 
 

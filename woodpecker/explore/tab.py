@@ -181,7 +181,6 @@ class ToyTab(Tab[PageState]):
                 self.diagram.orbits.stream({"x": result[0], "y": result[1]})
 
     def _search(self) -> None:
-        """Look for the diagram of the state, unless it is known."""
         if key_of(self.state) != self._key:
             self.search(known=True)
         elif self.shown is not None and not self.is_running("diagram"):
@@ -313,7 +312,6 @@ class ToyTab(Tab[PageState]):
             self.change(phi_s=float(event.x), periodic=False)
 
     def _tap_beside(self, event: Any) -> None:
-        """The parameter, and a start."""
         low, high = limits(self.state.toy, self.state.parameter)
         state = self.state.with_values({self.state.parameter: min(max(event.x, low), high)})
         if event.y < state.toy.phi_s_max:

@@ -184,7 +184,6 @@ class MotionView:
         self.portrait.xaxis.axis_label, self.portrait.yaxis.axis_label = labels
 
     def _stop(self, toy: Toy) -> None:
-        """Where contacts close."""
         limits = (-toy.phi_m_max, toy.phi_m_max, toy.phi_s_max)
         for stop, limit in zip(self._stops, limits, strict=True):
             stop.location = limit
@@ -208,7 +207,6 @@ def _strokes(motion: DrawnMotion, t: Floats, across: Floats, up: Floats) -> dict
 
 
 def _impacts(motion: DrawnMotion, columns: dict[str, Any]) -> dict[str, Any]:
-    """Where impacts stand on the histories."""
     struck = [mark for mark in motion.marks if mark.symbol.startswith("I")]
     times = [1e3 * mark.time for mark in struck]
     at = np.minimum(np.searchsorted(columns["t"], times), len(columns["t"]) - 1)

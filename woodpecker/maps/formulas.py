@@ -146,8 +146,8 @@ class FormulaPiece:
     --------
     >>> from woodpecker import FormulaPiece, Smooth
     >>> left = FormulaPiece("L", Smooth(lambda x, p: p + x/2), {"x = 0": Smooth(lambda x, p: -x)})
-    >>> left.at(-1.0, 0.25).value, left.holds(-1.0, 0.25), left.holds(1.0, 0.25)
-    (-0.25, True, False)
+    >>> left.at(-1.0, 0.25).value, left.holds(1.0, 0.25)
+    (-0.25, False)
     """
 
     word: str
@@ -273,7 +273,7 @@ class FormulaMap:
     Raises
     ------
     ValueError, TypeError
-        If there is no piece, two have one name, or something is none.
+        If there is no piece, two have one name, or something else is given.
 
     Examples
     --------

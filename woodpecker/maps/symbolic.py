@@ -373,7 +373,6 @@ def pieces_from_pwmap(map_: PiecewiseLinearMap, parameters: tuple[str, ...]) -> 
 
 
 def _ends(piece: LinearPiece) -> tuple[Bound, ...]:
-    """The margins of an affine piece."""
     x, bounds = piece.owner.x, []
     if piece.cylinder.lower is not None:
         bounds.append(Bound(x - piece.lower, piece.lower_closed, f"{x} = {piece.lower}"))

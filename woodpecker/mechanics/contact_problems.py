@@ -134,9 +134,9 @@ def two_contacts(
     ``table`` has their impulses from row ``first`` on (:mod:`woodpecker.mechanics.cases`), made for
     ``coupling``, 0 or 1: what the other contact's normal impulse adds to the bound of friction, in
     units of mu. delassus (4, 4) and free (4,) have (N, T) of each contact in turn; mu, floor and
-    feeds are (2,), feeds nonzero where a normal impulse feeds the expansion. Output: ``cases`` (2,
-    2), the index combination twice, or both ends of a segment; ``impulse`` (4,), or the middle of
-    the segment.
+    feeds are (2,), feeds nonzero where a normal impulse feeds the expansion. Output: ``cases``
+    (2, 2), the index combination twice, or both ends of a segment; ``impulse`` (4,), or the middle
+    of the segment.
 
     SOLVED, NO_SOLUTION, AMBIGUOUS if two combinations give different velocities, INDETERMINATE if
     they give the same velocities but different normal impulses where these matter.

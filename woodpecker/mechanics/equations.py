@@ -2,7 +2,7 @@
 
 Functions use only ``+ - * /`` on the attributes of ``toy`` and return nested tuples: they serve
 floats, numpy, sympy and mpmath alike. Coordinates are q = (y, phi_M, phi_S). Two misprints of the
-paper are corrected: entry (2, 2) of the mass matrix has J_M, and the first row of h carries g.
+paper are corrected: entry (2, 2) of the mass matrix has J_M, not J_S; the first row of h carries g.
 """
 
 from __future__ import annotations

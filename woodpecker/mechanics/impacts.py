@@ -7,8 +7,8 @@ is indeterminate and goes on from the middle of the segment, which prefers no co
 Energy. No impact adds any if the restitutions of its contacts are equal, at one contact always, nor
 without friction; mu and the law of expansion do not matter. With unequal restitutions the sum still
 adds none for the paper's friction (proved for equal mu up to 0.432, not seen up to mu = 8); contact
-by contact does where beak and upper edge strike at once: as searches say, above eps_N1 = 0.99 at mu
-= 0.3, above some 0.92 for mu up to 0.6. A body close to jamming can gain under both laws
+by contact does where beak and upper edge strike at once: as searches say, above eps_N1 = 0.99 at
+mu = 0.3, above some 0.92 for mu up to 0.6. A body close to jamming can gain under both laws
 (``tests/woodpecker/mechanics/test_impact_energy.py`` has the proof and the examples).
 """
 

@@ -1,8 +1,8 @@
 """Linear complementarity problems, and the contact problems of the paper written as one.
 
 Lemke's path solves y = A x + b, x, y >= 0, x.y = 0 [Leine2001, Eqs. 4-5] for any number of
-unknowns. Impact and the choice of accelerations share one form, :func:`contact_lcp` [Pfeiffer1996,
-chs. 6-8].
+unknowns. Impact and the choice of accelerations share one form, :func:`contact_lcp`
+[Pfeiffer1996, chs. 6-8].
 """
 
 from __future__ import annotations
@@ -366,27 +366,21 @@ def contact_lcp(problem: _Contacts) -> tuple[FloatArray, FloatArray]:
 
 
 def _contact_cover(problem: _Contacts) -> FloatArray:
-    """Return a covering vector d for which sticking or sliding onset never ends in a ray.
-
-    Let all s = 0 and d = (1, c, 0) with c > 0 and F^T c < 1: z adds an opening velocity, tilted
-    less than the cones are wide. Let dx, dz >= 0 be the direction of a ray, dLambda its impulses:
-    dLambda_N >= 0 and |dLambda_T| <= F dLambda_N, because z does not enter the reserves, so
-
-        sum(dLambda_N + c dLambda_T) >= (1 - F^T c) . dLambda_N >= 0, = 0 only if dLambda = 0.
-
-    Complementary products vanish along a ray, those of dx with dy and with y. What is left of
-    the friction reserves is dLambda . dgamma = -F dLambda_N . (dgamma_T^+ + dgamma_T^-) <= 0, and
-    dgamma = G dLambda + dz (1, c), so
-
-        dLambda . G dLambda + dz sum(dLambda_N + c dLambda_T) <= 0:
-
-    both terms vanish. If dLambda = 0, gamma_T^+ and gamma_T^- of one contact do not grow together
-    (its reserves sum to a row of 2 F Lambda_N, which the lexicographic order keeps above zero), so
-    z alone grows: the ray on which the path starts. Otherwise dz = 0 and W dLambda = 0; then
-    dLambda . gamma = -F dLambda_N . (gamma_T^+ + gamma_T^-) <= 0 with gamma = G Lambda + W^T u +
-    z (1, c) leaves z sum(dLambda_N + c dLambda_T) <= 0, so z = 0 and the problem is solved. Hence
-    there is a solution for every F >= 0: for Coulomb's law contact by contact and for the sum.
-    """
+    """Return a covering vector d for which sticking or sliding onset never ends in a ray."""
+    # Let all s = 0 and d = (1, c, 0) with c > 0 and F^T c < 1: z adds an opening velocity, tilted
+    # less than the cones are wide. Let dx, dz >= 0 be the direction of a ray, dLambda its impulses:
+    # dLambda_N >= 0 and |dLambda_T| <= F dLambda_N, because z does not enter the reserves, so
+    #     sum(dLambda_N + c dLambda_T) >= (1 - F^T c) . dLambda_N >= 0, = 0 only if dLambda = 0.
+    # Complementary products vanish along a ray, those of dx with dy and with y. What is left of the
+    # friction reserves is dLambda . dgamma = -F dLambda_N . (dgamma_T^+ + dgamma_T^-) <= 0, and
+    # dgamma = G dLambda + dz (1, c), so
+    #     dLambda . G dLambda + dz sum(dLambda_N + c dLambda_T) <= 0:
+    # both terms vanish. If dLambda = 0, gamma_T^+ and gamma_T^- of one contact do not grow together
+    # (its reserves sum to a row of 2 F Lambda_N, which the lexicographic order keeps above zero),
+    # so z alone grows: the ray on which the path starts. Otherwise dz = 0 and W dLambda = 0; then
+    # dLambda . gamma = -F dLambda_N . (gamma_T^+ + gamma_T^-) <= 0 with gamma = G Lambda + W^T u +
+    # z (1, c) leaves z sum(dLambda_N + c dLambda_T) <= 0, so z = 0 and the problem is solved. Hence
+    # there is a solution for every F >= 0: for Coulomb's law contact by contact and for the sum.
     undecided = problem.sliding == 0
     friction = problem.friction[undecided]
     # c_i = 1 / (1 + the largest column sum that row i takes part in): sum_i c_i F_ij < 1

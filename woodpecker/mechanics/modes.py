@@ -6,10 +6,10 @@ M qdd = h_0 + h_1 d + W lambda [Leine2001, Eqs. 1-3, 6-10] gives
 
     qdd = A + B d,    lambda = p + r d,    ddd = alpha + kappa d,    d = phi_S - phi_M,
 
-one scalar oscillator: trigonometric for kappa < 0, hyperbolic for kappa > 0, polynomial for kappa =
-0. Restitution does not enter; one table serves a whole continuation run in eps_N. Along any other
-parameter p the table is computed for p + i h with h = 1e-150: the imaginary part over h is the
-derivative, as exact as the real part (complex step [Squire1998]; h^2 underflows).
+one scalar oscillator: trigonometric for kappa < 0, hyperbolic for kappa > 0, polynomial for
+kappa = 0. Restitution does not enter; one table serves a whole continuation run in eps_N. Along any
+other parameter p the table is computed for p + i h with h = 1e-150: the imaginary part over h is
+the derivative, as exact as the real part (complex step [Squire1998]; h^2 underflows).
 """
 
 from __future__ import annotations

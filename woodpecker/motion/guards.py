@@ -86,7 +86,7 @@ def value(
 def bracketed(
     f0: float, f1: float, f2: float, f3: float, kappa: float, omega: float, low: float, high: float
 ) -> float:
-    """Root of f in (low, high], f > 0 right of low, f <= 0 at high: Newton, kept by halving."""
+    """Root of f in (low, high], f > 0 right of low, f <= 0 at high: Newton with bisection."""
     # A zero of f at low itself is not the root: it is where the guard has just fired.
     t, previous = 0.5 * (low + high), 0.0
     for _ in range(200):

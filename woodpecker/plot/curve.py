@@ -165,7 +165,6 @@ class _Refinement:
         return self.image(x)
 
     def _keep(self, x: Floats, y: Floats, told: Link) -> None:
-        """More samples, sorted in."""
         order = np.argsort(np.concatenate([self.x, x]), kind="stable")
         self.x = np.concatenate([self.x, x])[order]
         self.y = np.concatenate([self.y, y])[order]

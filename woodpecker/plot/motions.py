@@ -21,6 +21,8 @@ from woodpecker.simulation.words import IMPACTS
 LINE: dict[str, Any] = {"color": STABLE, "linewidth": 1.1}
 BOUND: dict[str, Any] = {"color": "#969696", "linewidth": 0.8, "linestyle": (0, (5, 3))}
 _Axes = Sequence[Axes]
+Style = dict[str, Any]
+Marks = dict[str, tuple[Sequence[float], Style]]  # times and style of events, by their name
 
 
 class Quantity(NamedTuple):
@@ -104,20 +106,15 @@ def plot_time_history(
         figure = plt.figure(figsize=(7.0, 5.6), layout="constrained")
         axes = list(figure.subplots(3, 1, sharex=True))
     axes = given_axes(axes, 3)
-    toy, shown = trajectory.toy, Artists()
+    toy = trajectory.toy
     stops: tuple[tuple[float, ...], ...] = (
         (), (-toy.phi_m_max, toy.phi_m_max), (toy.phi_s_max,),
     )  # fmt: skip
-    for ax, name, limits in zip(axes, ("y", "phi_m", "phi_s"), stops, strict=True):
-        drawn = QUANTITIES[name]
-        add(shown, {MOTION: ax.plot(trajectory.t, drawn.of(trajectory.q, trajectory.u), **LINE)})
+    drawn = [QUANTITIES[name] for name in ("y", "phi_m", "phi_s")]
+    rows = [(each.label, each.of(trajectory.q, trajectory.u)) for each in drawn]
+    shown = draw_histories(axes, trajectory.t, rows, _strikes(trajectory))
+    for ax, limits in zip(axes, stops, strict=True):
         add(shown, {STOPS: [ax.axhline(limit, **BOUND) for limit in limits]})
-        for row, (contacts, times) in enumerate(_strikes(trajectory).items()):
-            label, style = STRUCK[contacts]
-            add(shown, {label: mark_times(ax, row, times, style)})
-        ax.margins(y=0.2)
-        ax.set_ylabel(drawn.label)
-        ax.grid(alpha=0.25, linewidth=0.5)
     axes[-1].set_xlabel("$t$ [s]")
     axes[-1].set_xlim(0.0, trajectory.t_end)
     styled(shown, styles, KNOWN)
@@ -126,13 +123,23 @@ def plot_time_history(
     return Drawn(tuple(axes), shown)
 
 
-def mark_times(ax: Axes, row: int, times: Sequence[float], style: dict[str, Any]) -> list[Artist]:
-    """Marks of events above the lower end of axes, each kind in a row of its own."""
-    low = np.full(len(times), LOWEST + ROW * row)
-    return [*ax.plot(
-        times, low, style["marker"], color=style["color"], markersize=3.8, mec="white", mew=0.4,
-        transform=ax.get_xaxis_transform(), zorder=5,
-    )]  # fmt: skip
+def draw_histories(
+    axes: _Axes, t: Floats, rows: Iterable[tuple[str, Floats]], marks: Marks
+) -> Artists:
+    """Labelled values over time, with marks of each kind of event in a row of their own below."""
+    shown: Artists = {}
+    for ax, (label, values) in zip(axes, rows, strict=True):
+        add(shown, {MOTION: ax.plot(t, values, **LINE)})
+        for row, (name, (times, style)) in enumerate(marks.items()):
+            low = np.full(len(times), LOWEST + ROW * row)
+            add(shown, {name: ax.plot(
+                times, low, style["marker"], color=style["color"], markersize=3.8, mec="white",
+                mew=0.4, transform=ax.get_xaxis_transform(), zorder=5,
+            )})  # fmt: skip
+        ax.margins(y=0.2)
+        ax.set_ylabel(label)
+        ax.grid(alpha=0.25, linewidth=0.5)
+    return shown
 
 
 def legend_above(ax: Axes, shown: Artists, names: Iterable[str]) -> None:
@@ -145,13 +152,13 @@ def legend_above(ax: Axes, shown: Artists, names: Iterable[str]) -> None:
         )  # fmt: skip
 
 
-def _strikes(trajectory: Trajectory) -> dict[tuple[int, ...], list[float]]:
-    """Times of impacts by the contacts that take part."""
+def _strikes(trajectory: Trajectory) -> Marks:
+    """Impacts by the contacts that take part."""
     found: dict[tuple[int, ...], list[float]] = {}
     for event in trajectory.events:
         if event.kind in IMPACTS:
             found.setdefault(tuple(sorted(event.contacts)), []).append(event.time)
-    return {contacts: found[contacts] for contacts in STRUCK if contacts in found}
+    return {STRUCK[each][0]: (found[each], STRUCK[each][1]) for each in STRUCK if each in found}
 
 
 def plot_phase_portrait(
@@ -196,7 +203,8 @@ def plot_phase_portrait(
     across, up = (QUANTITIES[name].of(trajectory.q, trajectory.u) for name in (x, y))
     shown: Artists = {MOTION: [*ax.plot(*way_of(trajectory.t, across, up), **LINE)]}
     shown[START] = [*ax.plot(across[0], up[0], ".", color="black", markersize=5, zorder=4)]
-    add(shown, _impact_strokes(ax, trajectory, across, up))
+    for name, (times, style) in _strikes(trajectory).items():
+        shown[name] = draw_jumps(ax, trajectory.t, across, up, times, style)
     shown[DIRECTION] = _arrows(ax, trajectory.t, across, up)
     ax.set_xlabel(QUANTITIES[x].label)
     ax.set_ylabel(QUANTITIES[y].label)
@@ -215,17 +223,14 @@ def _entries(shown: Artists) -> dict[str, Any]:
     return {START: shown[START][0], DIRECTION: arrow, **{name: shown[name][0] for name in names}}
 
 
-def _impact_strokes(ax: Axes, trajectory: Trajectory, across: Floats, up: Floats) -> Artists:
-    """Lines from before to after impacts; times of events come twice among the samples."""
-    shown: Artists = {}
-    for contacts, times in _strikes(trajectory).items():
-        name, style = STRUCK[contacts]
-        after = np.searchsorted(trajectory.t, np.unique(times), side="right") - 1
-        pairs = np.column_stack([after - 1, after])
-        line = ax.plot(*strokes(across[pairs], up[pairs]), linewidth=1.1, markersize=3.4,
-                       markevery=slice(1, None, 3), zorder=3, **style)  # fmt: skip
-        shown[name] = [*line]
-    return shown
+def draw_jumps(
+    ax: Axes, t: Floats, across: Floats, up: Floats, times: Sequence[float], style: Style
+) -> list[Artist]:
+    """Lines from before to after some events, whose times come twice among the samples."""
+    after = np.searchsorted(t, np.unique(times), side="right") - 1
+    pairs = np.column_stack([np.maximum(after - 1, 0), after])
+    return [*ax.plot(*strokes(across[pairs], up[pairs]), linewidth=1.1, markersize=3.4,
+                     markevery=slice(1, None, 3), zorder=3, **style)]  # fmt: skip
 
 
 def _arrows(ax: Axes, t: Floats, across: Floats, up: Floats) -> list[Artist]:

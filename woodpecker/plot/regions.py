@@ -118,7 +118,6 @@ def handles(planes: Iterable[Regions]) -> list[Artist]:
 
 
 def _path(region: Region) -> Path:
-    """The outline with its holes."""
     rings = (region.outline, *region.holes)
     codes = [Path.MOVETO, Path.LINETO, Path.CLOSEPOLY]
     every = [np.repeat(np.array(codes, dtype=np.uint8), [1, len(ring) - 2, 1]) for ring in rings]

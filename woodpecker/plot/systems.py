@@ -13,19 +13,30 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 
 from pwmap.plot import JUMP, STABLE, UNSTABLE, place_legend
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, given_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, given_axes, styled
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, whole
 from woodpecker.plot.curve import Detail, refined
 from woodpecker.plot.figures import plot_curve
-from woodpecker.plot.motions import LINE, legend_above, mark_times, strokes, way_of
+from woodpecker.plot.motions import (
+    LINE,
+    MOTION,
+    START,
+    Marks,
+    Style,
+    draw_histories,
+    draw_jumps,
+    legend_above,
+    way_of,
+)
 from woodpecker.simulation.words import EventKind
 from woodpecker.systems.diagrams import basins
 from woodpecker.systems.model import ContactSystem
 from woodpecker.systems.returns import SystemMap
 from woodpecker.systems.verbs import Motion, SystemCycle, return_map
 
-MOTION, START, NO_CYCLE = "motion", "start", "none of them"
+NO_CYCLE = "none of them"
+DOTTED: Style = {"linestyle": (0, (1, 1.2))}
 EVENTS: dict[str, tuple[tuple[EventKind, ...], dict[str, Any]]] = {
     "impact": (
         (EventKind.IMPACT, EventKind.CHATTER, EventKind.INDETERMINATE_IMPACT),
@@ -80,14 +91,10 @@ def plot_system_motion(
         figure = plt.figure(figsize=(7.0, height), layout="constrained")
         axes = np.ravel(figure.subplots(len(values), 1, sharex=True, squeeze=False)).tolist()
     axes = given_axes(axes, len(values))
-    shown: Artists = {}
-    for ax, name, each in zip(axes, wanted, values, strict=True):
-        add(shown, {MOTION: ax.plot(motion.t, each, **LINE)})
-        for row, (kind, times) in enumerate(_times(motion).items()):
-            add(shown, {kind: mark_times(ax, row, times, EVENTS[kind][1])})
-        ax.margins(x=0.0, y=0.2)
-        ax.set_ylabel(_label(name))
-        ax.grid(alpha=0.25, linewidth=0.5)
+    rows = [(_label(name), each) for name, each in zip(wanted, values, strict=True)]
+    shown = draw_histories(axes, motion.t, rows, _marks(motion))
+    for ax in axes:
+        ax.margins(x=0.0)
     axes[-1].set_xlabel("$t$")
     styled(shown, styles, (MOTION, *EVENTS))
     if legend:
@@ -129,21 +136,15 @@ def plot_system_portrait(
     ax = axes_for(ax, 5.4, 4.4)
     shown: Artists = {MOTION: [*ax.plot(*way_of(motion.t, across, up), **LINE)]}
     shown[START] = [*ax.plot(across[0], up[0], ".", color="black", markersize=6, zorder=4)]
-    for kind, times in _times(motion).items():
-        after = np.searchsorted(motion.t, times, side="right") - 1
-        style = EVENTS[kind][1]
+    for kind, (times, style) in _marks(motion).items():
         if kind == "impact":
-            pairs = np.column_stack([np.maximum(after - 1, 0), after])
-            drawn = ax.plot(
-                *strokes(across[pairs], up[pairs]), linestyle=(0, (1, 1.2)), linewidth=1.1,
-                markersize=3.4, markevery=slice(1, None, 3), zorder=3, **style,
-            )  # fmt: skip
-        else:
-            drawn = ax.plot(
-                across[after], up[after], linestyle="none", markersize=4.4, mec="white", mew=0.4,
-                zorder=5, **style,
-            )  # fmt: skip
-        shown[kind] = [*drawn]
+            shown[kind] = draw_jumps(ax, motion.t, across, up, times, DOTTED | style)
+            continue
+        after = np.searchsorted(motion.t, times, side="right") - 1
+        shown[kind] = [*ax.plot(
+            across[after], up[after], linestyle="none", markersize=4.4, mec="white", mew=0.4,
+            zorder=5, **style,
+        )]  # fmt: skip
     ax.set(xlabel=_label(x), ylabel=_label(y))
     ax.grid(alpha=0.25, linewidth=0.5)
     styled(shown, styles, (MOTION, START, *EVENTS))
@@ -294,14 +295,12 @@ def _values(system: ContactSystem, motion: Motion, name: Any) -> Floats:
     return found
 
 
-def _times(motion: Motion) -> dict[str, list[float]]:
-    """Times of events by what they are."""
-    found: dict[str, list[float]] = {}
-    for name, (kinds, _) in EVENTS.items():
-        times = [e.time for e in motion.events if EventKind(e.symbol[0]) in kinds]
-        if times:
-            found[name] = times
-    return found
+def _marks(motion: Motion) -> Marks:
+    times = {
+        name: [event.time for event in motion.events if EventKind(event.symbol[0]) in kinds]
+        for name, (kinds, _) in EVENTS.items()
+    }
+    return {name: (times[name], EVENTS[name][1]) for name in EVENTS if times[name]}
 
 
 def _label(name: Any) -> str:

@@ -239,7 +239,6 @@ class _Pieces:
         return polys, durations
 
     def _near(self, line: Route, terms: int, plateaus: bool = False) -> list[tuple[Fraction, ...]]:
-        """Curves about the middle of a line."""
         away = arb_poly([number(c) for c in (line.poly[0] - self._base, *line.poly[1:])])
         guesses = [[point] for point in self._points]
         if self._curves and abs(away[0]) < 2 * self._reach:

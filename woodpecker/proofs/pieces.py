@@ -1,7 +1,7 @@
 """Boxes in which there is exactly one cycle for every value of the parameter.
 
-A cycle x_0 .. x_(n-1) of returns is looked for in tubes |x_i - curve_i(p)| <= radius_i. With s_i =
-x_i - curve_i(p) the equations are s_(i+1) = e_i(p) + slope_i s_i, where e_i(p) is how far the
+A cycle x_0 .. x_(n-1) of returns is looked for in tubes |x_i - curve_i(p)| <= radius_i. With
+s_i = x_i - curve_i(p) the equations are s_(i+1) = e_i(p) + slope_i s_i, where e_i(p) is how far the
 return from the curve misses the next one and slope_i holds all derivatives in the tube. If what
 follows for s lies inside the tubes, there is exactly one cycle in them: the interval Newton
 operator of multiple shooting [Neumaier1990; Tucker2011]. It holds for Lipschitz maps as well, with

@@ -1,8 +1,8 @@
 """Border collisions at jumps, proved: the point, both one-sided words and limits, and the code.
 
 At a point like A two gaps close at once. Both ways exist beyond their own sides as smooth maps, and
-a comparator c(x, p) says which one the toy takes: the point is a zero of P_w(x, p) = x and c(x, p)
-= 0, enclosed by Krawczyk's operator.
+a comparator c(x, p) says which one the toy takes: the point solves P_w(x, p) = x, c(x, p) = 0, and
+is enclosed by Krawczyk's operator.
 
 Let sigma say on which side of the border the way w of the fixed point is taken, s be its slope
 there, h how far the other limit is from the point, and mu(p) how far the limit of w is from the

@@ -49,9 +49,10 @@ def prove(
         The toy whose branch or point it is; an orbit knows its own.
     parameter
         Along a branch or to a point: ``"eps_n1"``, ``"eps_n2"`` or ``"eps_n3"``.
-    progress, workers
-        Called with the part of a branch that is done; or processes, each for a part of the span,
-        without progress.
+    progress
+        Called with the part of a branch that is done.
+    workers
+        Processes for a branch, each for a part of the span; no progress is shown then.
 
     Returns
     -------

@@ -125,7 +125,6 @@ class BranchPart(NamedTuple):
 
 
 def _march(task: Task, progress: Progress = nothing) -> BranchPart:
-    """Prove one part of a branch."""
     toy, parameter, span, points = task
     with precision(BITS["branch"]):
         found = marched(toy, parameter, span, points, progress)

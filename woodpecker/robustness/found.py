@@ -98,9 +98,8 @@ class Limit:
     --------
     >>> from woodpecker import Toy, shoot
     >>> from woodpecker.robustness import smallest_changes
-    >>> toy = Toy()
-    >>> down, up = smallest_changes(toy, shoot(toy, -0.53), ["mu_2"]).limits
-    >>> [(limit.direction, round(limit.value, 9), str(limit.kind)) for limit in (down, up)]
+    >>> limits = smallest_changes(Toy(), shoot(Toy(), -0.53), ["mu_2"]).limits
+    >>> [(limit.direction, round(limit.value, 9), str(limit.kind)) for limit in limits]
     [(-1, 0.289509232, 'PD'), (1, 0.315812983, 'PD')]
     """
 
@@ -121,9 +120,11 @@ class Robustness:
     ----------
     orbit
         The motion.
-    critical, harmless
-        What destroys or destabilises it, what is confirmed first, and of that the nearest; borders
-        at which it only gets another word or multiplier, or is unstable in a spike, likewise.
+    critical
+        What destroys or destabilises it: confirmed places first, each group by distance.
+    harmless
+        Borders at which it only gets another word or multiplier, or is unstable in a spike, in the
+        same order.
     limits
         Each parameter alone, down and up.
 

@@ -31,7 +31,6 @@ class ToyLine(ToyMap):
                 raise ValueError("a line must leave the pole as it is, got a rate of its length")
 
     def _values(self, p: float) -> Values:
-        """The parameters that change, at a distance p."""
         return tuple((name, getattr(self.toy, name) + p * by) for name, by in self.rates.items())
 
     def carried(self, piece: Piece) -> ToyPiece:

@@ -98,7 +98,6 @@ def smallest_changes(
 
 
 def _checked(toy: Toy, orbit: PeriodicOrbit, names: Sequence[str] | None) -> tuple[str, ...]:
-    """The parameters that change."""
     instance("orbit", orbit, PeriodicOrbit)
     if not orbit.success:
         raise ValueError(f"robustness needs a periodic motion, got one with: {orbit.message}")

@@ -41,18 +41,11 @@ class Record:
 
     Examples
     --------
-    >>> from woodpecker import Search, Settings
-    >>> from woodpecker.examples import two_lines
     >>> from woodpecker.search import Record
-    >>> from woodpecker.search.diagrams import whole_diagram
-    >>> settings, few = Settings(span=(-1, 2), window=(-3, 3)), Search(slices=4)
-    >>> record = Record("lines.jsonl", {"map": "lines"})
-    >>> found = whole_diagram(two_lines(), settings, search=few, record=record)
-    >>> record.close()
-    >>> again = Record("lines.jsonl", {"map": "lines"}, resume=True)  # goes on, or has all
-    >>> len(again.entries) > 0
-    True
-    >>> again.close()
+    >>> Record("lines.jsonl", {"map": "lines"}).close()
+    >>> again = Record("lines.jsonl", {"map": "lines"}, resume=True)  # goes on with the run
+    >>> again.entries, again.close()
+    ([], None)
     """
 
     def __init__(self, path: str | os.PathLike[str], run: Entry, *, resume: bool = False) -> None:

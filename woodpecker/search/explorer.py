@@ -37,7 +37,7 @@ class Stage(NamedTuple):
     parameter, order
         Where a branch of P_order was followed to.
     slices, branches
-        How many slices were taken, and branches are known, so far.
+        How many slices were taken, and how many branches are known.
 
     Examples
     --------
@@ -165,7 +165,6 @@ def _of_start(start: BranchStart) -> _Place:
 
 
 def _shown(by: Slice) -> Iterator[_Place]:
-    """What a slice shows."""
     yield from map(_of_cycle, by.cycles)
     yield from map(_of_jump, by.jumps)
 
@@ -395,7 +394,6 @@ class Explorer:
         )
 
     def _is_new(self, candidate: _Candidate) -> bool:
-        """Whether no branch explains a place."""
         curves = len(self.network.curves)
         if candidate.unexplained_by < curves and not self._is_explained(candidate.place):
             candidate.unexplained_by = curves

@@ -373,5 +373,4 @@ def _low_end(curve: BranchCurve) -> float:
 
 
 def _place(curve: BranchCurve, k: int) -> Floats:
-    """Parameter and first point of a sample."""
     return np.array([curve.parameter[k], curve.points[k][0]])

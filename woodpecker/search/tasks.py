@@ -141,7 +141,6 @@ class Tasks:
         return trace(begin, orders, Halt(lambda: allowed.spent, self._asked(begin)))
 
     def _asked(self, begin: Beginning) -> Callable[[Sample], bool] | None:
-        """Whether a branch is to end at a sample."""
         rule = self.stop
         if rule is None:
             return None

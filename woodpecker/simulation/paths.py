@@ -184,7 +184,7 @@ class Follower:
 
 
 def _shortened(path: Path) -> Path:
-    """A path with only the first of equal bounces that accumulate, of any number."""
+    """A path with only the first of equal bounces that accumulate, however many."""
     steps = path.steps
     kept = np.ones(len(steps), dtype=bool)
     same = (steps[1:] == steps[:-1]).all(axis=1)

@@ -116,19 +116,11 @@ class ReturnMap:
         return table(repr(self), header, rows)
 
     def to_dataframe(self) -> DataFrame:
-        """The returns, one in each row.
+        """The returns, one in each row, as a pandas.DataFrame; ImportError without pandas.
 
-        Returns
-        -------
-        pandas.DataFrame
-            With the columns ``phi_s_start`` and ``phi_s`` [rad], ``period`` [s], ``drop`` [m],
-            ``slope`` [-], ``d_eps_n1`` [rad], ``status`` (a name of :class:`Status` in small
-            letters) and ``word``.
-
-        Raises
-        ------
-        ImportError
-            If pandas is not installed.
+        Columns are ``phi_s_start`` and ``phi_s`` [rad], ``period`` [s], ``drop`` [m], ``slope``
+        [-], ``d_eps_n1`` [rad], ``status`` (a name of :class:`Status` in small letters) and
+        ``word``.
         """
         return dataframe(
             {

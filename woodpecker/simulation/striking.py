@@ -47,16 +47,14 @@ from woodpecker.simulation.margins import (
 
 @part
 def strike(model: Floats, change: Floats, n: int, k: int, notes: Floats, route: Route) -> None:
-    """Change the velocities of a route and their derivatives by an impact at n contacts.
-
-    Where g = G Lambda + free, and Lambda_T = -+F Lambda_N at contacts that slide, the derivative of
-    Lambda solves the same equations as Lambda, with d(free) + dG Lambda + G_T tau for free and tau
-    = -+dF Lambda_N added to its tangential part: no other table is needed.
-
-    Margins are the slack of all inequalities of the index combinations. Impulses, and the speeds at
-    which contacts separate, are taken over the speed at which the gap closes, to which they are in
-    proportion where all contacts slide: so they do not vanish where the gap closes at rest.
-    """
+    """Change the velocities of a route and their derivatives by an impact at n contacts."""
+    # Where g = G Lambda + free, and Lambda_T = -+F Lambda_N at contacts that slide, the derivative
+    # of Lambda solves the same equations as Lambda, with d(free) + dG Lambda + G_T tau for free and
+    # tau = -+dF Lambda_N added to its tangential part: no other table is needed.
+    # Margins are the slack of all inequalities of the index combinations. Impulses, and the speeds
+    # at which contacts separate, are taken over the speed at which the gap closes, to which they
+    # are in proportion where all contacts slide: so they do not vanish where the gap closes at
+    # rest.
     choice, expands = route.choice, route.choice[2] != UNSOLVED
     contacts = route.touching[:n]
     if n == 2:
@@ -244,7 +242,6 @@ def _single_phase(
 
 @part
 def _slacks(n: int, combination: int, code: int, notes: Floats, route: Route) -> None:
-    """Slack at each contact in one phase of an impact."""
     # Two gap rates and a slip that are zero bring the whole toy to rest: then the other slip is
     # zero too, whatever its friction.
     if notes.shape[1] == 0:

@@ -213,36 +213,19 @@ class Trajectory:
         return table(repr(self), ("t [s]", "event", "what"), rows)
 
     def to_dataframe(self) -> DataFrame:
-        """The samples, one in each row; times of events come twice, before and after them.
+        """The samples, one in each row, as a pandas.DataFrame; ImportError without pandas.
 
-        Returns
-        -------
-        pandas.DataFrame
-            With the columns ``t`` [s], ``y`` [m], ``phi_m``, ``phi_s`` [rad], ``dy`` [m/s],
-            ``dphi_m`` and ``dphi_s`` [rad/s].
-
-        Raises
-        ------
-        ImportError
-            If pandas is not installed.
+        Columns are ``t`` [s], ``y`` [m], ``phi_m``, ``phi_s`` [rad], ``dy`` [m/s], ``dphi_m`` and
+        ``dphi_s`` [rad/s]. Times of events come twice, before and after them.
         """
         columns = zip((*COORDINATES, *VELOCITIES), (*self.q.T, *self.u.T), strict=True)
         return dataframe({"t": self.t, **dict(columns)})
 
     def events_to_dataframe(self) -> DataFrame:
-        """The events, one in each row.
+        """The events, one in each row, as a pandas.DataFrame; ImportError without pandas.
 
-        Returns
-        -------
-        pandas.DataFrame
-            With the columns ``t`` [s], ``event`` (its symbol), ``what`` (what kind it is),
-            ``contacts`` (such as ``"1+3"``), and the velocities ``dy_before`` [m/s] to
-            ``dphi_s_after`` [rad/s].
-
-        Raises
-        ------
-        ImportError
-            If pandas is not installed.
+        Columns are ``t`` [s], ``event`` (its symbol), ``what`` (what kind it is), ``contacts``
+        (such as ``"1+3"``), and the velocities ``dy_before`` [m/s] to ``dphi_s_after`` [rad/s].
         """
         events = self.events
         speeds = np.array([(*e.u_before, *e.u_after) for e in events]).reshape(-1, 6)
