@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, cast, overload
 
 import numpy as np
 
+from pwmap.algebra.arguments import explained
 from pwmap.diagrams.diagram import Diagram, PointKind, SpecialPoint
 from pwmap.diagrams.diagram import load_diagram as load_diagram  # for the users of woodpecker, too
-from woodpecker.base.arguments import explained
 from woodpecker.base.checkpoint import START
 from woodpecker.base.checks import function, instance, iterates
 from woodpecker.base.executors import Serial, worker_count

@@ -14,9 +14,10 @@ from typing import NamedTuple
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
+from pwmap.algebra.arguments import shown
 from pwmap.algebra.exact import Fraction_, Number, Ring, cancelled, constant, is_constant
 from pwmap.algebra.exact import bits as bits_of
-from pwmap.algebra.parsing import shown, term_of
+from pwmap.algebra.parsing import term_of
 from pwmap.algebra.terms import CONDITIONS, MAX_BITS, Operation, Term, plain_name
 
 MAX_DEGREE = 64  # of a polynomial in the parameters, and in the variable

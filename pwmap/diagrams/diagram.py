@@ -8,6 +8,7 @@ from pathlib import Path
 
 import networkx as nx
 
+from pwmap.algebra.arguments import check_text, checked_count, checked_pair, checked_path, shown
 from pwmap.diagrams import presentation, queries
 from pwmap.diagrams.data import Branch as Branch
 from pwmap.diagrams.data import BranchKind as BranchKind
@@ -138,13 +139,18 @@ class Diagram:
             If there is no point of an id.
         """
         given: dict[str, str] = {}
+        if not isinstance(places, Mapping):
+            raise TypeError(f"places must be a mapping such as {{'A': 'BC1'}}, got {shown(places)}")
         for name, place in places.items():
+            check_text("a name", name)
             if name in self._point:
                 raise ValueError(f"a name must differ from all ids of points, got {name!r}")
             point = (
                 self.point(place)
                 if isinstance(place, str)
-                else queries.collision_near(place, within, self.branches, self.points)
+                else queries.collision_near(
+                    checked_pair("a place", place), within, self.branches, self.points
+                )
             )
             if point is None:
                 continue
@@ -198,7 +204,8 @@ class Diagram:
 
     def of_order(self, order: int) -> Diagram:
         """The branches of one iterate, and the points they end in."""
-        return self._part([branch for branch in self.branches if branch.order == order])
+        wanted = checked_count(order, "order")
+        return self._part([branch for branch in self.branches if branch.order == wanted])
 
     def within(self, low: float, high: float) -> Diagram:
         """The branches that exist somewhere in a closed interval of the parameter, and their ends.
@@ -213,6 +220,9 @@ class Diagram:
         Diagram
             With whole branches, also where they reach beyond.
         """
+        low, high = checked_pair("an interval", (low, high))
+        if not low <= high:
+            raise ValueError(f"expected an interval from low to high, got {shown((low, high))}")
         ranges = ((each, each.parameter.min(), each.parameter.max()) for each in self.branches)
         return self._part([each for each, least, most in ranges if least <= high and low <= most])
 
@@ -260,11 +270,13 @@ class Diagram:
 
     def with_word(self, word: str) -> tuple[Branch, ...]:
         """Branches that have a word along at least one of their stretches."""
+        check_text("a word", word)
         return tuple(b for b in self.branches if any(s.word == word for s in b.words))
 
     def stable_intervals(self, order: int | None = None) -> tuple[StableInterval, ...]:
         """Intervals of the parameter in which fixed points, by default of all orders, attract."""
-        return tuple(queries.stable_intervals(self.branches, order))
+        wanted = None if order is None else checked_count(order, "order")
+        return tuple(queries.stable_intervals(self.branches, wanted))
 
     def save(self, path: str | Path) -> Path:
         """Write the diagram as JSON that :func:`pwmap.load_diagram` reads; returns the path.
@@ -274,7 +286,7 @@ class Diagram:
         FileNotFoundError if its folder does not exist; TypeError if an exact value is no algebraic
         formula.
         """
-        path = Path(path)
+        path = checked_path(path)
         write_record(path, self, NAME, VERSION)
         return path
 
@@ -339,5 +351,5 @@ def load_diagram(path: str | Path) -> Diagram:
     >>> [(branch.id, str(branch.exact["x"])) for branch in load_diagram(path).branches]
     [('F1', '2*p'), ('J1', '0'), ('F2', '3*p/2 - 3/2')]
     """
-    diagram: Diagram = read_record(Path(path), Diagram, NAME, VERSION)
+    diagram: Diagram = read_record(checked_path(path), Diagram, NAME, VERSION)
     return diagram

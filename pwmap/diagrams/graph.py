@@ -34,7 +34,7 @@ from typing import Any
 import networkx as nx
 import numpy as np
 
-from pwmap.algebra.terms import shortened
+from pwmap.algebra.arguments import checked_path, shortened
 from pwmap.diagrams.files import write_whole
 
 Attributes = dict[str, Any]
@@ -109,7 +109,7 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
     >>> write_graph(diagram.graph(), "lines.graphml").name
     'lines.graphml'
     """
-    path = Path(path)
+    path = checked_path(path)
     write_whole(path, graph_as_bytes(graph, path))
     return path
 
@@ -148,7 +148,7 @@ def read_graph(path: str | Path) -> nx.MultiGraph:
     >>> read_graph(write_graph(graph, "lines.json")).nodes["BC2"]["parameter"]
     1.0
     """
-    path = Path(path)
+    path = checked_path(path)
     decode = _format(path).decode
     content = path.read_bytes()
     try:

@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import sympy
 from sympy import QQ
 
+from pwmap.algebra.arguments import check_functions, explained
 from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, sign
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.fates import abs_
@@ -118,6 +119,7 @@ class _StartSet(NamedTuple):
     high: Exact
 
 
+@explained()
 def cycles(
     map_: PiecewiseLinearMap,
     values: Mapping[Any, object] | None = None,
@@ -166,6 +168,7 @@ def cycles(
     [('LLR', (-5/2, -1/4, 7/8), -1), ('LRR', (-13/7, 1/14, 5/7), 8)]
     """
     order, meter = checked_order(order), metered(budget, on_interrupt)
+    check_functions(progress=progress)
     line = line_of(map_, values)
     levels, found = list[list[FoundCycle]](), list[FoundCycle]()
     searched, left_out = 0, ""

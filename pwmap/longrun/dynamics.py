@@ -11,9 +11,9 @@ from typing import Any
 import sympy
 from sympy import QQ
 
+from pwmap.algebra.arguments import checked_ends, explained, shortened, shown
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import sign
-from pwmap.algebra.terms import shortened
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.attractors import (
     Attractors,
@@ -32,7 +32,7 @@ from pwmap.longrun.line import Germ, Interval, MapLine, line_of
 from pwmap.longrun.neutral import NeutralIntervals
 from pwmap.longrun.numbers import exact_to_sympy
 from pwmap.longrun.pointsets import PointSet, open_intervals, part_to_sympy
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.budget import BUDGET, Budget, Meter, check_budget, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 
 
@@ -241,7 +241,7 @@ class Attractor:
 
         ValueError if the window is no interval, TypeError if an end is a float.
         """
-        low, high = (rational(end) for end in window)
+        low, high = (rational(end) for end in checked_ends("a window", window))
         if not low < high:
             raise ValueError(f"a window must be an interval (low, high), got {window!r}")
         return exact_to_sympy(share(self._basin, (low, high)))
@@ -385,6 +385,7 @@ class Dynamics:
         return lap_numbers(self.line, checked_order(order), metered(self.budget))
 
 
+@explained()
 def dynamics(
     map_: PiecewiseLinearMap,
     values: Mapping[Any, object] | None = None,
@@ -430,8 +431,11 @@ def dynamics(
     >>> found.absorbing, found.laps(4)
     (Interval(21/50, 7/10), [2, 4, 8, 14])
     """
+    if not isinstance(orders, Iterable):
+        raise TypeError(f"orders must be several iterates such as (12, 24), got {shown(orders)}")
     for order in orders:
         checked_order(order)
+    check_budget(budget)
     return Dynamics(line_of(map_, values), tuple(orders), budget)
 
 

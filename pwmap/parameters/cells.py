@@ -19,6 +19,7 @@ from typing import Any, TypeVar
 
 import sympy
 
+from pwmap.algebra.arguments import explained
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, Number
 from pwmap.algebra.terms import checked_parameter, own_name
@@ -261,6 +262,7 @@ def merged(cells: Sequence[Cell]) -> list[Cell]:
 # --- What a user sees -----------------------------------------------------------------------------
 
 
+@explained()
 def parameter_cells(
     map_: PiecewiseLinearMap,
     parameter: object,

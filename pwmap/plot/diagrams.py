@@ -17,6 +17,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from sympy import QQ
 
+from pwmap.algebra.arguments import check_kind, checked_count, checked_pair, explained
+from pwmap.algebra.arguments import shown as shown_
 from pwmap.algebra.arithmetic import rational
 from pwmap.diagrams.data import (
     Branch,
@@ -27,7 +29,7 @@ from pwmap.diagrams.data import (
     stable_inside,
 )
 from pwmap.diagrams.diagram import Diagram
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_kind, check_map
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_values
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, styled
 from pwmap.plot.labels import LabelledCurve, Labels, Name
 from pwmap.plot.palette import named as period_named
@@ -57,6 +59,7 @@ MARKERS = {
 }
 
 
+@explained()
 def plot_diagram(
     diagram: Diagram,
     ax: Axes | None = None,
@@ -199,6 +202,8 @@ def draw_branches(
     shown |= {label: lines[label] for label in _STYLES if label in lines}
     near = _ends_of(curves) if stable_only else {point.id for point in diagram.points}
     marked: list[SpecialPoint] = []
+    if isinstance(kinds, str) or not isinstance(kinds, Iterable):
+        raise TypeError(f"kinds must be several kinds such as (PointKind.BC,), got {shown_(kinds)}")
     asked = tuple(map(PointKind, kinds))
     for kind in (*asked, *(other for other in MARKERS if other not in asked)):
         points = [
@@ -359,6 +364,7 @@ def axis_label(name: str) -> str:
 # --- Maps -----------------------------------------------------------------------------------------
 
 
+@explained()
 def plot_map(
     map_: PiecewiseLinearMap,
     ax: Axes | None = None,
@@ -399,9 +405,9 @@ def plot_map(
     >>> list(plot_map(lines.at({"p": "1/2"})).artists)
     ['diagonal', 'pieces', 'ends', 'jump crossing']
     """
-    _check_values(map_)
+    check_values(map_)
     ax = axes_for(ax, 4.6, 4.4)
-    low, high = (float(end) for end in (window if window is not None else _window(map_)))
+    low, high = _window(map_) if window is None else checked_pair("window", window)
     if not low < high:
         raise ValueError(f"a window must ascend, got ({low}, {high})")
     shown: Artists = {name: [] for name in PLAIN}
@@ -434,12 +440,6 @@ def plot_map(
     explained = {name: each for name, each in shown.items() if name not in PLAIN}
     place_legend(ax, explained, legend, _ENDS if shown["ends"] else ())
     return Drawn((ax,), shown)
-
-
-def _check_values(map_: PiecewiseLinearMap) -> None:
-    check_map(map_)
-    if map_.parameters:
-        raise ValueError(f"give {', '.join(map(str, map_.parameters))} a value first (.at)")
 
 
 _ENDS = [
@@ -486,6 +486,7 @@ def pieces_within(
     return lines, ends
 
 
+@explained()
 def plot_cobweb(
     map_: PiecewiseLinearMap,
     start: object,
@@ -526,9 +527,8 @@ def plot_cobweb(
     >>> [round(float(x), 3) for x in orbit.get_xdata()]
     [0.333, 0.333, -0.389, -0.389, 0.306]
     """
-    if steps < 1:
-        raise ValueError(f"a cobweb needs at least one step, got {steps}")
-    _check_values(map_)
+    steps = checked_count(steps, "steps")
+    check_values(map_)
     orbit = [QQ.to_sympy(rational(start))]
     for _ in range(steps):
         orbit.append(map_(orbit[-1]))

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.transforms import offset_copy
 
-from pwmap.algebra.terms import shortened
+from pwmap.algebra.arguments import shortened
 
 Artists = dict[str, list[Artist]]  # by the name of a part, as a legend has it
 Styles = Mapping[str, Mapping[str, Any]]  # by such names, properties of artists

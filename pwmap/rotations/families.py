@@ -23,6 +23,7 @@ from sympy import QQ
 from sympy.polys.fields import FracElement, FracField
 from sympy.polys.orderings import lex
 
+from pwmap.algebra.arguments import checked_count, explained
 from pwmap.algebra.assumptions import UndecidedError
 from pwmap.algebra.exact import (
     Affine,
@@ -41,7 +42,6 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Layout, Word
 from pwmap.rotations.patterns import WordRun, read_pattern
 from pwmap.rotations.pieces import checked_map
-from pwmap.rotations.words import checked_count
 
 LONG = 64  # bits of a number that are as much work as a term
 Element = Any  # of the field of quotients in the parameters, n and the powers
@@ -174,6 +174,7 @@ class _Bound(NamedTuple):
         return (sympy.Le if self.closed else sympy.Lt)(point, at)
 
 
+@explained()
 def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> WordFamily:
     """The cycles of a pattern of words such as ``R L^n``, for every n.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from pwmap.algebra.exact import Fraction_, quotient_to_sympy
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 from pwmap.maps.words import Layout, Word
 
 LEFT, RIGHT = 0, 1  # the letters of the two pieces, as indices
@@ -58,8 +58,7 @@ def increasing_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
 
 def checked_map(map_: PiecewiseLinearMap) -> Layout:
     """How a map cuts the line; TypeError, ValueError if it is no map, or an iterate."""
-    if not isinstance(map_, PiecewiseLinearMap):
-        raise TypeError(f"expected a PiecewiseLinearMap, got {type(map_).__name__}")
+    check_map(map_)
     if map_.order != 1:
         raise ValueError(f"expected a map that is no iterate, got one of order {map_.order}")
     return map_.definition.table.layouts[map_.chain[0]]

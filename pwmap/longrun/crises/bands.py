@@ -11,6 +11,7 @@ import numpy as np
 import sympy
 from sympy import QQ
 
+from pwmap.algebra.arguments import check_kind, explained
 from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import algebraic, simplest_between, spread
 from pwmap.diagrams.data import Branch, BranchKind, FloatArray, PointKind, SpecialPoint, Stretch
@@ -23,6 +24,7 @@ PLACES = 7  # in each cell at which bands are computed exactly
 NEAR = QQ(1, 8)  # of the distance between two of them: there a simple rational is taken
 
 
+@explained()
 def with_attractors(diagram: Diagram, found: AttractorDiagram) -> Diagram:
     """The same diagram with bands of chaotic attractors as branches, and crises as points.
 
@@ -65,7 +67,9 @@ def with_attractors(diagram: Diagram, found: AttractorDiagram) -> Diagram:
 
 
 def check_parameter(diagram: Diagram, found: AttractorDiagram) -> None:
-    """ValueError if a diagram and attractors are over different parameters."""
+    """TypeError if these are none, ValueError if they are over different parameters."""
+    check_kind("diagram", diagram, Diagram)
+    check_kind("found", found, AttractorDiagram, "pwmap.longrun")
     if diagram.parameter_name != str(found.parameter):
         raise ValueError(
             f"expected attractors over {diagram.parameter_name}, got them over {found.parameter}"
