@@ -90,13 +90,6 @@ def named_values(name: str, values: Mapping[Any, object] | None) -> Mapping[Any,
     return values or {}
 
 
-def checked_ends(name: str, ends: object) -> tuple[Any, Any]:
-    """Both ends of an interval, which may be anything; ValueError if there are not two."""
-    if isinstance(ends, tuple | list) and len(ends) == 2:
-        return ends[0], ends[1]
-    raise ValueError(f"{name} must be an interval (low, high), got {shown(ends)}")
-
-
 def checked_pair(name: str, pair: object) -> tuple[float, float]:
     """Two numbers as floats; TypeError if they are none."""
     if (

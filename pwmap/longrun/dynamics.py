@@ -11,8 +11,7 @@ from typing import Any
 import sympy
 from sympy import QQ
 
-from pwmap.algebra.arguments import checked_ends, explained, shortened, shown
-from pwmap.algebra.arithmetic import rational
+from pwmap.algebra.arguments import explained, shortened, shown
 from pwmap.algebra.exact import sign
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.attractors import (
@@ -34,6 +33,7 @@ from pwmap.longrun.numbers import exact_to_sympy
 from pwmap.longrun.pointsets import PointSet, open_intervals, part_to_sympy
 from pwmap.maps.budget import BUDGET, Budget, Meter, check_budget, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
+from pwmap.parameters.cells import checked_span
 
 
 class Extremum(Enum):
@@ -241,10 +241,7 @@ class Attractor:
 
         ValueError if the window is no interval, TypeError if an end is a float.
         """
-        low, high = (rational(end) for end in checked_ends("a window", window))
-        if not low < high:
-            raise ValueError(f"a window must be an interval (low, high), got {window!r}")
-        return exact_to_sympy(share(self._basin, (low, high)))
+        return exact_to_sympy(share(self._basin, checked_span(window, "a window")))
 
     def __str__(self) -> str:
         if self.points:

@@ -468,7 +468,7 @@ def classify(junction: Junction, *, at_span_end: bool) -> tuple[PointKind, str]:
     """
     ends = junction.ends
     if at_span_end:
-        return PointKind.EP, "end of the span"
+        return PointKind.EP, "end of the parameter span"
     if isinstance(junction.value, Infinite):
         escapes = any(end.unit == 1 for end in ends)
         return PointKind.LP if escapes else PointKind.EP, "x grows without bound"

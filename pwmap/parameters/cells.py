@@ -19,7 +19,7 @@ from typing import Any, TypeVar
 
 import sympy
 
-from pwmap.algebra.arguments import explained
+from pwmap.algebra.arguments import explained, shown
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, Number
 from pwmap.algebra.terms import checked_parameter, own_name
@@ -448,15 +448,15 @@ def checked_orders(orders: Iterable[int], budget: Budget = BUDGET) -> tuple[int,
     return tuple(sorted(listed))
 
 
-def checked_span(span: tuple[object, object]) -> tuple[Number, Number]:
+def checked_span(span: tuple[object, object], name: str = "a span") -> tuple[Number, Number]:
     """The ends of a span as rationals; ValueError if they are no interval."""
     if not isinstance(span, Sequence) or isinstance(span, str) or len(span) != 2:
-        raise ValueError(f"a span must be an interval (low, high), got {span!r}")
+        raise ValueError(f"{name} must be an interval (low, high), got {shown(span)}")
     if any(end is None or end in (sympy.oo, -sympy.oo) for end in span):
-        raise ValueError(f"a span needs two rational ends, or none at all, got {span}")
+        raise ValueError(f"{name} needs two rational ends, or none at all, got {span}")
     low, high = (rational(end) for end in span)
     if not low < high:
-        raise ValueError(f"a span must be an interval (low, high), got ({span[0]}, {span[1]})")
+        raise ValueError(f"{name} must be an interval (low, high), got ({span[0]}, {span[1]})")
     return low, high
 
 

@@ -85,7 +85,7 @@ WRONG_KIND = {
     'rotational_word("1/2")': "a rotation number must be a rational, got '1/2'",
     "rotational_word(HALF, 3)": "letters must be text, got 3",
     "rotation_number(12)": "a word must be text, got 12",
-    "rotation_number_at(found())": "expected a PiecewiseLinearMap (see its from_sympy), got Diagram(",
+    "rotation_number_at(found())": "expected a PiecewiseLinearMap (see its from_sympy), got D",
     'organising_centre(JUMP, "r")': "missing a required argument: 'along'",
     'PiecewiseLinearMap("x/2")': "pieces must be pairs (formula, condition), got 'x/2'; one fo",
     "PiecewiseLinearMap(3)": "pieces must be pairs (formula, condition), got 3; one formula is",

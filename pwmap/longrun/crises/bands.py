@@ -210,7 +210,8 @@ class _Points:
             name = self._known[parameter] = self._own(crisis) or self._added(crisis, x)
         if not name:
             ends = self._found.cells[0].lower, self._found.cells[-1].upper
-            note = "end of the span" if parameter in ends else "beyond, what attracts is open"
+            is_end = parameter in ends
+            note = "end of the parameter span" if is_end else "beyond, what attracts is open"
             name = self._new(
                 PointKind.EP, parameter=float(parameter), x=x, note=note,
                 exact={"parameter": parameter},
