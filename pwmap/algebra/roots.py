@@ -103,17 +103,9 @@ class RealRoot:
 
     @classmethod
     def of_factor(cls, polynomial: Dense, index: int, low: Number, high: Number) -> RealRoot:
-        """The same for a polynomial that is known to be irreducible; nothing is checked.
+        """The root of a ``polynomial`` known to be irreducible; nothing is checked.
 
-        Parameters
-        ----------
-        polynomial, index, low, high
-            As for the class.
-
-        Returns
-        -------
-        RealRoot
-            The root.
+        ``index``, ``low`` and ``high`` are those of the class.
         """
         root = cls.__new__(cls)
         root._set(polynomial, index, low, high)
@@ -218,15 +210,7 @@ class RealRoot:
     def to_float(self, top: Dense, bottom: Dense) -> float:
         """The quotient of two polynomials at this root as a float, correct but for the last bit.
 
-        Parameters
-        ----------
-        top, bottom
-            Coefficients, from the highest degree on.
-
-        Returns
-        -------
-        float
-            Infinite if the quotient is too large.
+        ``top`` and ``bottom`` are coefficients, highest degree first. Infinite if it is too large.
         """
         if not top:
             return 0.0
@@ -244,24 +228,13 @@ class RealRoot:
         return to_float(QQ(above << max(0, -shift), below << max(0, shift)) * scale)
 
     def reduced(self, polynomial: Dense) -> Dense:
-        """Coefficients modulo the root's polynomial: the canonical form of a number of its field.
-
-        From the highest degree on, as those that are given.
-        """
+        """The canonical form of a number of the field: coefficients, highest degree first."""
         return tuple(dup_rem(list(trimmed(polynomial)), list(self.polynomial), QQ))
 
     def quotient(self, top: Dense, bottom: Dense) -> Dense:
-        """Canonical form of top/bottom at this root.
+        """Canonical form of ``top``/``bottom`` at this root, where the bottom is not zero.
 
-        Parameters
-        ----------
-        top, bottom
-            Coefficients, from the highest degree on; the bottom is not zero at the root.
-
-        Returns
-        -------
-        tuple
-            Coefficients, from the highest degree on.
+        All are coefficients, from the highest degree on.
         """
         modulus = list(self.polynomial)
         inverse = dup_invert(list(self.reduced(bottom)), modulus, QQ)

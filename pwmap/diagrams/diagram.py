@@ -117,26 +117,11 @@ class Diagram:
     ) -> Diagram:
         """The same diagram with names for special points, such as those of a publication.
 
-        Parameters
-        ----------
-        places
-            For each name the id of a point, such as ``PD1``, or a parameter and an x: then the
-            nearest border collision of the lowest order gets the name.
-        within
-            Largest distance of it in either coordinate, as a part of what the diagram extends over;
-            names without one so near are left out.
-
-        Returns
-        -------
-        Diagram
-            A copy; names of other points stay.
-
-        Raises
-        ------
-        ValueError
-            If a name is another point's id, or two names fall on one point.
-        KeyError
-            If there is no point of an id.
+        ``places`` has for each name the id of a point, such as ``PD1``, or a parameter and an x:
+        then the nearest border collision of the lowest order gets the name. Names without one
+        ``within`` that distance, as a part of the diagram's extent in either coordinate, are left
+        out. ValueError if a name is another point's id, or two names fall on one point; KeyError if
+        there is no point of an id; TypeError if a name or place is none.
         """
         given: dict[str, str] = {}
         if not isinstance(places, Mapping):
@@ -172,28 +157,14 @@ class Diagram:
     def at(self, parameter: object) -> tuple[Hit, ...]:
         """What the diagram shows at one value of the parameter, in order of x.
 
-        In an exact diagram all values are exact: a branch is met where the ``interval`` of one of
-        its stretches holds the parameter, and a band of fixed points along this value at both ends.
-        Where other parameters are symbolic, branches are met and sorted as at :attr:`sample`.
+        In an exact diagram, whose ``parameter`` may be an int, a Fraction, text such as ``"5/4"``,
+        a number of sympy, or a float (the binary number it holds), all values are exact: a branch
+        is met where the ``interval`` of one of its stretches holds the parameter, and a band of
+        fixed points along this value at both ends. Where other parameters are symbolic, branches
+        are met and sorted as at :attr:`sample`.
 
         Otherwise values lie on the straight line between neighbouring samples; a branch that turns
-        round is met more than once.
-
-        Parameters
-        ----------
-        parameter
-            A number; for an exact diagram an int, a Fraction, text such as ``"5/4"``, a rational or
-            algebraic number of sympy, or a float, taken as the binary number it holds.
-
-        Returns
-        -------
-        tuple of Hit
-            Empty where there is nothing.
-
-        Raises
-        ------
-        ValueError, TypeError
-            If it is no finite real number; the sentence names it.
+        round is met more than once. ValueError or TypeError if it is no finite real number.
         """
         return queries.hits(self.branches, self.parameter_name, parameter, self.sample)
 
@@ -208,17 +179,9 @@ class Diagram:
         return self._part([branch for branch in self.branches if branch.order == wanted])
 
     def within(self, low: float, high: float) -> Diagram:
-        """The branches that exist somewhere in a closed interval of the parameter, and their ends.
+        """The branches that exist somewhere from ``low`` to ``high``, whole, and their ends.
 
-        Parameters
-        ----------
-        low, high
-            Ends of the interval.
-
-        Returns
-        -------
-        Diagram
-            With whole branches, also where they reach beyond.
+        ValueError if that is no interval of the parameter, TypeError if these are no numbers.
         """
         low, high = checked_pair("an interval", (low, high))
         if not low <= high:
@@ -238,22 +201,10 @@ class Diagram:
         return replace(self, branches=tuple(branches), points=tuple(points))
 
     def path(self, first: str, last: str) -> tuple[str, ...]:
-        """A shortest way from one place to another: ids of branches and points in turn.
+        """A shortest way from ``first`` to ``last``: ids of branches and points in turn.
 
-        Parameters
-        ----------
-        first, last
-            Ids of branches, or ids or names of points.
-
-        Returns
-        -------
-        tuple of str
-            Empty if they are not connected.
-
-        Raises
-        ------
-        KeyError
-            If there is no such branch or point.
+        Both are ids, or names of points; KeyError if there is none. Empty if they are not
+        connected.
         """
         return queries.path_between(
             self.branches, self.points, self._place(first), self._place(last)

@@ -177,13 +177,7 @@ class Meter:
         return next((loop for loop in self._loops if loop.what), NOTHING)
 
     def advance(self, what: str, done: int, total: int = 0) -> None:
-        """Note how many parts are finished, and tell it.
-
-        Parameters
-        ----------
-        what, done, total
-            As in a :class:`pwmap.maps.Advance`.
-        """
+        """Note, and tell, that ``done`` of a ``total`` of ``what`` are finished."""
         self._loops[-1] = at = Advance(what, done, total, self.work)
         if self._outermost is at:
             self._tell()
@@ -194,18 +188,7 @@ class Meter:
             self.budget.progress(self._outermost._replace(work=self.work))
 
     def each(self, parts: Iterable[Part], what: str) -> Iterator[Part]:
-        """One part after the other; of nested loops the outermost is told.
-
-        Parameters
-        ----------
-        parts, what
-            Those that a loop goes through, and what they are, in words.
-
-        Returns
-        -------
-        iterator
-            Of these parts.
-        """
+        """The ``parts`` one after the other; outermost loops tell ``what`` and how many end."""
         total = len(parts) if isinstance(parts, Sized) else 0
         if self._loops[-1].what:  # this one is within another
             yield from parts

@@ -89,21 +89,10 @@ class PiecewiseLinearMap:
         given: Iterable[object] = (),
         letters: Sequence[str] | None = None,
     ) -> PiecewiseLinearMap:
-        """A map from a ``sympy.Piecewise`` or its text: the first condition that holds counts.
+        """A map from a ``sympy.Piecewise`` of affine formulas, one formula, or the text of either.
 
-        Errors are those of the class.
-
-        Parameters
-        ----------
-        piecewise
-            A ``sympy.Piecewise`` of affine formulas, one such formula, or the text of either.
-        x, given, letters
-            As for the class.
-
-        Returns
-        -------
-        PiecewiseLinearMap
-            The map, its pieces in the order of the line.
+        The first condition of ``piecewise`` that holds counts; ``x``, ``given``, ``letters`` and
+        errors are those of the class.
         """
         return cls.of(as_written(read_formula(piecewise, x, given, letters)))
 
@@ -234,24 +223,9 @@ class PiecewiseLinearMap:
 
     @explained()
     def limit(self, x: object, side: str) -> sympy.Expr:
-        """The one-sided limit at a point, from the side ``"-"`` (left) or ``"+"`` (right).
+        """The one-sided limit at ``x`` from the ``side`` ``"-"`` (left) or ``"+"`` (right), exact.
 
-        Parameters
-        ----------
-        x
-            An exact number; parameters may occur in it.
-        side
-            ``"-"`` or ``"+"``.
-
-        Returns
-        -------
-        sympy.Expr
-            Exact; it does not depend on the value at the point itself.
-
-        Raises
-        ------
-        ValueError
-            If the side is neither.
+        It does not depend on the value at the point itself. ValueError if the side is neither.
         """
         if side not in ("-", "+"):
             raise ValueError(f"the side must be '-' or '+', got {side!r}")

@@ -69,17 +69,9 @@ class ParameterPlane:
 
     @explained()
     def at(self, across: object, along: object) -> Dynamics:
-        """The long run at a point, exactly; see :func:`pwmap.dynamics`.
+        """The long run, see :func:`pwmap.dynamics`, at exact values ``across`` and ``along``.
 
-        Parameters
-        ----------
-        across, along
-            Values of both parameters: rationals, their texts, or algebraic numbers.
-
-        Returns
-        -------
-        Dynamics
-            Of the map with these values.
+        They are rationals, their texts, or algebraic numbers.
         """
         return dynamics(self.map, {self.across: across, self.along: along})
 

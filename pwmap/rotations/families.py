@@ -102,25 +102,10 @@ class WordFamily:
         )
 
     def at(self, n: int, *, budget: Budget | Meter = BUDGET) -> FamilyCycle:
-        """The cycle for a value of n, as ``map_.cycle(word)``, with the conditions that bind.
+        """The cycle for a value of ``n``, as ``map_.cycle(word)``, with the conditions that bind.
 
-        Parameters
-        ----------
-        n
-            A value of the exponent, an integer of at least :attr:`least`.
-        budget
-            How much may be computed, and how long the word may be.
-
-        Returns
-        -------
-        FamilyCycle
-            From the formulas that hold for every n.
-
-        Raises
-        ------
-        ValueError
-            If n is no integer of at least :attr:`least`, or the multiplier is 1 for this n. A
-            ``BudgetError`` if the word or the formulas are too long.
+        ValueError if that is no integer of at least :attr:`least`, or the multiplier is 1 for it;
+        BudgetError if the word or the formulas take more than the ``budget``.
         """
         count, meter = self._checked(n), metered(budget)
         letters = sum(len(run.word) * run.count(count) for run in self._runs)

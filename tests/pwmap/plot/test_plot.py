@@ -102,7 +102,7 @@ def test_parameters_need_values() -> None:
         plot_map(P1L)
     with pytest.raises(ValueError, match="the map still has a, r"):
         plot_cobweb(P1L, 0, 3)
-    with pytest.raises(ValueError, match="at least one step, got 0"):
+    with pytest.raises(ValueError, match="steps must be an integer of at least 1, got 0"):
         plot_cobweb(AT_ONE, 0, 0)
 
 
