@@ -169,7 +169,7 @@ class Arithmetic:
         return constant(value.top[0]) / constant(value.bottom)
 
     def applied(self, term: Term, arguments: Sequence[Quotient]) -> Quotient:
-        """A tree from the values of its arguments; NotPolynomialError or ValueError if none."""
+        """A tree's value, from its arguments'; NotPolynomialError or ValueError if it has none."""
         try:
             return self._applied(term, arguments)
         except NotPolynomialError:

@@ -245,7 +245,7 @@ class RealRoot:
         return _root_to_sympy(self.polynomial, self.index)
 
     def element_to_sympy(self, value: Dense) -> sympy.Expr:
-        """A number of the root's field, given by the coefficients of :meth:`reduced`, for sympy."""
+        """A number of the root's field, given as by :meth:`reduced`, as a sympy expression."""
         root = self.to_sympy()
         found = sum(QQ.to_sympy(c) * root**i for i, c in enumerate(reversed(value)))
         if isinstance(root, sympy.CRootOf) or len(value) <= 1:  # there are no radicals
@@ -348,7 +348,7 @@ def real_roots(polynomial: Iterable[Number]) -> tuple[Real, ...]:
 
 
 def most_roots(polynomial: Dense, low: Number, high: Number) -> int:
-    """An upper bound, of the right parity, of the roots between two rationals [Descartes' rule]."""
+    """At least as many as a polynomial has roots between two rationals, by Descartes' rule."""
     (a, b), (c, d) = pair(low), pair(high)
     unit = lcm(b, d)
     start, length = a * (unit // b), c * (unit // d) - a * (unit // b)

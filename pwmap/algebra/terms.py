@@ -185,7 +185,7 @@ _OPERATIONS: dict[Any, Operation] = {
 
 
 class _Reader:
-    """Trees of sympy expressions, each part once, by its ``id``: sympy compares by recursion."""
+    """Trees of sympy expressions, each part read once (by ``id``, as sympy compares slowly)."""
 
     def __init__(self) -> None:
         self._known: dict[int, Term] = {}

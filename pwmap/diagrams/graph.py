@@ -241,7 +241,7 @@ def _to_graphml(graph: nx.MultiGraph) -> bytes:
 
 
 class _Bounded:
-    """Builds the tree of an XML file of bounded depth, without a document type (its entities)."""
+    """Builds the tree of an XML file, bounded in depth; a document type (entities) is refused."""
 
     def __init__(self) -> None:
         self._builder = ET.TreeBuilder()

@@ -191,7 +191,7 @@ def _curve(a: Floats, b: Floats, k: int) -> Floats:
 
 
 def nearest_line(table: Table, x: float, y: float, scale: tuple[float, float]) -> tuple[str, float]:
-    """The branch whose line is nearest, and its distance [px]; scale in pixels per unit of x, y."""
+    """The branch whose line is nearest, and how far away [px]; scale in pixels per unit."""
     best, least = "", np.inf
     for xs, ys, branch in zip(table["xs"], table["ys"], table["branch"], strict=True):
         away = _distance(np.column_stack([xs, ys]) * scale, np.array([x, y]) * scale)

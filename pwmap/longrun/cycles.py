@@ -100,7 +100,7 @@ class FoundCycles:
         return f"FoundCycles({found} of period up to {self.order}, {words} looked at{rest})"
 
     def of_period(self, period: int) -> tuple[FoundCycle, ...]:
-        """Those of one least period, from left to right."""
+        """Cycles of one least period, from left to right."""
         return tuple(cycle for cycle in self.cycles if len(cycle.word) == period)
 
     def __len__(self) -> int:
@@ -203,7 +203,7 @@ def cycles(
 def closed_words(
     line: MapLine, order: int, meter: Meter
 ) -> Iterator[tuple[tuple[int, ...], Exact]]:
-    """Words (numbers of branches) of cycles off breaks, each once, by period; and multipliers."""
+    """Words of cycles without points on breaks, by period, each once, with their multipliers."""
     for level in islice(_levels(line, meter), order):
         for start in level:
             if _closed(start) is not None:

@@ -153,7 +153,7 @@ class Density:
 
 
 def density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
-    """The invariant density; None if no iterate expands, rounding leaves it open, or no budget."""
+    """The invariant density; None if no iterate expands, rounding leaves it open, or work ends."""
     try:
         return _density_of(line, bands, meter)
     except BudgetError:

@@ -108,7 +108,7 @@ class BudgetError(ValueError):
 
 
 def cost(bits: int) -> int:
-    """The work of one operation on rationals of so many bits, in products of short ones (1 us)."""
+    """The work of one operation on rationals of so many bits; 1 takes about a microsecond."""
     # very long ones are reduced by their common divisor: squared
     return 1 + bits // 128 + (bits // 512) ** 2
 
@@ -188,7 +188,7 @@ class Meter:
             self.budget.progress(self._outermost._replace(work=self.work))
 
     def each(self, parts: Iterable[Part], what: str) -> Iterator[Part]:
-        """The ``parts`` one after the other; outermost loops tell ``what`` and how many end."""
+        """The ``parts`` in turn; the outermost of nested loops tells how many of ``what`` end."""
         total = len(parts) if isinstance(parts, Sized) else 0
         if self._loops[-1].what:  # this one is within another
             yield from parts
@@ -237,7 +237,7 @@ def check_budget(budget: object) -> None:
 
 
 def metered(budget: Budget | Meter, on_interrupt: Callable[[], None] | None = None) -> Meter:
-    """The meter of a call, or of the one it is part of; its own ``on_interrupt`` goes first."""
+    """The meter of a call, or of the call that it is part of; its own ``on_interrupt`` counts."""
     check_functions(on_interrupt=on_interrupt)
     check_budget(budget)
     if isinstance(budget, Meter):

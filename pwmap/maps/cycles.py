@@ -135,7 +135,7 @@ def _point_piece(map_: Decided, word: Word) -> Cut | None:
 
 
 def _only_point(map_: Decided, word: Word) -> Cut:
-    """Where a cycle of slope 1 passes: only one whose word has a single point is isolated."""
+    """Where a cycle of slope 1 passes, which is isolated only if its word has a single point."""
     if map_.oracle.sign(Offset(word)) == 0:
         chain = map_.chain * (len(word) // map_.order)
         cylinder = cyl.cylinder_of(word, chain, map_.oracle)

@@ -98,7 +98,7 @@ class PiecewiseLinearMap:
 
     @classmethod
     def of(cls, map_: Decided) -> PiecewiseLinearMap:
-        """A map whose pieces, and who decides about them, are known."""
+        """A map of these pieces, decided by this scope."""
         self = cls.__new__(cls)
         self._map = map_
         return self
@@ -218,7 +218,7 @@ class PiecewiseLinearMap:
         return fraction_to_sympy(diagonal.followed(self._map, x)[1])
 
     def word_of(self, x: object) -> str:
-        """The letters of the original map that an exact point visits; a break is in its owner."""
+        """Letters of the map's pieces that an exact point visits; a break is on its own piece."""
         return self.spelled(diagonal.followed(self._map, x)[0])
 
     @explained()

@@ -131,7 +131,7 @@ def bifurcation_diagram(
 
 @dataclass(frozen=True, slots=True)
 class _Growing:
-    """Follows how a diagram grows, and keeps each order's for an interrupt that wants it."""
+    """Makes the diagram of each completed order, if an interrupt is to keep it."""
 
     map: PiecewiseLinearMap
     orders: tuple[int, ...]

@@ -184,7 +184,7 @@ def draw_branches(
     diagram: Diagram, ax: Axes, kinds: Iterable[PointKind], *, labels: bool | None = None,
     branches: bool | Mapping[str, str] = False, stable_only: bool = False,
 ) -> Artists:  # fmt: skip
-    """Draw branches, special points, names and axes as :func:`plot_diagram`; artists by legend."""
+    """Artists, by name, of branches, special points, names and axes; see :func:`plot_diagram`."""
     shown: Artists = {}
     for branch in diagram.branches:
         if branch.kind is BranchKind.BAND:
@@ -468,7 +468,7 @@ def around(marks: Sequence[float]) -> tuple[float, float]:
 def pieces_within(
     map_: PiecewiseLinearMap, window: tuple[float, float]
 ) -> tuple[list[tuple[tuple[float, float], ...]], list[tuple[float, float, bool]]]:
-    """Both ends (x, y) of each line of a map; ends of pieces, with whether they belong to it."""
+    """Both ends (x, y) of each line of a map, and where pieces end, with whether an end belongs."""
     lines, ends = [], []
     for piece in map_.pieces:
         outer = float(piece.lower), float(piece.upper)

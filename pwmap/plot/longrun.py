@@ -237,7 +237,7 @@ def _areas(
     ax: Axes, places: Sequence[float], seen: Sequence[tuple[Attractor, ...]],
     cell: tuple[float, float], shown: Artists,
 ) -> None:  # fmt: skip
-    """Draw one cell, joining places between which bands and points are as many."""
+    """Draw one cell; neighbouring places with as many bands and points are joined."""
     first = 0
     for _, group in groupby(seen, key=_shape):
         rows = list(group)

@@ -61,7 +61,7 @@ class FamilyCondition:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FamilyCycle:
-    """One cycle of :func:`pwmap.word_family`: word, first point, multiplier, binding conditions."""
+    """One cycle of a :func:`pwmap.word_family`, with the conditions that bind."""
 
     word: str
     x: sympy.Expr

@@ -172,7 +172,7 @@ def _lines(map_: PiecewiseLinearMap) -> TwoLines:
 
 
 def _fixed(lines: TwoLines) -> Fraction | None:
-    """The rotation number 0 or 1 of bounded orbits, None if they cross the break; or ValueError."""
+    """The rotation number, 0 or 1, if no orbit crosses the break; None if one does; ValueError."""
     top, low = lines.limits
     stays = top <= lines.at, low >= lines.at
     if all(stays):

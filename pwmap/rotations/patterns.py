@@ -32,7 +32,7 @@ class WordRun(NamedTuple):
 
 
 def read_pattern(text: str, letters: Sequence[str], n: str = "n") -> tuple[WordRun, ...]:
-    """The runs of a pattern; a letter not raised to n is a run of one, ValueError a sentence."""
+    """The runs of a pattern; ValueError says in one sentence what is wrong with it."""
     if not isinstance(text, str):
         raise ValueError(f"a pattern must be text such as 'R L^n', got {shortened(repr(text))}")
     runs = _PatternReader(text, tuple(letters), n).all()

@@ -23,14 +23,14 @@ class TwoPieces(NamedTuple):
         return tuple(map(self.map_.letters.index, word))
 
     def margin(self, word: Word) -> tuple[Fraction_, bool]:
-        """The distance of a cycle's first point to the break, positive inside, and if 0 is, too."""
+        """How far inside of its piece a cycle's first point lies, and whether 0 is inside."""
         (top, bottom), (a, b) = self.map_.orbits.fixed_point(word), self.at
         side = 1 if word[0] == RIGHT else -1
         return (side * (b * top - a * bottom), b * bottom), self.owner == word[0]
 
 
 def two_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
-    """The map as two pieces with one break; TypeError, ValueError if it is anything else."""
+    """A map's two pieces with one break; TypeError or ValueError if it is anything else."""
     layout = checked_map(map_)
     if map_.scope != map_.definition.region:
         raise ValueError(f"expected a map for all values assumed, got one of the cell {map_.scope}")
@@ -44,7 +44,7 @@ def two_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
 
 
 def increasing_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
-    """Two pieces that increase; errors of :func:`two_pieces`, ValueError, or UndecidedError."""
+    """A map's two pieces, if both increase; else the errors of :func:`two_pieces`."""
     pieces = two_pieces(map_)
     for letter in (LEFT, RIGHT):
         if map_.oracle.slope((letter,)) <= 0:

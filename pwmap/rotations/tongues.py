@@ -85,7 +85,7 @@ class Tongue:
 
     @property
     def values(self) -> sympy.Set:
-        """Where the cycle exists, in the map's parameter; ValueError if it has not just one."""
+        """Where the cycle exists, in the only parameter; ValueError unless there is just one."""
         if len(self._map.parameters) != 1:
             names = ", ".join(map(str, self._map.parameters)) or "none"
             raise ValueError(f"the map must have exactly one parameter, it has {names}")

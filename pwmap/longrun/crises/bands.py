@@ -1,4 +1,4 @@
-"""Bands and crises as branches and special points: they go on where cycles end, chaos begins."""
+"""Bands as branches, and crises as special points, of a bifurcation diagram."""
 
 from __future__ import annotations
 

@@ -244,7 +244,7 @@ class _Study:
         return found if one == other else None
 
     def decisions(self, line: MapLine, number: int, itinerary: Itinerary) -> Iterator[Decision]:
-        """What says that a germ at a break has an itinerary, besides the signs of slopes."""
+        """The decisions, besides signs of slopes, by which a germ has its itinerary."""
         k = self.layout.breaks[number]
         word = tuple(self.letters[i] for i in itinerary.pieces)
         for n, piece in enumerate(itinerary.pieces):
@@ -390,7 +390,7 @@ def _beside(
 
 
 def _reached(study: _Study, start: Real, stop: Real, least: Number) -> _Proved | None:
-    """The longest part found, by bisection, of a gap from one end that has one proof; or None."""
+    """The longest part of a gap, from one of its ends, that is found to have one proof; or None."""
 
     def tried(end: Real) -> _Proved | None:
         return study.proved_at_once(*sorted((start, end)))
