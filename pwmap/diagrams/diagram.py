@@ -289,10 +289,8 @@ def load_diagram(path: str | Path) -> Diagram:
 
     Raises
     ------
-    ValueError
-        If the file is no saved diagram, or one of a newer version of the format.
-    FileNotFoundError
-        If there is no such file.
+    ValueError, FileNotFoundError
+        If the file is no saved diagram, one of a newer version of the format, or not there.
 
     Examples
     --------

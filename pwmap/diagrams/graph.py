@@ -96,10 +96,8 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
 
     Raises
     ------
-    TypeError, ValueError
-        If the graph does not suit the formats, or the suffix is unknown.
-    FileNotFoundError
-        If the folder does not exist.
+    TypeError, ValueError, FileNotFoundError
+        If the graph does not suit the formats, the suffix is unknown, or there is no such folder.
 
     Examples
     --------
@@ -135,10 +133,8 @@ def read_graph(path: str | Path) -> nx.MultiGraph:
 
     Raises
     ------
-    ValueError
-        If the suffix is unknown or the file does not hold such a graph.
-    FileNotFoundError
-        If there is no such file.
+    ValueError, FileNotFoundError
+        If the suffix is unknown, the file does not hold such a graph, or is not there.
 
     Examples
     --------

@@ -133,10 +133,9 @@ def cycles(
 
     Parameters
     ----------
-    map_
-        The map.
-    values
-        Of its parameters by symbol or name: rationals, and one may be a real algebraic number.
+    map_, values
+        The map, and values of its parameters by symbol or name: rationals, and one may be a real
+        algebraic number.
     order
         The largest period.
     budget

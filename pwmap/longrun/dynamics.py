@@ -394,11 +394,9 @@ def dynamics(
 
     Parameters
     ----------
-    map_
-        The map, or an iterate.
-    values
-        Of its parameters by symbol or name: rationals, and one may be a real algebraic number such
-        as ``(1 + sqrt(5))/2``.
+    map_, values
+        The map, or an iterate, and values of its parameters by symbol or name: rationals, and one
+        may be a real algebraic number such as ``(1 + sqrt(5))/2``.
     orders
         Up to which the graph of laps is made, in turn, until the entropy is known to 1e-12.
     budget
@@ -412,10 +410,8 @@ def dynamics(
 
     Raises
     ------
-    ValueError
-        If a parameter has no value, or several have algebraic values.
-    TypeError
-        If a value is a float.
+    ValueError, TypeError
+        If a parameter has no value, several have algebraic values, or one is a float.
 
     Examples
     --------

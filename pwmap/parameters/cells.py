@@ -278,10 +278,8 @@ def parameter_cells(
     ----------
     map_, parameter
         The map, whose other parameters have values or stay symbolic, and the symbol or name.
-    orders
-        The iterates to look at.
-    span
-        Two rationals, or None for the whole line.
+    orders, span
+        The iterates to look at, and two rationals, or None for the whole line.
     sample
         Values of the symbolic parameters around which the list is to hold; by default one that the
         assumptions admit.

@@ -73,10 +73,8 @@ def plane_raster(
 
     Parameters
     ----------
-    plane
-        Its map and rectangle.
-    columns, rows
-        How many values of the parameter across, and of the one along.
+    plane, columns, rows
+        What to look at, and how many values of the parameter across, and of the one along.
     budget
         By default forty times that of one point; what is left out then is open, and ``left_out``
         says so.

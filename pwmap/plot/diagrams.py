@@ -80,10 +80,8 @@ def plot_diagram(
 
     Parameters
     ----------
-    diagram
-        What to draw.
-    ax
-        Axes to draw on; new ones by default.
+    diagram, ax
+        What to draw, and axes to draw on; new ones by default.
     kinds
         Special points to mark; those that have a name are marked with it.
     legend
@@ -108,10 +106,8 @@ def plot_diagram(
 
     Raises
     ------
-    TypeError
-        If that is no diagram, or not drawn on axes.
-    ValueError
-        If there is no part of the name of a style.
+    TypeError, ValueError
+        If that is no diagram, or not drawn on axes; if no part has the name of a style.
 
     Examples
     --------
@@ -380,10 +376,8 @@ def plot_map(
 
     Parameters
     ----------
-    map_
-        A map without parameters.
-    window
-        Interval of x; by default around all breaks and fixed points.
+    map_, window
+        A map without parameters, and an interval of x; by default around all that is marked.
     ax, legend, styles
         As for :func:`plot_diagram`; other names are ``"diagonal"``, ``"pieces"`` and ``"ends"``.
 
@@ -500,10 +494,8 @@ def plot_cobweb(
 
     Parameters
     ----------
-    map_
-        A map without parameters.
-    start, steps
-        A rational, and the number of steps, at least 1.
+    map_, start, steps
+        A map without parameters, a rational, and the number of steps, at least 1.
     ax, window, styles
         As for :func:`plot_map`, with ``"orbit"`` and ``"start"``; by default the window holds the
         orbit.

@@ -324,10 +324,8 @@ def plot_kneading(
 
     Parameters
     ----------
-    seen
-        The long run of a map.
-    steps
-        How many steps are shown.
+    seen, steps
+        The long run of a map, and how many steps are shown.
     ax, styles
         As for :func:`pwmap.plot.plot_diagram`; names are the letters, ``"frames"`` and ``"texts"``.
 
@@ -338,10 +336,8 @@ def plot_kneading(
 
     Raises
     ------
-    TypeError
-        If that is no long run, or not drawn on axes.
-    ValueError
-        If the map has no break, or no step is to be shown.
+    TypeError, ValueError
+        If that is no long run, or not drawn on axes; if the map has no break, or there is no step.
 
     Examples
     --------
@@ -506,10 +502,8 @@ def plot_density(
 
     Parameters
     ----------
-    found
-        The long run of a map.
-    points
-        Of orbits in the histogram, of each attractor.
+    found, points
+        The long run of a map, and how many points of orbits each histogram has.
     ax, styles
         As for :func:`pwmap.plot.plot_diagram`; names are ``"orbits"`` (bars) and ``"densities"``.
 
@@ -520,10 +514,8 @@ def plot_density(
 
     Raises
     ------
-    TypeError
-        If that is no long run, or not drawn on axes.
-    ValueError
-        If no attractor has a density.
+    TypeError, ValueError
+        If that is no long run, or not drawn on axes; if no attractor has a density.
 
     Examples
     --------

@@ -51,13 +51,9 @@ def plot_plane(
 
     Parameters
     ----------
-    plane
-        What to draw.
-    raster
-        What attracts at points of the plane; without it cells are coloured by the attracting cycles
-        of the orders of the plane.
-    colours
-        What the colours of the raster say.
+    plane, raster, colours
+        What to draw, and what attracts at its points, with what colours say of it; without a raster
+        cells are coloured by the attracting cycles of the orders of the plane.
     samples
         Points along a curve from one side to the other.
     ax, legend, styles

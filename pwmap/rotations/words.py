@@ -69,10 +69,8 @@ def rotational_word(rotation: object, letters: str = "LR") -> str:
 
     Raises
     ------
-    TypeError
-        If the rotation is a float, or no number.
-    ValueError
-        If it lies outside of [0, 1], or there are not two different letters.
+    TypeError, ValueError
+        If the rotation is no rational from 0 to 1, or there are not two different letters.
 
     Examples
     --------
