@@ -51,8 +51,6 @@ ENGINE = {
     "woodpecker.simulation.paths.Follower": "a return that is followed with its word prescribed",
     "woodpecker.toy_map._ThreadRoom": "what threads do not share",
 }
-# Methods whose one sentence says what they take and give.
-SHORT = {"pwmap.proofs.document"}
 POINT = {"x", "p"}  # of a map that is asked for its image: a point and a parameter
 
 
@@ -115,15 +113,17 @@ def described(text: str) -> set[str]:
 
 @pytest.mark.parametrize(("package", "name"), PUBLIC, ids=IDS)
 def test_every_argument_is_described(package: ModuleType, name: str) -> None:
-    """Of functions each; methods of one argument say in their sentence what it is."""
+    """Of functions in a section; methods of several name each, there or in a sentence."""
     value = getattr(package, name)
     assert inspect.getdoc(value), name
     for own, routine in routines(value, name):
         text = inspect.getdoc(routine) or ""
         assert text, own
         names = arguments(routine)
-        if inspect.isfunction(value) or len(names - POINT) > 1:
+        if inspect.isfunction(value):
             assert names <= described(text), own
+        elif len(names - POINT) > 1:
+            assert names <= described(text) | set(re.findall(r"``(\w+)``", text)), own
 
 
 def sections(text: str) -> set[str]:
@@ -159,16 +159,11 @@ def wanted(routine: Callable[..., object]) -> set[str]:
 
 @pytest.mark.parametrize(("package", "name"), PUBLIC, ids=IDS)
 def test_what_comes_out_and_what_is_raised_is_described(package: ModuleType, name: str) -> None:
-    """Of functions, and of methods of several arguments, in sections.
-
-    Methods of one argument, or of a point, may name their errors in a sentence.
-    """
+    """Of functions in sections; methods name their errors at least in a sentence."""
     value = getattr(package, name)
     for own, routine in routines(value, name):
         text, takes = inspect.getdoc(routine) or "", arguments(routine)
-        if inspect.isfunction(value) or (
-            len(takes - POINT) > 1 and routine.__module__ not in SHORT and not own.endswith("__")
-        ):
+        if inspect.isfunction(value):
             assert wanted(routine) <= sections(text), own
         elif takes:
             assert raised(routine) <= set(re.findall(r"\w+", text)), own

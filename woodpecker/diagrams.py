@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, cast, overload
 
 import numpy as np
 
+from pwmap.algebra.arguments import explained
 from pwmap.diagrams.diagram import Diagram, PointKind, SpecialPoint
 from pwmap.diagrams.diagram import load_diagram as load_diagram  # for the users of woodpecker, too
-from woodpecker.base.arguments import explained
 from woodpecker.base.checkpoint import START
 from woodpecker.base.checks import function, instance, iterates
 from woodpecker.base.executors import Serial, worker_count
@@ -148,7 +148,7 @@ def continuation(
     >>> toy = Toy()
     >>> diagram = continuation(toy, shoot(toy, -0.53), "eps_n1", span=(0.45, 0.7))
     >>> for point in diagram.points:
-    ...     print(point.kind, f"{point.parameter:.9f} {point.x:.9f}", point.cause)
+    ...     print(point.kind, f"{point.parameter:.9f} {point.x:.9f}", point.cause or point.note)
     EP 0.450000000 -0.537769080 end of the parameter span
     PD 0.648549200 -0.518581245 the multiplier is -1
     EP 0.700000000 -0.515717105 end of the parameter span

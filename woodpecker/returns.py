@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from woodpecker.base.arguments import explained
+from pwmap.algebra.arguments import explained
 from woodpecker.base.checks import real_array, whole
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import PiecewiseMap

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, cast
 import numpy as np
 import numpy.typing as npt
 
+from pwmap.algebra.arguments import explained
 from pwmap.diagrams.shown import brief, table
-from woodpecker.base.arguments import explained
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, number, real_array, whole
 from woodpecker.base.settings import Settings

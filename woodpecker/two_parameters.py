@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from pwmap.algebra.arguments import explained
 from pwmap.diagrams.diagram import PointKind, PointStatus, SpecialPoint
 from pwmap.plane.kinds import PlaneKind
-from woodpecker.base.arguments import explained
 from woodpecker.base.checks import interval
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown

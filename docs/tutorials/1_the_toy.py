@@ -76,8 +76,8 @@ from woodpecker import continuation
 paper = {"A": (0.111, -0.884), "B": (0.29, -0.884), "C": (0.185, -0.757)}  # read off its Figure 10
 diagram = continuation(toy, orbit, "eps_n1", span=(0.10, 0.70)).named(paper)
 for point in diagram.points:
-    name = point.name or point.id
-    print(f"{name:4} {point.kind!s:3} {point.parameter:.10f} {point.x:+.8f}  {point.cause}")
+    name, why = point.name or point.id, point.cause or point.note
+    print(f"{name:4} {point.kind!s:3} {point.parameter:.10f} {point.x:+.8f}  {why}")
 fig, ax = plt.subplots(figsize=(7.0, 4.6), layout="constrained")
 drawn = plot_diagram(diagram, ax)
 

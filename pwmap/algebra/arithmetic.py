@@ -14,9 +14,10 @@ from typing import NamedTuple
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
+from pwmap.algebra.arguments import shown
 from pwmap.algebra.exact import Fraction_, Number, Ring, cancelled, constant, is_constant
 from pwmap.algebra.exact import bits as bits_of
-from pwmap.algebra.parsing import shown, term_of
+from pwmap.algebra.parsing import term_of
 from pwmap.algebra.terms import CONDITIONS, MAX_BITS, Operation, Term, plain_name
 
 MAX_DEGREE = 64  # of a polynomial in the parameters, and in the variable
@@ -168,7 +169,7 @@ class Arithmetic:
         return constant(value.top[0]) / constant(value.bottom)
 
     def applied(self, term: Term, arguments: Sequence[Quotient]) -> Quotient:
-        """A tree from the values of its arguments; NotPolynomialError or ValueError if none."""
+        """A tree's value, from its arguments'; NotPolynomialError or ValueError if it has none."""
         try:
             return self._applied(term, arguments)
         except NotPolynomialError:

@@ -14,6 +14,7 @@ from itertools import islice
 import sympy
 from sympy.core.relational import Relational
 
+from pwmap.algebra.arguments import shortened
 from pwmap.algebra.arithmetic import Arithmetic, worked_out
 from pwmap.algebra.exact import (
     Number,
@@ -29,7 +30,7 @@ from pwmap.algebra.exact import (
 from pwmap.algebra.inequalities import Constraint, shown, variables
 from pwmap.algebra.samples import points, ranked
 from pwmap.algebra.signs import possible_signs
-from pwmap.algebra.terms import Operation, Term, shortened
+from pwmap.algebra.terms import Operation, Term
 
 _OPPOSITES = {
     Operation.LESS: Operation.GREATER_EQUAL,

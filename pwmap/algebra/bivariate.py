@@ -48,7 +48,7 @@ def divides(factor: PolyElement, polynomial: PolyElement) -> bool:
 
 @lru_cache(maxsize=65536)
 def resultant(first: PolyElement, second: PolyElement, index: int) -> PolyElement:
-    """The resultant, up to a constant: zero at common roots, or where both leading terms vanish."""
+    """The resultant in one parameter, up to a constant: zero where both have a common root."""
     if degree_in(first, index) > degree_in(second, index):
         first, second = second, first
     if degree_in(first, index) == 1:

@@ -106,7 +106,7 @@ def sign(number: Number) -> int:
 
 
 class Infinite:
-    """Minus (side -1) or plus infinity (+1): compared with numbers; a map takes it to its limit."""
+    """Minus or plus infinity, by its side (-1, +1); a map takes it to its limit there."""
 
     __slots__ = ("side",)
 
@@ -204,7 +204,7 @@ def names_of(ring: Ring) -> tuple[str, ...]:
 
 
 def evaluate(number: Number, values: Mapping[str, Number], ring: Ring) -> Number:
-    """Put rationals for some generators; ``ring`` has those that remain, None if none does."""
+    """Put rationals for some generators; ``ring`` is that of the others, None if there are none."""
     if not isinstance(number, PolyElement):
         return number if ring is None else ring.ground_new(number)
     fixed = [values.get(name) for name in names_of(number.ring)]

@@ -11,9 +11,9 @@ from sympy import QQ
 from sympy.core.relational import Relational
 from sympy.polys.rings import PolyElement
 
+from pwmap.algebra.arguments import shortened
 from pwmap.algebra.exact import Number, constant, sign, to_sympy
 from pwmap.algebra.roots import Dense
-from pwmap.algebra.terms import shortened
 
 Signs = frozenset[int]
 ANY: Signs = frozenset((-1, 0, 1))

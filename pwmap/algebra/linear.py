@@ -28,7 +28,7 @@ class Separation:
 
 
 def combination(columns: Sequence[Vector], target: Vector) -> Combination | Separation:
-    """Nonnegative weights of the integer columns that give the target, or a separating vector."""
+    """Nonnegative weights of integer columns that give the target, or a vector that separates."""
     tableau = _Tableau(columns, target)
     while (column := tableau.entering()) is not None:
         tableau.pivot(tableau.leaving(column), column)

@@ -18,6 +18,7 @@ from typing import NamedTuple
 import sympy
 from sympy import QQ
 
+from pwmap.algebra.arguments import shortened, shown
 from pwmap.algebra.terms import (
     MAX_DEPTH,
     MAX_DIGITS,
@@ -27,15 +28,12 @@ from pwmap.algebra.terms import (
     Term,
     float_refusal,
     plain_name,
-    shortened,
     term_of_number,
     term_of_sympy,
 )
 
 MAX_LENGTH = 400_000  # characters of a text
 MAX_NAME = 100  # characters of a name
-# what asking for the text of an object raises that is half made, nested too deep or not to be shown
-NO_TEXT = (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError)
 
 _TOKEN = re.compile(
     r"(?P<space>\s+)"
@@ -105,17 +103,6 @@ def checked_name(text: str) -> str:
     if name in _CONSTANTS or name in ("None", "True", "False") or name in FUNCTIONS:
         raise ValueError(f"{name} cannot be the name of a variable or parameter")
     return name
-
-
-def shown(value: object) -> str:
-    """What was given, for a message, in one line; text in quotes."""
-    if isinstance(value, str):
-        return shortened(repr(value))
-    kind = type(value).__name__
-    try:
-        return shortened(" ".join(repr(value).split()))
-    except NO_TEXT:
-        return f"an object of type {kind}"
 
 
 class _Token(NamedTuple):

@@ -103,17 +103,9 @@ class RealRoot:
 
     @classmethod
     def of_factor(cls, polynomial: Dense, index: int, low: Number, high: Number) -> RealRoot:
-        """The same for a polynomial that is known to be irreducible; nothing is checked.
+        """The root of a ``polynomial`` known to be irreducible; nothing is checked.
 
-        Parameters
-        ----------
-        polynomial, index, low, high
-            As for the class.
-
-        Returns
-        -------
-        RealRoot
-            The root.
+        ``index``, ``low`` and ``high`` are those of the class.
         """
         root = cls.__new__(cls)
         root._set(polynomial, index, low, high)
@@ -218,15 +210,7 @@ class RealRoot:
     def to_float(self, top: Dense, bottom: Dense) -> float:
         """The quotient of two polynomials at this root as a float, correct but for the last bit.
 
-        Parameters
-        ----------
-        top, bottom
-            Coefficients, from the highest degree on.
-
-        Returns
-        -------
-        float
-            Infinite if the quotient is too large.
+        ``top`` and ``bottom`` are coefficients, highest degree first. Infinite if it is too large.
         """
         if not top:
             return 0.0
@@ -244,24 +228,13 @@ class RealRoot:
         return to_float(QQ(above << max(0, -shift), below << max(0, shift)) * scale)
 
     def reduced(self, polynomial: Dense) -> Dense:
-        """Coefficients modulo the root's polynomial: the canonical form of a number of its field.
-
-        From the highest degree on, as those that are given.
-        """
+        """The canonical form of a number of the field: coefficients, highest degree first."""
         return tuple(dup_rem(list(trimmed(polynomial)), list(self.polynomial), QQ))
 
     def quotient(self, top: Dense, bottom: Dense) -> Dense:
-        """Canonical form of top/bottom at this root.
+        """Canonical form of ``top``/``bottom`` at this root, where the bottom is not zero.
 
-        Parameters
-        ----------
-        top, bottom
-            Coefficients, from the highest degree on; the bottom is not zero at the root.
-
-        Returns
-        -------
-        tuple
-            Coefficients, from the highest degree on.
+        All are coefficients, from the highest degree on.
         """
         modulus = list(self.polynomial)
         inverse = dup_invert(list(self.reduced(bottom)), modulus, QQ)
@@ -272,7 +245,7 @@ class RealRoot:
         return _root_to_sympy(self.polynomial, self.index)
 
     def element_to_sympy(self, value: Dense) -> sympy.Expr:
-        """A number of the root's field, given by the coefficients of :meth:`reduced`, for sympy."""
+        """A number of the root's field, given as by :meth:`reduced`, as a sympy expression."""
         root = self.to_sympy()
         found = sum(QQ.to_sympy(c) * root**i for i, c in enumerate(reversed(value)))
         if isinstance(root, sympy.CRootOf) or len(value) <= 1:  # there are no radicals
@@ -375,7 +348,7 @@ def real_roots(polynomial: Iterable[Number]) -> tuple[Real, ...]:
 
 
 def most_roots(polynomial: Dense, low: Number, high: Number) -> int:
-    """An upper bound, of the right parity, of the roots between two rationals [Descartes' rule]."""
+    """At least as many as a polynomial has roots between two rationals, by Descartes' rule."""
     (a, b), (c, d) = pair(low), pair(high)
     unit = lcm(b, d)
     start, length = a * (unit // b), c * (unit // d) - a * (unit // b)

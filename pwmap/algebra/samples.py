@@ -73,7 +73,7 @@ class Interior:
 def points(
     ring: Ring, constraints: Sequence[Constraint], order: Sequence[int]
 ) -> Iterator[list[Number]]:
-    """Values of all parameters that satisfy the constraints, plain first, or EmptyRegionError."""
+    """Values of all parameters that satisfy the constraints, plain first; or EmptyRegionError."""
     parts = _interiors(ring, constraints, order)
     free = [variable for variable in order if any(variable in part.point for part in parts)]
     limits = [c for part in parts for c in part.constraints]

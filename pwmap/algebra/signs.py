@@ -38,7 +38,7 @@ LIMIT = 200  # of the products of one refutation: beyond, linear programs take s
 def possible_signs(
     polynomial: PolyElement, constraints: Constraints, points: Callable[[], Iterable[Point]] = tuple
 ) -> Signs:
-    """A superset of the signs of a polynomial where the constraints hold; at points it is known."""
+    """All signs a polynomial may take where the constraints hold; the points show some of them."""
     return _product_signs(
         polynomial, lambda factor: _fully(factor, connected(constraints, variables(factor)), points)
     )

@@ -6,7 +6,6 @@ Text, numbers and sympy expressions become such trees, of bounded size; nothing 
 from __future__ import annotations
 
 import numbers
-import operator
 import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -17,6 +16,8 @@ from typing import Any, NamedTuple
 import sympy
 from sympy import QQ
 from sympy.logic.boolalg import BooleanAtom
+
+from pwmap.algebra.arguments import shortened
 
 MAX_DEPTH = 100  # brackets inside brackets
 MAX_TERMS = 100_000  # numbers, names and operations
@@ -104,14 +105,6 @@ class Term:
                     waiting.append(argument)
 
 
-def shortened(text: str, width: int = 100) -> str:
-    """A text for a message: its middle is left out if it is longer than the width."""
-    if len(text) <= width:
-        return text
-    half = (width - 5) // 2
-    return f"{text[:half]} ... {text[-half:]}"
-
-
 def plain_name(name: object) -> str:
     """A name as Python compares names: the micro sign is the letter mu (Unicode's NFKC)."""
     return unicodedata.normalize("NFKC", str(name))
@@ -129,15 +122,6 @@ def checked_parameter(name: object, symbols: Sequence[sympy.Symbol]) -> str:
     if own not in names:
         raise ValueError(f"{own} is no parameter of this map, it has {names or 'none'}")
     return own
-
-
-def positive_integer(number: object) -> int:
-    """An integer of at least 1; 0 for what is none."""
-    try:
-        found = operator.index(number)  # type: ignore[arg-type]
-    except TypeError:
-        return 0
-    return 0 if isinstance(number, bool) else max(0, found)
 
 
 def float_refusal(value: object) -> TypeError:
@@ -201,7 +185,7 @@ _OPERATIONS: dict[Any, Operation] = {
 
 
 class _Reader:
-    """Trees of sympy expressions, each part once, by its ``id``: sympy compares by recursion."""
+    """Trees of sympy expressions, each part read once (by ``id``, as sympy compares slowly)."""
 
     def __init__(self) -> None:
         self._known: dict[int, Term] = {}

@@ -193,7 +193,7 @@ class ClaimedDiagram:
         return self._ends[edge]
 
     def _is_bent(self, end: ClaimedEnd, edge: int) -> bool:
-        """Whether a fixed point that passes is at a border, or has slope -1, so that others end."""
+        """Whether a fixed point that passes lies at a border or has slope -1: others may end."""
         _, order, word = end.stretch.thing
         there = self.found(2 * edge, order, "fixed points").get(word)
         return there is None or there.at_border or self.study(2 * edge, order).excess(word, 1) == 0

@@ -14,7 +14,7 @@ from pwmap.checking.refusing import ROWS, STEP, digits, refuse
 
 
 class Point:
-    """All that ends at one edge and one x; the ends of least order decide its kind."""
+    """All that ends at one edge and one x; what has the least order decides its kind."""
 
     def __init__(
         self, diagram: ClaimedDiagram, edge: int, ends: Sequence[ClaimedEnd], *, infinite: bool

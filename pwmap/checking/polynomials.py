@@ -220,7 +220,7 @@ def between(low: Number, high: Number) -> Fraction:
 
 
 class Place:
-    """One value of the parameter, given twice, or an open interval; no asked sign changes in it."""
+    """A value of the parameter, given twice, or an open interval on which no asked sign changes."""
 
     def __init__(self, low: Number, high: Number, work: Effort) -> None:
         self.low, self.high = low, high

@@ -142,7 +142,7 @@ def analyse(
 
 @dataclass
 class _Kept:
-    """The diagram up to the completed orders, and its files, made at once to be there at Ctrl-C."""
+    """The diagram up to the completed orders, with its files made: both are kept at Ctrl-C."""
 
     about: dict[str, object]
     interrupts: list[bool] = field(default_factory=list)

@@ -44,7 +44,7 @@ class LongRun:
         self.left_out = list[str]()  # sentences on what is not known
 
     def ask(self, *, attractors: bool, entropy: bool, density: tuple[str, ...], order: int) -> None:
-        """Ask one question after the other, until Ctrl-C; ValueError without a span or density."""
+        """Ask question after question, until Ctrl-C; ValueError without the span that one needs."""
         map_, name, span = self._map, self._parameter, self._span
         if span is None and (attractors or entropy):
             raise ValueError("--attractors and --entropy need an interval of the parameter: --span")

@@ -123,7 +123,7 @@ def _computed(
     budget: Budget,
     interrupts: list[bool],
 ) -> tuple[ParameterPlane, PlaneRaster | None]:
-    """The plane, with curves of crises if asked for, and a raster of attractors; until Ctrl-C."""
+    """The plane, with curves of crises and a raster if asked for, as far as Ctrl-C lets it come."""
     from pwmap import parameter_plane
     from pwmap.plane import plane_raster, with_crises
     from pwmap.plane.crisiscurves import SEARCH

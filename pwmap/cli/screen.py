@@ -60,7 +60,7 @@ _tables: ContextVar[Format | None] = ContextVar("_tables", default=None)
 
 
 def picture_format(asked: Iterable[Format] | None) -> PictureFormat:
-    """The format of pictures; that of tables is kept. ValueError if there are two of either."""
+    """The asked format of pictures, that of tables being kept; ValueError if two are asked."""
     listed = [*dict.fromkeys(asked or ())]
     tables = [each for each in listed if each in TABLES]
     pictures = [each for each in listed if each not in TABLES]
@@ -80,7 +80,7 @@ def screen(*, stderr: bool = False, width: int | None = None) -> Console:
 
 
 def show(*tables: Table) -> None:
-    """Tables on stdout, each in the format that was asked for, with cells as text for programs."""
+    """Tables on stdout in the format that was asked for; for programs cells are text."""
     console = screen()
     form = _tables.get()
     for number, table in enumerate(tables):
@@ -159,7 +159,7 @@ def in_words(error: Exception) -> str:
 
 
 def tell_replaced(folder: Path, command: str, *files: str, kept: Sequence[str] = ()) -> None:
-    """Say which files, of its record and others not kept, a command will replace, in advance."""
+    """Say, before a command begins, which files of an earlier run it will replace."""
     from pwmap.diagrams.record import earlier_files
 
     named = dict.fromkeys((*earlier_files(folder, command), *files))

@@ -1,4 +1,4 @@
-"""Diagrams as data, with their queries, graphs, tables and files; names are loaded when used."""
+"""Diagrams as data, with their queries, graphs, tables and files."""
 
 import lazy_loader
 

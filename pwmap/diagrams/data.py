@@ -303,7 +303,7 @@ class Hit(NamedTuple):
 
 
 class StableInterval(NamedTuple):
-    """A part of :meth:`Diagram.stable_intervals`: where a branch attracts, between its samples."""
+    """Where a branch attracts, between its samples; see :meth:`Diagram.stable_intervals`."""
 
     branch: Branch
     low: float

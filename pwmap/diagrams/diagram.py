@@ -8,6 +8,7 @@ from pathlib import Path
 
 import networkx as nx
 
+from pwmap.algebra.arguments import check_text, checked_count, checked_pair, checked_path, shown
 from pwmap.diagrams import presentation, queries
 from pwmap.diagrams.data import Branch as Branch
 from pwmap.diagrams.data import BranchKind as BranchKind
@@ -116,35 +117,25 @@ class Diagram:
     ) -> Diagram:
         """The same diagram with names for special points, such as those of a publication.
 
-        Parameters
-        ----------
-        places
-            For each name the id of a point, such as ``PD1``, or a parameter and an x: then the
-            nearest border collision of the lowest order gets the name.
-        within
-            Largest distance of it in either coordinate, as a part of what the diagram extends over;
-            names without one so near are left out.
-
-        Returns
-        -------
-        Diagram
-            A copy; names of other points stay.
-
-        Raises
-        ------
-        ValueError
-            If a name is another point's id, or two names fall on one point.
-        KeyError
-            If there is no point of an id.
+        ``places`` has for each name the id of a point, such as ``PD1``, or a parameter and an x:
+        then the nearest border collision of the lowest order gets the name. Names without one
+        ``within`` that distance, as a part of the diagram's extent in either coordinate, are left
+        out. ValueError if a name is another point's id, or two names fall on one point; KeyError if
+        there is no point of an id; TypeError if a name or place is none.
         """
         given: dict[str, str] = {}
+        if not isinstance(places, Mapping):
+            raise TypeError(f"places must be a mapping such as {{'A': 'BC1'}}, got {shown(places)}")
         for name, place in places.items():
+            check_text("a name", name)
             if name in self._point:
                 raise ValueError(f"a name must differ from all ids of points, got {name!r}")
             point = (
                 self.point(place)
                 if isinstance(place, str)
-                else queries.collision_near(place, within, self.branches, self.points)
+                else queries.collision_near(
+                    checked_pair("a place", place), within, self.branches, self.points
+                )
             )
             if point is None:
                 continue
@@ -166,28 +157,14 @@ class Diagram:
     def at(self, parameter: object) -> tuple[Hit, ...]:
         """What the diagram shows at one value of the parameter, in order of x.
 
-        In an exact diagram all values are exact: a branch is met where the ``interval`` of one of
-        its stretches holds the parameter, and a band of fixed points along this value at both ends.
-        Where other parameters are symbolic, branches are met and sorted as at :attr:`sample`.
+        In an exact diagram, whose ``parameter`` may be an int, a Fraction, text such as ``"5/4"``,
+        a number of sympy, or a float (the binary number it holds), all values are exact: a branch
+        is met where the ``interval`` of one of its stretches holds the parameter, and a band of
+        fixed points along this value at both ends. Where other parameters are symbolic, branches
+        are met and sorted as at :attr:`sample`.
 
         Otherwise values lie on the straight line between neighbouring samples; a branch that turns
-        round is met more than once.
-
-        Parameters
-        ----------
-        parameter
-            A number; for an exact diagram an int, a Fraction, text such as ``"5/4"``, a rational or
-            algebraic number of sympy, or a float, taken as the binary number it holds.
-
-        Returns
-        -------
-        tuple of Hit
-            Empty where there is nothing.
-
-        Raises
-        ------
-        ValueError, TypeError
-            If it is no finite real number; the sentence names it.
+        round is met more than once. ValueError or TypeError if it is no finite real number.
         """
         return queries.hits(self.branches, self.parameter_name, parameter, self.sample)
 
@@ -198,21 +175,17 @@ class Diagram:
 
     def of_order(self, order: int) -> Diagram:
         """The branches of one iterate, and the points they end in."""
-        return self._part([branch for branch in self.branches if branch.order == order])
+        wanted = checked_count(order, "order")
+        return self._part([branch for branch in self.branches if branch.order == wanted])
 
     def within(self, low: float, high: float) -> Diagram:
-        """The branches that exist somewhere in a closed interval of the parameter, and their ends.
+        """The branches that exist somewhere from ``low`` to ``high``, whole, and their ends.
 
-        Parameters
-        ----------
-        low, high
-            Ends of the interval.
-
-        Returns
-        -------
-        Diagram
-            With whole branches, also where they reach beyond.
+        ValueError if that is no interval of the parameter, TypeError if these are no numbers.
         """
+        low, high = checked_pair("an interval", (low, high))
+        if not low <= high:
+            raise ValueError(f"expected an interval from low to high, got {shown((low, high))}")
         ranges = ((each, each.parameter.min(), each.parameter.max()) for each in self.branches)
         return self._part([each for each, least, most in ranges if least <= high and low <= most])
 
@@ -228,22 +201,10 @@ class Diagram:
         return replace(self, branches=tuple(branches), points=tuple(points))
 
     def path(self, first: str, last: str) -> tuple[str, ...]:
-        """A shortest way from one place to another: ids of branches and points in turn.
+        """A shortest way from ``first`` to ``last``: ids of branches and points in turn.
 
-        Parameters
-        ----------
-        first, last
-            Ids of branches, or ids or names of points.
-
-        Returns
-        -------
-        tuple of str
-            Empty if they are not connected.
-
-        Raises
-        ------
-        KeyError
-            If there is no such branch or point.
+        Both are ids, or names of points; KeyError if there is none. Empty if they are not
+        connected.
         """
         return queries.path_between(
             self.branches, self.points, self._place(first), self._place(last)
@@ -260,11 +221,13 @@ class Diagram:
 
     def with_word(self, word: str) -> tuple[Branch, ...]:
         """Branches that have a word along at least one of their stretches."""
+        check_text("a word", word)
         return tuple(b for b in self.branches if any(s.word == word for s in b.words))
 
     def stable_intervals(self, order: int | None = None) -> tuple[StableInterval, ...]:
         """Intervals of the parameter in which fixed points, by default of all orders, attract."""
-        return tuple(queries.stable_intervals(self.branches, order))
+        wanted = None if order is None else checked_count(order, "order")
+        return tuple(queries.stable_intervals(self.branches, wanted))
 
     def save(self, path: str | Path) -> Path:
         """Write the diagram as JSON that :func:`pwmap.load_diagram` reads; returns the path.
@@ -274,7 +237,7 @@ class Diagram:
         FileNotFoundError if its folder does not exist; TypeError if an exact value is no algebraic
         formula.
         """
-        path = Path(path)
+        path = checked_path(path)
         write_record(path, self, NAME, VERSION)
         return path
 
@@ -326,10 +289,8 @@ def load_diagram(path: str | Path) -> Diagram:
 
     Raises
     ------
-    ValueError
-        If the file is no saved diagram, or one of a newer version of the format.
-    FileNotFoundError
-        If there is no such file.
+    ValueError, FileNotFoundError
+        If the file is no saved diagram, one of a newer version of the format, or not there.
 
     Examples
     --------
@@ -339,5 +300,5 @@ def load_diagram(path: str | Path) -> Diagram:
     >>> [(branch.id, str(branch.exact["x"])) for branch in load_diagram(path).branches]
     [('F1', '2*p'), ('J1', '0'), ('F2', '3*p/2 - 3/2')]
     """
-    diagram: Diagram = read_record(Path(path), Diagram, NAME, VERSION)
+    diagram: Diagram = read_record(checked_path(path), Diagram, NAME, VERSION)
     return diagram

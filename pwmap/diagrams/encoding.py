@@ -58,7 +58,7 @@ def to_plain(value: Any) -> Any:
 
 
 def from_plain(data: Any, kind: Any) -> Any:
-    """A value from :func:`to_plain`, or ValueError, TypeError, LookupError; defaults if missing."""
+    """A value of a type from :func:`to_plain`; ValueError, TypeError, LookupError if it is none."""
     if _is_record(kind):
         return _record(data, kind)
     origin, inner = get_origin(kind), get_args(kind)

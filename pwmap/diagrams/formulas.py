@@ -51,7 +51,7 @@ def to_plain(value: sympy.Basic) -> Any:
 
 @lru_cache(maxsize=65536, typed=True)
 def text_of(value: object) -> str:
-    """An exact value as people read it; remembered, for a diagram's files write it repeatedly."""
+    """An exact value as people read it, kept: the files of a diagram write each several times."""
     return str(value)
 
 
@@ -90,7 +90,7 @@ def from_plain(data: Any) -> Any:
 
 
 def cost(data: Any) -> float:
-    """The cost of reading a formula, 6 million a second: that of factoring its polynomials."""
+    """The cost of reading a formula (6 million take a second): its polynomials are factored."""
     total, todo = 0.0, [data]
     while todo:
         part = todo.pop()

@@ -29,7 +29,7 @@ def _values(column: Column) -> Column:
 
 
 def joined(tables: Sequence[Mapping[str, Column]], names: Iterable[str]) -> dict[str, Column]:
-    """Tables below each other, with nan where one lacks a column; ``names`` are always there."""
+    """Tables below each other, nan where one lacks a column; ``names`` are columns in any case."""
     every = dict.fromkeys([*names, *chain.from_iterable(tables)])
     return {name: _stacked([_column(table, name) for table in tables]) for name in every}
 

@@ -34,7 +34,7 @@ from typing import Any
 import networkx as nx
 import numpy as np
 
-from pwmap.algebra.terms import shortened
+from pwmap.algebra.arguments import checked_path, shortened
 from pwmap.diagrams.files import write_whole
 
 Attributes = dict[str, Any]
@@ -96,10 +96,8 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
 
     Raises
     ------
-    TypeError, ValueError
-        If the graph does not suit the formats, or the suffix is unknown.
-    FileNotFoundError
-        If the folder does not exist.
+    TypeError, ValueError, FileNotFoundError
+        If the graph does not suit the formats, the suffix is unknown, or there is no such folder.
 
     Examples
     --------
@@ -109,7 +107,7 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
     >>> write_graph(diagram.graph(), "lines.graphml").name
     'lines.graphml'
     """
-    path = Path(path)
+    path = checked_path(path)
     write_whole(path, graph_as_bytes(graph, path))
     return path
 
@@ -135,10 +133,8 @@ def read_graph(path: str | Path) -> nx.MultiGraph:
 
     Raises
     ------
-    ValueError
-        If the suffix is unknown or the file does not hold such a graph.
-    FileNotFoundError
-        If there is no such file.
+    ValueError, FileNotFoundError
+        If the suffix is unknown, the file does not hold such a graph, or is not there.
 
     Examples
     --------
@@ -148,7 +144,7 @@ def read_graph(path: str | Path) -> nx.MultiGraph:
     >>> read_graph(write_graph(graph, "lines.json")).nodes["BC2"]["parameter"]
     1.0
     """
-    path = Path(path)
+    path = checked_path(path)
     decode = _format(path).decode
     content = path.read_bytes()
     try:
@@ -241,7 +237,7 @@ def _to_graphml(graph: nx.MultiGraph) -> bytes:
 
 
 class _Bounded:
-    """Builds the tree of an XML file of bounded depth, without a document type (its entities)."""
+    """Builds the tree of an XML file, bounded in depth; a document type (entities) is refused."""
 
     def __init__(self) -> None:
         self._builder = ET.TreeBuilder()

@@ -113,7 +113,7 @@ def collision_near(
     branches: Sequence[Branch],
     points: Sequence[SpecialPoint],
 ) -> SpecialPoint | None:
-    """The nearest border collision of the lowest order; distances in parts of the extent."""
+    """The nearest border collision of the lowest order; distances are parts of the extent."""
     ends = ([branch.parameter for branch in branches], [branch.x for branch in branches])
     sizes = [float(np.ptp(np.concatenate(values))) or 1.0 for values in ends if values]
 

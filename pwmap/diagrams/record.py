@@ -27,7 +27,7 @@ def record_of(command: str) -> str:
 def keep_record(
     folder: Path, command: str, names: Iterable[str], about: Mapping[str, object]
 ) -> tuple[str, ...]:
-    """Record what a command wrote; returns names of unchanged earlier files that it removed."""
+    """Record what a command wrote; returns unchanged files of its earlier run, which it removes."""
     path, written = folder / record_of(command), list(names)
     stale = [
         name

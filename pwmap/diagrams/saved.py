@@ -15,7 +15,7 @@ from typing import Any
 
 from sympy.polys.polyerrors import BasePolynomialError
 
-from pwmap.algebra.terms import shortened
+from pwmap.algebra.arguments import shortened
 from pwmap.diagrams import formulas
 from pwmap.diagrams.encoding import from_plain, to_plain
 from pwmap.diagrams.files import write_whole

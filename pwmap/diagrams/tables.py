@@ -97,7 +97,7 @@ def table_of_points(diagram: Diagram) -> Table:
             f"{point.name} ({point.id})" if point.name else point.id,
             _shown(point, "parameter", point.parameter),
             _shown(point, "x", point.x),
-            what if point.cause in ("", point.note) else f"{what}\n{point.cause}",
+            f"{what}\n{point.cause}" if point.cause else what,
             left,
             right,
         )

@@ -109,11 +109,12 @@ def _points(diagram: Diagram) -> Table:
     for point in diagram.points:
         mark, color = MARKERS.get(point.kind, (".", GREY))
         end = point.kind is PointKind.EP
+        cause = point.cause or ("" if end and point.note else point.kind.meaning)
         rows.append((
             point.parameter, point.x, point.id,
             point.name or ("" if end else str(point.kind)),
             f"{point.kind.label}{', ' + point.note if point.note else ''}",
-            point.cause or point.kind.meaning, _where(point), MARKS.get(mark, "circle"), color,
+            cause, _where(point), MARKS.get(mark, "circle"), color,
             14 if mark == "*" else 10 if mark == "D" else 8, np.pi / 2 if end else 0.0,
             bool(point.name),
         ))  # fmt: skip
@@ -190,7 +191,7 @@ def _curve(a: Floats, b: Floats, k: int) -> Floats:
 
 
 def nearest_line(table: Table, x: float, y: float, scale: tuple[float, float]) -> tuple[str, float]:
-    """The branch whose line is nearest, and its distance [px]; scale in pixels per unit of x, y."""
+    """The branch whose line is nearest, and how far away [px]; scale in pixels per unit."""
     best, least = "", np.inf
     for xs, ys, branch in zip(table["xs"], table["ys"], table["branch"], strict=True):
         away = _distance(np.column_stack([xs, ys]) * scale, np.array([x, y]) * scale)

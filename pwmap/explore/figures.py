@@ -97,7 +97,7 @@ def keep_in(axis_range: Any, low: float, high: float, *, moving: bool) -> None:
 
 
 def patch(table: ColumnDataSource, /, **columns: Any) -> None:
-    """Put new columns into a table at once: short arrays as lists, and no empty ones again."""
+    """Put new columns into a table in one message, short arrays as lists."""
     if any(map(len, columns.values())) or any(map(len, table.data.values())):
         table.data = {
             name: values.tolist() if isinstance(values, np.ndarray) and values.size < SHORT

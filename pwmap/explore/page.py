@@ -53,7 +53,7 @@ class Control:
 
 
 class DrawnFrame:
-    """New columns of tables by id for one letter, which ``sketch.js`` draws instead of Bokeh."""
+    """New columns of tables, by their ids, which ``sketch.js`` draws instead of Bokeh."""
 
     def __init__(self) -> None:
         self.tables: dict[str, dict[str, Any]] = {}

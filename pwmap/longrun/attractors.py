@@ -81,7 +81,7 @@ class _Settled(Exception):  # noqa: N818  it is not an error
 
 
 def attractors_of(line: MapLine, meter: Meter) -> Attractors:
-    """The attractors of a map; at the end of the budget, breaks that are left are open."""
+    """The attractors of a map; what the budget does not reach are open breaks."""
     expands = all(abs_(branch.slope) > 1 for branch in line.branches)
     fates = Fates(line, EXPANDING if expands else STEPS, meter)
     orbits, open_, bands = list[GermOrbit](), set(line.breaks), list[Bands]()
@@ -363,7 +363,7 @@ def _length(part: Interval) -> Exact:
 
 
 def expanded(line: MapLine, intervals: Intervals, meter: Meter) -> set[Interval] | None:
-    """The images of all that follows words until slopes multiply to more than 2; None if open."""
+    """The images of what follows words of slopes above 2 in size; None if not all are found."""
     found, looked = set[Interval](), 0
     level = dict.fromkeys(intervals, QQ.one)
     while level and looked < WORDS:

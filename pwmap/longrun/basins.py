@@ -77,7 +77,7 @@ class WholeBasin:
 def whole_basin(
     line: MapLine, core: PointSet, immediate: Sequence[Interval], meter: Meter
 ) -> WholeBasin:
-    """All that comes to an attractor, from its core and open immediate basin on, by preimages."""
+    """All that comes to an attractor, by preimages of its core and its open immediate basin."""
     found = [core | open_intervals(immediate)]
     complete = False
     with meter.keeping(found):
@@ -143,7 +143,7 @@ def _comes(line: MapLine, core: PointSet, x: Exact, meter: Meter) -> bool | None
 
 
 def basin_of(line: MapLine, start: Sequence[Interval], meter: Meter) -> tuple[Interval, ...]:
-    """The immediate basin, from intervals mapped into themselves on; too short without budget."""
+    """The immediate basin, grown from intervals that are mapped into themselves."""
     known = list(start)
     with meter.keeping(known):
         for _ in meter.each(range(ROUNDS), "rounds"):
@@ -163,7 +163,7 @@ def basin_of(line: MapLine, start: Sequence[Interval], meter: Meter) -> tuple[In
 def _extended(
     line: MapLine, known: Sequence[Interval], k: int, side: int, orders: int, meter: Meter
 ) -> Interval:
-    """An interval with what lies beside it on its piece and iterates take into known intervals."""
+    """A known interval with what lies beside it on its piece and is mapped into known ones."""
     end = known[k][side > 0]
     if isinstance(end, Infinite) or work_of(end) > LONGEST:
         return known[k]
@@ -178,7 +178,7 @@ def _extended(
 
 
 def _reach(piece: Reaching, known: Sequence[Interval], end: Exact, side: int) -> Exact:
-    """How far beside an end points are mapped into known intervals, or away; the end if none is."""
+    """How far beside an end all points are mapped into known intervals; the end if none are."""
     slope, intercept, limit = piece
     image = slope * end + intercept
     if slope == 0:

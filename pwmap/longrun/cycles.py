@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import sympy
 from sympy import QQ
 
+from pwmap.algebra.arguments import check_functions, explained
 from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, sign
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.fates import abs_
@@ -99,7 +100,7 @@ class FoundCycles:
         return f"FoundCycles({found} of period up to {self.order}, {words} looked at{rest})"
 
     def of_period(self, period: int) -> tuple[FoundCycle, ...]:
-        """Those of one least period, from left to right."""
+        """Cycles of one least period, from left to right."""
         return tuple(cycle for cycle in self.cycles if len(cycle.word) == period)
 
     def __len__(self) -> int:
@@ -118,6 +119,7 @@ class _StartSet(NamedTuple):
     high: Exact
 
 
+@explained()
 def cycles(
     map_: PiecewiseLinearMap,
     values: Mapping[Any, object] | None = None,
@@ -131,10 +133,9 @@ def cycles(
 
     Parameters
     ----------
-    map_
-        The map.
-    values
-        Of its parameters by symbol or name: rationals, and one may be a real algebraic number.
+    map_, values
+        The map, and values of its parameters by symbol or name: rationals, and one may be a real
+        algebraic number.
     order
         The largest period.
     budget
@@ -166,6 +167,7 @@ def cycles(
     [('LLR', (-5/2, -1/4, 7/8), -1), ('LRR', (-13/7, 1/14, 5/7), 8)]
     """
     order, meter = checked_order(order), metered(budget, on_interrupt)
+    check_functions(progress=progress)
     line = line_of(map_, values)
     levels, found = list[list[FoundCycle]](), list[FoundCycle]()
     searched, left_out = 0, ""
@@ -200,7 +202,7 @@ def cycles(
 def closed_words(
     line: MapLine, order: int, meter: Meter
 ) -> Iterator[tuple[tuple[int, ...], Exact]]:
-    """Words (numbers of branches) of cycles off breaks, each once, by period; and multipliers."""
+    """Words of cycles without points on breaks, by period, each once, with their multipliers."""
     for level in islice(_levels(line, meter), order):
         for start in level:
             if _closed(start) is not None:

@@ -103,17 +103,9 @@ class Density:
     error: float
 
     def measure(self, low: Exact, high: Exact) -> Any:
-        """The part of the attractor between two points, from 0 to 1.
+        """The part of the attractor between ``low`` and ``high``, exact numbers, from 0 to 1.
 
-        Parameters
-        ----------
-        low, high
-            Exact numbers.
-
-        Returns
-        -------
-        exact number, or Enclosure
-            An enclosure if the density is not exact; as a double, its middle.
+        It is an :class:`Enclosure` if the density is not exact.
         """
         total = QQ.zero if self.exact else mpmath.iv.mpf(0)
         for a, b, value in self.steps():
@@ -161,7 +153,7 @@ class Density:
 
 
 def density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
-    """The invariant density; None if no iterate expands, rounding leaves it open, or no budget."""
+    """The invariant density; None if no iterate expands, rounding leaves it open, or work ends."""
     try:
         return _density_of(line, bands, meter)
     except BudgetError:

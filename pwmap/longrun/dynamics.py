@@ -11,9 +11,8 @@ from typing import Any
 import sympy
 from sympy import QQ
 
-from pwmap.algebra.arithmetic import rational
+from pwmap.algebra.arguments import explained, shortened, shown
 from pwmap.algebra.exact import sign
-from pwmap.algebra.terms import shortened
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.attractors import (
     Attractors,
@@ -32,8 +31,9 @@ from pwmap.longrun.line import Germ, Interval, MapLine, line_of
 from pwmap.longrun.neutral import NeutralIntervals
 from pwmap.longrun.numbers import exact_to_sympy
 from pwmap.longrun.pointsets import PointSet, open_intervals, part_to_sympy
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.budget import BUDGET, Budget, Meter, check_budget, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
+from pwmap.parameters.cells import checked_span
 
 
 class Extremum(Enum):
@@ -241,10 +241,7 @@ class Attractor:
 
         ValueError if the window is no interval, TypeError if an end is a float.
         """
-        low, high = (rational(end) for end in window)
-        if not low < high:
-            raise ValueError(f"a window must be an interval (low, high), got {window!r}")
-        return exact_to_sympy(share(self._basin, (low, high)))
+        return exact_to_sympy(share(self._basin, checked_span(window, "a window")))
 
     def __str__(self) -> str:
         if self.points:
@@ -385,6 +382,7 @@ class Dynamics:
         return lap_numbers(self.line, checked_order(order), metered(self.budget))
 
 
+@explained()
 def dynamics(
     map_: PiecewiseLinearMap,
     values: Mapping[Any, object] | None = None,
@@ -396,11 +394,9 @@ def dynamics(
 
     Parameters
     ----------
-    map_
-        The map, or an iterate.
-    values
-        Of its parameters by symbol or name: rationals, and one may be a real algebraic number such
-        as ``(1 + sqrt(5))/2``.
+    map_, values
+        The map, or an iterate, and values of its parameters by symbol or name: rationals, and one
+        may be a real algebraic number such as ``(1 + sqrt(5))/2``.
     orders
         Up to which the graph of laps is made, in turn, until the entropy is known to 1e-12.
     budget
@@ -414,10 +410,8 @@ def dynamics(
 
     Raises
     ------
-    ValueError
-        If a parameter has no value, or several have algebraic values.
-    TypeError
-        If a value is a float.
+    ValueError, TypeError
+        If a parameter has no value, several have algebraic values, or one is a float.
 
     Examples
     --------
@@ -430,8 +424,11 @@ def dynamics(
     >>> found.absorbing, found.laps(4)
     (Interval(21/50, 7/10), [2, 4, 8, 14])
     """
+    if not isinstance(orders, Iterable):
+        raise TypeError(f"orders must be several iterates such as (12, 24), got {shown(orders)}")
     for order in orders:
         checked_order(order)
+    check_budget(budget)
     return Dynamics(line_of(map_, values), tuple(orders), budget)
 
 

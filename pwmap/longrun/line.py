@@ -16,6 +16,7 @@ from typing import Any, NamedTuple
 import sympy
 from sympy import QQ
 
+from pwmap.algebra.arguments import named_values
 from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, dense, sign
 from pwmap.algebra.roots import Real, RealRoot, algebraic, real_to_sympy, value_at
 from pwmap.algebra.terms import own_name
@@ -195,7 +196,7 @@ def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None
     """
     check_map(map_)
     rationals, roots = dict[str, object](), dict[str, RealRoot]()
-    for name, value in (values or {}).items():
+    for name, value in named_values("values", values).items():
         own = str(own_name(name, map_.parameters))
         found = algebraic(value) if isinstance(value, sympy.Expr) else value
         if isinstance(found, RealRoot):

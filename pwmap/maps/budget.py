@@ -13,6 +13,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import NamedTuple, TypeVar
 
+from pwmap.algebra.arguments import check_functions, check_kind, explained_fields
+
 Part = TypeVar("Part")
 
 LOOK = 50_000  # work after which a meter looks at the clock: some hundredths of a second
@@ -41,6 +43,7 @@ class Advance(NamedTuple):
 NOTHING = Advance("", 0, 0, 0)
 
 
+@explained_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Budget:
     """What a call may take, whom it tells how far it is, and what an interrupt does.
@@ -91,8 +94,10 @@ class Budget:
             count = getattr(self, name)
             if not isinstance(count, int) or count < 1:
                 raise ValueError(f"{name} of a budget must be a positive integer, got {count!r}")
-        if self.seconds is not None and not self.seconds > 0:
-            raise ValueError(f"seconds of a budget must be positive, got {self.seconds!r}")
+        seconds = self.seconds
+        if seconds is not None and not (isinstance(seconds, int | float) and seconds > 0):
+            raise ValueError(f"seconds of a budget must be a positive number, got {seconds!r}")
+        check_functions(progress=self.progress, on_interrupt=self.on_interrupt)
 
 
 BUDGET = Budget()
@@ -103,7 +108,7 @@ class BudgetError(ValueError):
 
 
 def cost(bits: int) -> int:
-    """The work of one operation on rationals of so many bits, in products of short ones (1 us)."""
+    """The work of one operation on rationals of so many bits; 1 takes about a microsecond."""
     # very long ones are reduced by their common divisor: squared
     return 1 + bits // 128 + (bits // 512) ** 2
 
@@ -172,13 +177,7 @@ class Meter:
         return next((loop for loop in self._loops if loop.what), NOTHING)
 
     def advance(self, what: str, done: int, total: int = 0) -> None:
-        """Note how many parts are finished, and tell it.
-
-        Parameters
-        ----------
-        what, done, total
-            As in a :class:`pwmap.maps.Advance`.
-        """
+        """Note, and tell, that ``done`` of a ``total`` of ``what`` are finished."""
         self._loops[-1] = at = Advance(what, done, total, self.work)
         if self._outermost is at:
             self._tell()
@@ -189,18 +188,7 @@ class Meter:
             self.budget.progress(self._outermost._replace(work=self.work))
 
     def each(self, parts: Iterable[Part], what: str) -> Iterator[Part]:
-        """One part after the other; of nested loops the outermost is told.
-
-        Parameters
-        ----------
-        parts, what
-            Those that a loop goes through, and what they are, in words.
-
-        Returns
-        -------
-        iterator
-            Of these parts.
-        """
+        """The ``parts`` in turn; the outermost of nested loops tells how many of ``what`` end."""
         total = len(parts) if isinstance(parts, Sized) else 0
         if self._loops[-1].what:  # this one is within another
             yield from parts
@@ -242,8 +230,16 @@ class Meter:
         self.stopped, self._next = why, 0  # whatever goes on with this meter ends, too
 
 
+def check_budget(budget: object) -> None:
+    """TypeError unless it is a budget, or the meter of one."""
+    if not isinstance(budget, Meter):
+        check_kind("budget", budget, Budget)
+
+
 def metered(budget: Budget | Meter, on_interrupt: Callable[[], None] | None = None) -> Meter:
-    """The meter of a call, or of the one it is part of; its own ``on_interrupt`` goes first."""
+    """The meter of a call, or of the call that it is part of; its own ``on_interrupt`` counts."""
+    check_functions(on_interrupt=on_interrupt)
+    check_budget(budget)
     if isinstance(budget, Meter):
         return budget
     return Meter(budget if on_interrupt is None else replace(budget, on_interrupt=on_interrupt))

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 
 import sympy
 
+from pwmap.algebra.arguments import check_text
 from pwmap.algebra.exact import Fraction_, fraction_to_sympy, quotient_to_sympy
 from pwmap.maps import cylinders as cyl
 from pwmap.maps.cylinders import Cut
@@ -84,6 +85,7 @@ def letter_bounds(layout: Layout, letter: int) -> Iterator[tuple[int, int, bool]
 
 def _read_word(map_: Decided, word: str) -> Word:
     """The pieces that the letters of a word name; two maps may use the same letter."""
+    check_text("the word of a cycle", word)
     indices = []
     for letter, layout in zip(word, map_.layouts(len(word)), strict=True):
         own = {map_.definition.letters[i]: i for i in dict.fromkeys(layout.slots)}
@@ -133,7 +135,7 @@ def _point_piece(map_: Decided, word: Word) -> Cut | None:
 
 
 def _only_point(map_: Decided, word: Word) -> Cut:
-    """Where a cycle of slope 1 passes: only one whose word has a single point is isolated."""
+    """Where a cycle of slope 1 passes, which is isolated only if its word has a single point."""
     if map_.oracle.sign(Offset(word)) == 0:
         chain = map_.chain * (len(word) // map_.order)
         cylinder = cyl.cylinder_of(word, chain, map_.oracle)

@@ -197,7 +197,7 @@ def iterate_of(cylinders: tuple[Cylinder, ...], ask: Ask) -> StudiedIterate:
 
 
 def inclusion_of(cylinder: Cylinder, known: Sides | None, oracle: SignOracle) -> Inclusion:
-    """Whether and where the fixed point of a cylinder's affine map lies in it, from known signs."""
+    """Whether the fixed point of a cylinder's affine map lies in it, and where."""
     word = cylinder.word
     steepness = oracle.multiplier(word, 1)
     if steepness == 0:
@@ -218,7 +218,7 @@ def inclusion_of(cylinder: Cylinder, known: Sides | None, oracle: SignOracle) ->
 def crossings(
     cylinders: Sequence[Cylinder], sides: Iterable[Sides | None]
 ) -> Iterator[CylinderCrossing]:
-    """Cuts whose one-sided limits lie on opposite sides, from signs at all cylinders but points."""
+    """Cuts with limits strictly on both sides of the diagonal, from signs at the cylinders."""
     pairs = zip(cylinders, sides, strict=True)
     intervals = [(each, signs) for each, signs in pairs if signs is not None]
     for (left, (_, before)), (right, (after, _)) in pairwise(intervals):
@@ -238,7 +238,7 @@ def minimal_period(word: Word, unit: int = 1) -> int:
 def words_beside(
     cylinders: Sequence[Cylinder], i: int, inclusion: Inclusion
 ) -> tuple[Cut | None, tuple[Word, ...]]:
-    """The cut at which a fixed point lies, if any, and the words beside it; of a band, none."""
+    """The cut at which a fixed point lies, if it does, and the words on its sides."""
     cylinder = cylinders[i]
     match inclusion:
         case Inclusion.INSIDE:

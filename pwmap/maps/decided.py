@@ -10,6 +10,7 @@ from typing import Any
 import sympy
 from sympy import QQ
 
+from pwmap.algebra.arguments import named_values, shortened
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.assumptions import AssumedRegion
 from pwmap.algebra.exact import (
@@ -23,7 +24,7 @@ from pwmap.algebra.exact import (
     to_ring,
 )
 from pwmap.algebra.inequalities import Constraint
-from pwmap.algebra.terms import checked_parameter, shortened
+from pwmap.algebra.terms import checked_parameter
 from pwmap.maps import cylinders as cyl
 from pwmap.maps.budget import BUDGET, Meter
 from pwmap.maps.cylinders import Cut, Cylinder, StudiedIterate
@@ -136,7 +137,8 @@ def with_values(map_: Decided, values: Mapping[Any, object]) -> Decided:
     """The map with rational values for some of its parameters, by symbol or by name."""
     definition = map_.definition
     numbers = {
-        checked_parameter(name, map_.parameters): rational(value) for name, value in values.items()
+        checked_parameter(name, map_.parameters): rational(value)
+        for name, value in named_values("values", values).items()
     }
     if not numbers:
         return map_

@@ -9,8 +9,8 @@ from typing import Any
 
 import sympy
 
+from pwmap.algebra.arguments import explained, positive_integer, shown
 from pwmap.algebra.exact import fraction_to_sympy
-from pwmap.algebra.terms import positive_integer, shortened
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.maps import diagonal
 from pwmap.maps.budget import checked_size
@@ -70,6 +70,7 @@ class PiecewiseLinearMap:
     [(4/5, 'RR', 'RL')]
     """
 
+    @explained()
     def __init__(
         self,
         pieces: Sequence[tuple[object, object]],
@@ -80,6 +81,7 @@ class PiecewiseLinearMap:
         self._map = as_written(read(pieces, x, given, letters, first_wins=False))
 
     @classmethod
+    @explained()
     def from_sympy(
         cls,
         piecewise: object,
@@ -87,27 +89,16 @@ class PiecewiseLinearMap:
         given: Iterable[object] = (),
         letters: Sequence[str] | None = None,
     ) -> PiecewiseLinearMap:
-        """A map from a ``sympy.Piecewise`` or its text: the first condition that holds counts.
+        """A map from a ``sympy.Piecewise`` of affine formulas, one formula, or the text of either.
 
-        Errors are those of the class.
-
-        Parameters
-        ----------
-        piecewise
-            A ``sympy.Piecewise`` of affine formulas, one such formula, or the text of either.
-        x, given, letters
-            As for the class.
-
-        Returns
-        -------
-        PiecewiseLinearMap
-            The map, its pieces in the order of the line.
+        The first condition of ``piecewise`` that holds counts; ``x``, ``given``, ``letters`` and
+        errors are those of the class.
         """
         return cls.of(as_written(read_formula(piecewise, x, given, letters)))
 
     @classmethod
     def of(cls, map_: Decided) -> PiecewiseLinearMap:
-        """A map whose pieces, and who decides about them, are known."""
+        """A map of these pieces, decided by this scope."""
         self = cls.__new__(cls)
         self._map = map_
         return self
@@ -183,6 +174,7 @@ class PiecewiseLinearMap:
 
     # --- New maps -------------------------------------------------------------------------------
 
+    @explained("values are one mapping, such as .at({'a': '5/4'})")
     def at(self, values: Mapping[Any, object]) -> PiecewiseLinearMap:
         """A map with rational values of parameters, such as ``{a: Rational(5, 4), "r": 1}``.
 
@@ -208,6 +200,7 @@ class PiecewiseLinearMap:
         Maps of one cell make a map of this cell. Of two different maps with parameters only the
         assumptions are kept. ValueError if cells or variables differ.
         """
+        check_map(inner)
         return self.of(composed(self._map, inner._map))
 
     def __matmul__(self, inner: PiecewiseLinearMap) -> PiecewiseLinearMap:
@@ -225,28 +218,14 @@ class PiecewiseLinearMap:
         return fraction_to_sympy(diagonal.followed(self._map, x)[1])
 
     def word_of(self, x: object) -> str:
-        """The letters of the original map that an exact point visits; a break is in its owner."""
+        """Letters of the map's pieces that an exact point visits; a break is on its own piece."""
         return self.spelled(diagonal.followed(self._map, x)[0])
 
+    @explained()
     def limit(self, x: object, side: str) -> sympy.Expr:
-        """The one-sided limit at a point, from the side ``"-"`` (left) or ``"+"`` (right).
+        """The one-sided limit at ``x`` from the ``side`` ``"-"`` (left) or ``"+"`` (right), exact.
 
-        Parameters
-        ----------
-        x
-            An exact number; parameters may occur in it.
-        side
-            ``"-"`` or ``"+"``.
-
-        Returns
-        -------
-        sympy.Expr
-            Exact; it does not depend on the value at the point itself.
-
-        Raises
-        ------
-        ValueError
-            If the side is neither.
+        It does not depend on the value at the point itself. ValueError if the side is neither.
         """
         if side not in ("-", "+"):
             raise ValueError(f"the side must be '-' or '+', got {side!r}")
@@ -262,6 +241,7 @@ class PiecewiseLinearMap:
 
     # --- The diagonal ---------------------------------------------------------------------------
 
+    @explained()
     def fixed_points(self, *, virtual: bool = False) -> tuple[FixedPoint, ...]:
         """All isolated fixed points, from left to right; then the virtual ones if asked for.
 
@@ -331,19 +311,20 @@ def checked_order(j: object) -> int:
     """The order of an iterate; ValueError unless it is an integer of at least 1."""
     order = positive_integer(j)
     if not order:
-        raise ValueError(f"the order of an iterate must be an integer j >= 1, got {j}")
+        raise ValueError(f"the order of an iterate must be an integer j >= 1, got {shown(j)}")
     return order
 
 
 def check_map(map_: object) -> None:
     """TypeError unless it is a map."""
     if not isinstance(map_, PiecewiseLinearMap):
-        raise TypeError(
-            f"expected a PiecewiseLinearMap (see its from_sympy), got {shortened(repr(map_), 100)}"
-        )
+        raise TypeError(f"expected a PiecewiseLinearMap (see its from_sympy), got {shown(map_)}")
 
 
-def check_kind(name: str, value: object, kind: type, room: str = "pwmap") -> None:
-    """TypeError unless a value is of a kind that has a public name."""
-    if not isinstance(value, kind):
-        raise TypeError(f"{name} must be {room}.{kind.__name__}, got {shortened(repr(value), 100)}")
+def check_values(map_: object) -> None:
+    """TypeError unless it is a map, ValueError if it has parameters without values."""
+    check_map(map_)
+    assert isinstance(map_, PiecewiseLinearMap)
+    if map_.parameters:
+        names = ", ".join(map(str, map_.parameters))
+        raise ValueError(f"every parameter must have a value (.at), the map still has {names}")

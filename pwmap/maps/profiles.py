@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 
 import sympy
 
+from pwmap.algebra.arguments import shortened
 from pwmap.algebra.arithmetic import Arithmetic, NotPolynomialError, Quotient
 from pwmap.algebra.assumptions import AssumedRegion, UndecidedError
 from pwmap.algebra.exact import (
@@ -26,7 +27,7 @@ from pwmap.algebra.exact import (
     is_constant,
     to_sympy,
 )
-from pwmap.algebra.terms import CONDITIONS, RELATIONS, Operation, Term, plain_name, shortened
+from pwmap.algebra.terms import CONDITIONS, RELATIONS, Operation, Term, plain_name
 
 MAX_BREAKS = 1000
 

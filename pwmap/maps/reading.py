@@ -11,6 +11,7 @@ from string import ascii_uppercase
 import sympy
 from sympy import QQ
 
+from pwmap.algebra.arguments import shown
 from pwmap.algebra.arithmetic import MAX_PARAMETERS, Arithmetic, NotPolynomialError, Quotient
 from pwmap.algebra.assumptions import AssumedRegion, UndecidedError, read_constraints
 from pwmap.algebra.exact import (
@@ -25,7 +26,7 @@ from pwmap.algebra.exact import (
     to_sympy,
 )
 from pwmap.algebra.inequalities import Constraint, variables
-from pwmap.algebra.parsing import checked_name, shown, term_of
+from pwmap.algebra.parsing import checked_name, term_of
 from pwmap.algebra.terms import Operation, Term, plain_name
 from pwmap.maps.profiles import Profile, ProfileLine, slot_name
 from pwmap.maps.words import Layout, Table
@@ -61,6 +62,10 @@ def read(
     ValueError, TypeError: one sentence that names the piece and what is wrong with it.
     """
     variable = _symbol(x)
+    if isinstance(pieces, str) or not isinstance(pieces, Iterable):
+        what = f"pieces must be pairs (formula, condition), got {shown(pieces)}"
+        raise TypeError(f"{what}; one formula is read by from_sympy")
+    pieces = list(pieces)
     for piece in pieces:
         if not isinstance(piece, Sequence) or isinstance(piece, str) or len(piece) != 2:
             raise ValueError(f"each piece must be a pair (formula, condition), got {shown(piece)}")
@@ -90,7 +95,10 @@ def _read(
     *,
     first_wins: bool,
 ) -> Definition:
-    given = [given] if isinstance(given, str | sympy.Basic) else list(given)
+    if isinstance(given, str | sympy.Basic):
+        given = [given]
+    elif not isinstance(given, Iterable):
+        raise TypeError(f"given must be inequalities such as ['a > 1'], got {shown(given)}")
     assumed = [term_of(condition, [x]) for condition in given]
     region = _region([term for pair in pairs for term in pair], assumed, x)
     line = ProfileLine(x, region, Arithmetic(region.ring))
@@ -271,6 +279,8 @@ def _letters(letters: Sequence[str] | None, n: int) -> tuple[str, ...]:
     if letters is None:
         standard = {1: "A", 2: "LR", 3: "LMR"}.get(n, ascii_uppercase[:n])
         letters = standard + "".join(chr(0x100 + i) for i in range(n - len(standard)))
+    if not isinstance(letters, Sequence):
+        raise TypeError(f"expected {n} different letters, one for each piece, got {shown(letters)}")
     if len(letters) != n or len(set(letters)) != n or any(len(letter) != 1 for letter in letters):
         raise ValueError(f"expected {n} different letters, one for each piece, got {letters!r}")
     return tuple(letters)

@@ -143,7 +143,7 @@ def first_turn(word: Letters, step: int = 1) -> Letters:
 
 
 class Orbits:
-    """Orbits of breaks along words, over powers of the positive denominator; each kept."""
+    """Affine maps of words and orbits of breaks as numerators, each computed once."""
 
     def __init__(self, table: Table) -> None:
         self.table = table

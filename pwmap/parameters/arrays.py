@@ -44,7 +44,7 @@ def _known_arrays(continuation: Continuation, segment: Segment) -> FloatArray:
 
 
 def segment_arrays(continuation: Continuation, segment: Segment) -> FloatArray:
-    """Parameter, x and multiplier along a segment, at few points; infinite beyond floats."""
+    """Parameter, x and multiplier along a segment, at few points if that is enough."""
     axis, slope = continuation.axis, continuation.orbits.slope(segment.key.word)
     ends = [continuation.number(end) for end in continuation.ends(segment)]
     smooth = segment.key.kind is BranchKind.FIXED_POINT and not segment.is_isolated

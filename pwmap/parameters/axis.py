@@ -179,7 +179,7 @@ class Axis(ABC):
         return to_float(value_at(top, value) / value_at(bottom, value))
 
     def compare_values(self, first: Any, second: Any, place: Any) -> int:
-        """Sign of the difference of two values of :meth:`value` at a place; it is not recorded."""
+        """Sign of the difference of two values of :meth:`value`; it is not recorded."""
         one, other = (v.value if isinstance(v, ValueAt) else v for v in (first, second))
         value = self.real(place)
         return (
@@ -199,7 +199,7 @@ class Axis(ABC):
         """Sign of the difference of two finite quotients at a place."""
 
     def closing(self, places: Sequence[Any], decided: Iterable[Decision]) -> None:  # noqa: B027
-        """Record what the order of places, and decisions at some, ask of other parameters."""
+        """Record what the order of places, and decisions at them, ask of other parameters."""
 
     @property
     def given(self) -> tuple[sympy.Basic, ...]:
@@ -218,7 +218,7 @@ class Axis(ABC):
 
     @abstractmethod
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
-        """Where the decisions of a cell cut for some orders hold; call :meth:`closing` before."""
+        """Where the decisions of a cell hold, for the orders of its cut; after :meth:`closing`."""
 
     @property
     def identity(self) -> Fraction_:

@@ -15,6 +15,7 @@ from typing import Any
 import sympy
 from sympy import QQ
 
+from pwmap.algebra.arguments import check_functions, explained
 from pwmap.algebra.assumptions import UndecidedError
 from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, fraction_to_sympy, quotient_to_sympy
 from pwmap.algebra.roots import ceiling, whole_part
@@ -51,6 +52,7 @@ from pwmap.parameters.segments import (
 )
 
 
+@explained()
 def bifurcation_diagram(
     map_: PiecewiseLinearMap,
     parameter: object,
@@ -111,6 +113,7 @@ def bifurcation_diagram(
     F2 fixed-point 3*p/2 - 3/2 Interval.Lopen(1, 2)
     """
     meter = metered(budget, on_interrupt)
+    check_functions(progress=progress, finished=finished)
     orders = checked_orders(orders, meter.budget)
     studied = tuple(sorted({d for n in orders for d in range(1, n + 1) if n % d == 0}))
     limits = (LOWEST, HIGHEST) if span is None else checked_span(span)
@@ -128,7 +131,7 @@ def bifurcation_diagram(
 
 @dataclass(frozen=True, slots=True)
 class _Growing:
-    """Follows how a diagram grows, and keeps each order's for an interrupt that wants it."""
+    """Makes the diagram of each completed order, if an interrupt is to keep it."""
 
     map: PiecewiseLinearMap
     orders: tuple[int, ...]
@@ -465,7 +468,7 @@ def classify(junction: Junction, *, at_span_end: bool) -> tuple[PointKind, str]:
     """
     ends = junction.ends
     if at_span_end:
-        return PointKind.EP, "end of the span"
+        return PointKind.EP, "end of the parameter span"
     if isinstance(junction.value, Infinite):
         escapes = any(end.unit == 1 for end in ends)
         return PointKind.LP if escapes else PointKind.EP, "x grows without bound"

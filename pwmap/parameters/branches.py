@@ -441,7 +441,7 @@ def _identities(cell: Cell) -> Iterator[tuple[int, Cylinder]]:
 
 
 def _cuts(cylinder: Cylinder, inclusion: Inclusion) -> list[Cut | None]:
-    """In keys of a cylinder's fixed points, besides the word: a point, or the ends a band owns."""
+    """What tells a cylinder's fixed points apart: the point, or the ends that a band owns."""
     if inclusion is Inclusion.BAND:
         lower = [cylinder.lower] if cylinder.lower_closed else []
         return [*lower, *([cylinder.upper] if cylinder.upper_closed else [])]

@@ -19,6 +19,7 @@ from typing import Any, TypeVar
 
 import sympy
 
+from pwmap.algebra.arguments import explained, shown
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, Number
 from pwmap.algebra.terms import checked_parameter, own_name
@@ -261,6 +262,7 @@ def merged(cells: Sequence[Cell]) -> list[Cell]:
 # --- What a user sees -----------------------------------------------------------------------------
 
 
+@explained()
 def parameter_cells(
     map_: PiecewiseLinearMap,
     parameter: object,
@@ -276,10 +278,8 @@ def parameter_cells(
     ----------
     map_, parameter
         The map, whose other parameters have values or stay symbolic, and the symbol or name.
-    orders
-        The iterates to look at.
-    span
-        Two rationals, or None for the whole line.
+    orders, span
+        The iterates to look at, and two rationals, or None for the whole line.
     sample
         Values of the symbolic parameters around which the list is to hold; by default one that the
         assumptions admit.
@@ -446,15 +446,15 @@ def checked_orders(orders: Iterable[int], budget: Budget = BUDGET) -> tuple[int,
     return tuple(sorted(listed))
 
 
-def checked_span(span: tuple[object, object]) -> tuple[Number, Number]:
+def checked_span(span: tuple[object, object], name: str = "a span") -> tuple[Number, Number]:
     """The ends of a span as rationals; ValueError if they are no interval."""
     if not isinstance(span, Sequence) or isinstance(span, str) or len(span) != 2:
-        raise ValueError(f"a span must be an interval (low, high), got {span!r}")
+        raise ValueError(f"{name} must be an interval (low, high), got {shown(span)}")
     if any(end is None or end in (sympy.oo, -sympy.oo) for end in span):
-        raise ValueError(f"a span needs two rational ends, or none at all, got {span}")
+        raise ValueError(f"{name} needs two rational ends, or none at all, got {span}")
     low, high = (rational(end) for end in span)
     if not low < high:
-        raise ValueError(f"a span must be an interval (low, high), got ({span[0]}, {span[1]})")
+        raise ValueError(f"{name} must be an interval (low, high), got ({span[0]}, {span[1]})")
     return low, high
 
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import sympy
 
-from pwmap.algebra.terms import shortened
+from pwmap.algebra.arguments import shortened
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 

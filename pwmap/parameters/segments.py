@@ -111,7 +111,7 @@ class Junction:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class KnownValues:
-    """What was computed of keys and segments, kept from order to order (without other symbols)."""
+    """What was computed of keys and segments, which no cut of cells changes."""
 
     keys: dict[BranchKey, BranchKey] = field(default_factory=dict)  # one object for each
     present: dict[int, tuple[StudiedIterate, Present]] = field(default_factory=dict)  # by id

@@ -15,6 +15,7 @@ from itertools import pairwise
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
+from pwmap.algebra.arguments import check_functions, check_kind, checked_count, explained
 from pwmap.algebra.bivariate import irreducible_factors
 from pwmap.algebra.exact import Number, degree_in
 from pwmap.algebra.inequalities import along
@@ -46,6 +47,7 @@ class _Family:
     number: int
 
 
+@explained()
 def with_crises(
     plane: ParameterPlane,
     order: int = 2,
@@ -90,8 +92,9 @@ def with_crises(
     >>> curve.kind.label, curve.polynomial
     ('merging crisis', a*b**2 - a + b)
     """
-    if columns < 1:
-        raise ValueError(f"crises are looked for at one value at least, got {columns}")
+    check_kind("plane", plane, ParameterPlane, "pwmap.plane")
+    check_functions(progress=progress)
+    columns = checked_count(columns, "columns")
     meter, done, curves = metered(budget), list[int](), list[PlaneCurve]()
     search = _Search(plane, order, meter)
     low, high = plane.across_span

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 
 import sympy
 
+from pwmap.algebra.arguments import explained, shown
 from pwmap.algebra.exact import Number
 from pwmap.algebra.roots import real_to_sympy
 from pwmap.algebra.terms import own_name
@@ -66,18 +67,11 @@ class ParameterPlane:
         rest = f"; {self.left_out}" if self.left_out else ""
         return f"ParameterPlane({', '.join(spans)}: {', '.join(sizes)}{rest})"
 
+    @explained()
     def at(self, across: object, along: object) -> Dynamics:
-        """The long run at a point, exactly; see :func:`pwmap.dynamics`.
+        """The long run, see :func:`pwmap.dynamics`, at exact values ``across`` and ``along``.
 
-        Parameters
-        ----------
-        across, along
-            Values of both parameters: rationals, their texts, or algebraic numbers.
-
-        Returns
-        -------
-        Dynamics
-            Of the map with these values.
+        They are rationals, their texts, or algebraic numbers.
         """
         return dynamics(self.map, {self.across: across, self.along: along})
 
@@ -90,7 +84,7 @@ class ParameterPlane:
         orders = sorted({order for strip in self.strips for order in strip.cells.orders})
         if period is not None and period not in orders:
             listed = ", ".join(map(str, orders)) or "none"
-            raise ValueError(f"period must be one of the orders {listed}, got {period}")
+            raise ValueError(f"period must be one of the orders {listed}, got {shown(period)}")
         return tuple(
             region
             for region in regions_of(self.strips)
@@ -121,6 +115,7 @@ class ParameterPlane:
         return dataframe(point_columns(self.points, (self.across, self.along)))
 
 
+@explained()
 def parameter_plane(
     map_: PiecewiseLinearMap,
     across: object,
@@ -169,6 +164,8 @@ def parameter_plane(
     check_map(map_)
     across, along = (own_name(name, map_.parameters) for name in (across, along))
     names = {str(symbol): symbol for symbol in map_.parameters}
+    if str(across) == str(along):
+        raise ValueError(f"expected two different parameters, got {across} twice")
     if set(names) != {str(across), str(along)} or len(names) != 2:
         raise ValueError(f"expected a map of {across} and {along}, this one has {list(names)}")
     meter = metered(budget)

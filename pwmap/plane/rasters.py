@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from sympy import QQ
 
+from pwmap.algebra.arguments import check_functions, check_kind, checked_count, explained
 from pwmap.algebra.exact import Number, to_float
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, bounds, spread
@@ -17,7 +18,6 @@ from pwmap.longrun.attractors import attractors_of
 from pwmap.longrun.entropy.entropies import entropy_of
 from pwmap.longrun.line import MapLine, line_of
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
-from pwmap.maps.piecewise_linear import check_kind
 from pwmap.plane.network import PlaneArc
 from pwmap.plane.plane import ParameterPlane
 
@@ -60,6 +60,7 @@ class PlaneRaster:
         return f"PlaneRaster({columns} x {rows} points, {self.open.sum()} open{rest})"
 
 
+@explained()
 def plane_raster(
     plane: ParameterPlane,
     columns: int = 48,
@@ -72,10 +73,8 @@ def plane_raster(
 
     Parameters
     ----------
-    plane
-        Its map and rectangle.
-    columns, rows
-        How many values of the parameter across, and of the one along.
+    plane, columns, rows
+        What to look at, and how many values of the parameter across, and of the one along.
     budget
         By default forty times that of one point; what is left out then is open, and ``left_out``
         says so.
@@ -103,8 +102,8 @@ def plane_raster(
     ([[0, 3, 0], [2, 2, 0]], [[1, 0, 1], [0, 0, 4]])
     """
     check_kind("plane", plane, ParameterPlane, "pwmap.plane")
-    if min(columns, rows) < 1:
-        raise ValueError(f"a raster needs a column and a row, got {columns} and {rows}")
+    columns, rows = checked_count(columns, "columns"), checked_count(rows, "rows")
+    check_functions(progress=progress)
     across, along = (
         _middles(*span, n)
         for span, n in zip((plane.across_span, plane.along_span), (columns, rows), strict=True)

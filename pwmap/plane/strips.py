@@ -77,7 +77,7 @@ class Rectangle:
         return tuple(sorted(divisors))
 
     def strips(self) -> list[Strip]:
-        """From left to right, up to the first gap; between two edges meet, or all changes."""
+        """All strips from left to right, up to the first gap that the budget leaves."""
         found: list[Strip] = []
         waiting: list[tuple[Real, Real]] = [self.across_span]
         with self.meter.keeping(waiting):

@@ -17,6 +17,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from sympy import QQ
 
+from pwmap.algebra.arguments import check_kind, checked_count, checked_pair, explained
+from pwmap.algebra.arguments import shown as shown_
 from pwmap.algebra.arithmetic import rational
 from pwmap.diagrams.data import (
     Branch,
@@ -27,7 +29,7 @@ from pwmap.diagrams.data import (
     stable_inside,
 )
 from pwmap.diagrams.diagram import Diagram
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_kind, check_map
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_values
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, styled
 from pwmap.plot.labels import LabelledCurve, Labels, Name
 from pwmap.plot.palette import named as period_named
@@ -57,6 +59,7 @@ MARKERS = {
 }
 
 
+@explained()
 def plot_diagram(
     diagram: Diagram,
     ax: Axes | None = None,
@@ -77,10 +80,8 @@ def plot_diagram(
 
     Parameters
     ----------
-    diagram
-        What to draw.
-    ax
-        Axes to draw on; new ones by default.
+    diagram, ax
+        What to draw, and axes to draw on; new ones by default.
     kinds
         Special points to mark; those that have a name are marked with it.
     legend
@@ -105,10 +106,8 @@ def plot_diagram(
 
     Raises
     ------
-    TypeError
-        If that is no diagram, or not drawn on axes.
-    ValueError
-        If there is no part of the name of a style.
+    TypeError, ValueError
+        If that is no diagram, or not drawn on axes; if no part has the name of a style.
 
     Examples
     --------
@@ -181,7 +180,7 @@ def draw_branches(
     diagram: Diagram, ax: Axes, kinds: Iterable[PointKind], *, labels: bool | None = None,
     branches: bool | Mapping[str, str] = False, stable_only: bool = False,
 ) -> Artists:  # fmt: skip
-    """Draw branches, special points, names and axes as :func:`plot_diagram`; artists by legend."""
+    """Artists, by name, of branches, special points, names and axes; see :func:`plot_diagram`."""
     shown: Artists = {}
     for branch in diagram.branches:
         if branch.kind is BranchKind.BAND:
@@ -199,6 +198,8 @@ def draw_branches(
     shown |= {label: lines[label] for label in _STYLES if label in lines}
     near = _ends_of(curves) if stable_only else {point.id for point in diagram.points}
     marked: list[SpecialPoint] = []
+    if isinstance(kinds, str) or not isinstance(kinds, Iterable):
+        raise TypeError(f"kinds must be several kinds such as (PointKind.BC,), got {shown_(kinds)}")
     asked = tuple(map(PointKind, kinds))
     for kind in (*asked, *(other for other in MARKERS if other not in asked)):
         points = [
@@ -359,6 +360,7 @@ def axis_label(name: str) -> str:
 # --- Maps -----------------------------------------------------------------------------------------
 
 
+@explained()
 def plot_map(
     map_: PiecewiseLinearMap,
     ax: Axes | None = None,
@@ -374,10 +376,8 @@ def plot_map(
 
     Parameters
     ----------
-    map_
-        A map without parameters.
-    window
-        Interval of x; by default around all breaks and fixed points.
+    map_, window
+        A map without parameters, and an interval of x; by default around all that is marked.
     ax, legend, styles
         As for :func:`plot_diagram`; other names are ``"diagonal"``, ``"pieces"`` and ``"ends"``.
 
@@ -399,9 +399,9 @@ def plot_map(
     >>> list(plot_map(lines.at({"p": "1/2"})).artists)
     ['diagonal', 'pieces', 'ends', 'jump crossing']
     """
-    _check_values(map_)
+    check_values(map_)
     ax = axes_for(ax, 4.6, 4.4)
-    low, high = (float(end) for end in (window if window is not None else _window(map_)))
+    low, high = _window(map_) if window is None else checked_pair("window", window)
     if not low < high:
         raise ValueError(f"a window must ascend, got ({low}, {high})")
     shown: Artists = {name: [] for name in PLAIN}
@@ -436,12 +436,6 @@ def plot_map(
     return Drawn((ax,), shown)
 
 
-def _check_values(map_: PiecewiseLinearMap) -> None:
-    check_map(map_)
-    if map_.parameters:
-        raise ValueError(f"give {', '.join(map(str, map_.parameters))} a value first (.at)")
-
-
 _ENDS = [
     Line2D([], [], color=INK, ls="", marker="o", markersize=3.4, mfc=face, mew=0.9, label=text)
     for face, text in ((INK, "belongs to its piece"), ("white", "does not"))
@@ -468,7 +462,7 @@ def around(marks: Sequence[float]) -> tuple[float, float]:
 def pieces_within(
     map_: PiecewiseLinearMap, window: tuple[float, float]
 ) -> tuple[list[tuple[tuple[float, float], ...]], list[tuple[float, float, bool]]]:
-    """Both ends (x, y) of each line of a map; ends of pieces, with whether they belong to it."""
+    """Both ends (x, y) of each line of a map, and where pieces end, with whether an end belongs."""
     lines, ends = [], []
     for piece in map_.pieces:
         outer = float(piece.lower), float(piece.upper)
@@ -486,6 +480,7 @@ def pieces_within(
     return lines, ends
 
 
+@explained()
 def plot_cobweb(
     map_: PiecewiseLinearMap,
     start: object,
@@ -499,10 +494,8 @@ def plot_cobweb(
 
     Parameters
     ----------
-    map_
-        A map without parameters.
-    start, steps
-        A rational, and the number of steps, at least 1.
+    map_, start, steps
+        A map without parameters, a rational, and the number of steps, at least 1.
     ax, window, styles
         As for :func:`plot_map`, with ``"orbit"`` and ``"start"``; by default the window holds the
         orbit.
@@ -526,9 +519,8 @@ def plot_cobweb(
     >>> [round(float(x), 3) for x in orbit.get_xdata()]
     [0.333, 0.333, -0.389, -0.389, 0.306]
     """
-    if steps < 1:
-        raise ValueError(f"a cobweb needs at least one step, got {steps}")
-    _check_values(map_)
+    steps = checked_count(steps, "steps")
+    check_values(map_)
     orbit = [QQ.to_sympy(rational(start))]
     for _ in range(steps):
         orbit.append(map_(orbit[-1]))

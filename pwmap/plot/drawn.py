@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.transforms import offset_copy
 
-from pwmap.algebra.terms import shortened
+from pwmap.algebra.arguments import shortened
 
 Artists = dict[str, list[Artist]]  # by the name of a part, as a legend has it
 Styles = Mapping[str, Mapping[str, Any]]  # by such names, properties of artists
@@ -68,7 +68,7 @@ def below(ax: Axes) -> dict[str, Any]:
 
 
 def styled(artists: Artists, styles: Styles | None, known: Iterable[str] = ()) -> None:
-    """Give parts of a picture properties of matplotlib; ValueError if a part cannot be there."""
+    """Give parts of a picture properties of matplotlib; ValueError if there can be no such part."""
     names = dict.fromkeys((*artists, *known))
     if not isinstance(styles, Mapping | None):
         raise TypeError(f"styles must be a mapping of names, got {shortened(repr(styles))}")

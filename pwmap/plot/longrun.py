@@ -14,6 +14,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 from sympy import QQ
 
+from pwmap.algebra.arguments import check_kind, checked_count, explained
 from pwmap.algebra.roots import simplest_between
 from pwmap.diagrams.data import FloatArray, PointKind
 from pwmap.diagrams.diagram import Diagram
@@ -24,7 +25,8 @@ from pwmap.longrun.dynamics import Attractor, Dynamics, Kneading, dynamics
 from pwmap.longrun.entropy.constant import constant_entropy
 from pwmap.longrun.entropy.entropies import EntropyIntervals
 from pwmap.longrun.numbers import to_double
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_kind, check_map
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
+from pwmap.parameters.cells import checked_span
 from pwmap.plot.diagrams import (
     BAND,
     MARKERS,
@@ -73,6 +75,7 @@ SEED = 1  # of starts of orbits
 # --- Over a parameter -----------------------------------------------------------------------------
 
 
+@explained()
 def plot_long_run(
     diagram: Diagram,
     found: AttractorDiagram,
@@ -137,6 +140,7 @@ def plot_long_run(
     return Drawn((ax,), every)
 
 
+@explained()
 def plot_attractors(
     found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes | None = None, *,
     steps: int = 160, styles: Styles | None = None,
@@ -211,6 +215,7 @@ def _draw_attractors(
     found: AttractorDiagram, map_: PiecewiseLinearMap, ax: Axes, steps: int
 ) -> Artists:
     """Bands and attracting cycles, from exact ones at places in each cell."""
+    steps = checked_count(steps, "steps")
     name = str(found.parameter)
     whole = float(found.cells[-1].upper - found.cells[0].lower)
     shown: Artists = {}
@@ -232,7 +237,7 @@ def _areas(
     ax: Axes, places: Sequence[float], seen: Sequence[tuple[Attractor, ...]],
     cell: tuple[float, float], shown: Artists,
 ) -> None:  # fmt: skip
-    """Draw one cell, joining places between which bands and points are as many."""
+    """Draw one cell; neighbouring places with as many bands and points are joined."""
     first = 0
     for _, group in groupby(seen, key=_shape):
         rows = list(group)
@@ -309,6 +314,7 @@ def _written(x: sympy.Expr) -> str:
 # --- At one place ---------------------------------------------------------------------------------
 
 
+@explained()
 def plot_kneading(
     seen: Dynamics, ax: Axes | None = None, *, steps: int = 24, styles: Styles | None = None
 ) -> Drawn:
@@ -318,10 +324,8 @@ def plot_kneading(
 
     Parameters
     ----------
-    seen
-        The long run of a map.
-    steps
-        How many steps are shown.
+    seen, steps
+        The long run of a map, and how many steps are shown.
     ax, styles
         As for :func:`pwmap.plot.plot_diagram`; names are the letters, ``"frames"`` and ``"texts"``.
 
@@ -332,10 +336,8 @@ def plot_kneading(
 
     Raises
     ------
-    TypeError
-        If that is no long run, or not drawn on axes.
-    ValueError
-        If the map has no break, or no step is to be shown.
+    TypeError, ValueError
+        If that is no long run, or not drawn on axes; if the map has no break, or there is no step.
 
     Examples
     --------
@@ -346,8 +348,7 @@ def plot_kneading(
     >>> [text.get_text() for text in drawn.ax.get_yticklabels()]
     ['$1/2^-$', '$1/2^+$']
     """
-    if steps < 1:
-        raise ValueError(f"a kneading table needs at least one step, got {steps}")
+    steps = checked_count(steps, "steps")
     check_kind("seen", seen, Dynamics, "pwmap.longrun")
     rows = seen.kneading
     if not rows:
@@ -409,6 +410,7 @@ def _draw_row(ax: Axes, number: int, row: Kneading, steps: int, colors: dict[str
     return shown
 
 
+@explained()
 def plot_entropy(
     map_: PiecewiseLinearMap, parameter: str, span: tuple[object, object], ax: Axes | None = None,
     *, steps: int = 120, orders: tuple[int, ...] = (12, 24),
@@ -452,7 +454,8 @@ def plot_entropy(
     """
     check_map(map_)
     ax = axes_for(ax, 7.0, 3.6)
-    low, high = (sympy.Rational(str(end)) for end in span)
+    low, high = map(QQ.to_sympy, checked_span(span))
+    steps = checked_count(steps, "steps")
     places = [low + (high - low) * sympy.Rational(2 * k + 1, 2 * steps) for k in range(steps)]
     found = [dynamics(map_, {parameter: p}, orders=orders).entropy for p in places]
     over = [float(p) for p in places]
@@ -490,6 +493,7 @@ def plot_entropy(
     return Drawn((ax,), drawn)
 
 
+@explained()
 def plot_density(
     found: Dynamics, ax: Axes | None = None, *, points: int = 200_000,
     styles: Styles | None = None,
@@ -498,10 +502,8 @@ def plot_density(
 
     Parameters
     ----------
-    found
-        The long run of a map.
-    points
-        Of orbits in the histogram, of each attractor.
+    found, points
+        The long run of a map, and how many points of orbits each histogram has.
     ax, styles
         As for :func:`pwmap.plot.plot_diagram`; names are ``"orbits"`` (bars) and ``"densities"``.
 
@@ -512,10 +514,8 @@ def plot_density(
 
     Raises
     ------
-    TypeError
-        If that is no long run, or not drawn on axes.
-    ValueError
-        If no attractor has a density.
+    TypeError, ValueError
+        If that is no long run, or not drawn on axes; if no attractor has a density.
 
     Examples
     --------
@@ -527,6 +527,7 @@ def plot_density(
     ['density, exact']
     """
     check_kind("found", found, Dynamics, "pwmap.longrun")
+    points = checked_count(points, "points")
     known = [(each, each.density) for each in found.attractors if each.density is not None]
     if not known:
         raise ValueError(

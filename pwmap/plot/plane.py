@@ -12,10 +12,10 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 from sympy import QQ
 
+from pwmap.algebra.arguments import check_kind, checked_count, explained
 from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import bounds, spread
 from pwmap.diagrams.data import FloatArray
-from pwmap.maps.piecewise_linear import check_kind
 from pwmap.plane.colours import Colours
 from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.rasters import PlaneRaster, arc_arrays, root_array
@@ -34,6 +34,7 @@ FRAME = "#969696"  # of a colour in the legend, which may be white
 HATCHES = ("", "///", "xxx")  # of cells in which one, two or more periods attract
 
 
+@explained()
 def plot_plane(
     plane: ParameterPlane,
     ax: Axes | None = None,
@@ -50,13 +51,9 @@ def plot_plane(
 
     Parameters
     ----------
-    plane
-        What to draw.
-    raster
-        What attracts at points of the plane; without it cells are coloured by the attracting cycles
-        of the orders of the plane.
-    colours
-        What the colours of the raster say.
+    plane, raster, colours
+        What to draw, and what attracts at its points, with what colours say of it; without a raster
+        cells are coloured by the attracting cycles of the orders of the plane.
     samples
         Points along a curve from one side to the other.
     ax, legend, styles
@@ -82,6 +79,10 @@ def plot_plane(
     ['flip', 'names']
     """
     check_kind("plane", plane, ParameterPlane, "pwmap.plane")
+    check_kind("colours", colours, Colours, "pwmap.plane")
+    if raster is not None:
+        check_kind("raster", raster, PlaneRaster, "pwmap.plane")
+    samples = checked_count(samples, "samples")
     ax = axes_for(ax, 6.0, 6.2)
     if raster is None:
         patches = _cells(ax, plane, samples)

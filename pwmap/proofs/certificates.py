@@ -11,6 +11,7 @@ import sympy
 from sympy import QQ
 from sympy.polys.matrices import DomainMatrix
 
+from pwmap.algebra.arguments import explained, shown
 from pwmap.algebra.exact import HIGHEST, LOWEST, Number, dense, pair
 from pwmap.algebra.roots import (
     Dense,
@@ -42,6 +43,7 @@ Row = dict[str, Any]
 CERTIFIED = (PointKind.BC, PointKind.FF, PointKind.PD, PointKind.LP)
 
 
+@explained()
 def prove(
     what: PiecewiseLinearMap | Diagram,
     map_: PiecewiseLinearMap | None = None,
@@ -89,7 +91,12 @@ def prove(
             raise ValueError("of a map, only an order can be given: prove(map, order=2)")
         return _sealed(_fixed_points(what, checked_order(order)))
     if not isinstance(what, Diagram) or not isinstance(map_, PiecewiseLinearMap):
-        raise ValueError(f"a map, or a diagram and its map, was expected, got {what!r:.80}")
+        got = shown(what) if map_ is None else f"{shown(what)} and {shown(map_)}"
+        raise ValueError(f"a map, or a diagram and its map, was expected, got {got}")
+    if order != 1:
+        raise ValueError(
+            "of a diagram, only orders can be given: prove(diagram, map, orders=(1, 2))"
+        )
     return _sealed(_DiagramWriter(what, map_, orders).content())
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from pwmap.algebra.arguments import checked_path
 from pwmap.diagrams.files import write_whole
 from pwmap.diagrams.shown import brief
 
@@ -36,8 +37,9 @@ class Certificate:
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Write it as JSON; the file is there whole or not at all."""
         lines = [f"{json.dumps(name)}: {_lines(value)}" for name, value in self.content.items()]
-        write_whole(Path(path), ("{\n" + ",\n".join(lines) + "\n}\n").encode("ascii"))
-        return Path(path)
+        file = checked_path(path)
+        write_whole(file, ("{\n" + ",\n".join(lines) + "\n}\n").encode("ascii"))
+        return file
 
 
 def _lines(value: object) -> str:

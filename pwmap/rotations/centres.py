@@ -35,6 +35,7 @@ from sympy import QQ
 from sympy.polys.orderings import lex
 from sympy.polys.rings import PolyElement, PolyRing
 
+from pwmap.algebra.arguments import explained
 from pwmap.algebra.exact import Fraction_, Number, dense, fraction_to_sympy, to_sympy
 from pwmap.algebra.roots import Real, RealRoot, real_roots, sign_at
 from pwmap.algebra.terms import checked_parameter
@@ -82,6 +83,7 @@ class OrganisingCentre:
     patterns: tuple[str, ...]
 
 
+@explained()
 def organising_centre(map_: PiecewiseLinearMap, across: object, along: object) -> OrganisingCentre:
     """The organising centre of a map of two pieces in the plane of two parameters.
 
@@ -124,6 +126,7 @@ def organising_centre(map_: PiecewiseLinearMap, across: object, along: object) -
     return found[0]
 
 
+@explained()
 def organising_centres(
     map_: PiecewiseLinearMap, across: object, along: object
 ) -> tuple[OrganisingCentre, ...]:

@@ -23,6 +23,7 @@ from sympy import QQ
 from sympy.polys.fields import FracElement, FracField
 from sympy.polys.orderings import lex
 
+from pwmap.algebra.arguments import checked_count, explained
 from pwmap.algebra.assumptions import UndecidedError
 from pwmap.algebra.exact import (
     Affine,
@@ -41,7 +42,6 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Layout, Word
 from pwmap.rotations.patterns import WordRun, read_pattern
 from pwmap.rotations.pieces import checked_map
-from pwmap.rotations.words import checked_count
 
 LONG = 64  # bits of a number that are as much work as a term
 Element = Any  # of the field of quotients in the parameters, n and the powers
@@ -61,7 +61,7 @@ class FamilyCondition:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FamilyCycle:
-    """One cycle of :func:`pwmap.word_family`: word, first point, multiplier, binding conditions."""
+    """One cycle of a :func:`pwmap.word_family`, with the conditions that bind."""
 
     word: str
     x: sympy.Expr
@@ -102,25 +102,10 @@ class WordFamily:
         )
 
     def at(self, n: int, *, budget: Budget | Meter = BUDGET) -> FamilyCycle:
-        """The cycle for a value of n, as ``map_.cycle(word)``, with the conditions that bind.
+        """The cycle for a value of ``n``, as ``map_.cycle(word)``, with the conditions that bind.
 
-        Parameters
-        ----------
-        n
-            A value of the exponent, an integer of at least :attr:`least`.
-        budget
-            How much may be computed, and how long the word may be.
-
-        Returns
-        -------
-        FamilyCycle
-            From the formulas that hold for every n.
-
-        Raises
-        ------
-        ValueError
-            If n is no integer of at least :attr:`least`, or the multiplier is 1 for this n. A
-            ``BudgetError`` if the word or the formulas are too long.
+        ValueError if that is no integer of at least :attr:`least`, or the multiplier is 1 for it;
+        BudgetError if the word or the formulas take more than the ``budget``.
         """
         count, meter = self._checked(n), metered(budget)
         letters = sum(len(run.word) * run.count(count) for run in self._runs)
@@ -174,6 +159,7 @@ class _Bound(NamedTuple):
         return (sympy.Le if self.closed else sympy.Lt)(point, at)
 
 
+@explained()
 def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> WordFamily:
     """The cycles of a pattern of words such as ``R L^n``, for every n.
 

@@ -21,10 +21,11 @@ from typing import NamedTuple
 
 from sympy import QQ
 
+from pwmap.algebra.arguments import checked_count, explained
 from pwmap.algebra.exact import Affine, Number, constant
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_values
 from pwmap.rotations.pieces import LEFT, RIGHT, increasing_pieces
-from pwmap.rotations.words import checked_count, rotational_word
+from pwmap.rotations.words import rotational_word
 
 ITERATES = 1000  # by default; the bounds are then at most 1/1000 apart
 
@@ -69,6 +70,7 @@ class TwoLines(NamedTuple):
         return TwoLines(Affine(m, -d), Affine(s, -c), -self.at)
 
 
+@explained()
 def rotation_number_at(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> RotationNumber:
     """The rotation number of a map of two increasing pieces that do not overlap.
 
@@ -114,6 +116,7 @@ def rotation_number_at(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Ro
     )
 
 
+@explained()
 def rotation_interval(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> RotationInterval:
     """The smallest and the largest rotation number of a map of two increasing pieces.
 
@@ -159,9 +162,7 @@ def rotation_interval(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Rot
 
 def _lines(map_: PiecewiseLinearMap) -> TwoLines:
     pieces = increasing_pieces(map_)
-    if map_.parameters:
-        names = ", ".join(map(str, map_.parameters))
-        raise ValueError(f"every parameter must have a value (.at), the map still has {names}")
+    check_values(map_)
     table = map_.definition.table
     lines = [
         Affine(constant(table.slopes[i]), constant(table.intercepts[i])) for i in (LEFT, RIGHT)
@@ -171,7 +172,7 @@ def _lines(map_: PiecewiseLinearMap) -> TwoLines:
 
 
 def _fixed(lines: TwoLines) -> Fraction | None:
-    """The rotation number 0 or 1 of bounded orbits, None if they cross the break; or ValueError."""
+    """The rotation number, 0 or 1, if no orbit crosses the break; None if one does; ValueError."""
     top, low = lines.limits
     stays = top <= lines.at, low >= lines.at
     if all(stays):

@@ -1,7 +1,8 @@
 """Patterns of words with one exponent n, such as ``R L^n`` or ``(RL)^n R L^(n+1)``.
 
-    pattern:  item item ...       (blanks mean nothing) item:     letter or (pattern), with or
-    without ^exponent exponent: an integer, n, or a sum in parentheses such as (n+1), (n-2)
+    pattern:  item item ...       (blanks mean nothing)
+    item:     letter or (pattern), with or without ^exponent
+    exponent: an integer, n, or a sum in parentheses such as (n+1), (n-2)
 
 What is raised to a power of n must be a plain word.
 """
@@ -12,7 +13,7 @@ import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from pwmap.algebra.terms import shortened
+from pwmap.algebra.arguments import shortened
 from pwmap.maps.words import Word
 
 MAX_LETTERS = 1000  # that a pattern may have where n does not occur
@@ -31,7 +32,7 @@ class WordRun(NamedTuple):
 
 
 def read_pattern(text: str, letters: Sequence[str], n: str = "n") -> tuple[WordRun, ...]:
-    """The runs of a pattern; a letter not raised to n is a run of one, ValueError a sentence."""
+    """The runs of a pattern; ValueError says in one sentence what is wrong with it."""
     if not isinstance(text, str):
         raise ValueError(f"a pattern must be text such as 'R L^n', got {shortened(repr(text))}")
     runs = _PatternReader(text, tuple(letters), n).all()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from pwmap.algebra.exact import Fraction_, quotient_to_sympy
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 from pwmap.maps.words import Layout, Word
 
 LEFT, RIGHT = 0, 1  # the letters of the two pieces, as indices
@@ -23,14 +23,14 @@ class TwoPieces(NamedTuple):
         return tuple(map(self.map_.letters.index, word))
 
     def margin(self, word: Word) -> tuple[Fraction_, bool]:
-        """The distance of a cycle's first point to the break, positive inside, and if 0 is, too."""
+        """How far inside of its piece a cycle's first point lies, and whether 0 is inside."""
         (top, bottom), (a, b) = self.map_.orbits.fixed_point(word), self.at
         side = 1 if word[0] == RIGHT else -1
         return (side * (b * top - a * bottom), b * bottom), self.owner == word[0]
 
 
 def two_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
-    """The map as two pieces with one break; TypeError, ValueError if it is anything else."""
+    """A map's two pieces with one break; TypeError or ValueError if it is anything else."""
     layout = checked_map(map_)
     if map_.scope != map_.definition.region:
         raise ValueError(f"expected a map for all values assumed, got one of the cell {map_.scope}")
@@ -44,7 +44,7 @@ def two_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
 
 
 def increasing_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
-    """Two pieces that increase; errors of :func:`two_pieces`, ValueError, or UndecidedError."""
+    """A map's two pieces, if both increase; else the errors of :func:`two_pieces`."""
     pieces = two_pieces(map_)
     for letter in (LEFT, RIGHT):
         if map_.oracle.slope((letter,)) <= 0:
@@ -58,8 +58,7 @@ def increasing_pieces(map_: PiecewiseLinearMap) -> TwoPieces:
 
 def checked_map(map_: PiecewiseLinearMap) -> Layout:
     """How a map cuts the line; TypeError, ValueError if it is no map, or an iterate."""
-    if not isinstance(map_, PiecewiseLinearMap):
-        raise TypeError(f"expected a PiecewiseLinearMap, got {type(map_).__name__}")
+    check_map(map_)
     if map_.order != 1:
         raise ValueError(f"expected a map that is no iterate, got one of order {map_.order}")
     return map_.definition.table.layouts[map_.chain[0]]

@@ -19,6 +19,7 @@ from functools import cached_property
 
 import sympy
 
+from pwmap.algebra.arguments import checked_count, explained
 from pwmap.algebra.exact import Fraction_, Number, dense, fraction_to_sympy, quotient_to_sympy
 from pwmap.algebra.roots import (
     Real,
@@ -33,7 +34,7 @@ from pwmap.maps.cycles import Cycle
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Word
 from pwmap.rotations.pieces import LEFT, RIGHT, TwoPieces, increasing_pieces
-from pwmap.rotations.words import checked_count, farey, rotational_word
+from pwmap.rotations.words import farey, rotational_word
 
 LETTER = 4  # work that a letter of a word takes
 Piece_ = tuple[Real, Real]  # of the axis of the parameter; see gaps_and_roots
@@ -84,7 +85,7 @@ class Tongue:
 
     @property
     def values(self) -> sympy.Set:
-        """Where the cycle exists, in the map's parameter; ValueError if it has not just one."""
+        """Where the cycle exists, in the only parameter; ValueError unless there is just one."""
         if len(self._map.parameters) != 1:
             names = ", ".join(map(str, self._map.parameters)) or "none"
             raise ValueError(f"the map must have exactly one parameter, it has {names}")
@@ -123,6 +124,7 @@ class Tongue:
         )
 
 
+@explained()
 def tongues(
     map_: PiecewiseLinearMap, q_max: int, *, budget: Budget | Meter = BUDGET
 ) -> tuple[Tongue, ...]:

@@ -10,7 +10,7 @@ from fractions import Fraction
 
 import sympy
 
-from pwmap.algebra.terms import positive_integer, shortened
+from pwmap.algebra.arguments import check_text, checked_count, explained, shown
 
 
 def farey(q_max: int) -> tuple[Fraction, ...]:
@@ -47,6 +47,7 @@ def farey(q_max: int) -> tuple[Fraction, ...]:
     return tuple(found)
 
 
+@explained()
 def rotational_word(rotation: object, letters: str = "LR") -> str:
     """The word of a rotation by p/q: p letters R out of q, as evenly spread as can be.
 
@@ -68,10 +69,8 @@ def rotational_word(rotation: object, letters: str = "LR") -> str:
 
     Raises
     ------
-    TypeError
-        If the rotation is a float, or no number.
-    ValueError
-        If it lies outside of [0, 1], or there are not two different letters.
+    TypeError, ValueError
+        If the rotation is no rational from 0 to 1, or there are not two different letters.
 
     Examples
     --------
@@ -85,6 +84,7 @@ def rotational_word(rotation: object, letters: str = "LR") -> str:
     return "".join(right if (k + 1) * p // q > k * p // q else left for k in range(q))
 
 
+@explained()
 def rotation_number(word: str, letters: str = "LR") -> Fraction:
     """How often a cycle comes round for each step: the share of the letter R in its word.
 
@@ -112,6 +112,7 @@ def rotation_number(word: str, letters: str = "LR") -> Fraction:
     Fraction(2, 5)
     """
     left, right = _two(letters)
+    check_text("a word", word)
     if not word or set(word) - {left, right}:
         raise ValueError(f"a word must consist of the letters {left} and {right}, got {word!r}")
     return Fraction(word.count(right), len(word))
@@ -120,22 +121,15 @@ def rotation_number(word: str, letters: str = "LR") -> Fraction:
 def checked_rotation(rotation: object) -> Fraction:
     """A rotation number as a fraction; see :func:`rotational_word` for the errors."""
     if isinstance(rotation, bool) or not isinstance(rotation, int | Fraction | sympy.Rational):
-        raise TypeError(f"a rotation number must be a rational, got {shortened(repr(rotation))}")
+        raise TypeError(f"a rotation number must be a rational, got {shown(rotation)}")
     found = Fraction(*map(int, (rotation.numerator, rotation.denominator)))
     if not 0 <= found <= 1:
         raise ValueError(f"a rotation number must lie in [0, 1], got {found}")
     return found
 
 
-def checked_count(number: object, name: str) -> int:
-    """An integer of at least 1; ValueError if it is none."""
-    found = positive_integer(number)
-    if not found:
-        raise ValueError(f"{name} must be an integer of at least 1, got {number}")
-    return found
-
-
 def _two(letters: str) -> tuple[str, str]:
+    check_text("letters", letters)
     if len(letters) != 2 or letters[0] == letters[1]:
         raise ValueError(f"the pieces need two different letters, got {letters!r}")
     return letters[0], letters[1]

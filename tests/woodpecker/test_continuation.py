@@ -121,7 +121,8 @@ def test_a_person_can_read_the_graph(toy_diagram: Diagram) -> None:
     assert {point.kind for point in toy_diagram.points} == {
         PointKind.BC, PointKind.FF, PointKind.PD, PointKind.EP,
     }  # fmt: skip
-    assert all(point.cause for point in toy_diagram.points)
+    assert all(point.cause or point.note for point in toy_diagram.points)
+    assert all(point.cause != point.note for point in toy_diagram.points)
     assert sum(len(branch.changes) for branch in toy_diagram.branches) > 50
     assert all(change.cause for branch in toy_diagram.branches for change in branch.changes)
 

@@ -7,8 +7,8 @@ from collections.abc import Sequence
 from dataclasses import Field, dataclass, fields
 from typing import Any
 
+from pwmap.algebra.arguments import explained_fields
 from pwmap.diagrams.shown import changed
-from woodpecker.base.arguments import explained_fields
 from woodpecker.base.checks import interval, positive, whole
 
 SMALLEST_UNIT = 2.0**-8  # of the largest magnitude: then ``nearest`` is some seventeen spacings

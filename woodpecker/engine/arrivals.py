@@ -49,7 +49,7 @@ def given_up(begin: Beginning, arc: Arc, note: str = "", cause: str = "") -> Arr
     """The end of a branch at the end of an arc, and why, if nothing starts there."""
     is_open = arc.stop.is_open or bool(note)
     return Arrival(
-        PointKind.EP, arc.samples[-1].orbit, note or arc.stop.value, cause or arc.stop.value,
+        PointKind.EP, arc.samples[-1].orbit, note or arc.stop.value, cause,
         arc.precision, PointStatus.OPEN if is_open else PointStatus.LOCATED,
     )  # fmt: skip
 

@@ -10,8 +10,8 @@ from decimal import Decimal
 from enum import Enum, StrEnum
 from typing import Any, Literal, NamedTuple
 
+from pwmap.algebra.arguments import explained_fields
 from pwmap.diagrams.shown import changed
-from woodpecker.base.arguments import explained_fields
 from woodpecker.base.shown import real, shown
 
 RESTITUTIONS = ("eps_n1", "eps_n2", "eps_n3")

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from pwmap.algebra.arguments import explained
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.diagrams.shown import brief, counted, span, table, tally
-from woodpecker.base.arguments import explained
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, number, real_array, whole
 from woodpecker.base.compiled import COMPILED

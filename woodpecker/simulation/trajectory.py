@@ -7,9 +7,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
+from pwmap.algebra.arguments import explained, explained_fields
 from pwmap.diagrams.frames import DataFrame, dataframe
 from pwmap.diagrams.shown import brief, counted, table
-from woodpecker.base.arguments import explained, explained_fields
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, number, positive, real_array, whole
 from woodpecker.base.compiled import announce

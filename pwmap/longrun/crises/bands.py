@@ -1,4 +1,4 @@
-"""Bands and crises as branches and special points: they go on where cycles end, chaos begins."""
+"""Bands as branches, and crises as special points, of a bifurcation diagram."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 import sympy
 from sympy import QQ
 
+from pwmap.algebra.arguments import check_kind, explained
 from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import algebraic, simplest_between, spread
 from pwmap.diagrams.data import Branch, BranchKind, FloatArray, PointKind, SpecialPoint, Stretch
@@ -23,6 +24,7 @@ PLACES = 7  # in each cell at which bands are computed exactly
 NEAR = QQ(1, 8)  # of the distance between two of them: there a simple rational is taken
 
 
+@explained()
 def with_attractors(diagram: Diagram, found: AttractorDiagram) -> Diagram:
     """The same diagram with bands of chaotic attractors as branches, and crises as points.
 
@@ -65,7 +67,9 @@ def with_attractors(diagram: Diagram, found: AttractorDiagram) -> Diagram:
 
 
 def check_parameter(diagram: Diagram, found: AttractorDiagram) -> None:
-    """ValueError if a diagram and attractors are over different parameters."""
+    """TypeError if these are none, ValueError if they are over different parameters."""
+    check_kind("diagram", diagram, Diagram)
+    check_kind("found", found, AttractorDiagram, "pwmap.longrun")
     if diagram.parameter_name != str(found.parameter):
         raise ValueError(
             f"expected attractors over {diagram.parameter_name}, got them over {found.parameter}"
@@ -206,7 +210,8 @@ class _Points:
             name = self._known[parameter] = self._own(crisis) or self._added(crisis, x)
         if not name:
             ends = self._found.cells[0].lower, self._found.cells[-1].upper
-            note = "end of the span" if parameter in ends else "beyond, what attracts is open"
+            is_end = parameter in ends
+            note = "end of the parameter span" if is_end else "beyond, what attracts is open"
             name = self._new(
                 PointKind.EP, parameter=float(parameter), x=x, note=note,
                 exact={"parameter": parameter},

@@ -57,7 +57,7 @@ class Onset:
 
 
 class Changes:
-    """Finds what happens between samples, with cycles up to the order told apart in any case."""
+    """Finds what happens between samples; cycles up to the order are told apart in any case."""
 
     def __init__(self, samples: Samples, order: int) -> None:
         self.samples, self.order = samples, order

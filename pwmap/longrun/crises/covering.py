@@ -84,7 +84,7 @@ def doubles_of(line: MapLine) -> DoubleMap:
 
 
 def is_covered(line: DoubleMap, word: Sequence[int], side: int) -> bool:
-    """Whether what grows from a side of a repelling cycle's first point surrounds one of it."""
+    """Whether what grows from one side of a repelling cycle surrounds one of its points."""
     points, slope = line.cycle(word)
     first = _first_part(line, word if slope > 0.0 else (*word, *word), points[0], side)
     if first is None:
@@ -105,7 +105,7 @@ def is_covered(line: DoubleMap, word: Sequence[int], side: int) -> bool:
 
 
 def _first_part(line: DoubleMap, word: Sequence[int], x: float, side: int) -> Part | None:
-    """The first interval, from a point of a cycle to a break, that growing beside it reaches."""
+    """The first interval from a point of a cycle to a break that what grows from it reaches."""
     nearest, found, scale = math.inf, None, 1.0
     for k in word:
         end = k if side > 0 else k - 1

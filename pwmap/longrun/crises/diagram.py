@@ -17,10 +17,10 @@ from itertools import pairwise
 import sympy
 from sympy import QQ
 
+from pwmap.algebra.arguments import explained, shortened
 from pwmap.algebra.exact import Fraction_, Number, quotient_to_sympy
 from pwmap.algebra.exact import fraction_to_sympy as shown_fraction
 from pwmap.algebra.roots import Real, bounds, real_to_sympy
-from pwmap.algebra.terms import shortened
 from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.crises.changes import Changes, Onset
@@ -157,6 +157,7 @@ class AttractorDiagram:
         return f"{cells}, {len(self.open)} of them open, {share:.2g} of the interval"
 
 
+@explained()
 def attractor_diagram(
     map_: PiecewiseLinearMap,
     parameter: object,

@@ -54,7 +54,7 @@ class Glimpses:
         return found
 
     def kinds(self, places: Floats) -> list[tuple[int, ...]]:
-        """For each place 1 + the period of a cycle, minus the number of bands, or 0 if lost."""
+        """For each place 1 + the period of a cycle, minus the number of bands, or 0 for escape."""
         line = self._family(places)
         slopes, intercepts, breaks = map(np.array, (line.slopes, line.intercepts, line.breaks))
         sides = [(b, k) for b in range(len(breaks)) for k in (b, b + 1)]

@@ -6,9 +6,10 @@ from typing import NamedTuple
 
 import sympy
 
+from pwmap.algebra.arguments import check_text, explained, shown
 from pwmap.algebra.exact import Number, to_sympy
 from pwmap.algebra.exact import fraction_to_sympy as shown_fraction
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 from pwmap.maps.words import Word
 
 
@@ -24,6 +25,7 @@ class Meeting(NamedTuple):
     cycle: str
 
 
+@explained()
 def meeting_curve(map_: PiecewiseLinearMap, image: str, cycle: str, number: int = 0) -> sympy.Expr:
     """The polynomial in a map's parameters that is zero where a break's image meets a cycle.
 
@@ -54,6 +56,7 @@ def meeting_curve(map_: PiecewiseLinearMap, image: str, cycle: str, number: int 
     >>> meeting_curve(skew, "LRL", "R")
     a*b**2 - a + b
     """
+    check_map(map_)
     polynomial = meeting_polynomial(map_, Meeting(number, image, cycle))
     _, factors = sympy.factor_list(to_sympy(polynomial))
     return sympy.Mul(*(factor for factor, _ in factors)) if factors else sympy.Integer(0)
@@ -63,8 +66,9 @@ def meeting_polynomial(map_: PiecewiseLinearMap, meeting: Meeting) -> Number:
     """A polynomial in a map's parameters that is zero where a break's image meets a cycle."""
     breaks = map_.definition.table.layouts[map_.chain[0]].breaks
     number = meeting.number
-    if not 0 <= number < len(breaks):
-        raise ValueError(f"number must name one of {len(breaks)} breaks, from 0 on, got {number}")
+    if not isinstance(number, int) or not 0 <= number < len(breaks):
+        what = f"number must name one of {len(breaks)} breaks, from 0 on"
+        raise ValueError(f"{what}, got {shown(number)}")
     along, around = (numbers_of(map_, word) for word in (meeting.image, meeting.cycle))
     return map_.orbits.meeting(breaks[number], along, around)
 
@@ -76,6 +80,7 @@ def meeting_x(map_: PiecewiseLinearMap, meeting: Meeting) -> sympy.Expr:
 
 def numbers_of(map_: PiecewiseLinearMap, word: str) -> Word:
     """The letters of a word as numbers; ValueError if it is empty, or has an unknown letter."""
+    check_text("a word", word)
     if not word:
         raise ValueError("a word must have at least one letter")
     for letter in word:

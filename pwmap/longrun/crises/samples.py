@@ -138,7 +138,7 @@ class Samples:
         return any(polynomial(decision) for decision in met)
 
     def between(self, low: Real, high: Real) -> Attracted:
-        """What attracts at a simple place of an interval; elsewhere if that is special or open."""
+        """What attracts at a simple place of an interval; at others if that is special or open."""
         first, last = bounds(low)[1], bounds(high)[0]
         third = (last - first) / 3
         opened = 0

@@ -22,6 +22,7 @@ from heapq import heappop, heappush
 
 from sympy import QQ
 
+from pwmap.algebra.arguments import checked_count, explained, shown
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import Number, dense, sign
 from pwmap.algebra.roots import (
@@ -56,7 +57,7 @@ from pwmap.longrun.fates import AttractingCycle, Fate, Fates
 from pwmap.longrun.line import MapLine, line_at
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
-from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, OrbitReturn, Slope
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.cells import only_axis
@@ -91,6 +92,7 @@ class Proof:
     matches: bool = False  # whether orbits of a break match
 
 
+@explained()
 def constant_entropy(
     map_: PiecewiseLinearMap,
     parameter: object,
@@ -139,9 +141,10 @@ def constant_entropy(
     axis, (low, high) = only_axis(map_, parameter, span)
     least = (high - low) / FINE if tolerance is None else rational(tolerance)
     if not least > 0:
-        raise ValueError(f"a tolerance must be positive, got {tolerance}")
-    study = _Study(map_, axis, checked_order(steps), metered(budget))
-    proved, left = _swept(study, low, high, least, checked_order(samples))
+        raise ValueError(f"a tolerance must be positive, got {shown(tolerance)}")
+    steps, samples = checked_count(steps, "steps"), checked_count(samples, "samples")
+    study = _Study(map_, axis, steps, metered(budget))
+    proved, left = _swept(study, low, high, least, samples)
     return EntropyIntervals(
         parameter=map_.parameters[0],
         intervals=tuple(_joined(study, proved)),
@@ -241,7 +244,7 @@ class _Study:
         return found if one == other else None
 
     def decisions(self, line: MapLine, number: int, itinerary: Itinerary) -> Iterator[Decision]:
-        """What says that a germ at a break has an itinerary, besides the signs of slopes."""
+        """The decisions, besides signs of slopes, by which a germ has its itinerary."""
         k = self.layout.breaks[number]
         word = tuple(self.letters[i] for i in itinerary.pieces)
         for n, piece in enumerate(itinerary.pieces):
@@ -387,7 +390,7 @@ def _beside(
 
 
 def _reached(study: _Study, start: Real, stop: Real, least: Number) -> _Proved | None:
-    """The longest part found, by bisection, of a gap from one end that has one proof; or None."""
+    """The longest part of a gap, from one of its ends, that is found to have one proof; or None."""
 
     def tried(end: Real) -> _Proved | None:
         return study.proved_at_once(*sorted((start, end)))

@@ -85,7 +85,7 @@ Ways = tuple[tuple[int, ...], ...]  # from each node to others, by their numbers
 
 
 def laps_of(line: MapLine, found: Attractors, order: int, meter: Meter) -> tuple[Ways, Ways]:
-    """The graph of laps up to an order: ways to known nodes; and to all, as whole pieces."""
+    """The graph of laps up to an order, without further nodes, and with them as whole pieces."""
     cut_off = _without_laps(line, found)
     pieces = [(k, *part) for k, branch in enumerate(line.branches)
               for part in _clipped((branch.lower, branch.upper), cut_off)]  # fmt: skip
@@ -153,7 +153,7 @@ def entropy_of(
     orders: Sequence[int],
     meter: Meter,
 ) -> Entropy:
-    """The topological entropy of a map, from nodes up to each order until the bounds are close."""
+    """The topological entropy of a map: order after order, until its bounds are close."""
     most = math.nextafter(math.log(len(line.branches)), math.inf)  # each step has so many laps
     best = Entropy(low=0.0, high=most, value=None, order=0)
     with meter.keeping(orders):
@@ -242,7 +242,7 @@ def growth_of(ways: Sequence[Sequence[int]]) -> Real | None:
 
 
 def lap_numbers(line: MapLine, order: int, meter: Meter) -> list[int]:
-    """How many affine intervals the iterates up to an order have, by paths that lead to nodes."""
+    """How many affine intervals each iterate up to an order has: paths in the graph of laps."""
     found = list[int]()
     counted = {(k, branch.lower, branch.upper): 1 for k, branch in enumerate(line.branches)}
     ended = 0
@@ -300,7 +300,7 @@ class ConstantEntropy:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class EntropyGap:
-    """An interval, exact, for which :func:`pwmap.constant_entropy` proved nothing, and why."""
+    """An interval of which :func:`pwmap.constant_entropy` proved nothing, and why."""
 
     lower: sympy.Expr
     upper: sympy.Expr

@@ -27,7 +27,7 @@ RING, T = ring("t", QQ)
 
 
 def growth_by_kneading(line: MapLine, itineraries: Sequence[Itinerary]) -> Real | None:
-    """The growth of laps, at least 1, from itineraries; None if the determinant is too large."""
+    """The growth of laps, at least 1; None if the kneading determinant is too large."""
     rows = _matrix(line, itineraries)
     # one over the least root of the kneading determinant
     return growth_from(_determinant(rows)) if rows else QQ.one
@@ -36,7 +36,7 @@ def growth_by_kneading(line: MapLine, itineraries: Sequence[Itinerary]) -> Real 
 def _matrix(
     line: MapLine, itineraries: Sequence[Itinerary], left_out: int = 0
 ) -> list[list[PolyElement]]:
-    """The differences at each break, without a column, times polynomials with no root in (0, 1)."""
+    """The differences of both sides of each break, times polynomials with no root in (0, 1)."""
     signs = [sign(branch.slope) for branch in line.branches]
     rows = list[list[PolyElement]]()
     for left, right in zip(itineraries[::2], itineraries[1::2], strict=True):

@@ -52,7 +52,7 @@ Range = tuple[Number, Number]  # of a number: all from one to another
 def matched(
     line: MapLine, number: int, steps: int, meter: Meter
 ) -> tuple[Itinerary, Itinerary] | None:
-    """The itineraries of both sides of a break, numbered from the left, up to a match; or None."""
+    """The itineraries of both sides of a break up to where they match; None if they do not."""
     sides = line.germs[2 * number : 2 * number + 2]
     pieces = list[int](), list[int]()
     for _ in range(steps):
@@ -175,7 +175,7 @@ def _at_most(one: Ends, other: Ends) -> bool:
 def _graph(
     family: MapFamily, weights: Sequence[PolyElement], number: int, first: Pair, meter: Meter
 ) -> Mapping[Pair, Sequence[PairStep]] | None:
-    """The steps from a pair and all that follow; None if too many, or ends at different times."""
+    """The steps from a pair, and from all pairs that follow; None if these are too many."""
     start = family.breaks[number]
     # larger than what orbits do, so that none is missed
     regions = {first: _moved(family, PairRange(start, start), number)}

@@ -385,8 +385,8 @@ def test_an_assumption_with_two_components_keeps_both() -> None:
     assert found["LR"] == [sympy.Interval(1, Rational(3, 2), True, False)]
     ends = {p.exact["parameter"]: p.note for p in diagram.points if p.kind is PointKind.EP}
     assert ends == {
-        -2: "end of the span", -1: "end of what is assumed",
-        1: "end of what is assumed", 3: "end of the span",
+        -2: "end of the parameter span", -1: "end of what is assumed",
+        1: "end of what is assumed", 3: "end of the parameter span",
     }  # fmt: skip
     cells = parameter_cells(map_, "r", (1, 2))
     three_halves = Rational(3, 2)

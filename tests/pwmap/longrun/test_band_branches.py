@@ -50,7 +50,7 @@ def test_bands_of_the_tent_map_end_in_crises(tent: Diagram) -> None:
     assert final.exact["x"] == 0
     assert merging.branches == (low.id, high.id, one.id)
     assert merging.note == "2 bands on the left, 1 on the right"
-    assert tent.point(low.ends[0]).note == "end of the span"
+    assert tent.point(low.ends[0]).note == "end of the parameter span"
     second = A * (1 - A / 2)
     expected = [(second, A * (1 - A * second)), (A * second, A / 2), (second, A / 2)]
     for branch, (lower, upper) in zip((low, high, one), expected, strict=True):

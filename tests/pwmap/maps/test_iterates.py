@@ -616,7 +616,7 @@ def test_values_of_parameters_that_are_refused() -> None:
 
 @pytest.mark.parametrize("j", [0, -1, 1.0, "2"])
 def test_orders_of_iterates_are_positive_integers(j: Any) -> None:
-    with pytest.raises(ValueError, match=f"integer j >= 1, got {j}"):
+    with pytest.raises(ValueError, match=f"integer j >= 1, got {j!r}"):
         paper().iterate(j)
 
 

@@ -98,11 +98,11 @@ def test_curves_and_points_of_a_plane_have_names() -> None:
 
 
 def test_parameters_need_values() -> None:
-    with pytest.raises(ValueError, match="give a, r a value first"):
+    with pytest.raises(ValueError, match="the map still has a, r"):
         plot_map(P1L)
-    with pytest.raises(ValueError, match="give a, r a value first"):
+    with pytest.raises(ValueError, match="the map still has a, r"):
         plot_cobweb(P1L, 0, 3)
-    with pytest.raises(ValueError, match="at least one step, got 0"):
+    with pytest.raises(ValueError, match="steps must be an integer of at least 1, got 0"):
         plot_cobweb(AT_ONE, 0, 0)
 
 

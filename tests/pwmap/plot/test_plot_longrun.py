@@ -143,7 +143,7 @@ def test_a_frame_is_cut_with_the_table() -> None:
     ax = plot_kneading(dynamics(PAPER, {"a": "5/4", "r": 3}), steps=4).ax
     assert frames(ax) == [(1, 3)]
     assert letters(ax, 0) == "LRRR"
-    with pytest.raises(ValueError, match="a kneading table needs at least one step, got 0"):
+    with pytest.raises(ValueError, match="steps must be an integer of at least 1, got 0"):
         plot_kneading(dynamics(PAPER, {"a": "5/4", "r": 3}), steps=0)
     with pytest.raises(ValueError, match="expected a map with breaks, this one has none"):
         plot_kneading(dynamics(PiecewiseLinearMap.from_sympy("x/2 + 1")))

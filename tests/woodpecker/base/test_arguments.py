@@ -11,7 +11,7 @@ import pytest
 import sympy
 
 import woodpecker
-from woodpecker.base.arguments import explained
+from pwmap.algebra.arguments import explained
 from woodpecker.systems import Contact, ContactSystem, Section, SystemMap
 
 API: Any = woodpecker  # wrong calls are the point here

@@ -1,0 +1,168 @@
+"""What calls are given: values in sentences, checks, and calls that do not fit their verb.
+
+Nothing is imported here but the standard library, for the toy starts with it.
+"""
+
+from __future__ import annotations
+
+import operator
+import os
+from collections.abc import Callable, Mapping
+from functools import wraps
+from pathlib import Path
+from typing import Any, ParamSpec, TypeVar
+
+P = ParamSpec("P")
+R = TypeVar("R")
+C = TypeVar("C")
+
+# what asking for the text of an object raises that is half made, nested too deep or not to be shown
+NO_TEXT = (ArithmeticError, AttributeError, LookupError, RuntimeError, TypeError, ValueError)
+
+
+# --- Values in sentences --------------------------------------------------------------------------
+
+
+def shortened(text: str, width: int = 100) -> str:
+    """A text for a message: its middle is left out if it is longer than the width."""
+    if len(text) <= width:
+        return text
+    half = (width - 5) // 2
+    return f"{text[:half]} ... {text[-half:]}"
+
+
+def shown(value: object) -> str:
+    """What was given, for a message, in one line; text in quotes, large arrays by their shape."""
+    if isinstance(value, str):
+        return shortened(repr(value))
+    kind = type(value).__name__
+    try:
+        if getattr(value, "size", 0) > 4 and hasattr(value, "shape"):
+            return f"an array of shape {value.shape}"
+        return shortened(" ".join(repr(value).split()))
+    except NO_TEXT:
+        return f"an object of type {kind}"
+
+
+# --- Checks ---------------------------------------------------------------------------------------
+
+
+def positive_integer(number: object) -> int:
+    """An integer of at least 1; 0 for what is none."""
+    try:
+        found = operator.index(number)  # type: ignore[arg-type]
+    except TypeError:
+        return 0
+    return 0 if isinstance(number, bool) else max(0, found)
+
+
+def checked_count(number: object, name: str) -> int:
+    """An integer of at least 1; ValueError if it is none."""
+    found = positive_integer(number)
+    if not found:
+        raise ValueError(f"{name} must be an integer of at least 1, got {shown(number)}")
+    return found
+
+
+def check_kind(name: str, value: object, kind: type, room: str = "pwmap") -> None:
+    """TypeError unless a value is of a kind that has a public name."""
+    if not isinstance(value, kind):
+        raise TypeError(f"{name} must be {room}.{kind.__name__}, got {shown(value)}")
+
+
+def check_text(name: str, value: object) -> None:
+    """TypeError unless a value is text."""
+    if not isinstance(value, str):
+        raise TypeError(f"{name} must be text, got {shown(value)}")
+
+
+def check_functions(**given: object) -> None:
+    """TypeError unless what has a name here is a function, or None."""
+    for name, value in given.items():
+        if value is not None and not callable(value):
+            raise TypeError(f"{name} must be a function, got {shown(value)}")
+
+
+def named_values(name: str, values: Mapping[Any, object] | None) -> Mapping[Any, object]:
+    """Values by name, none by default; TypeError if they are no mapping."""
+    if not isinstance(values, Mapping | None):
+        raise TypeError(f"{name} must be a mapping such as {{'a': '5/4'}}, got {shown(values)}")
+    return values or {}
+
+
+def checked_pair(name: str, pair: object) -> tuple[float, float]:
+    """Two numbers as floats; TypeError if they are none."""
+    if (
+        isinstance(pair, tuple | list)
+        and len(pair) == 2
+        and not any(isinstance(each, str) for each in pair)
+    ):
+        try:
+            return float(pair[0]), float(pair[1])
+        except (TypeError, ValueError):
+            pass
+    raise TypeError(f"{name} must be two numbers, got {shown(pair)}")
+
+
+def checked_path(path: str | os.PathLike[str]) -> Path:
+    """The path of a file; TypeError if it is none."""
+    if not isinstance(path, str | os.PathLike):
+        raise TypeError(f"the path of a file was expected, got {shown(path)}")
+    return Path(path)
+
+
+# --- Calls that do not fit ------------------------------------------------------------------------
+
+
+def explained(instead: str = "") -> Callable[[Callable[P, R]], Callable[P, R]]:
+    """A verb whose TypeError says what it takes, what it got, and how that is asked for instead."""
+
+    def around(verb: Callable[P, R]) -> Callable[P, R]:
+        @wraps(verb)
+        def call(*args: P.args, **named: P.kwargs) -> R:
+            try:
+                return verb(*args, **named)
+            except TypeError as error:
+                unfit = _misfit(verb, args, named, instead)
+                if not unfit:  # the call fits: the error is one of the verb, with its own sentence
+                    raise
+                raise TypeError(unfit) from error
+
+        return call
+
+    return around
+
+
+def explained_fields(kind: type[C]) -> type[C]:
+    """The same for what is made from named values, such as a frozen dataclass."""
+    made: Any = kind
+    made.__init__ = explained()(made.__init__)
+    return kind
+
+
+def _misfit(
+    verb: Callable[..., Any], args: tuple[Any, ...], named: Mapping[str, Any], instead: str
+) -> str:
+    """Why arguments do not fit a signature; nothing if they do."""
+    import inspect  # only when something is wrong: no start waits for it
+
+    signature = inspect.signature(verb)
+    try:
+        signature.bind(*args, **named)
+    except TypeError as error:
+        reason = str(error)
+    else:
+        return ""
+    known = list(signature.parameters.values())
+    own = int(known[0].name in ("self", "cls"))  # what has the verb, or is being made
+    by_name = [each.name for each in known[own:] if each.kind is each.KEYWORD_ONLY]
+    by_place = [each.name for each in known[own:] if each.name not in by_name]
+    parts = [", ".join(by_place), f"by name {', '.join(by_name)}" if by_name else ""]
+    name = verb.__qualname__.removesuffix(".__init__")
+    takes = f"{name} takes {', and '.join(filter(None, parts))}"
+    unknown = [f"{key}={shown(named[key])}" for key in named if key not in signature.parameters]
+    if unknown:
+        return f"{takes}, got {', '.join(unknown)}{'; ' * bool(instead)}{instead}"
+    if len(args) - own > len(by_place):
+        return f"{takes}, got {shown(args[own + len(by_place)])} by place"
+    return f"{takes}: {reason}"
