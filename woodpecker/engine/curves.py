@@ -237,8 +237,9 @@ class SolutionCurve:
     def wide(self, sample: Sample) -> Floats:
         """Derivatives of all unknowns of an orbit along the curve."""
         orbit, problem = sample.orbit, self.problem
-        wide, columns = np.zeros(len(orbit.unknowns)), problem.columns(orbit)
-        wide[columns] = sample.tangent * problem.scale(orbit)[columns]
+        wide = np.zeros(orbit.x.size + len(orbit.p) + 1)
+        columns, lengths = problem.moving(orbit)
+        wide[columns] = sample.tangent * lengths
         if orbit.outer is not None and orbit.x.shape[1] == 1:
             wide[-1] = _rate_of_share(orbit, wide)
         return wide

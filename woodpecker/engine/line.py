@@ -8,7 +8,6 @@ itself, so that it does not depend on the distances.
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -157,7 +156,7 @@ def proposed(
     """
     length = float(np.abs(direction / np.array(scale)).max())
     if length == 0.0:
-        return replace(map_.at(x, p), reason=ACCUMULATE)
+        return map_.at(x, p)._replace(reason=ACCUMULATE)
     unit, seen = direction / length, set[Hashable]()
     lost, around = "", None
     for distance in DISTANCES:
@@ -173,7 +172,7 @@ def proposed(
         if image.tied(x, p).any():
             return image
         around = around or image  # its border is elsewhere: a thinner piece may begin here
-    return around or replace(map_.at(x, p), reason=lost or ACCUMULATE)
+    return around or map_.at(x, p)._replace(reason=lost or ACCUMULATE)
 
 
 def image_of(own: Imaged) -> Image:

@@ -8,8 +8,8 @@ infinitesimally beyond a border is asked for at the border: :meth:`PiecewiseMap.
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, replace
-from typing import Protocol
+from dataclasses import dataclass
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -27,8 +27,7 @@ SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the di
 ROOT = 4.0  # times steeper at that distance, or times as high as that slope says: a root
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Image:
+class Image(NamedTuple):
     """The image of a point under a piece."""
 
     value: Floats  # (d,) P(x, p)
@@ -126,7 +125,7 @@ def limit(near: Image, x: Floats, p: Floats, unit: Floats) -> Image:
     value = closer.value - (2.0 * along if rooted else along)
     if not there.reason and np.abs(there.value - value).max() <= ROOT * np.abs(along).max():
         value = there.value  # where two solutions of an event meet it may be that of the other one
-    return replace(closer, value=value, margins=closer.margins - closer.gradients @ away)
+    return closer._replace(value=value, margins=closer.margins - closer.gradients @ away)
 
 
 def _comes_to(one: Floats, closer: Floats, there: Floats) -> bool:

@@ -38,10 +38,13 @@ class Problem:
     x_scale: tuple[float, ...]  # d lengths that count as 1
     p_scale: tuple[float, ...]  # k lengths that count as 1
 
-    def columns(self, orbit: Orbit) -> slice | Ints:
-        """The unknowns that may move: points, free parameters, the share (in R^1 x decides it)."""
-        shares = orbit.outer is not None and orbit.x.shape[1] > 1
-        return _columns(orbit.x.size, len(orbit.p), self.free, shares)
+    def moving(self, orbit: Orbit) -> tuple[slice | Ints, Floats]:
+        """The unknowns that may move, and their lengths: points, free parameters, the share.
+
+        In R^1 the share follows from the points.
+        """
+        n, d = orbit.x.shape
+        return _moving(n, self.free, orbit.outer is not None and d > 1, self.x_scale, self.p_scale)
 
     @property
     def lengths(self) -> Floats:
@@ -65,9 +68,9 @@ class Problem:
     def matrix(self, orbit: Orbit) -> Floats:
         """Derivatives of the residuals in the scaled unknowns that may move."""
         blocks = [each.rows(orbit) for each in self.conditions]
-        columns = self.columns(orbit)
+        columns, lengths = self.moving(orbit)
         rows = blocks[0] if len(blocks) == 1 else np.concatenate(blocks)
-        found: Floats = rows[:, columns] * self.scale(orbit)[columns]
+        found: Floats = rows[:, columns] * lengths
         if any(_stays_on(each) for each in self.conditions):
             self._along_borders(found, [len(block) for block in blocks])
         return found
@@ -88,8 +91,8 @@ class Problem:
 
     def stepped(self, orbit: Orbit, step: Floats) -> Floats:
         """The unknowns of an orbit after a step in scaled ones."""
-        to, columns = orbit.unknowns.copy(), self.columns(orbit)
-        to[columns] += step * self.scale(orbit)[columns]
+        to, (columns, lengths) = orbit.unknowns, self.moving(orbit)
+        to[columns] += step * lengths
         return to
 
     def moved(self, orbit: Orbit, step: Floats) -> Orbit:
@@ -98,7 +101,8 @@ class Problem:
 
     def step_between(self, one: Orbit, other: Orbit) -> Floats:
         """The step in scaled unknowns from one orbit to another."""
-        found: Floats = ((other.unknowns - one.unknowns) / self.scale(one))[self.columns(one)]
+        columns, lengths = self.moving(one)
+        found: Floats = (other.unknowns - one.unknowns)[columns] / lengths
         return found
 
     def period(self, x: Floats, within: float) -> int:
@@ -122,13 +126,18 @@ def _stays_on(condition: Condition) -> bool:
 
 
 @lru_cache
-def _columns(points: int, k: int, free: tuple[int, ...], shares: bool) -> slice | Ints:
-    found = [*range(points), *(points + each for each in free), *([points + k] if shares else [])]
+def _moving(
+    n: int, free: tuple[int, ...], shares: bool, x_scale: tuple[float, ...],
+    p_scale: tuple[float, ...],
+) -> tuple[slice | Ints, Floats]:  # fmt: skip
+    points, lengths = n * len(x_scale), _scale(n, x_scale, p_scale)
+    found = [*range(points), *(points + k for k in free), *([len(lengths) - 1] if shares else [])]
     if found == list(range(len(found))):
-        return slice(len(found))
+        return slice(len(found)), lengths[: len(found)]
     columns = np.array(found, dtype=np.int64)
-    columns.setflags(write=False)
-    return columns
+    for each in (columns, own := lengths[columns]):
+        each.setflags(write=False)
+    return columns, own
 
 
 @lru_cache
@@ -166,9 +175,10 @@ class Across:
 
 def across(problem: Problem, start: Orbit, direction: Floats, distance: float) -> Across:
     """The equation of a distance from an orbit along a direction, in scaled unknowns."""
-    row, columns = np.zeros(len(start.unknowns)), problem.columns(start)
-    row[columns] = direction / problem.scale(start)[columns]
-    return Across(row, start.unknowns, distance)
+    unknowns, (columns, lengths) = start.unknowns, problem.moving(start)
+    row = np.zeros(len(unknowns))
+    row[columns] = direction / lengths
+    return Across(row, unknowns, distance)
 
 
 def solve(problem: Problem, start: Orbit) -> Solution:
@@ -317,7 +327,7 @@ def _noise(problem: Problem, orbit: Orbit, matrix: Floats, rounding: float = ROU
     """What rounding may leave of the residuals."""
     unknowns = np.abs(orbit.unknowns / problem.scale(orbit))
     unknowns[:-1] = np.maximum(unknowns[:-1], 1.0)
-    found: Floats = rounding * (np.abs(matrix) @ unknowns[problem.columns(orbit)])
+    found: Floats = rounding * (np.abs(matrix) @ unknowns[problem.moving(orbit)[0]])
     return found
 
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from typing import Protocol
 
 import numpy as np
@@ -24,7 +24,7 @@ CLEAR = 2.0**-10  # of the distance from a border: over that a difference is tak
 SHORTEST = 2.0**-40  # of such a difference: rounding of an orbit is some 2**-50
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, slots=True, eq=False)
 class Orbit:
     """Points of a map, each with its image under a piece."""
 
@@ -34,7 +34,7 @@ class Orbit:
     images: tuple[Image, ...]  # of the points, n of them
     outer: Image | None = None  # image of the last point beyond the border; None for a cycle
 
-    @cached_property
+    @property
     def unknowns(self) -> Floats:
         """(n d + k + 1,) all points, the parameters, the share."""
         return np.concatenate((self.x.ravel(), self.p, (self.share,)))
@@ -89,7 +89,7 @@ class Orbit:
         wide[..., n * d : n * d + k] = rows[..., d:]
         return wide
 
-    @cached_property
+    @property
     def monodromy(self) -> Floats:
         """(d, d) derivative of the last image in the first point: the product of the Jacobians."""
         d = self.x.shape[1]
@@ -341,7 +341,7 @@ def pulled_inside(guess: Orbit, last: Orbit) -> Orbit:
 def held_at(orbit: Orbit, column: int, value: float) -> Orbit:
     """An orbit one of whose unknowns is a value but for rounding, with just that value."""
     (n, d), k = orbit.x.shape, len(orbit.p)
-    at = orbit.unknowns.copy()
+    at = orbit.unknowns
     at[column] = value
     return replace(orbit, x=at[: n * d].reshape(n, d), p=at[n * d : n * d + k], share=float(at[-1]))
 
@@ -400,4 +400,4 @@ def _inside(before: Image, image: Image, orbit: Orbit, x: Floats, p: Floats) -> 
         return image
     inward = before.gradients[codes[0], : len(x)]
     found = before.piece.at(x + INSIDE * max(1.0, np.abs(x).max()) * np.sign(inward), p)
-    return found if image.reason or found.reason else replace(found, value=image.value)
+    return found if image.reason or found.reason else found._replace(value=image.value)

@@ -34,7 +34,7 @@ def settled(arc: Arc) -> tuple[Arc, Image | None]:
     outer = arc.curve.map.beside(orbit.x[i], orbit.p, -gradient)
     is_reached = image.tied(orbit.x[i], orbit.p)[image.place(code)]
     if outer.piece.key == image.piece.key and not is_reached:  # there its own piece is all there is
-        outer = replace(outer, reason=outer.reason or ACCUMULATE)
+        outer = outer._replace(reason=outer.reason or ACCUMULATE)
     arc = _sharpened(arc, i, gradient)
     if not outer.reason and _is_steep(arc.samples[-1].orbit.images[i], outer):
         moved, there = _moved_to(arc, i, outer)
@@ -93,7 +93,7 @@ def _moved_to(arc: Arc, i: int, outer: Image) -> tuple[Arc, Image]:
     if not (found.converged and is_there):
         return arc, outer
     value = found.orbit.images[i].value
-    inner, outer = replace(orbit.images[i], value=value), replace(outer, value=value)
+    inner, outer = orbit.images[i]._replace(value=value), outer._replace(value=value)
     images = (*found.orbit.images[:i], inner, *found.orbit.images[i + 1 :])
     last = Sample(replace(found.orbit, images=images), end.tangent)
     return replace(arc, samples=(*arc.samples[:-1], last)), outer
@@ -110,12 +110,12 @@ def _at_limit(arc: Arc, i: int, code: int) -> Arc:
     value = image.value - 2.0 * image.jacobian @ (float(image.margins[k]) * inward)
     if not np.isfinite(value).all() or not arc.curve.problem.same(value, image.value, ASIDE):
         return arc
-    images = (*orbit.images[:i], replace(image, value=value), *orbit.images[i + 1 :])
+    images = (*orbit.images[:i], image._replace(value=value), *orbit.images[i + 1 :])
     step = newton_step(problem, replace(orbit, images=images))
     if not np.abs(step).max() <= ASIDE:
         return arc
     there = problem.moved(orbit, step)
-    closed = replace(image, value=there.x[(i + 1) % len(there.x)])
+    closed = image._replace(value=there.x[(i + 1) % len(there.x)])
     images = (*there.images[:i], closed, *there.images[i + 1 :])
     last = Sample(replace(there, images=images), end.tangent)
     return replace(arc, samples=(*arc.samples[:-1], last))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from copy import copy
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -128,7 +128,7 @@ class SystemMap:
         lengths = np.array([*self.x_scale, *self.p_scale])
         length = float(np.abs(direction / lengths).max())
         if length == 0.0:
-            return replace(self.at(x, p), reason=ACCUMULATE)
+            return self.at(x, p)._replace(reason=ACCUMULATE)
         unit, seen = direction / length, set[Hashable]()
         lost, around = "", None
         for distance in DISTANCES:
@@ -143,7 +143,7 @@ class SystemMap:
             if image.tied(x, p).any():
                 return image
             around = around or image
-        return around or replace(self.at(x, p), reason=lost or ACCUMULATE)
+        return around or self.at(x, p)._replace(reason=lost or ACCUMULATE)
 
     def _nowhere(self, reason: str) -> Image:
         return undefined(SystemPiece(self, MotionPath((), None, 0, reason), np.zeros(0)), reason)
@@ -236,7 +236,7 @@ def limit(near: Image, x: Floats, p: Floats, unit: Floats) -> Image:
     value = closer.value - (2.0 * along if rooted else along)
     if not there.reason and np.abs(there.value - value).max() <= ROOT * np.abs(along).max():
         value = there.value
-    return replace(closer, value=value, margins=closer.margins - closer.gradients @ away)
+    return closer._replace(value=value, margins=closer.margins - closer.gradients @ away)
 
 
 def _alike(one: Floats, other: Floats) -> bool:
