@@ -1,4 +1,4 @@
-"""Array types shared by the whole package."""
+"""Array types shared by the whole package, and what is done with short vectors."""
 
 from __future__ import annotations
 
@@ -12,6 +12,8 @@ Complexes = npt.NDArray[np.complex128]
 Ints = npt.NDArray[np.int64]
 Bools = npt.NDArray[np.bool_]
 Codes = npt.NDArray[np.int16]  # event codes
+
+STEP = 2.0**-17  # of a central difference of derivatives: near the cube root of the rounding
 
 
 def norm(vector: Floats) -> float:

@@ -8,79 +8,22 @@ itself, so that it does not depend on the distances.
 from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
-from woodpecker.base.arrays import Floats, Ints
-from woodpecker.engine.maps import ACCUMULATE, Image, limit
+from woodpecker.base.arrays import Floats
+from woodpecker.engine.maps import ACCUMULATE, Image, PiecewiseMap, limit
+from woodpecker.maps import pieces
 
 DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 46, 16, 10))  # scaled, of proposals
 NEAREST = min(DISTANCES)
 
 
-class Imaged(Protocol):
-    """What a piece of a map of the line makes of a point, see :class:`woodpecker.maps.Image`."""
-
-    @property
-    def value(self) -> float:
-        """P(x, p)."""
-
-    @property
-    def slope(self) -> float:
-        """dP/dx."""
-
-    @property
-    def d_parameter(self) -> float:
-        """dP/dp."""
-
-    @property
-    def margins(self) -> Floats:
-        """(m,) positive where the map takes the piece."""
-
-    @property
-    def gradients(self) -> Floats:
-        """(m, 2) their derivatives in x and p."""
-
-    @property
-    def causes(self) -> Ints:
-        """(m,) ascending codes that tell the margins apart."""
-
-    @property
-    def piece(self) -> PieceOfLine:
-        """The piece."""
-
-    @property
-    def reason(self) -> str:
-        """Why there is no value; empty if there is one."""
-
-
-class OfLine(Protocol):
-    """A map of the line with one parameter, see :class:`woodpecker.PiecewiseMap`."""
-
-    def at(self, x: float, p: float) -> Imaged:
-        """The image of a point under the piece that the map takes there."""
-
-
-class PieceOfLine(OfLine, Protocol):
-    """A piece of a map of the line, see :class:`woodpecker.maps.Piece`."""
-
-    @property
-    def key(self) -> Hashable:
-        """Equal for two pieces just if they are one."""
-
-    @property
-    def word(self) -> str:
-        """Its name, as people read it."""
-
-    def cause(self, code: int) -> str:
-        """A sentence on what happens where a margin vanishes."""
-
-
 class LinePiece(NamedTuple):
     """A piece of a map of the line as one of R^1."""
 
-    own: PieceOfLine
+    own: pieces.Piece
 
     @property
     def key(self) -> Hashable:
@@ -112,7 +55,7 @@ class LineMap(NamedTuple):
         Lengths that count as 1.
     """
 
-    own: OfLine
+    own: pieces.PiecewiseMap
     x_scale: float = 1.0
     p_scale: float = 1.0
 
@@ -139,15 +82,8 @@ class LineMap(NamedTuple):
         return proposed(self, x, p, direction, (self.x_scale, self.p_scale))
 
 
-class Evaluated(Protocol):
-    """A map that is known by its images only."""
-
-    def at(self, x: Floats, p: Floats) -> Image:
-        """The image of a point under the piece that the map takes there."""
-
-
 def proposed(
-    map_: Evaluated, x: Floats, p: Floats, direction: Floats, scale: Sequence[float]
+    map_: PiecewiseMap, x: Floats, p: Floats, direction: Floats, scale: Sequence[float]
 ) -> Image:
     """The image of a point (1,) under the piece infinitesimally beside it, or a reason why none.
 
@@ -175,7 +111,7 @@ def proposed(
     return around or map_.at(x, p)._replace(reason=lost or ACCUMULATE)
 
 
-def image_of(own: Imaged) -> Image:
+def image_of(own: pieces.Image) -> Image:
     """An image of a map of the line as one of R^1."""
     return Image(
         np.array([own.value]), np.array([[own.slope, own.d_parameter]]), own.margins,

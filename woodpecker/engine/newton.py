@@ -11,8 +11,8 @@ import numpy as np
 from scipy.linalg.lapack import dgesv, dgetrs
 from scipy.optimize import root
 
-from woodpecker.base.arrays import Floats, Ints, norm
-from woodpecker.engine.orbits import STEP, Closed, Condition, OnBorder, Orbit, placed
+from woodpecker.base.arrays import STEP, Floats, Ints, norm
+from woodpecker.engine.orbits import Closed, Condition, OnBorder, Orbit, placed
 
 MERGED = 1e-9  # scaled: points of a cycle that are closer are one
 STEPS = 12  # of Newton's method: it converges in four or five, or it does not

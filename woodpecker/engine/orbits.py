@@ -15,11 +15,10 @@ from typing import Protocol
 
 import numpy as np
 
-from woodpecker.base.arrays import Complexes, Floats
+from woodpecker.base.arrays import STEP, Complexes, Floats
 from woodpecker.engine.maps import Chain, Image, Piece, chained
 
 INSIDE = 2.0**-50  # of the size of a point: rounding may put one on a border beyond it
-STEP = 2.0**-17  # of a central difference of derivatives: near the cube root of the rounding
 CLEAR = 2.0**-10  # of the distance from a border: over that a difference is taken beside a root
 SHORTEST = 2.0**-40  # of such a difference: rounding of an orbit is some 2**-50
 

@@ -13,9 +13,8 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap.diagrams.shown import table
-from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.arrays import STEP, Floats, Ints
 from woodpecker.base.checks import number, real_array
-from woodpecker.engine.orbits import STEP
 from woodpecker.maps.pieces import Image, Piece
 from woodpecker.maps.sweeps import Sweep, one_by_one
 

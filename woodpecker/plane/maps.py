@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple, cast
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -124,7 +124,7 @@ def over_first(image: Image) -> pieces.Image:
         value = slope = rate = math.nan
     return pieces.Image(
         value, slope, rate, image.margins, image.gradients[:, :2], image.codes,
-        cast("pieces.Piece", piece.own), image.reason,
+        piece.own, image.reason,
     )  # fmt: skip
 
 

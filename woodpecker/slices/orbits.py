@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 
@@ -145,7 +144,7 @@ def first_piece(image: maps.Image) -> Piece:
     """The piece of the line that an image takes first."""
     piece = image.piece.pieces[0] if isinstance(image.piece, maps.Chain) else image.piece
     assert isinstance(piece, LinePiece)
-    return cast("Piece", piece.own)
+    return piece.own
 
 
 def ending_at(n: int, code: int) -> tuple[Condition, ...]:
