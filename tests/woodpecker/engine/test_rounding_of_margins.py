@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ class Blurred:
 def blurred(image: Image, x: Floats, p: Floats) -> Image:
     assert isinstance(image.piece, ExpressionPiece)
     noise = NOISE * np.sin(1e17 * (x[0] + 3.0 * p[0]))
-    return replace(image, margins=image.margins + noise, piece=Blurred(image.piece))
+    return image._replace(margins=image.margins + noise, piece=Blurred(image.piece))
 
 
 @dataclass(frozen=True)
