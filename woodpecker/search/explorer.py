@@ -132,7 +132,8 @@ class Recorder(Protocol):
         """Keep that all that a slice shows was followed."""
 
 
-class _Place(NamedTuple):
+@dataclass(slots=True, eq=False)
+class _Place:
     """An orbit that a branch may go through, and the task that follows it."""
 
     kind: BranchKind
@@ -142,6 +143,8 @@ class _Place(NamedTuple):
     keys: Keys
     task: Callable[..., Any]
     argument: object
+    unexplained_by: int = -1  # how many branches are known not to go through it
+    is_explained: bool = False
 
 
 def _of_cycle(orbit: Orbit) -> _Place:
@@ -169,13 +172,6 @@ def _shown(by: Slice) -> Iterator[_Place]:
     yield from map(_of_jump, by.jumps)
 
 
-class _Candidate:
-    """A place, how many branches did not explain it, and whether one did."""
-
-    def __init__(self, place: _Place) -> None:
-        self.place, self.unexplained_by, self.is_explained = place, -1, False
-
-
 class Explorer:
     """Follows branches, and what starts at their ends, with the tasks of a scheduler."""
 
@@ -194,8 +190,8 @@ class Explorer:
             for kind in (BranchKind.FIXED_POINT, BranchKind.JUMP)
             for order in self.orders
         }
-        self._candidates: dict[int, _Candidate] = {}  # of what starts at points that wait
-        self._turns = list[deque[_Candidate]]()  # of those whose turn comes next
+        self._starting: dict[int, _Place] = {}  # of what starts at points that wait
+        self._turns = list[deque[_Place]]()  # of those whose turn comes next
         self._met: Collision | End | None = None  # whose turn it is
         self._switches = False  # whether those are followed by now
         self._past = deque[Step]()
@@ -260,14 +256,12 @@ class Explorer:
         done = self.scheduler.result(Tasks.slice, p, self.orders)
         new, left = list[int](), list[tuple[int, float]]()
         known = len(self.network.curves)
-        shown = (_Candidate(place) for each in done.value for place in _shown(each))
-        for candidate in self._in_turn(shown):
-            place = candidate.place
+        for place in self._in_turn(place for each in done.value for place in _shown(each)):
             if self.is_spent:
                 if not self._is_explained(place):
                     left.append((place.order, float(place.orbit.x[0])))
                 continue
-            if not self._follow(candidate):
+            if not self._follow(place):
                 continue
             self.go_on()
             grown = self.network.curves[known:]
@@ -291,16 +285,16 @@ class Explorer:
         """Follow what starts at a special point; how many branches, and what it took to know."""
         before = self.spent
         starts = self._value(*self._starts(met))
-        cost, candidates = self.spent - before, list(self._inside(starts))
-        for candidate in self._in_turn(candidates):
+        cost, places = self.spent - before, list(self._inside(starts))
+        for place in self._in_turn(places):
             if self.is_spent:
                 break
-            self._follow(candidate)
-        return len(candidates), cost
+            self._follow(place)
+        return len(places), cost
 
-    def _in_turn(self, candidates: Iterable[_Candidate]) -> Iterator[_Candidate]:
+    def _in_turn(self, places: Iterable[_Place]) -> Iterator[_Place]:
         """One after the other; those that are left are likely to be needed."""
-        left = deque(candidates)
+        left = deque(places)
         self._turns.append(left)
         while left:
             yield left.popleft()
@@ -317,7 +311,7 @@ class Explorer:
             if self.recorder is not None:
                 self.recorder.done(met, starts, cost)
         queue.popleft()
-        self._candidates = {}
+        self._starting = {}
 
     def _is_finished(self, met: Collision | End) -> bool:
         """Take over all that starts at a special point, if an interrupted run has finished it."""
@@ -344,12 +338,12 @@ class Explorer:
             self.network.add(curve)
         return True
 
-    def _follow(self, candidate: _Candidate) -> bool:
+    def _follow(self, place: _Place) -> bool:
         """Follow what goes through a place, unless a branch explains it; whether that was done."""
-        if not self._is_new(candidate):
+        if not self._is_new(place):
             return False
         if not self._is_taken_over():
-            self._keep(candidate.place.task, candidate.place.argument)
+            self._keep(place.task, place.argument)
         return True
 
     def _keep(self, task: Callable[..., Any], argument: object) -> None:
@@ -393,11 +387,11 @@ class Explorer:
             or self.network.has(curve, points)
         )
 
-    def _is_new(self, candidate: _Candidate) -> bool:
+    def _is_new(self, place: _Place) -> bool:
         curves = len(self.network.curves)
-        if candidate.unexplained_by < curves and not self._is_explained(candidate.place):
-            candidate.unexplained_by = curves
-        return candidate.unexplained_by == curves
+        if place.unexplained_by < curves and not self._is_explained(place):
+            place.unexplained_by = curves
+        return place.unexplained_by == curves
 
     def _is_explained(self, place: _Place) -> bool:
         known = self._known[place.kind, place.order]
@@ -407,7 +401,7 @@ class Explorer:
         """The task that says what starts at a special point."""
         return Tasks.starts if isinstance(met, Collision) else Tasks.switches, met, self.orders
 
-    def _inside(self, starts: Iterable[BranchStart]) -> Iterator[_Candidate]:
+    def _inside(self, starts: Iterable[BranchStart]) -> Iterator[_Place]:
         """Where branches start, as far as that lies in the span, and no point out of the window."""
         settings = self.network.settings
         (low, high), (bottom, top) = settings.span, settings.window
@@ -416,9 +410,9 @@ class Explorer:
             orbit = start.begin.sample.orbit
             is_seen = bottom - slack <= orbit.x.min() and orbit.x.max() <= top + slack
             if is_seen and low <= orbit.p[0] <= high:
-                if id(start) not in self._candidates:
-                    self._candidates[id(start)] = _Candidate(_of_start(start))
-                yield self._candidates[id(start)]
+                if id(start) not in self._starting:
+                    self._starting[id(start)] = _of_start(start)
+                yield self._starting[id(start)]
 
     # --- Ahead ------------------------------------------------------------------------------------
 
@@ -437,12 +431,12 @@ class Explorer:
                 continue
             yield from self._new(self._inside(found.value))
 
-    def _new(self, candidates: Iterable[_Candidate]) -> Iterator[Call]:
+    def _new(self, places: Iterable[_Place]) -> Iterator[Call]:
         """What goes through places that no branch explains by now."""
-        for each in candidates:
+        for each in places:
             each.is_explained = each.is_explained or not self._is_new(each)
             if not each.is_explained:
-                yield from self._beyond((each.place.task, each.place.argument))
+                yield from self._beyond((each.task, each.argument))
 
     def _beyond(self, leg: Call) -> Iterator[Call]:
         """A leg that is not followed yet, or those that continue it, as far as it is not known."""
