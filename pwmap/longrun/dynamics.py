@@ -426,10 +426,13 @@ def dynamics(
     """
     if not isinstance(orders, Iterable):
         raise TypeError(f"orders must be several iterates such as (12, 24), got {shown(orders)}")
+    orders = tuple(orders)
+    if not orders:
+        raise ValueError("orders must name at least one iterate, got none")
     for order in orders:
         checked_order(order)
     check_budget(budget)
-    return Dynamics(line_of(map_, values), tuple(orders), budget)
+    return Dynamics(line_of(map_, values), orders, budget)
 
 
 EXTREMA = {-1: Extremum.MAXIMUM, 1: Extremum.MINIMUM, 0: Extremum.CONSTANT}  # by a germ's side

@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import NamedTuple, TypeVar
 
-from pwmap.algebra.arguments import check_functions, check_kind, explained_fields
+from pwmap.algebra.arguments import check_functions, check_kind, explained_fields, positive_integer
 
 Part = TypeVar("Part")
 
@@ -92,7 +92,7 @@ class Budget:
     def __post_init__(self) -> None:
         for name in ("pieces", "letters", "work"):
             count = getattr(self, name)
-            if not isinstance(count, int) or count < 1:
+            if not positive_integer(count):
                 raise ValueError(f"{name} of a budget must be a positive integer, got {count!r}")
         seconds = self.seconds
         if seconds is not None and not (isinstance(seconds, int | float) and seconds > 0):
@@ -144,6 +144,7 @@ class Meter:
     """
 
     def __init__(self, budget: Budget) -> None:
+        check_kind("budget", budget, Budget)
         self.budget = budget
         self.work = 0
         self.stopped = ""

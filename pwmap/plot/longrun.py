@@ -473,6 +473,7 @@ def plot_entropy(
     drawn: Artists = {"between": [area], "bounds": [line, upper], "constant": []}
     widest = max(high - low for low, high in zip(lows, highs, strict=True))
     known = intervals if intervals is not None else constant_entropy(map_, parameter, span)
+    check_kind("intervals", known, EntropyIntervals, "pwmap.longrun")
     shown: list[tuple[Any, str]] = []
     if known.intervals:
         pieces = ax.hlines([each.entropy.high for each in known.intervals],

@@ -37,6 +37,7 @@ from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.slices import quotient_in
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import Table
+from pwmap.parameters.cells import checked_orders
 from pwmap.proofs.document import Certificate
 
 Row = dict[str, Any]
@@ -303,8 +304,8 @@ class _DiagramWriter:
         self._symbol = map_.parameters[0]
         if self._own > 1:
             _fail("the diagram of an iterate, only that of the map itself is")
-        found = {branch.order for branch in diagram.branches} if orders is None else set(orders)
-        self._orders = sorted(map(checked_order, found))
+        found = {branch.order for branch in diagram.branches} if orders is None else orders
+        self._orders = list(checked_orders(found))
         own = [
             (branch, stretch)
             for branch in diagram.branches
