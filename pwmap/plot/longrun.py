@@ -372,7 +372,6 @@ def plot_kneading(
 
 
 def _side(row: Kneading) -> str:
-    """A break with its side: 0^- is the limit from the left."""
     return f"${_written(row.x)}^{'-' if row.side < 0 else '+'}$"
 
 

@@ -236,7 +236,6 @@ class _Powers:
         return self.field.gens[len(self.map_.parameters)] + run.shift
 
     def to_sympy(self, element: Element) -> sympy.Expr:
-        """With powers of n."""
         powers = {
             variable: (to_sympy(top) / to_sympy(bottom)) ** self.n
             for variable, (top, bottom) in zip(self._generators, self._bases, strict=True)
@@ -304,8 +303,6 @@ class _Powers:
 
 
 class _Builder:
-    """Follows the point of a pattern through its runs."""
-
     def __init__(
         self, map_: PiecewiseLinearMap, layout: Layout, runs: tuple[WordRun, ...], name: str
     ) -> None:

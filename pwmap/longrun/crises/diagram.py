@@ -371,7 +371,6 @@ class _Sweep:
 
 
 def _shown(low: Real, high: Real, sample: Number) -> tuple[sympy.Expr, sympy.Expr, sympy.Rational]:
-    """Ends of a cell and its sample as expressions."""
     return real_to_sympy(low), real_to_sympy(high), QQ.to_sympy(sample)
 
 
