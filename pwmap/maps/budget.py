@@ -109,7 +109,7 @@ class BudgetError(ValueError):
 
 def cost(bits: int) -> int:
     """The work of one operation on rationals of so many bits; 1 takes about a microsecond."""
-    # very long ones are reduced by their common divisor: squared
+    # the common divisor of long ones takes time like the square of their length
     return 1 + bits // 128 + (bits // 512) ** 2
 
 

@@ -133,7 +133,7 @@ def _over(region: AssumedRegion, name: str, span: Span) -> AssumedRegion:
         if not degree_in(constraint.polynomial, index):
             constraints.append(constraint)
             continue
-        # of degree one it holds inside if it does at the ends, or is zero at one
+        # one of degree one holds inside if it does at both ends, or is zero at one of them
         values = [constraint.polynomial.subs(index, end) for end in span]
         constraints += [Constraint(v, False) for v in values if not is_constant(v)]
     narrowed = AssumedRegion(region.ring, tuple(constraints))

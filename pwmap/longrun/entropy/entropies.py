@@ -219,7 +219,7 @@ def _perron(ways: Sequence[tuple[int, int]], size: int) -> list[int]:
     rows, columns = (np.array(each) for each in zip(*ways, strict=True))
     vector = np.ones(size)
     for _ in range(ROUNDS):
-        # A + 1 has no period
+        # A + 1 is aperiodic
         image = vector + np.bincount(rows, weights=vector[columns], minlength=size)
         image /= image.max()
         change = np.abs(image - vector).max()

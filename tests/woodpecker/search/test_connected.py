@@ -86,6 +86,7 @@ def test_map_of_the_paper() -> None:
         assert not branch.changes
     assert (diagram.parameter_name, diagram.x_name) == ("p", "x")
     assert {point.note for point in diagram.points} == {"fold", "end of the parameter span"}
+    assert {p.cause for p in diagram.points if p.kind is PointKind.EP} == {""}  # the note says it
     for point in diagram.points:
         assert point.status is PointStatus.LOCATED
         assert point.precision <= LOCATED
