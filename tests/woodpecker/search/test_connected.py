@@ -86,12 +86,10 @@ def test_map_of_the_paper() -> None:
         assert not branch.changes
     assert (diagram.parameter_name, diagram.x_name) == ("p", "x")
     assert {point.note for point in diagram.points} == {"fold", "end of the parameter span"}
-    assert {p.cause for p in diagram.points if p.kind is PointKind.EP} == {""}  # the note says it
     for point in diagram.points:
         assert point.status is PointStatus.LOCATED
         assert point.precision <= LOCATED
-        if point.kind.value != "EP":
-            assert point.cause == BORDER
+        assert point.cause == ("" if point.kind.value == "EP" else BORDER)  # else the note says it
 
 
 @pytest.mark.parametrize(("x", "p"), [(-1.0, 1.0), (-2.5, -0.5), (0.1 / (1.0 + A), 0.1)])
