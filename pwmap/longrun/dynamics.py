@@ -52,12 +52,8 @@ class MinMax:
     break are mapped to the left of the limit, it is a local maximum of the iterate's branch there;
     a minimum if they are mapped to its right. Its address is the piece in which these images lie.
 
-    Attributes
-    ----------
-    symbols
-        Extremum and letter of the address for n = 1, 2, ...; constant beyond a flat piece.
-    start
-        The number of the first that recurs with all that follow; None if that is not known.
+    ``symbols`` has the extremum and the letter of the address for each n; beyond a flat piece
+    iterates are constant. From number ``start`` on they recur; None if that is not known.
     """
 
     symbols: tuple[tuple[Extremum, str], ...]

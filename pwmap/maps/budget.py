@@ -25,13 +25,8 @@ OFTEN = 0.25  # seconds between two calls of ``progress``
 class Advance(NamedTuple):
     """How far a call is, as :class:`pwmap.Budget` tells it.
 
-    Attributes
-    ----------
-    what, done, total
-        What is counted, such as ``"columns"`` (empty before anything is), and how many of how many
-        are finished; the total is 0 if it is not known in advance.
-    work
-        That was done so far.
+    ``what`` is counted, such as ``"columns"`` (empty before anything is); ``done`` of ``total`` are
+    finished, which is 0 if it is not known in advance, after so much ``work``.
     """
 
     what: str

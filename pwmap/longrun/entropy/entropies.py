@@ -276,18 +276,11 @@ class GapCause(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConstantEntropy:
-    """An interval of a parameter on which the topological entropy is constant.
+    """An interval of a parameter on which the topological entropy is constant, with exact ends.
 
-    It is one of those of :func:`pwmap.constant_entropy`.
-
-    Attributes
-    ----------
-    lower, upper, closed
-        Exact ends, and whether the entropy is known to be the same there.
-    samples
-        Rational values inside, one of each part that has a proof of its own, from left to right.
-    cycles
-        Words of the attracting cycles at these samples, each once.
+    It is one of those of :func:`pwmap.constant_entropy`. ``closed`` says whether the entropy is
+    known to be the same at the ends. ``samples`` are rational values inside, one of each part that
+    has a proof of its own, ``cycles`` the words of the attracting cycles there.
     """
 
     lower: sympy.Expr
