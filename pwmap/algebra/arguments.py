@@ -83,25 +83,27 @@ def check_functions(**given: object) -> None:
             raise TypeError(f"{name} must be a function, got {shown(value)}")
 
 
-def named_values(name: str, values: Mapping[Any, object] | None) -> Mapping[Any, object]:
-    """Values by name, none by default; TypeError if they are no mapping."""
-    if not isinstance(values, Mapping | None):
-        raise TypeError(f"{name} must be a mapping such as {{'a': '5/4'}}, got {shown(values)}")
-    return values or {}
+def check_mapping(name: str, values: object, such_as: str = "{'a': '5/4'}") -> None:
+    """TypeError unless values are given by name."""
+    if not isinstance(values, Mapping):
+        raise TypeError(f"{name} must be a mapping such as {such_as}, got {shown(values)}")
+
+
+def checked_number(name: str, value: object) -> float:
+    """A real number as a float; TypeError if it is none."""
+    if not isinstance(value, str):
+        try:
+            return float(value)  # type: ignore[arg-type]
+        except (TypeError, ValueError):
+            pass
+    raise TypeError(f"{name} must be a number, got {shown(value)}")
 
 
 def checked_pair(name: str, pair: object) -> tuple[float, float]:
-    """Two numbers as floats; TypeError if they are none."""
-    if (
-        isinstance(pair, tuple | list)
-        and len(pair) == 2
-        and not any(isinstance(each, str) for each in pair)
-    ):
-        try:
-            return float(pair[0]), float(pair[1])
-        except (TypeError, ValueError):
-            pass
-    raise TypeError(f"{name} must be two numbers, got {shown(pair)}")
+    """Two real numbers as floats; TypeError if they are none."""
+    if not isinstance(pair, tuple | list) or len(pair) != 2:
+        raise TypeError(f"{name} must be two numbers, got {shown(pair)}")
+    return checked_number(name, pair[0]), checked_number(name, pair[1])
 
 
 def checked_path(path: str | os.PathLike[str]) -> Path:

@@ -27,7 +27,7 @@ def open_point(
     levels: list[tuple[int, set[PolyElement]]] = []
     left = list(order)
     while left:
-        # of equal costs the first in the given order
+        # of several of equal cost the first in the given order
         variable = min(left, key=lambda v: _cost(polynomials, v))
         left.remove(variable)
         levels.append((variable, {p for p in polynomials if variable in variables(p)}))

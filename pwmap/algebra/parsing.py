@@ -271,7 +271,6 @@ class _Parser:
         return Term(Operation.NUMBER, value=QQ(int(token.text)), source=token.text)
 
     def _bracket(self, opening: _Token) -> Term:
-        """An expression in brackets, or a pair."""
         inner = self._parse(0)
         if not self._take(","):
             self._close()
@@ -320,7 +319,6 @@ class _Parser:
         return self._term(function.operation, arguments, name.start)
 
     def _quotient(self, name: str, arguments: Sequence[Term]) -> list[Term]:
-        """The factors of a rational number."""
         numbers = {Operation.NUMBER, Operation.NEGATIVE}
         for argument in arguments:
             if name == "Integer" or len(arguments) > 1:

@@ -17,6 +17,7 @@ from sympy import QQ
 from sympy.polys.densearith import dup_mul, dup_rem, dup_sub
 from sympy.polys.euclidtools import dup_invert
 
+from pwmap.algebra.arguments import explained, shown
 from pwmap.algebra.exact import (
     HIGHEST,
     LOWEST,
@@ -88,7 +89,10 @@ class RealRoot:
 
     __slots__ = ("_bits", "_coefficients", "_floor", "_hash", "_rises", "index", "polynomial")
 
+    @explained()
     def __init__(self, polynomial: Dense, index: int, low: Number, high: Number) -> None:
+        if not isinstance(polynomial, tuple):
+            raise TypeError(f"a polynomial must be a tuple of numbers, got {shown(polynomial)}")
         if len(polynomial) < 3 or not _poly(polynomial).is_irreducible:
             raise ValueError(
                 "expected an irreducible polynomial of degree two or more, got "

@@ -49,7 +49,6 @@ OBJECT = 200  # bytes of what holds them
 
 
 def _bytes(poly: Sequence[int]) -> int:
-    """About how many bytes a polynomial takes."""
     return sum(40 + c.bit_length() // 7 for c in poly)
 
 

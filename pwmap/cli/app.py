@@ -236,7 +236,6 @@ def _tell(map_: PiecewiseLinearMap, found: Diagram, more: LongRun) -> None:
 def _tell_end(
     kept: _Kept, more: LongRun, out: Path, names: Sequence[str], gone: Sequence[str], without: str
 ) -> None:
-    """What was written, and after Ctrl-C what was not."""
     from pwmap.diagrams.record import record_of
 
     tell_written(out, (*names, record_of("analyse")), gone)

@@ -11,6 +11,7 @@ from typing import Any, NamedTuple, Self
 import numpy as np
 import numpy.typing as npt
 
+from pwmap.algebra.arguments import explained_fields, shown
 from pwmap.diagrams.frames import Column, DataFrame, dataframe
 from pwmap.diagrams.shown import brief, counted, span, table
 
@@ -89,6 +90,7 @@ class Stretch:
     exact: Mapping[str, object] = field(default_factory=dict, hash=False, repr=False)
 
 
+@explained_fields
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Branch:
     """A curve between two special points; its word may change where the map is continuous.
@@ -182,8 +184,8 @@ class Branch:
 
     def stretch_at(self, sample: int) -> Stretch:
         """The stretch of a sample, counted from 0; IndexError if there is no such sample."""
-        if not 0 <= sample < len(self):
-            raise IndexError(f"sample must lie in [0, {len(self) - 1}], got {sample}")
+        if not hasattr(sample, "__index__") or not 0 <= sample < len(self):
+            raise IndexError(f"sample must lie in [0, {len(self) - 1}], got {shown(sample)}")
         return self.words[bisect_right(self.words, sample, key=lambda s: s.first) - 1]
 
     def word_at(self, sample: int) -> str:
@@ -226,6 +228,7 @@ class Branch:
         return table(repr(self), header, rows)
 
 
+@explained_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SpecialPoint:
     """A point of the (parameter, x) plane where branches end or meet; see :class:`Diagram`.

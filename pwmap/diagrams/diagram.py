@@ -8,7 +8,17 @@ from pathlib import Path
 
 import networkx as nx
 
-from pwmap.algebra.arguments import check_text, checked_count, checked_pair, checked_path, shown
+from pwmap.algebra.arguments import (
+    check_mapping,
+    check_text,
+    checked_count,
+    checked_number,
+    checked_pair,
+    checked_path,
+    explained,
+    explained_fields,
+    shown,
+)
 from pwmap.diagrams import presentation, queries
 from pwmap.diagrams.data import Branch as Branch
 from pwmap.diagrams.data import BranchKind as BranchKind
@@ -27,6 +37,7 @@ from pwmap.diagrams.saved import read_record, write_record
 NAME, VERSION = "diagram", 1  # of its files; a change that older code would misread raises it
 
 
+@explained_fields
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class Diagram:
     """Branches and special points over one parameter.
@@ -112,6 +123,7 @@ class Diagram:
                 return point
         raise KeyError(f"no special point {point_id!r} in this diagram")
 
+    @explained()
     def named(
         self, places: Mapping[str, tuple[float, float] | str], within: float = 0.01
     ) -> Diagram:
@@ -124,8 +136,8 @@ class Diagram:
         there is no point of an id; TypeError if a name or place is none.
         """
         given: dict[str, str] = {}
-        if not isinstance(places, Mapping):
-            raise TypeError(f"places must be a mapping such as {{'A': 'BC1'}}, got {shown(places)}")
+        check_mapping("places", places, "{'A': 'BC1'}")
+        within = checked_number("within", within)
         for name, place in places.items():
             check_text("a name", name)
             if name in self._point:

@@ -127,6 +127,5 @@ def _of_edge(branch: Branch) -> dict[str, str | float]:
 
 
 def _formulas(branch: Branch, name: str) -> str:
-    """Exact values of a name, stretch by stretch."""
     found = (stretch.exact[name] for stretch in branch.words if name in stretch.exact)
     return "; ".join(map(text_of, found))

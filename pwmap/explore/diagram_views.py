@@ -181,8 +181,6 @@ class GraphView:
 
 
 def _on_change(model: Any, *properties: str, hear: Callable[[], None]) -> None:
-    """Call a function when one of some properties has changed."""
-
     def changed(attr: str, old: object, new: object) -> None:
         hear()
 
@@ -210,7 +208,6 @@ def _part(table: Any, branch: str) -> dict[str, Any]:
 
 
 def _named(figure: Any, *tables: Any) -> list[dict[str, Any]]:
-    """Names of the points of some tables, the first ones first."""
     scale, frame = np.array(_scale(figure)), _size(figure)
     start = np.array([figure.x_range.start, figure.y_range.start])
     full = [table for table in tables if table and len(table["x"])]

@@ -77,7 +77,6 @@ def answers(state: MapState) -> Iterator[MapAnswer]:
 
 
 def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) -> MapAnswer:
-    """Pieces, what lies on the diagonal, and a cobweb."""
     iterate = here.iterate(state.order)
     pieces, fixed, jumps = iterate.pieces, iterate.fixed_points(), iterate.jump_crossings()
     web = orbit(iterate, state)
@@ -164,7 +163,6 @@ def _has(family: PiecewiseLinearMap, name: str) -> bool:
 
 
 def _cells(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> MapAnswer:
-    """Cells of the parameter, each with its cycles as formulas."""
     if not state.axis:
         return MapAnswer("cells")
     line = one_parameter(state, family)
@@ -239,7 +237,6 @@ def plane(state: MapState, family: PiecewiseLinearMap) -> ParameterPlane:
 
 
 def _plane(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> MapAnswer:
-    """Curves on which cycles bifurcate, with their polynomials."""
     if not state.plane_names:
         return MapAnswer("plane")
     found = plane(state, family)
@@ -274,7 +271,6 @@ def _plane(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -
 
 
 def _text(value: object) -> str:
-    """An exact value as text, not longer than a line."""
     told = re.sub(r"\boo\b", "∞", str(value))
     return told if len(told) <= TEXT else f"{told[:TEXT]}… ({len(told)} characters)"
 

@@ -138,7 +138,6 @@ def asked(document: Document, read: Callable[[str], S], initial: S) -> tuple[S, 
 
 @lru_cache
 def _environment(folder: Path) -> Environment:
-    """Templates of a page, and those that all pages share."""
     loader = FileSystemLoader([str(FOLDER), str(folder)])
     made = Environment(loader=loader, autoescape=select_autoescape(default=True))
     made.globals["colours"] = COLORS

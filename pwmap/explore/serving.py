@@ -84,15 +84,11 @@ class _PromptStream(IOStream):  # type: ignore[misc]
     """
 
     def set_nodelay(self, value: bool) -> None:
-        """Never wait, whatever is asked for."""
         super().set_nodelay(True)
 
 
 class _PromptServer(HTTPServer):  # type: ignore[misc]
-    """Sends everything at once."""
-
     def handle_stream(self, stream: IOStream, address: Any) -> None:
-        """Take a connection."""
         sizes = {"max_buffer_size": self.max_buffer_size, "read_chunk_size": self.read_chunk_size}
         prompt = _PromptStream(stream.socket, **sizes)
         prompt.set_nodelay(True)
@@ -164,13 +160,10 @@ class _OwnName(RequestHandler):  # type: ignore[misc]
 
 
 class _Page(_OwnName):
-    """A page that is a text."""
-
     def initialize(self, text: str) -> None:
         self.text = text
 
     def get(self) -> None:
-        """The page."""
         self.set_header("Content-Type", "text/html; charset=utf-8")
         self.finish(self.text)
 

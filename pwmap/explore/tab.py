@@ -222,7 +222,6 @@ class Tab(ABC, Generic[S]):
         on_click(figure, hear)
 
     def _tap_diagram(self, event: Any) -> None:
-        """The branch that was clicked on."""
         if self.shown is not None:
             scale = self.diagram.scale
             branch, away = nearest_line(self.shown.lines, event.x, event.y, scale)
@@ -233,7 +232,6 @@ class Tab(ABC, Generic[S]):
         self._tap_beside(event)
 
     def _tap_graph(self, event: Any) -> None:
-        """The edge that was clicked on."""
         if self.shown is not None:
             branch, away = nearest_line(self.shown.edges, event.x, event.y, self.graph.scale)
             if branch and away <= 2.0 * CLICK:

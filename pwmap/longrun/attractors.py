@@ -51,7 +51,6 @@ class Bands:
     breaks: tuple[Exact, ...]
 
     def __len__(self) -> int:
-        """How many bands."""
         return len(self.intervals)
 
     def holds(self, x: Exact) -> bool:
@@ -72,7 +71,6 @@ class Attractors:
     left_out: str = ""  # a sentence if a budget or an interrupt is the cause
 
     def __len__(self) -> int:
-        """How many."""
         return len(self.cycles) + len(self.neutral) + len(self.bands)
 
 
@@ -164,7 +162,6 @@ def _is_settled(line: MapLine, orbit: GermOrbit, fates: Fates) -> bool:
 
 
 def _inside(line: MapLine, intervals: Intervals) -> tuple[Exact, ...]:
-    """The breaks inside of intervals."""
     return tuple(x for x in line.breaks if any(low < x < high for low, high in intervals))
 
 
@@ -339,7 +336,6 @@ class _Growth:
         return self.rounded(low), self.rounded(high)
 
     def note(self, parts: Sequence[Interval]) -> None:
-        """Take note of the work of one step of intervals."""
         self.meter.spend(sum(STEP + 3 * (work_of(low) + work_of(high)) for low, high in parts))
 
     def is_settled(self, part: Interval) -> bool:

@@ -75,18 +75,10 @@ class FoundCycle:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class FoundCycles:
-    """All isolated cycles up to some period, by period and then from left to right.
+    """All isolated cycles that :func:`pwmap.cycles` found, by period, then from left to right.
 
-    See :func:`pwmap.cycles`.
-
-    Attributes
-    ----------
-    order
-        Up to which period they are complete.
-    words
-        How many words were looked at.
-    left_out
-        A sentence on what is missing; empty if nothing is.
+    They are complete up to the period ``order``; ``words`` were looked at. ``left_out`` is a
+    sentence on what is missing, if anything.
     """
 
     cycles: tuple[FoundCycle, ...]

@@ -52,12 +52,8 @@ class MinMax:
     break are mapped to the left of the limit, it is a local maximum of the iterate's branch there;
     a minimum if they are mapped to its right. Its address is the piece in which these images lie.
 
-    Attributes
-    ----------
-    symbols
-        Extremum and letter of the address for n = 1, 2, ...; constant beyond a flat piece.
-    start
-        The number of the first that recurs with all that follow; None if that is not known.
+    ``symbols`` has the extremum and the letter of the address for each n; beyond a flat piece
+    iterates are constant. From number ``start`` on they recur; None if that is not known.
     """
 
     symbols: tuple[tuple[Extremum, str], ...]
@@ -426,10 +422,13 @@ def dynamics(
     """
     if not isinstance(orders, Iterable):
         raise TypeError(f"orders must be several iterates such as (12, 24), got {shown(orders)}")
+    orders = tuple(orders)
+    if not orders:
+        raise ValueError("orders must name at least one iterate, got none")
     for order in orders:
         checked_order(order)
     check_budget(budget)
-    return Dynamics(line_of(map_, values), tuple(orders), budget)
+    return Dynamics(line_of(map_, values), orders, budget)
 
 
 EXTREMA = {-1: Extremum.MAXIMUM, 1: Extremum.MINIMUM, 0: Extremum.CONSTANT}  # by a germ's side

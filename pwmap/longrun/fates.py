@@ -34,20 +34,12 @@ class Fate(Enum):
 
 @dataclass(frozen=True, eq=False)
 class AttractingCycle:
-    """A cycle to which all orbits close to it come.
+    """A cycle to which all orbits close to it come, the core of an attractor.
 
-    The core of an attractor of :func:`pwmap.dynamics`.
-
-    Attributes
-    ----------
-    points
-        In the order in which they are visited, from the smallest on.
-    word
-        The letters of the pieces they lie in.
-    multiplier
-        Product of the slopes, less than one in size.
-    reach
-        How close to each point an orbit must come to be drawn in; it may be infinite.
+    ``points`` are in the order of visits, from the smallest on, ``word`` has the letters of their
+    pieces. ``multiplier`` is the product of the slopes, less than one in size; ``reach`` is how
+    close to each point an orbit must come to be drawn in, and may be infinite. See
+    :func:`pwmap.dynamics`.
     """
 
     points: tuple[Exact, ...]

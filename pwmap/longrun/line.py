@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import sympy
 from sympy import QQ
 
-from pwmap.algebra.arguments import named_values
+from pwmap.algebra.arguments import check_mapping
 from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, dense, sign
 from pwmap.algebra.roots import Real, RealRoot, algebraic, real_to_sympy, value_at
 from pwmap.algebra.terms import own_name
@@ -195,8 +195,10 @@ def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None
     map, or a value is a float.
     """
     check_map(map_)
+    values = {} if values is None else values
+    check_mapping("values", values)
     rationals, roots = dict[str, object](), dict[str, RealRoot]()
-    for name, value in named_values("values", values).items():
+    for name, value in values.items():
         own = str(own_name(name, map_.parameters))
         found = algebraic(value) if isinstance(value, sympy.Expr) else value
         if isinstance(found, RealRoot):

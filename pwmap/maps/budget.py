@@ -13,7 +13,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import NamedTuple, TypeVar
 
-from pwmap.algebra.arguments import check_functions, check_kind, explained_fields
+from pwmap.algebra.arguments import check_functions, check_kind, explained_fields, positive_integer
 
 Part = TypeVar("Part")
 
@@ -25,13 +25,8 @@ OFTEN = 0.25  # seconds between two calls of ``progress``
 class Advance(NamedTuple):
     """How far a call is, as :class:`pwmap.Budget` tells it.
 
-    Attributes
-    ----------
-    what, done, total
-        What is counted, such as ``"columns"`` (empty before anything is), and how many of how many
-        are finished; the total is 0 if it is not known in advance.
-    work
-        That was done so far.
+    ``what`` is counted, such as ``"columns"`` (empty before anything is); ``done`` of ``total`` are
+    finished, which is 0 if it is not known in advance, after so much ``work``.
     """
 
     what: str
@@ -92,7 +87,7 @@ class Budget:
     def __post_init__(self) -> None:
         for name in ("pieces", "letters", "work"):
             count = getattr(self, name)
-            if not isinstance(count, int) or count < 1:
+            if not positive_integer(count):
                 raise ValueError(f"{name} of a budget must be a positive integer, got {count!r}")
         seconds = self.seconds
         if seconds is not None and not (isinstance(seconds, int | float) and seconds > 0):
@@ -109,7 +104,7 @@ class BudgetError(ValueError):
 
 def cost(bits: int) -> int:
     """The work of one operation on rationals of so many bits; 1 takes about a microsecond."""
-    # very long ones are reduced by their common divisor: squared
+    # the common divisor of long ones takes time like the square of their length
     return 1 + bits // 128 + (bits // 512) ** 2
 
 
@@ -144,6 +139,7 @@ class Meter:
     """
 
     def __init__(self, budget: Budget) -> None:
+        check_kind("budget", budget, Budget)
         self.budget = budget
         self.work = 0
         self.stopped = ""

@@ -20,14 +20,9 @@ from pwmap.maps.words import Layout, Offset, Word
 class Cycle:
     """What :meth:`PiecewiseLinearMap.cycle` gives: a cycle by its word.
 
-    Attributes
-    ----------
-    points
-        In the order of the word.
-    multiplier
-        Product of the slopes of the pieces visited; ``nan`` if one of them is a single point.
-    conditions
-        What must hold for the cycle to exist: each point in its piece.
+    ``points`` are in the order of the word; ``multiplier`` is the product of the slopes, ``nan`` if
+    one of the pieces is a single point. For the cycle to exist ``conditions`` must hold: each point
+    in its piece.
     """
 
     word: str

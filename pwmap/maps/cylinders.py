@@ -130,7 +130,7 @@ def _constant_value(cylinder: Cylinder, oracle: SignOracle) -> tuple[int, Word]:
     """A critical orbit that equals the one value of the iterate on a cylinder."""
     if cylinder.lower is not None and cylinder.is_point:
         return cylinder.lower.k, cylinder.word[cylinder.lower.steps :]
-    # after a letter of slope zero the orbit of any break
+    # after a letter of slope zero it is the orbit of any break
     flat = max(i for i, letter in enumerate(cylinder.word) if oracle.slope((letter,)) == 0)
     return 0, cylinder.word[flat:]
 

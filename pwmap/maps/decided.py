@@ -10,7 +10,7 @@ from typing import Any
 import sympy
 from sympy import QQ
 
-from pwmap.algebra.arguments import named_values, shortened
+from pwmap.algebra.arguments import check_mapping, shortened
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.assumptions import AssumedRegion
 from pwmap.algebra.exact import (
@@ -135,10 +135,10 @@ def in_cell(
 
 def with_values(map_: Decided, values: Mapping[Any, object]) -> Decided:
     """The map with rational values for some of its parameters, by symbol or by name."""
+    check_mapping("values", values)
     definition = map_.definition
     numbers = {
-        checked_parameter(name, map_.parameters): rational(value)
-        for name, value in named_values("values", values).items()
+        checked_parameter(name, map_.parameters): rational(value) for name, value in values.items()
     }
     if not numbers:
         return map_

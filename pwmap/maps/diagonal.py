@@ -143,7 +143,7 @@ def _neighbours(
 ) -> Iterator[tuple[Cylinder, Cylinder, Cylinder, Cylinder]]:
     """For each cut: the interval before it, the pieces that meet there, the interval after it."""
     for i, (left, right) in enumerate(pairwise(cylinders)):
-        # it lies between two cuts at one place, which comes once
+        # a piece that is a point lies between two cuts at one place: that cut comes once
         if left.is_point:
             continue
         after = cylinders[i + 2] if right.is_point else right

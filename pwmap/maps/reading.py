@@ -279,7 +279,7 @@ def _letters(letters: Sequence[str] | None, n: int) -> tuple[str, ...]:
     if letters is None:
         standard = {1: "A", 2: "LR", 3: "LMR"}.get(n, ascii_uppercase[:n])
         letters = standard + "".join(chr(0x100 + i) for i in range(n - len(standard)))
-    if not isinstance(letters, Sequence):
+    if not isinstance(letters, Sequence) or not all(isinstance(each, str) for each in letters):
         raise TypeError(f"expected {n} different letters, one for each piece, got {shown(letters)}")
     if len(letters) != n or len(set(letters)) != n or any(len(letter) != 1 for letter in letters):
         raise ValueError(f"expected {n} different letters, one for each piece, got {letters!r}")

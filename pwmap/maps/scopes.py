@@ -193,7 +193,6 @@ class ColumnCell(CellScope):
 
     @property
     def _root(self) -> Root | None:
-        """That over which it lies, if it is an edge."""
         return self.low if isinstance(self.low, Root) and self.low == self.high else None
 
     def _sign(self, polynomial: Number) -> int | None:

@@ -152,7 +152,7 @@ class Orbits:
         self._whole = isinstance(table.one, int)
         self._bits = max(map(_bits, table.numbers()))
         self._powers: list[Number] = [table.one]
-        # of a word of n letters over D**n, and the orbit of a break along it over D**(n + 1)
+        # the map of a word of n letters over D**n, the orbit of a break along it over D**(n + 1)
         self._affine: dict[Word, tuple[Number, Number]] = {(): (table.one, zero)}
         self._orbits: dict[tuple[int, Word], Number] = {}
         self._slopes: dict[Word, Fraction_] = {}

@@ -9,7 +9,7 @@ from typing import Any
 
 from sympy import QQ
 
-from pwmap.algebra.arguments import named_values
+from pwmap.algebra.arguments import check_mapping
 from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.assumptions import AssumedRegion
 from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite, Number, degree_in, is_constant
@@ -103,10 +103,8 @@ def samples(
     """Values for the other parameters, in turn; ValueError if the chosen one does not suit."""
     others = {str(s) for s in map_.parameters} - {name}
     if chosen is not None:
-        values = {
-            own_name(key, map_.parameters): rational(value)
-            for key, value in named_values("sample", chosen).items()
-        }
+        check_mapping("sample", chosen)
+        values = {own_name(key, map_.parameters): rational(value) for key, value in chosen.items()}
         if set(values) != others:
             raise ValueError(f"a sample must give values to {sorted(others)}, got {sorted(values)}")
         broken = map_.definition.region.contains(values)
@@ -135,7 +133,7 @@ def _over(region: AssumedRegion, name: str, span: Span) -> AssumedRegion:
         if not degree_in(constraint.polynomial, index):
             constraints.append(constraint)
             continue
-        # of degree one it holds inside if it does at the ends, or is zero at one
+        # one of degree one holds inside if it does at both ends, or is zero at one of them
         values = [constraint.polynomial.subs(index, end) for end in span]
         constraints += [Constraint(v, False) for v in values if not is_constant(v)]
     narrowed = AssumedRegion(region.ring, tuple(constraints))

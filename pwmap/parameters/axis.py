@@ -151,7 +151,6 @@ class Axis(ABC):
 
     @cached_property
     def _orbits_here(self) -> Orbits:
-        """Those of the map at the sample."""
         if not self.sample:
             return self.orbits
         ring = polynomial_ring([self.definition.ring.symbols[self.index]])

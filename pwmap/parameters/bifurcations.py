@@ -424,7 +424,6 @@ def _borders(map_: PiecewiseLinearMap, continuation: Continuation, met: Iterable
 
 
 def _interval(segment: Segment, low: sympy.Expr, high: sympy.Expr) -> sympy.Set:
-    """The values of the parameter at which a segment exists."""
     if segment.places[0] == segment.places[1]:
         return sympy.FiniteSet(low) if all(segment.closed) else sympy.EmptySet
     left, right = (sympy.false if closed else sympy.true for closed in segment.closed)

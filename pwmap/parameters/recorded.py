@@ -198,7 +198,6 @@ class RecordedAxis(Axis):
 
     @cached_property
     def _own(self) -> tuple[Constraint, ...]:
-        """What the map itself assumes of the other parameters."""
         constraints = self.definition.region.constraints
         return tuple(c for c in constraints if not self.degree(c.polynomial))
 
@@ -213,7 +212,6 @@ class RecordedAxis(Axis):
 
     @cached_property
     def _assumed(self) -> tuple[Constraint, ...]:
-        """What holds of the other parameters, when all was decided."""
         if len(self.sample) == 1:
             return (*self._own, *self._ends())
         ring = self.definition.ring

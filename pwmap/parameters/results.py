@@ -15,15 +15,11 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 class ParameterCell:
     """An interval of the parameter, or an edge, of :func:`pwmap.parameter_cells`.
 
-    Attributes
-    ----------
-    lower, upper
-        Exact ends, equal for an edge; they do not belong to an open cell.
-    map
-        The map decided for this cell: its ``iterate(j).pieces``, ``fixed_points()`` and
-        ``jump_crossings()`` are formulas in the parameters, for the orders of the cells. Other
-        questions are answered if that holds throughout the cell; otherwise :class:`UndecidedError`
-        names the orders.
+    The exact ends ``lower`` and ``upper`` are equal for an edge, and do not belong to an open cell.
+    ``map`` is decided for this cell: its ``iterate(j).pieces``, ``fixed_points()`` and
+    ``jump_crossings()`` are formulas in the parameters, for the orders of the cells. Other
+    questions are answered if that holds throughout the cell; otherwise :class:`UndecidedError`
+    names the orders.
     """
 
     lower: sympy.Expr

@@ -119,8 +119,6 @@ def with_crises(
 
 
 class _Search:
-    """Asks for crises at values of the parameter across."""
-
     def __init__(self, plane: ParameterPlane, order: int, meter: Meter) -> None:
         self.plane, self.order, self.meter = plane, order, meter
         self.along = str(plane.along)

@@ -90,14 +90,8 @@ class PlaneCurve:
 class CodimensionTwo:
     """A point of two parameters in which bifurcation curves of :func:`pwmap.parameter_plane` meet.
 
-    Attributes
-    ----------
-    id
-        The code of its kind with a number.
-    node
-        Values of both parameters, the one across first.
-    curves
-        Names of the curves that pass or end here.
+    ``id`` is the code of its kind with a number, ``node`` has the values of both parameters, the
+    one across first, ``curves`` the names of curves that pass or end here.
     """
 
     id: str

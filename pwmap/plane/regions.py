@@ -17,17 +17,10 @@ from pwmap.plane.strips import Strip
 class PlaneRegion:
     """A part of a :func:`pwmap.parameter_plane` in which cycles of the same periods attract.
 
-    Attributes
-    ----------
-    across
-        Exact lower and upper end of the first parameter.
-    along
-        Lower and upper border of the second one, as expressions in the first; curves that do not
-        belong to it.
-    periods
-        Of the cycles that attract, among the orders of the plane; empty if none does.
-    words
-        Of these cycles, each begun where it comes first in the alphabet.
+    ``across`` holds the exact ends of the first parameter, ``along`` the borders of the second as
+    expressions in the first, which do not belong to it. ``periods`` are those of the cycles that
+    attract, among the orders of the plane; their ``words`` begin where they come first in the
+    alphabet.
     """
 
     across: tuple[sympy.Expr, sympy.Expr]

@@ -24,16 +24,10 @@ from pwmap.plane.marks import PlaneMark, marks
 class Strip:
     """An open interval of one parameter, with cells of the other; of :func:`pwmap.parameter_plane`.
 
-    Attributes
-    ----------
-    column
-        The interval, with the sample at which the cells were found.
-    cells
-        The cells of the other parameter; their edges are expressions in the first.
-    borders
-        The same edges, and both ends of the span, as roots of polynomials, from the lowest.
-    upright
-        Coefficients of polynomials in the first parameter alone that decided something.
+    ``column`` is the interval with the sample at which ``cells`` were found; their edges are
+    expressions in the first parameter. ``borders`` are these, and both ends of the span, as roots
+    of polynomials, from the lowest; ``upright`` are coefficients of polynomials in the first
+    parameter alone that decided something.
     """
 
     column: Column

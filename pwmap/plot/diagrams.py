@@ -17,7 +17,13 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from sympy import QQ
 
-from pwmap.algebra.arguments import check_kind, checked_count, checked_pair, explained
+from pwmap.algebra.arguments import (
+    check_kind,
+    check_mapping,
+    checked_count,
+    checked_pair,
+    explained,
+)
 from pwmap.algebra.arguments import shown as shown_
 from pwmap.algebra.arithmetic import rational
 from pwmap.diagrams.data import (
@@ -218,6 +224,7 @@ def draw_branches(
             )]  # fmt: skip
     named = [point for point in diagram.points if point.name and point.id in near]
     written = {b.id: b.id for b in diagram.branches} if branches is True else branches or {}
+    check_mapping("branches", written, "{'F1': 'stable'}")
     on = [(text, diagram.branch(name)) for name, text in written.items()]
     shown[NAMES] = [_labels(ax, curves, marked, named, labels, on)]
     ax.set_xlabel(axis_label(diagram.parameter_name))

@@ -12,12 +12,13 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.transforms import offset_copy
 
-from pwmap.algebra.arguments import shortened
+from pwmap.algebra.arguments import check_mapping, shortened
 
 Artists = dict[str, list[Artist]]  # by the name of a part, as a legend has it
 Styles = Mapping[str, Mapping[str, Any]]  # by such names, properties of artists
 
 
+STYLE, PROPERTIES = "{'stable': {'color': 'k'}}", "{'color': 'k'}"  # in messages
 LABEL = 30.0  # height of the numbers and the name of an axis [pt]
 
 
@@ -70,11 +71,12 @@ def below(ax: Axes) -> dict[str, Any]:
 def styled(artists: Artists, styles: Styles | None, known: Iterable[str] = ()) -> None:
     """Give parts of a picture properties of matplotlib; ValueError if there can be no such part."""
     names = dict.fromkeys((*artists, *known))
-    if not isinstance(styles, Mapping | None):
-        raise TypeError(f"styles must be a mapping of names, got {shortened(repr(styles))}")
-    for name, properties in (styles or {}).items():
+    styles = {} if styles is None else styles
+    check_mapping("styles", styles, STYLE)
+    for name, properties in styles.items():
         if name not in names:
             raise ValueError(f"a style must be of one of {', '.join(names)}, got {name!r}")
+        check_mapping(f"the style of {name!r}", properties, PROPERTIES)
         for artist in artists.get(name, ()):
             artist.set(**properties)
 

@@ -372,7 +372,6 @@ def plot_kneading(
 
 
 def _side(row: Kneading) -> str:
-    """A break with its side: 0^- is the limit from the left."""
     return f"${_written(row.x)}^{'-' if row.side < 0 else '+'}$"
 
 
@@ -473,6 +472,7 @@ def plot_entropy(
     drawn: Artists = {"between": [area], "bounds": [line, upper], "constant": []}
     widest = max(high - low for low, high in zip(lows, highs, strict=True))
     known = intervals if intervals is not None else constant_entropy(map_, parameter, span)
+    check_kind("intervals", known, EntropyIntervals, "pwmap.longrun")
     shown: list[tuple[Any, str]] = []
     if known.intervals:
         pieces = ax.hlines([each.entropy.high for each in known.intervals],

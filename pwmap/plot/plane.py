@@ -119,7 +119,6 @@ def plot_plane(
 
 
 def _named(ax: Axes, plane: ParameterPlane, step: float) -> Labels:
-    """Names on the longest arcs of curves, and beside points."""
     curves = list[LabelledCurve]()
     for curve in plane.curves:
         arcs = [arc_arrays(arc, step) for arc in curve.arcs]

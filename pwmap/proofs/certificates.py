@@ -37,6 +37,7 @@ from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.slices import quotient_in
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
 from pwmap.maps.words import Table
+from pwmap.parameters.cells import checked_orders
 from pwmap.proofs.document import Certificate
 
 Row = dict[str, Any]
@@ -101,7 +102,6 @@ def prove(
 
 
 def _sealed(content: Row) -> Certificate:
-    """A certificate with its statement and its seal, verified."""
     head = {"format": certificate.FORMAT, "version": 1, "kind": content.pop("kind")}
     content = {**head, "statement": "", **content, "seal": ""}
     try:
@@ -130,7 +130,6 @@ def _rational(expr: sympy.Expr) -> str | None:
 
 
 def _map(map_: PiecewiseLinearMap, parameter: str | None) -> tuple[Row, int]:
-    """The map itself, and which of its iterates it is given as."""
     if set(map_.chain) != {map_.chain[0]}:
         _fail("a composition of different maps, only iterates of one map are")
     names = [str(symbol) for symbol in map_.parameters]
@@ -165,7 +164,6 @@ def _map(map_: PiecewiseLinearMap, parameter: str | None) -> tuple[Row, int]:
 
 
 def _fixed_points(map_: PiecewiseLinearMap, order: int) -> Row:
-    """All that lies on the diagonal of an iterate."""
     written, own = _map(map_, None)
     iterate = map_.iterate(order)
     bands = {band.word for band in iterate.fixed_intervals()}
@@ -303,8 +301,8 @@ class _DiagramWriter:
         self._symbol = map_.parameters[0]
         if self._own > 1:
             _fail("the diagram of an iterate, only that of the map itself is")
-        found = {branch.order for branch in diagram.branches} if orders is None else set(orders)
-        self._orders = sorted(map(checked_order, found))
+        found = {branch.order for branch in diagram.branches} if orders is None else orders
+        self._orders = list(checked_orders(found))
         own = [
             (branch, stretch)
             for branch in diagram.branches
@@ -405,11 +403,9 @@ class _DiagramWriter:
         return row | {"slope": None if is_nan else self._quotient(slope), "stable": stable}
 
     def _parts(self, expr: sympy.Expr) -> tuple[Dense, Dense]:
-        """Numerator and denominator of a formula in the parameter."""
         return quotient_in(expr, self._symbol)
 
     def _quotient(self, expr: sympy.Expr) -> list[list[str]]:
-        """A formula in the parameter as the checker reads it."""
         return [[_text(c) for c in reversed(part)] for part in self._parts(expr)]
 
     def _intervals(self, read: branches.ClaimedDiagram) -> Iterator[Row]:

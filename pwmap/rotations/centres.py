@@ -256,7 +256,6 @@ def _coefficient(polynomial: Number, at: list[int], which: int | None) -> Number
 def _algebraic(
     map_: PiecewiseLinearMap, at: list[int], equations: list[Number]
 ) -> Iterator[_PlanePlace]:
-    """All real solutions of two polynomials in two parameters."""
     modulus, coordinates = _univariate(map_, at, equations)
     line = modulus.ring
 
@@ -319,7 +318,6 @@ def _abscissae(given: list[sympy.Expr], other: sympy.Symbol, symbol: sympy.Symbo
 
 
 def _unit(symbol: sympy.Symbol, symbols: tuple[sympy.Symbol, ...]) -> tuple[int, ...]:
-    """The exponents of a symbol itself."""
     return tuple(int(symbol == other) for other in symbols)
 
 

@@ -73,15 +73,10 @@ class FamilyCycle:
 class WordFamily:
     """The cycles of a pattern of words, for every n, of :func:`pwmap.word_family`.
 
-    Attributes
-    ----------
-    n, least
-        The exponent, a positive integer, and the smallest for which all exponents are at least 1.
-    x
-        The first point of the cycle, whose word begins as the pattern does. Where the slope of a
-        repeated word is 1 for single values of the parameters, x is the limit there.
-    conditions
-        Those that bind: together they say for every n that each point lies in its piece.
+    The exponent ``n`` is an integer of at least ``least``, so that all exponents are positive.
+    ``x`` is the first point of the cycle, whose word begins as the pattern does; where the slope of
+    a repeated word is 1 for single values of the parameters, it is the limit there. ``conditions``
+    are those that bind: together they say for every n that each point lies in its piece.
     """
 
     pattern: str
@@ -236,7 +231,6 @@ class _Powers:
         return self.field.gens[len(self.map_.parameters)] + run.shift
 
     def to_sympy(self, element: Element) -> sympy.Expr:
-        """With powers of n."""
         powers = {
             variable: (to_sympy(top) / to_sympy(bottom)) ** self.n
             for variable, (top, bottom) in zip(self._generators, self._bases, strict=True)
@@ -304,8 +298,6 @@ class _Powers:
 
 
 class _Builder:
-    """Follows the point of a pattern through its runs."""
-
     def __init__(
         self, map_: PiecewiseLinearMap, layout: Layout, runs: tuple[WordRun, ...], name: str
     ) -> None:

@@ -5,7 +5,9 @@ from __future__ import annotations
 from fractions import Fraction
 from functools import cache
 
+import numpy as np
 import pytest
+import sympy
 
 import pwmap
 import pwmap.plot
@@ -44,8 +46,9 @@ def long() -> pwmap.longrun.Dynamics:
     return pwmap.dynamics(TENT, {"a": "7/5"})
 
 
-ROOMS = (pwmap, pwmap.longrun, pwmap.plane, pwmap.rotations, pwmap.plot)
-NAMES = {name: getattr(room, name) for room in ROOMS for name in room.__all__} | globals()
+ROOMS = (pwmap, pwmap.maps, pwmap.longrun, pwmap.plane, pwmap.rotations, pwmap.plot)
+NAMES = {name: getattr(room, name) for room in ROOMS for name in room.__all__}
+NAMES |= {"np": np, "sympy": sympy} | globals()
 WRONG_KIND = {
     'cycles(T2, "2")': "values must be a mapping such as {'a': '5/4'}, got '2'",
     "cycles(T2, 4)": "values must be a mapping such as {'a': '5/4'}, got 4",
@@ -105,10 +108,10 @@ WRONG_KIND = {
     "T2.fixed_points(True)": "got True by place",
     "found().at(None)": "a slice needs a number, got None",
     "found().at([1])": "a slice needs a number, got [1]",
-    'found().within("0", "1")': "an interval must be two numbers, got ('0', '1')",
+    'found().within("0", "1")': "an interval must be a number, got '0'",
     "found().with_word(3)": "a word must be text, got 3",
     'found().named({"A": 3})': "a place must be two numbers, got 3",
-    'found().named({"A": ("x", 1)})': "a place must be two numbers, got ('x', 1)",
+    'found().named({"A": ("x", 1)})': "a place must be a number, got 'x'",
     'found().named(["A"])': "places must be a mapping such as {'A': 'BC1'}, got ['A']",
     'found().named({3: "BC1"})': "a name must be text, got 3",
     "found().save(3)": "the path of a file was expected, got 3",
@@ -124,8 +127,8 @@ WRONG_KIND = {
     "plot_map(3)": "expected a PiecewiseLinearMap (see its from_sympy), got 3",
     "plot_map(T2, 3)": "ax must be axes of matplotlib, got 3",
     "plot_map(T2, window=3)": "window must be two numbers, got 3",
-    'plot_map(T2, window=("a","b"))': "window must be two numbers, got ('a', 'b')",
-    "plot_map(T2, styles=3)": "styles must be a mapping of names, got 3",
+    'plot_map(T2, window=("a","b"))': "window must be a number, got 'a'",
+    "plot_map(T2, styles=3)": "styles must be a mapping such as {'stable': {'color': 'k'}}, got 3",
     "plot_diagram(3)": "diagram must be pwmap.Diagram, got 3",
     'plot_diagram(found(), kinds="BC")': "kinds must be several kinds such as (PointKind.BC,), g",
     "plot_diagram(found(), kinds=3)": "kinds must be several kinds such as (PointKind.BC,), got",
@@ -134,6 +137,33 @@ WRONG_KIND = {
     "plot_plane(3)": "plane must be pwmap.plane.ParameterPlane, got 3",
     'plot_plane(plane(), colours="period")': "colours must be pwmap.plane.Colours, got 'period'",
     "plot_plane(plane(), raster=3)": "raster must be pwmap.plane.PlaneRaster, got 3",
+    'dynamics(TENT, {"a": float("nan")})': "nan is not a rational number",
+    'cycles(TENT, {"a": 2}, on_interrupt=3)': "on_interrupt must be a function, got 3",
+    "TENT.at(None)": "values must be a mapping such as {'a': '5/4'}, got None",
+    "Branch()": "missing a required argument: 'id'",
+    "Branch(1,2,3)": "got 1 by place",
+    'SpecialPoint("A")': "got 'A' by place",
+    "Diagram(3)": "got 3 by place",
+    "found().at(1j)": "a slice needs a number, got 1j",
+    'found().named({"A": (0,0)}, within="x")': "within must be a number, got 'x'",
+    'found().named({"A": (0,0)}, near=0.1)': "Diagram.named takes places, within, got near=0.1",
+    "RealRoot(3,0,0,1)": "a polynomial must be a tuple of numbers, got 3",
+    "RealRoot()": "missing a required argument: 'polynomial'",
+    "Meter(3)": "budget must be pwmap.Budget, got 3",
+    'word_family(TENT, "L R^n", budget=3)': "word_family takes map_, pattern, n, got budget=3",
+    'word_family("p1", "L R^n")': "expected a PiecewiseLinearMap (see its from_sympy), got 'p1",
+    'organising_centre(JUMP, "r", "a", 3)': "got 3 by place",
+    "plane_raster(plane(), size=3)": "got size=3",
+    "with_crises(plane(), 2, 3, budget=3)": "budget must be pwmap.Budget, got 3",
+    'bifurcation_diagram(LINES, "p", (-1, 2), finished=3)': "finished must be a function, got",
+    'bifurcation_diagram(LINES, "p", (-1, 2), on_interrupt=3)': "on_interrupt must be a functi",
+    'meeting_curve(SKEW, "L")': "missing a required argument: 'cycle'",
+    "prove()": "missing a required argument: 'what'",
+    "Budget(on_interrupt=3)": "on_interrupt must be a function, got 3",
+    "PiecewiseLinearMap(PIECES, letters=[1,2])": "expected 2 different letters, one for each p",
+    "plot_diagram(found(), branches=3)": "branches must be a mapping such as {'F1': 'stable'},",
+    'plot_diagram(found(), styles={"stable": 3})': "the style of 'stable' must be a mapping su",
+    'plot_entropy(TENT, "a", (1, 2), intervals=3)': "intervals must be pwmap.longrun.EntropyIn",
 }
 WRONG_VALUE = {
     'cycles(T2, {}, "2")': "the order of an iterate must be an integer j >= 1, got '2'",
@@ -257,6 +287,29 @@ WRONG_VALUE = {
     'plot_density(long(), points="3")': "points must be an integer of at least 1, got '3'",
     "plot_kneading(long(), steps=0)": "steps must be an integer of at least 1, got 0",
     "plot_plane(plane(), samples=0)": "samples must be an integer of at least 1, got 0",
+    'dynamics(TENT, {"a": "7/5"}, orders=())': "orders must name at least one iterate, got non",
+    'dynamics(TENT, {"a": 1+2j})': "expected text, a number or a sympy expression, got (1+2j)",
+    'dynamics(TENT, {"a": sympy.pi})': "expected a real algebraic number, got pi",
+    'dynamics(SKEW, {"a": sympy.sqrt(2), "b": sympy.sqrt(3)})': "one parameter may have an alg",
+    'dynamics(TENT.iterate(2), {"a": sympy.sqrt(2)})': "an algebraic value needs the map itsel",
+    'SpecialPoint(id="a:b", kind=PointKind.BC, parameter=0.0, x=0.0)': "a point id must be tex",
+    'SpecialPoint(id="A", kind="XX", parameter=0.0, x=0.0)': "'XX' is not a valid PointKind",
+    'found().at("1/0")': "cannot work out 0: it divides by zero",
+    "RealRoot((1,2),0,0,1)": "expected an irreducible polynomial of degree two or more, got t",
+    'word_family(P1, ["L","R"])': "a pattern must be text such as 'R L^n', got ['L', 'R']",
+    'parameter_cells(LINES, "p", range(0))': "orders must name at least one iterate, got none",
+    'bifurcation_diagram(LINES, "p", (0, float("inf")))': "a span needs two rational ends, or",
+    'bifurcation_diagram(LINES, "p", (None, 1))': "a span needs two rational ends, or none at",
+    'bifurcation_diagram(LINES, "p", (-1, 2), range(0))': "orders must name at least one itera",
+    'bifurcation_diagram(LINES, "p", (-1, 2), None)': "the order of an iterate must be an inte",
+    'bifurcation_diagram(LINES, "p", np.array([-1.0, 2.0]))': "a span must be an interval (low",
+    'attractor_diagram(TENT, "a", None)': "a span must be an interval (low, high), got None",
+    "prove(found(), LINES, orders=3)": "this cannot be certified: the diagram has no branch ov",
+    "Budget(pieces=True)": "pieces of a budget must be a positive integer, got True",
+    'PiecewiseLinearMap(PIECES, "y")': "the condition x > 0 does not contain y: put it among t",
+    'PiecewiseLinearMap([("x/2", "x > 0"), 3])': "each piece must be a pair (formula, conditio",
+    'PiecewiseLinearMap([("x/2", 3), ("x", "x <= 0")])': "expected a condition such as x < 0,",
+    'plot_entropy(TENT, "a", 3)': "a span must be an interval (low, high), got 3",
 }
 CASES = [
     *((call, TypeError, sentence) for call, sentence in WRONG_KIND.items()),

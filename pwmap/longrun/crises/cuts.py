@@ -185,5 +185,4 @@ class Cuts:
 
     @cache  # noqa: B019  as long as the cuts live
     def _doubles(self, place: float) -> DoubleMap:
-        """The map at a place, in doubles."""
         return self._family(place)

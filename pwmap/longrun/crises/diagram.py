@@ -114,15 +114,10 @@ class Crisis:
 class AttractorDiagram:
     """Attractors over an interval of a parameter, of :func:`pwmap.attractor_diagram`.
 
-    Attributes
-    ----------
-    order
-        Up to which images of breaks are compared with breaks and cycles everywhere.
-    cells, crises
-        From left to right. Bifurcations of attracting cycles, which separate cells too, are in
-        :func:`pwmap.bifurcation_diagram`.
-    left_out
-        A sentence on what was not looked at; empty if all was.
+    ``cells`` and ``crises`` are from left to right. Images of breaks up to ``order`` are compared
+    with breaks and cycles everywhere. ``left_out`` is a sentence on what was not looked at, if
+    anything. Bifurcations of attracting cycles, which separate cells too, are in
+    :func:`pwmap.bifurcation_diagram`.
     """
 
     map: PiecewiseLinearMap
@@ -371,7 +366,6 @@ class _Sweep:
 
 
 def _shown(low: Real, high: Real, sample: Number) -> tuple[sympy.Expr, sympy.Expr, sympy.Rational]:
-    """Ends of a cell and its sample as expressions."""
     return real_to_sympy(low), real_to_sympy(high), QQ.to_sympy(sample)
 
 

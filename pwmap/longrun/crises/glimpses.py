@@ -46,7 +46,7 @@ class Glimpses:
             if not y < bounds(high)[0] or len(found) == LOOKS:
                 break
             both = self._kinds[k : k + 2]
-            # one alone does not count: near a merging, and by chance, it is wrong
+            # a single place does not count: near a merging, and by chance, its number is wrong
             differ = low < x and kind not in both and max(map(max, both)) <= 1 + self._order
             if differ and not inside:
                 found.append(simplest_between(x, y))

@@ -142,7 +142,7 @@ class Samples:
         first, last = bounds(low)[1], bounds(high)[0]
         third = (last - first) / 3
         opened = 0
-        # cycles flip or collide at the simplest places of all
+        # the simplest places of all are those at which cycles flip or collide
         for start, end in THIRDS:
             found = self.at(
                 simplest_between(

@@ -219,7 +219,7 @@ def _perron(ways: Sequence[tuple[int, int]], size: int) -> list[int]:
     rows, columns = (np.array(each) for each in zip(*ways, strict=True))
     vector = np.ones(size)
     for _ in range(ROUNDS):
-        # A + 1 has no period
+        # A + 1 is aperiodic
         image = vector + np.bincount(rows, weights=vector[columns], minlength=size)
         image /= image.max()
         change = np.abs(image - vector).max()
@@ -276,18 +276,11 @@ class GapCause(Enum):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ConstantEntropy:
-    """An interval of a parameter on which the topological entropy is constant.
+    """An interval of a parameter on which the topological entropy is constant, with exact ends.
 
-    It is one of those of :func:`pwmap.constant_entropy`.
-
-    Attributes
-    ----------
-    lower, upper, closed
-        Exact ends, and whether the entropy is known to be the same there.
-    samples
-        Rational values inside, one of each part that has a proof of its own, from left to right.
-    cycles
-        Words of the attracting cycles at these samples, each once.
+    It is one of those of :func:`pwmap.constant_entropy`. ``closed`` says whether the entropy is
+    known to be the same at the ends. ``samples`` are rational values inside, one of each part that
+    has a proof of its own, ``cycles`` the words of the attracting cycles there.
     """
 
     lower: sympy.Expr

@@ -161,7 +161,7 @@ class PairRange(NamedTuple):
         highs = [self.high] if high is None else [high, self.high]
         if any(a[0] > b[0] and a[1] > b[1] for a in lows for b in highs):
             return None
-        # of bounds that cross the new one, so that there are few of them
+        # of two bounds that cross the new one is taken, so that there are few of them
         least = next(a for a in lows if a is self.low or not _at_most(a, self.low))
         most = next(a for a in highs if a is self.high or not _at_most(self.high, a))
         return PairRange(least, most)
@@ -177,7 +177,7 @@ def _graph(
 ) -> Mapping[Pair, Sequence[PairStep]] | None:
     """The steps from a pair, and from all pairs that follow; None if these are too many."""
     start = family.breaks[number]
-    # larger than what orbits do, so that none is missed
+    # regions are larger than what orbits reach, so that no step is missed
     regions = {first: _moved(family, PairRange(start, start), number)}
     found, changes, waiting = dict[Pair, list[PairStep]](), Counter[Pair](), deque([first])
     while waiting:
@@ -301,7 +301,7 @@ def _bounds(
     largest = max(
         (abs(x) for each in ranges.values() for term, _, _ in each for x in term), default=QQ.zero
     )
-    # as many steps as pairs come back to one, which takes a power of t
+    # a path with as many steps as there are pairs repeats one, which takes a factor t
     most = len(steps) * largest / (1 - part[1])
     found = {pair: (-most, most) if each else (QQ.zero, QQ.zero) for pair, each in ranges.items()}
 

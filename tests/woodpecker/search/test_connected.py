@@ -89,8 +89,7 @@ def test_map_of_the_paper() -> None:
     for point in diagram.points:
         assert point.status is PointStatus.LOCATED
         assert point.precision <= LOCATED
-        if point.kind.value != "EP":
-            assert point.cause == BORDER
+        assert point.cause == ("" if point.kind.value == "EP" else BORDER)  # else the note says it
 
 
 @pytest.mark.parametrize(("x", "p"), [(-1.0, 1.0), (-2.5, -0.5), (0.1 / (1.0 + A), 0.1)])
