@@ -8,8 +8,9 @@ from woodpecker.base.settings import Settings
 from woodpecker.diagrams import continuation
 from woodpecker.plane.curve import Curve
 from woodpecker.plane.families import SymbolicFamily, family_from_sympy
-from woodpecker.regions.regions import Regions, regions_of
+from woodpecker.regions.regions import Regions
 from woodpecker.regions.survey import Survey
+from woodpecker.regions.verb import parameter_regions
 from woodpecker.shooting import shoot
 from woodpecker.two_parameters import curve_in_two
 
@@ -34,5 +35,6 @@ def border_curve(lowest: float = 1.1) -> Curve:
 
 def paper_regions() -> Regions:
     """Both sides of that curve, and which cycles live there."""
-    spans = (-1.0, 1.0), (1.1, 2.0)
-    return regions_of(paper_family(), span=spans, settings=SETTINGS, survey=Survey(checks=4))
+    family, spans = paper_family(), ((-1.0, 1.0), (1.1, 2.0))
+    few = Survey(checks=4)
+    return parameter_regions(family, family.names, spans, settings=SETTINGS, survey=few)
