@@ -15,7 +15,7 @@ from woodpecker.engine.curves import Sample, SolutionCurve, Stop
 from woodpecker.engine.following import Arc
 from woodpecker.engine.germs import SAME, is_inside
 from woodpecker.engine.maps import ACCUMULATE, Image
-from woodpecker.engine.newton import Problem, across, solve, tangent
+from woodpecker.engine.newton import Problem, Solution, across, solve, tangent
 from woodpecker.engine.orbits import OnBorder, Orbit
 from woodpecker.engine.rooted import sharpened as sharpened_inside
 from woodpecker.plane.maps import Plane, over_first, pair
@@ -184,9 +184,8 @@ def _mirrored(plane: Plane, arc: Arc) -> Passed | None:
     """How folds or flips go on whose steps become too short beside a border; None if they do not.
 
     Where slopes go like the cube root of the distance from a border, folds and flips come to it
-    like a tangent, with a contact of third order, and leave it with the piece on the other side as
-    they have come: as far from the contact as a sample on this side lies, about where its margin
-    has the same value.
+    like a tangent, with a contact of third order, and leave it so with the piece on the other side.
+    They are looked for as far from the contact as the samples on this side, the nearest first.
     """
     curve, last = arc.curve, arc.samples[-1]
     away, i, code = _nearest(curve.problem, last.orbit)
@@ -205,10 +204,8 @@ def _mirrored(plane: Plane, arc: Arc) -> Passed | None:
         own = sample.orbit.images[i]
         if own.place(code) < 0:
             break
-        if _distances(curve.problem, own)[own.place(code)] < CLEAR:
-            continue
-        margin = replace(border, value=float(own.margins[own.place(code)]))
         way = curve.problem.step_between(sample.orbit, last.orbit)
+        margin = replace(border, value=abs(float(own.margins[own.place(code)])))
         on = _opposite(curve, at, float(way @ at.tangent), margin)
         if on is not None:
             return None, image.piece.cause(code), (curve, on)
@@ -234,15 +231,28 @@ def _nearest(problem: Problem, orbit: Orbit) -> tuple[float, int, int]:
 
 
 def _opposite(curve: SolutionCurve, at: Sample, length: float, margin: OnBorder) -> Sample | None:
-    """The sample at a distance beyond a contact, about where a margin has a value; None if none is.
+    """The sample at a distance beyond a contact, but no nearer to the border than slopes are known.
 
-    There Newton's method begins: where the margin has a value the multiplier changes slowly.
+    There a multiplier is linear in the cube root of the margin: its values where the margin is what
+    it is on this side, and an eighth of that, say where Newton's method begins. None if none is.
     """
     problem, ahead = curve.problem, across(curve.problem, at.orbit, at.tangent, length)
-    beside = replace(problem, conditions=(problem.conditions[0], margin, ahead))
-    guess = solve(beside, problem.moved(at.orbit, length * at.tangent))
-    found = solve(problem.with_(ahead), guess.orbit)
-    if not (guess.converged and found.converged):
+    closes, multiplier = problem.conditions
+
+    def held(root: float, near: Orbit) -> Solution:
+        on = replace(margin, value=root**3 * margin.value)
+        return solve(replace(problem, conditions=(closes, on, ahead)), near)
+
+    full = held(1.0, problem.moved(at.orbit, length * at.tangent))
+    half = held(0.5, full.orbit)
+    one, other = (float(multiplier.residual(each.orbit)[0]) for each in (full, half))
+    root = (2.0 * other - one) / (2.0 * (other - one)) if one != other else 0.0
+    if not (full.converged and half.converged and root > 0.0):
+        return None
+    found = solve(problem.with_(ahead), held(root, half.orbit).orbit)
+    image = found.orbit.images[margin.image]
+    k = image.place(margin.code)
+    if not found.converged or k < 0 or not _distances(problem, image)[k] >= CLEAR:
         return None
     sample = curve.start(found.orbit, at.tangent)
     turned = float(sample.tangent @ at.tangent) < math.cos(curve.settings.max_turn)
