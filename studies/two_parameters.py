@@ -43,7 +43,8 @@ ISLAND, ON_IT = ("I1", "I1 left"), (0.388, -0.885)  # its ends, and a place on i
 FINE = Settings(window=DEFAULT.window, max_step=0.006)  # some 200 places from A upwards
 BESIDE = 1e-7  # rad: a collision is looked for from right beside the jump
 BESIDES = (1e-7, 1e-6, 1e-8)  # the same, where a jump is steep or another one is near
-WIDTHS = (1e-4, 1e-5, 1e-6)  # of a diagram across a flip, to both sides
+WIDTHS = (1e-4, 1e-5, 1e-6, 1e-7)  # of a diagram across a place, to both sides; the least where
+# the curve turns over the second parameter, and crosses the diagram twice
 RIGHT_AT = 1e-5  # of a special point: there its own events are not told from those of the curve
 CONFIRMED = 1e-9  # in the first parameter: the same special point
 NEAR = 0.1  # rad: the fixed point that is lost lies so close to the jump
@@ -160,8 +161,10 @@ def confirmed(toy: Toy, curve: Curve, every: int) -> Results:
     ]
     starts = range(0, len(curve) - every, every)
     places = [next(k for k in taken if k >= start) for start in starts if start <= taken[-1]]
-    off = [_flip_off(toy, curve, k) if curve.border_index < 0 else _collision_off(toy, curve, k)
-           for k in places]  # fmt: skip
+    collisions = curve.border_index >= 0
+    off = [_collision_off(toy, curve, k) if collisions else math.inf for k in places]
+    off = [each if each < CONFIRMED else _crossing_off(toy, curve, k)
+           for k, each in zip(places, off, strict=True)]  # fmt: skip
     found = [each for each in off if each < CONFIRMED]
     return {"looked": len(places), "confirmed": len(found), "off": max(found, default=None)}
 
@@ -182,8 +185,12 @@ def _collision_off(toy: Toy, curve: Curve, k: int) -> float:
     return math.inf
 
 
-def _flip_off(toy: Toy, curve: Curve, k: int) -> float:
-    """Distance of the flip in a diagram across the place; infinite if there is none."""
+def _crossing_off(toy: Toy, curve: Curve, k: int) -> float:
+    """Distance of the point of the same code in a diagram across the place; infinite if none.
+
+    A collision is one, too, where the map has no jump, or shows it closer to the border only than a
+    local model looks.
+    """
     first, second = curve.values[k].tolist()
     map_ = ToyPieces(toy.replace(**{curve.names[1]: second}), curve.names[0])
     best = math.inf
@@ -196,7 +203,11 @@ def _flip_off(toy: Toy, curve: Curve, k: int) -> float:
                 found = continuation(map_, orbit, span=span, settings=DEFAULT)
             except ValueError:  # there the cycle is too far away
                 continue
-            off = [float(abs(p.parameter - first)) for p in found.points if p.kind == curve.kind]
+            off = [
+                float(abs(p.parameter - first))
+                for p in found.points
+                if (p.kind, p.note) == (curve.codes[k], curve.notes[k])
+            ]
             best = min(best, *off, math.inf)
             if best < CONFIRMED:
                 return best

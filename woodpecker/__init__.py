@@ -20,7 +20,7 @@ _MOVED = {
     "mechanics": "Equilibrium energy free_frequency",
     "plane": "Family PlaneKind PlanePoint PlaneStretch SymbolicFamily ToyFamily "
     "family_from_pwmap family_from_sympy graph_of_curves",
-    "regions": "Count Region Regions Settles Survey parameter_regions regions_of",
+    "regions": "Count Region Regions Settles Survey parameter_regions",
     "robustness": "Effect Limit Robustness",
     "search": "BranchState Found Record Seen Stage",
     "simulation": "EnergyBalance Impulse energy_balance",
@@ -40,6 +40,10 @@ _GONE = {  # verbs that another one does, too: where each still is, and what to 
     "curve_through": (
         "plane.following",
         "curve_in_two(family, point, family.names, span, value=other, settings=settings)",
+    ),
+    "regions_of": (
+        "regions.verb",
+        "regions.parameter_regions(family, family.names, span, curves=curves, settings=settings)",
     ),
     "whole_diagram": ("search.diagrams", "bifurcation_diagram(map_, settings=settings)"),
 }

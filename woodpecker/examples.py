@@ -10,8 +10,9 @@ from woodpecker.maps.formulas import FormulaMap
 from woodpecker.maps.symbolic import from_sympy
 from woodpecker.plane.curve import Curve
 from woodpecker.plane.families import SymbolicFamily, family_from_sympy
-from woodpecker.regions.regions import Regions, regions_of
+from woodpecker.regions.regions import Regions
 from woodpecker.regions.survey import Survey
+from woodpecker.regions.verb import parameter_regions
 from woodpecker.shooting import shoot
 from woodpecker.systems import Contact, ContactSystem
 from woodpecker.two_parameters import curve_in_two
@@ -49,5 +50,6 @@ def border_curve(lowest: float = 1.1) -> Curve:
 
 def paper_regions() -> Regions:
     """Both sides of that curve, and which cycles live there."""
-    spans = (-1.0, 1.0), (1.1, 2.0)
-    return regions_of(paper_family(), span=spans, settings=SETTINGS, survey=Survey(checks=4))
+    family, spans = paper_family(), ((-1.0, 1.0), (1.1, 2.0))
+    few = Survey(checks=4)
+    return parameter_regions(family, family.names, spans, settings=SETTINGS, survey=few)

@@ -90,11 +90,7 @@ def curve_in_two(
         if value is not None:
             raise ValueError(f"a toy has its own values, got value = {value!r}")
         return _of_toy(source, _followed(point), parameters, span, kind, settings)
-    family = _family(source, parameters)
-    if tuple(parameters) != family.names:
-        raise ValueError(
-            f"parameters must be those of the family, {family.names}, got {parameters}"
-        )
+    family = family_of(source, parameters)
     chosen = settings_for(settings, Settings())
     return curve_through(
         family, _followed(point), value, span=pair(span), kind=kind, settings=chosen
@@ -108,17 +104,22 @@ def _followed(point: SpecialPoint | PlanePoint) -> SpecialPoint | PlanePoint:
     return point
 
 
-def _family(source: Family | PiecewiseLinearMap, parameters: tuple[str, str]) -> Family:
-    """Maps over two parameters that a user has given."""
+def family_of(source: Toy | Family | PiecewiseLinearMap, parameters: tuple[str, str]) -> Family:
+    """The maps of a source over two parameters, which must be its own in their order."""
     from pwmap import PiecewiseLinearMap
     from woodpecker.plane.families import family_from_pwmap
 
+    if isinstance(source, Toy):
+        return ToyFamily(source, parameters)
     if isinstance(source, PiecewiseLinearMap):
         return family_from_pwmap(source, parameters)
     if not callable(getattr(source, "over", None)):
         raise TypeError(
-            "curve_in_two needs a toy, an exact map of two parameters or a family, got "
-            f"{shown(source)}"
+            f"expected a toy, an exact map of two parameters or a family, got {shown(source)}"
+        )
+    if tuple(parameters) != source.names:
+        raise ValueError(
+            f"parameters must be those of the family, {source.names}, got {parameters}"
         )
     return source
 
@@ -128,7 +129,7 @@ def _of_toy(
     kind: PointKind | str | None, settings: Settings | None,
 ) -> Curve:  # fmt: skip
     """A curve of the toy, which ends where a parameter can have no other values."""
-    family = ToyFamily(toy, parameters)
+    family = family_of(toy, parameters)
     first, second = family.names
     wanted = [interval(f"span of {name}", each, finite=True) for name, each in
               zip(family.names, pair(span), strict=True)]  # fmt: skip

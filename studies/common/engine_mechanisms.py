@@ -56,7 +56,7 @@ MECHANISMS: Final = (
     Mechanism("engine.newton", "branch_point", gives(None), "locate a branch point"),
     # --- From arc to arc
     Mechanism("engine.tracing", "_at_nearest", argument(0), "end at a border within rounding"),
-    Mechanism("engine.rooted", "_sharpened", argument(0), "derivatives right inside a border"),
+    Mechanism("engine.rooted", "sharpened", argument(0), "derivatives right inside a border"),
     Mechanism("engine.rooted", "_moved_to", argument(0), "locate a root by the piece beyond"),
     Mechanism("engine.rooted", "_at_limit", argument(0), "locate a root at a jump by its limit"),
     Mechanism("engine.rooted", "_hugs", gives(False), "see a border that was hugged all along"),

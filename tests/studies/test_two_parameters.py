@@ -37,12 +37,14 @@ def test_places_of_a_are_those_of_one_parameter(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 @NEEDS_NUMBA
-@pytest.mark.parametrize("name", [*NAMES, FLIP, *ISLAND])
-def test_every_tenth_place_of_every_curve_is_that_of_one_parameter(name: str) -> None:
-    """A collision with its code from the local model, a flip from a diagram across it."""
+@pytest.mark.parametrize(
+    ("name", "second"), [*((name, "mu_2") for name in (*NAMES, FLIP, *ISLAND)), ("I1", "l_s")]
+)
+def test_every_tenth_place_of_every_curve_is_that_of_one_parameter(name: str, second: str) -> None:
+    """A collision with its code from the local model, or, as a flip, from a diagram across it."""
     toy = Toy()
     points = island_ends(toy) if name in ISLAND else main_points(toy)
-    curve = curve_in_two(toy, points[name], (FIRST, "mu_2"), (SPAN, SECOND["mu_2"]))
+    curve = curve_in_two(toy, points[name], (FIRST, second), (SPAN, SECOND[second]))
     found = confirmed(toy, curve, 10)
     assert found["looked"] >= len(curve) // 10 - 1
     assert found["confirmed"] == found["looked"]

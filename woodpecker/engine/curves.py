@@ -24,6 +24,7 @@ from woodpecker.engine.newton import (
 from woodpecker.engine.orbits import (
     Chained,
     Condition,
+    Held,
     OnBorder,
     Orbit,
     completed,
@@ -231,8 +232,10 @@ class SolutionCurve:
 
     def bounds(self, orbit: Orbit) -> tuple[Ints, Floats, Floats, list[Stop]]:
         """The bounded unknowns of an orbit, their lower and upper bounds, and the Stop of each."""
+        # One that is held at a value is not bounded: it may be held at an end of the window.
         n, share = len(orbit.x), -1 if orbit.outer is None else len(orbit.unknowns) - 1
-        return _limits(self.settings, n, self.problem.free, share)
+        held = tuple(each.column for each in self.problem.conditions if isinstance(each, Held))
+        return _limits(self.settings, n, self.problem.free, share, held)
 
     def wide(self, sample: Sample) -> Floats:
         """Derivatives of all unknowns of an orbit along the curve."""
@@ -319,19 +322,16 @@ class Arc:
 
 @lru_cache
 def _limits(
-    settings: CurveSettings, n: int, free: tuple[int, ...], share: int
+    settings: CurveSettings, n: int, free: tuple[int, ...], share: int, held: tuple[int, ...]
 ) -> tuple[Ints, Floats, Floats, list[Stop]]:
     """The bounds of n points, the free parameters, and the share in a column, if not negative."""
     points = n * len(settings.window)
-    columns = [*range(points), *(points + each for each in free)]
-    ends = [*settings.window * n, *settings.spans]
-    stops = [Stop.WINDOW] * points + [Stop.SPAN] * len(settings.spans)
-    if share >= 0:
-        columns.append(share)
-        ends.append((0.0, 1.0))
-        stops.append(Stop.SHARE)
-    low, high = np.array(ends).T
-    return np.array(columns), low, high, stops
+    columns = [*range(points), *(points + each for each in free), share]
+    ends = [*settings.window * n, *settings.spans, (0.0, 1.0)]
+    stops = [Stop.WINDOW] * points + [Stop.SPAN] * len(settings.spans) + [Stop.SHARE]
+    kept = [k for k, column in enumerate(columns) if column >= 0 and column not in held]
+    low, high = np.array(ends)[kept].T
+    return np.array(columns)[kept], low, high, [stops[k] for k in kept]
 
 
 def _rate_of_share(orbit: Orbit, motion: Floats) -> float:

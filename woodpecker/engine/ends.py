@@ -209,11 +209,8 @@ def _bounds(curve: SolutionCurve, sample: Sample) -> Iterator[TestFunction]:
     orbit = sample.orbit
     columns, low, high, stops = curve.bounds(orbit)
     at = orbit.unknowns[columns]
-    held = {each.column for each in curve.problem.conditions if isinstance(each, Held)}
     for k in np.flatnonzero((at < low) | (at > high)).tolist():
         column = int(columns[k])
-        if column in held:
-            continue
         end, inward = (low[k], 1.0) if at[k] < low[k] else (high[k], -1.0)
         condition: Condition = Held(column, float(end))
         if stops[k] is Stop.SHARE and orbit.x.shape[1] == 1:

@@ -35,14 +35,14 @@ def settled(arc: Arc) -> tuple[Arc, Image | None]:
     is_reached = image.tied(orbit.x[i], orbit.p)[image.place(code)]
     if outer.piece.key == image.piece.key and not is_reached:  # there its own piece is all there is
         outer = outer._replace(reason=outer.reason or ACCUMULATE)
-    arc = _sharpened(arc, i, gradient)
+    arc = sharpened(arc, i, gradient)
     if not outer.reason and _is_steep(arc.samples[-1].orbit.images[i], outer):
         moved, there = _moved_to(arc, i, outer)
         return (_at_limit(arc, i, code), outer) if moved is arc else (moved, there)
     return arc, outer
 
 
-def _sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
+def sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
     """An arc of cycles that ends at a border, with the derivatives right inside it at its end."""
     # Where a time goes like a root of the distance those at the border are rounding.
     if len(arc.samples) < 2:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Hashable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
@@ -11,26 +10,15 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
-from woodpecker.engine.curves import CurveSettings, SolutionCurve
 from woodpecker.engine.line import LinePiece, proposed
 from woodpecker.engine.maps import Image
 from woodpecker.engine.newton import Problem, cycles
-from woodpecker.engine.orbits import Condition
 from woodpecker.maps import pieces
-from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.plane.families import Family, Pair
 
 
 class FamilyPiece(NamedTuple):
-    """A piece of the maps of a family.
-
-    Attributes
-    ----------
-    family
-        The family.
-    own
-        The piece, as one of any of its maps.
-    """
+    """A piece of a family, and what it is as one of any of its maps."""
 
     family: Family
     own: pieces.Piece
@@ -58,88 +46,11 @@ class FamilyPiece(NamedTuple):
         return self.own.cause(code)
 
 
-class FamilyMap(NamedTuple):
-    """The maps of a family as one with two parameters.
-
-    Attributes
-    ----------
-    family
-        The family.
-    scale
-        Lengths of x and of both parameters that count as 1.
-    """
-
-    family: Family
-    scale: tuple[float, float, float]
-
-    def at(self, x: Floats, p: Floats) -> Image:
-        """The image of a point under the piece that the map takes there."""
-        values = pair(p)
-        first = self.family.over(0, values).at(float(x[0]), values[0])
-        return _both(self.family, first, float(x[0]), values)
-
-    def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
-        """The image of a point under the piece that the map takes infinitesimally beside it."""
-        return proposed(self, x, p, direction, self.scale)
-
-
-def pair(p: Floats) -> Pair:
-    """Two parameters as numbers."""
-    first, second = p.tolist()
-    return first, second
-
-
-def _both(family: Family, first: pieces.Image, x: float, values: Pair) -> Image:
-    """An image over the first parameter, with the derivatives in the second one.
-
-    What rounding makes of it decides whether a view has a margin that begins right there: its
-    derivative in the second parameter is nan if only the first view does.
-    """
-    second = first
-    if not first.reason:
-        second = family.carried(first.piece, family.over(1, values)).at(x, values[1])
-    if second.reason:
-        unknown = np.full((1, 3), math.nan)
-        return Image(
-            unknown[0, :1], unknown, np.empty(0), np.empty((0, 3)), np.empty(0, dtype=np.int64),
-            FamilyPiece(family, first.piece), second.reason,
-        )  # fmt: skip
-    if np.array_equal(first.causes, second.causes):
-        rates = second.gradients[:, 1]
-    else:
-        rates = np.array([second.gradient(code)[1] for code in first.causes.tolist()])
-    return Image(
-        np.array([first.value]), np.array([[first.slope, first.d_parameter, second.d_parameter]]),
-        first.margins, np.column_stack([first.gradients, rates]), first.causes,
-        FamilyPiece(family, second.piece),
-    )  # fmt: skip
-
-
-def over_first(image: Image) -> pieces.Image:
-    """An image as one of the line over the first parameter; nan if it has no value."""
-    piece = image.piece
-    assert isinstance(piece, FamilyPiece | LinePiece)
-    value, (slope, rate) = float(image.value[0]), image.jacobian[0, :2].tolist()
-    if image.reason:
-        value = slope = rate = math.nan
-    return pieces.Image(
-        value, slope, rate, image.margins, image.gradients[:, :2], image.codes,
-        piece.own, image.reason,
-    )  # fmt: skip
-
-
 @dataclass(frozen=True, slots=True, eq=False)
 class Plane:
-    """A family of maps, with how far and how finely to look over each of its parameters.
+    """The maps of a family as one, with how far and how finely to look over each parameter.
 
-    Attributes
-    ----------
-    family
-        The family.
-    settings
-        Over each of its parameters.
-    known
-        What is known of the borders that cycles lie on.
+    ``known`` keeps what was found out of the borders on which cycles lie.
     """
 
     family: Family
@@ -153,30 +64,61 @@ class Plane:
 
     @property
     def scale(self) -> tuple[float, float, float]:
-        """Units of x and of both parameters."""
+        """Lengths of x and of both parameters that count as 1."""
         one, other = self.settings
         return one.x_scale, one.p_scale, other.p_scale
 
-    @property
-    def map(self) -> FamilyMap:
-        """The map with two parameters."""
-        return FamilyMap(self.family, self.scale)
+    def at(self, x: Floats, p: Floats) -> Image:
+        """The image of a point under the piece that the map takes there."""
+        values = pair(p)
+        first = self.family.over(0, values).at(float(x[0]), values[0])
+        return _both(self.family, first, float(x[0]), values)
 
-    def over(self, values: Pair, axis: int = 0) -> PiecewiseMap:
-        """The map over one of the parameters, the other one held."""
-        return self.family.over(axis, values)
+    def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
+        """The image of a point under the piece that the map takes infinitesimally beside it."""
+        return proposed(self, x, p, direction, self.scale)
 
     def cycles(self, *axes: int) -> Problem:
         """Cycles of which some parameters may change."""
         return cycles(axes, self.scale[:1], self.scale[1:])
 
-    def curve(self, condition: Condition) -> SolutionCurve:
-        """Cycles in both parameters that obey a condition."""
-        one, other = self.settings
-        followed = CurveSettings(
-            spans=(one.span, other.span), window=(one.window,), step=one.step,
-            min_step=one.min_step, max_step=one.max_step, max_turn=one.max_turn,
-            max_samples=one.max_samples,
-        )  # fmt: skip
-        problem = self.cycles(0, 1).with_(condition)
-        return SolutionCurve(self.map, problem, followed, tests=())
+
+def pair(p: Floats) -> Pair:
+    """Two parameters as numbers."""
+    first, second = p.tolist()
+    return first, second
+
+
+def _both(family: Family, first: pieces.Image, x: float, values: Pair) -> Image:
+    """An image over the first parameter, with the derivatives in the second one.
+
+    Rounding decides whether a view has a margin that begins right there: its derivative in the
+    second parameter is nan if only the first view does.
+    """
+    second = first
+    if not first.reason:
+        second = family.carried(first.piece, family.over(1, values)).at(x, values[1])
+    piece = FamilyPiece(family, second.piece)
+    if second.reason:
+        nothing = np.full((1, 3), np.nan), np.empty(0), np.empty((0, 3)), np.empty(0, dtype=int)
+        return Image(np.full(1, np.nan), *nothing, piece, second.reason)
+    rates = second.gradients[:, 1]
+    if not np.array_equal(first.causes, second.causes):
+        rates = np.array([second.gradient(code)[1] for code in first.causes.tolist()])
+    return Image(
+        np.array([first.value]), np.array([[first.slope, first.d_parameter, second.d_parameter]]),
+        first.margins, np.column_stack([first.gradients, rates]), first.causes, piece,
+    )  # fmt: skip
+
+
+def over_first(image: Image) -> pieces.Image:
+    """An image as one of the line over the first parameter; nan if it has no value."""
+    piece = image.piece
+    assert isinstance(piece, FamilyPiece | LinePiece)
+    value, (slope, rate) = float(image.value[0]), image.jacobian[0, :2].tolist()
+    if image.reason:
+        value = slope = rate = np.nan
+    return pieces.Image(
+        value, slope, rate, image.margins, image.gradients[:, :2], image.codes,
+        piece.own, image.reason,
+    )  # fmt: skip

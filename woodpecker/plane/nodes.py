@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -12,9 +11,9 @@ from pwmap.diagrams.diagram import PointKind
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
-from woodpecker.engine.curves import Sample, SolutionCurve, Stop, TestFunction
+from woodpecker.engine.curves import CurveSettings, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.line import LineMap
-from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, Orbit
+from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, Orbit
 from woodpecker.maps.pieces import Image
 from woodpecker.plane.maps import FamilyPiece, Plane, over_first, pair
 from woodpecker.slices.borders import Border, BorderKind
@@ -30,7 +29,6 @@ STEEP_SHORT = 1e-8  # of steps of folds and flips: beside a border rounding deci
 STEEP = 1e10  # a slope above this is that of a root right at its border, as it is rounded
 APART = 2.0**-5  # and part of the distance from the nearest border at most, where slopes may be
 # those of a root
-ROOTED = 1e3  # slopes beyond a border that are larger may be those of a root
 PARALLEL = 1e-3  # sine of an angle between gradients of margins of one border
 
 
@@ -40,68 +38,59 @@ def inside(orbit: Orbit) -> float:
     return math.nan if steep else float(orbit.monodromy[0, 0])
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class BorderMet:
-    """The border on which a cycle lies.
+def beyond(orbit: Orbit, on: OnBorder, border: Border) -> float:
+    """The multiplier of a cycle with the piece beyond a border in place of the one inside."""
+    rest = (image.jacobian[0, 0] for k, image in enumerate(orbit.images) if k != on.image)
+    return border.outer.slope * math.prod(map(float, rest))
 
-    Attributes
-    ----------
-    border
-        Over the first parameter.
-    kind
-        What the map does there.
-    gap
-        The limit of P_n beyond it, less that inside; nan if it has none.
-    beyond
-        The multiplier with the piece beyond in place of the one inside.
+
+def border_of(plane: Plane, orbit: Orbit, on: OnBorder) -> tuple[Border, float]:
+    """The border on which a cycle lies, and the limit of P_n beyond it less that inside.
+
+    The gap is nan if there is no limit. It is looked at once for each cycle.
     """
-
-    border: Border
-    kind: BorderKind
-    gap: float
-    beyond: float
-
-
-def border_of(plane: Plane, orbit: Orbit, on: OnBorder) -> BorderMet:
-    """What lies where a point of a cycle is on a border; looked at once for each cycle."""
-    known: dict[tuple[Orbit, OnBorder], BorderMet] = plane.known
+    known: dict[tuple[Orbit, OnBorder], tuple[Border, float]] = plane.known
     if (orbit, on) not in known:
-        known[orbit, on] = _border_of(plane, orbit, on)
+        x, values = orbit.x[on.image], pair(orbit.p)
+        image, map_ = over_first(orbit.images[on.image]), plane.family.over(0, values)
+        line = LineMap(map_, *plane.scale[:2])
+        outer = over_first(line.beside(x, orbit.p[:1], -image.gradient(on.code)))
+        border = border_between(orbit, on, outer)
+        limit = limit_of(map_, border.outer, len(orbit.x) - 1, values[0])
+        known[orbit, on] = border, limit.value - float(x[0])
     return known[orbit, on]
 
 
-def _border_of(plane: Plane, orbit: Orbit, on: OnBorder) -> BorderMet:
-    i, values = on.image, pair(orbit.p)
-    image, x, map_ = over_first(orbit.images[i]), orbit.x[i], plane.over(values)
+def border_between(orbit: Orbit, on: OnBorder, outer: Image) -> Border:
+    """A border on which a cycle lies, over the first parameter, with the image beyond it."""
+    x, image = orbit.x[on.image], over_first(orbit.images[on.image])
     side = image.onward(on.code)
-    line = LineMap(map_, *plane.scale[:2])
-    outer = _rooted(over_first(line.beside(x, orbit.p[:1], -image.gradient(on.code))), x, orbit)
-    border = Border(float(x[0]), values[0], image, on.code, side, outer, nearest_code(outer, -side))
-    limit = limit_of(map_, outer, len(orbit.x) - 1, values[0])
-    rest = [float(each.jacobian[0, 0]) for k, each in enumerate(orbit.images) if k != i]
-    return BorderMet(
-        border, border.kind(plane.first), limit.value - float(x[0]), outer.slope * math.prod(rest)
+    return Border(
+        float(x[0]), float(orbit.p[0]), image, on.code, side, outer, nearest_code(outer, -side)
     )
 
 
-def _rooted(outer: Image, x: Floats, orbit: Orbit) -> Image:
-    """An image beyond a border, with an infinite slope if its piece ends in a root there."""
-    if not abs(outer.slope) > ROOTED:
-        return outer
-    there = outer.piece.at(float(x[0]), float(orbit.p[0]))
-    slope = math.copysign(math.inf, outer.slope) if there.reason else there.slope
-    return outer._replace(slope=slope)
+def condition_of(curve: SolutionCurve) -> Condition:
+    """What cycles obey along a curve, besides that they close."""
+    return curve.problem.conditions[1]
 
 
 def border_in(curve: SolutionCurve) -> OnBorder | None:
     """The border along which a curve leads, if it does."""
-    condition = curve.problem.conditions[1]
+    condition = condition_of(curve)
     return condition if isinstance(condition, OnBorder) else None
+
+
+def kind_of(condition: Condition) -> PointKind:
+    """What cycles are that obey a condition: LP, PD, BC, or EP at an edge of the window."""
+    if isinstance(condition, Multiplier):
+        return PointKind(condition.kind)
+    return PointKind.BC if isinstance(condition, OnBorder) else PointKind.EP
 
 
 def is_steep(curve: SolutionCurve) -> bool:
     """Whether it is one of folds or flips: beside a root their equation changes fast."""
-    return isinstance(curve.problem.conditions[1], Multiplier)
+    return isinstance(condition_of(curve), Multiplier)
 
 
 def curve_of(plane: Plane, condition: Condition, orbit: Orbit) -> SolutionCurve:
@@ -109,7 +98,7 @@ def curve_of(plane: Plane, condition: Condition, orbit: Orbit) -> SolutionCurve:
 
     Along a border margins vanish that say the same: their gradients are parallel there.
     """
-    curve = plane.curve(condition)
+    one, other = plane.settings
     ignored = frozenset[tuple[int, int]]()
     if isinstance(condition, OnBorder):
         i = condition.image
@@ -120,15 +109,15 @@ def curve_of(plane: Plane, condition: Condition, orbit: Orbit) -> SolutionCurve:
         codes = image.codes[along & image.tied(orbit.x[i], orbit.p)].tolist()
         ignored = frozenset((i, code) for code in (condition.code, *codes))
     steep = isinstance(condition, Multiplier)
-    shortest = max(curve.settings.min_step, STEEP_SHORT if steep else SHORT)
-    settings = replace(
-        curve.settings, min_step=shortest, step=max(shortest, curve.settings.step),
-        max_step=max(shortest, curve.settings.max_step),
+    shortest = max(one.min_step, STEEP_SHORT if steep else SHORT)
+    settings = CurveSettings(
+        spans=(one.span, other.span), window=(one.window,), min_step=shortest,
+        step=max(shortest, one.step), max_step=max(shortest, one.max_step),
+        max_turn=one.max_turn, max_samples=one.max_samples,
     )  # fmt: skip
-    return replace(
-        curve, ignored=ignored, own=tests_of(plane, condition, len(orbit.x)),
-        settings=settings,
-    )  # fmt: skip
+    problem = plane.cycles(0, 1).with_(condition)
+    own_tests = tests_of(plane, condition, len(orbit.x))
+    return SolutionCurve(plane, problem, settings, ignored, tests=(), own=own_tests)
 
 
 def units(rows: Floats) -> Floats:
@@ -142,42 +131,39 @@ def tests_of(plane: Plane, condition: Condition, n: int) -> tuple[TestFunction, 
     settings = plane.first
 
     def test(kind: PlaneKind, value: Callable[[Orbit], float], noise: float = 0.0) -> TestFunction:
-        def of_sample(sample: Sample) -> float:
-            return value(sample.orbit)
-
-        return TestFunction(Stop.SPECIAL, of_sample, name=kind, noise=noise)
+        return TestFunction(
+            Stop.SPECIAL, lambda sample: value(sample.orbit), name=kind, noise=noise
+        )
 
     if isinstance(condition, OnBorder):
 
         def kinked(orbit: Orbit) -> float:
-            met = border_of(plane, orbit, condition)
-            return met.beyond if met.kind is BorderKind.KINK else math.nan
-
-        def gap(orbit: Orbit) -> float:
-            return border_of(plane, orbit, condition).gap
+            border, _ = border_of(plane, orbit, condition)
+            kinks = border.kind(settings) is BorderKind.KINK
+            return beyond(orbit, condition, border) if kinks else math.nan
 
         return (
             test(PlaneKind.FOLD_BORDER, lambda orbit: inside(orbit) - 1.0),
             test(PlaneKind.FLIP_BORDER, lambda orbit: inside(orbit) + 1.0),
             test(PlaneKind.FOLD_BORDER, lambda orbit: kinked(orbit) - 1.0),
             test(PlaneKind.FLIP_BORDER, lambda orbit: kinked(orbit) + 1.0),
-            test(PlaneKind.JUMP_CLOSES, gap, settings.jump * settings.x_scale),
+            test(
+                PlaneKind.JUMP_CLOSES, lambda orbit: border_of(plane, orbit, condition)[1],
+                settings.jump * settings.x_scale,
+            ),
+        )  # fmt: skip
+    kind, found = kind_of(condition), list[TestFunction]()
+    if kind is PointKind.PD:
+        found.append(test(PlaneKind.GENERALISED_FLIP, lambda orbit: cubic(orbit, settings)))
+    if kind is PointKind.LP:
+        found.append(test(PlaneKind.CUSP, lambda orbit: bend(orbit, settings)))
+    if kind is PointKind.LP and n % 2 == 0:  # two points come together where the period halves
+        found.append(
+            test(
+                PlaneKind.GENERALISED_FLIP, lambda orbit: float(orbit.x[n // 2, 0] - orbit.x[0, 0])
+            )
         )
-    if isinstance(condition, Held):
-        return ()
-    assert isinstance(condition, Multiplier)
-    if condition.kind == PointKind.PD:
-        return (test(PlaneKind.GENERALISED_FLIP, lambda orbit: cubic(orbit, settings)),)
-    found = [test(PlaneKind.CUSP, lambda orbit: bend(orbit, settings))]
-    if n % 2 == 0:
-        found.append(test(PlaneKind.GENERALISED_FLIP, _halves))
     return tuple(found)
-
-
-def _halves(orbit: Orbit) -> float:
-    """Distance of two points of a cycle that come together where its period halves."""
-    x = orbit.x[:, 0]
-    return float(x[len(x) // 2] - x[0])
 
 
 def bend(orbit: Orbit, settings: Settings) -> float:
@@ -224,21 +210,18 @@ def code_of(plane: Plane, curve: SolutionCurve, orbit: Orbit) -> tuple[PointKind
     a jump where the limits lie on different sides: if that is on one side of the parameter,
     branches fold. Where the map is continuous they do if the multiplier passes through +1.
     """
-    condition = curve.problem.conditions[1]
-    if isinstance(condition, Multiplier):
-        return PointKind(condition.kind), ""
-    if not isinstance(condition, OnBorder):
-        return PointKind.EP, ""
-    own, met = inside(orbit), border_of(plane, orbit, condition)
-    if met.kind is BorderKind.LOST:
+    on = border_in(curve)
+    if on is None:
+        return kind_of(condition_of(curve)), ""
+    own, (border, gap) = inside(orbit), border_of(plane, orbit, on)
+    kind, other = border.kind(plane.first), beyond(orbit, on, border)
+    if kind is BorderKind.LOST or (kind is BorderKind.JUMP and math.isnan(gap)):
         return PointKind.BC, ""
-    if met.kind is BorderKind.JUMP:
-        if math.isnan(met.gap):
-            return PointKind.BC, ""
-        fold = math.copysign(1.0, 1.0 - own) * met.border.side * met.gap > 0.0
-        code = PointKind.FF if fold and abs(own) > 1.0 else PointKind.BC
-        return code, "fold" if fold else "persistence"
-    if met.kind is BorderKind.SMOOTH or math.isnan(met.beyond):
+    if kind is BorderKind.JUMP:
+        fold = math.copysign(1.0, 1.0 - own) * border.side * gap > 0.0
+    elif kind is BorderKind.SMOOTH or math.isnan(other):
         return PointKind.BC, "word change"
-    fold = (1.0 - own) * (1.0 - met.beyond) < 0.0
-    return PointKind.BC, "fold" if fold else "persistence"
+    else:
+        fold = (1.0 - own) * (1.0 - other) < 0.0
+    folds_flip = kind is BorderKind.JUMP and fold and abs(own) > 1.0
+    return PointKind.FF if folds_flip else PointKind.BC, "fold" if fold else "persistence"

@@ -1,4 +1,4 @@
-"""From a special point over one parameter to a cycle on its curve over two."""
+"""Where curves over two parameters start: at special points over one, and on other curves."""
 
 from __future__ import annotations
 
@@ -8,12 +8,14 @@ from typing import TypeVar
 import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, SpecialPoint
+from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
+from woodpecker.engine.curves import Arc, Sample
 from woodpecker.engine.germs import once, paths
 from woodpecker.engine.newton import solve
 from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, Orbit
 from woodpecker.plane.maps import Plane
-from woodpecker.plane.nodes import border_of
+from woodpecker.plane.nodes import border_in, border_of, curve_of, inside
 from woodpecker.slices.borders import BorderKind
 
 T = TypeVar("T")
@@ -24,46 +26,32 @@ PREFERRED = (BorderKind.JUMP, BorderKind.KINK, BorderKind.GRAZING, BorderKind.LO
              BorderKind.SMOOTH)  # fmt: skip
 RETURNS = 1e-3  # scaled: an orbit through a cycle comes back that close, where slopes are steep
 Found = tuple[Orbit, Condition]
+Seed = tuple[Condition, Sample]
+"""What the cycles of another curve obey, and its first sample, turned forward."""
 
 
 def located(plane: Plane, point: SpecialPoint, other: float, axis: int = 0) -> Found:
-    """The cycle at a special point, found anew, and what its curve obeys.
+    """The cycle at a special point over one of the parameters, found anew, and what it obeys.
 
-    Parameters
-    ----------
-    point
-        Of a diagram over one of the parameters.
-    other
-        The value of the other one.
-    axis
-        Which one the diagram is over, 0 or 1.
-
-    Raises
-    ------
-    ValueError
-        If it is of a kind that has no curve, or there is no such point.
+    The diagram of the point is over the parameter of an axis, 0 or 1; ``other`` is the value of the
+    other one. ValueError if it is of a kind that has no curve, or there is no such point.
     """
     if not has_curve(point):
         raise ValueError(
             f"a curve starts at LP, PD, BC or FF, or at an end of the window, got {point.id}, "
             f"{point.kind.label}"
         )
-    p = point.parameter
-    values = np.array(_both(p, other, axis))
-    if point.kind is PointKind.EP:
-        found = _leaving(plane, point, values, axis)
-    elif point.kind in MULTIPLIERS:
-        found = _turning(plane, point, values, axis)
-    else:
-        found = _colliding(plane, point, values, axis)
-    if found is None:
+    guesses = _guesses(plane, point, np.array(_both(point.parameter, other, axis)))
+    solved = ((_solved(plane, orbit, on, axis), on) for orbit, on in guesses)
+    found = [(orbit, on) for orbit, on in solved if orbit is not None]
+    if not found:
         over, held = _both(*plane.family.names, axis)
         raise ValueError(
-            f"there is no {point.kind} near {over} = {p:.12g}, x = {point.x:.12g} at "
+            f"there is no {point.kind} near {over} = {point.parameter:.12g}, x = {point.x:.12g} at "
             f"{held} = {other:.12g}: expected a special point of a diagram over {over} "
             "with all other parameters as they are now"
         )
-    return found
+    return min(found, key=lambda each: _rank(plane, point, *each))
 
 
 def has_curve(point: SpecialPoint) -> bool:
@@ -77,51 +65,42 @@ def _both(over: T, held: T, axis: int) -> tuple[T, T]:
     return (over, held) if axis == 0 else (held, over)
 
 
-def _from_start(plane: Plane, point: SpecialPoint, p: Floats) -> Orbit | None:
-    """The orbit from a point, as long as its cycle; None if it ends before."""
-    x, map_ = [np.array([point.x])], plane.map
-    images = [map_.at(x[0], p)]
-    while len(images) < point.order and not images[-1].reason:
-        x.append(images[-1].value)
-        images.append(map_.at(x[-1], p))
-    return None if images[-1].reason else Orbit(np.array(x), p, 0.0, tuple(images))
+def _guesses(plane: Plane, point: SpecialPoint, p: Floats) -> Iterator[Found]:
+    """Orbits from a point that come back, by all pieces that meet where it goes, with conditions.
+
+    A collision may be that of a shorter cycle.
+    """
+    x, problem = np.array([point.x]), plane.cycles()
+    shortest = 1 if point.kind in COLLISIONS else point.order
+    for order in range(shortest, point.order + 1):
+        for path in paths(plane, x, p, order, problem):
+            if problem.same(path.end, x, RETURNS):
+                orbit = Orbit(path.x, p, 0.0, path.images)
+                yield from ((orbit, each) for each in _conditions(plane, point, orbit))
 
 
-def _leaving(plane: Plane, point: SpecialPoint, p: Floats, axis: int) -> Found | None:
-    """The cycle of which a point lies on an end of the window."""
-    guess, window = _from_start(plane, point, p), plane.first.window
-    if guess is None:
-        return None
-    away = np.abs(guess.x - np.array(window))
-    index, end = (int(k) for k in np.unravel_index(away.argmin(), away.shape))
-    held = Held(index, window[end])
-    found = _solved(plane, guess, held, axis)
-    return None if found is None else (found, held)
+def _conditions(plane: Plane, point: SpecialPoint, orbit: Orbit) -> list[Condition]:
+    """What the cycle of a special point may obey: on a border, any margin that vanishes."""
+    if point.kind in MULTIPLIERS:
+        return [Multiplier(point.kind.value, plane.scale)]
+    if point.kind is PointKind.EP:
+        window = plane.first.window
+        nearest = int(np.abs(orbit.x - np.array(window)).argmin())
+        return [Held(nearest // 2, window[nearest % 2])]
+    return [
+        OnBorder(i, code)
+        for i, image in enumerate(orbit.images)
+        for code in image.codes[image.tied(orbit.x[i], orbit.p)].tolist()
+    ]
 
 
-def _turning(plane: Plane, point: SpecialPoint, p: Floats, axis: int) -> Found | None:
-    """The cycle of a fold or a flip."""
-    guess = _from_start(plane, point, p)
-    if guess is None:
-        return None
-    condition = Multiplier(point.kind.value, plane.scale)
-    found = _solved(plane, guess, condition, axis)
-    return None if found is None else (found, condition)
-
-
-def _colliding(plane: Plane, point: SpecialPoint, p: Floats, axis: int) -> Found | None:
-    """The cycle of a border collision, and the margin that vanishes; as the diagram names it."""
-    best, rank = None, (2, len(PREFERRED), 0.0)
-    for guess, on in _candidates(plane, point, p):
-        found = _solved(plane, guess, on, axis)
-        if found is None:
-            continue
-        met = border_of(plane, found, on)
-        named = met.border.cause == point.cause
-        own = 0 if named else 1, PREFERRED.index(met.kind), abs(met.border.inner.slope)
-        if own < rank:
-            best, rank = (found, on), own
-    return best
+def _rank(plane: Plane, point: SpecialPoint, orbit: Orbit, on: Condition) -> tuple[int, int, float]:
+    """Which of several cycles is rather that of a collision: as the diagram names it."""
+    if not isinstance(on, OnBorder):
+        return 0, 0, 0.0
+    border, _ = border_of(plane, orbit, on)
+    kind = border.kind(plane.first)
+    return border.cause != point.cause, PREFERRED.index(kind), abs(border.inner.slope)
 
 
 def _solved(plane: Plane, guess: Orbit, condition: Condition, axis: int) -> Orbit | None:
@@ -136,14 +115,33 @@ def _solved(plane: Plane, guess: Orbit, condition: Condition, axis: int) -> Orbi
     return solution.orbit if period == len(guess.x) else None
 
 
-def _candidates(plane: Plane, point: SpecialPoint, p: Floats) -> Iterator[tuple[Orbit, OnBorder]]:
-    """Orbits from a point that come back to it, by all pieces that meet where it goes."""
-    x, problem = np.array([point.x]), plane.cycles()
-    for order in range(1, point.order + 1):
-        for path in paths(plane.map, x, p, order, problem):
-            if not problem.same(path.end, x, RETURNS):
-                continue
-            orbit = Orbit(path.x, p, 0.0, path.images)
-            for i, image in enumerate(orbit.images):
-                for code in image.codes[image.tied(orbit.x[i], p)].tolist():
-                    yield orbit, OnBorder(i, code)
+def seeds_at(plane: Plane, arc: Arc) -> tuple[Seed, ...]:
+    """The curves of another kind that start at the end of an arc.
+
+    Where a cycle on a border has the multiplier +1 or -1 a curve of folds or flips starts, into the
+    piece inside; where a fold or a flip meets a border, or a cycle on one meets another one, a
+    curve of collisions with that border.
+    """
+    orbit, own = arc.samples[-1].orbit, border_in(arc.curve)
+    name = arc.test.name if arc.test is not None else ""
+    if name in (PlaneKind.FOLD_BORDER, PlaneKind.FLIP_BORDER) and own is not None:
+        kind, value = ("LP", 1.0) if name == PlaneKind.FOLD_BORDER else ("PD", -1.0)
+        if abs(inside(orbit) - value) <= plane.first.kink:
+            return _seeds(plane, orbit, Multiplier(kind, plane.scale), own)
+    if arc.border is not None and (own is None or own.image != arc.border[0]):
+        return _seeds(plane, orbit, OnBorder(*arc.border), own)
+    return ()
+
+
+def _seeds(
+    plane: Plane, orbit: Orbit, condition: Condition, into: OnBorder | None
+) -> tuple[Seed, ...]:
+    """The curve from a cycle, into the side on which a margin is positive, or both ways."""
+    curve = curve_of(plane, condition, orbit)
+    start = curve.start(orbit)
+    if not np.isfinite(start.tangent).all():
+        return ()
+    if into is None:
+        return (condition, start), (condition, start.turned)
+    rate = curve.rate(start, into.image, into.code)
+    return ((condition, start if rate > 0.0 else start.turned),) if rate else ()

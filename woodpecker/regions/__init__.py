@@ -7,6 +7,7 @@ A name is loaded with what it needs when it is first used; ``__init__.pyi`` says
 """
 
 import warnings
+from importlib import import_module
 from typing import Any
 
 import lazy_loader
@@ -15,8 +16,12 @@ _of_stub, __dir__, __all__ = lazy_loader.attach_stub(__name__, __file__)
 
 
 def __getattr__(name: str) -> Any:
-    """A name of the stub; the old one of an attractor with a DeprecationWarning."""
+    """A name of the stub; old ones with a DeprecationWarning."""
     if name == "Attractor":
         name = "SampledAttractor"
         warnings.warn(f"woodpecker.regions.Attractor is {name} now", DeprecationWarning, 2)
+    if name == "regions_of":
+        call = "parameter_regions(family, family.names, span, curves=curves, settings=settings)"
+        warnings.warn(f"woodpecker.regions.regions_of: call {call}", DeprecationWarning, 2)
+        return import_module("woodpecker.regions.verb").regions_of
     return _of_stub(name)

@@ -5,6 +5,5 @@ from .census import SampledAttractor as SampledAttractor
 from .census import Settles as Settles
 from .regions import Region as Region
 from .regions import Regions as Regions
-from .regions import regions_of as regions_of
 from .survey import Survey as Survey
-from .toys import parameter_regions as parameter_regions
+from .verb import parameter_regions as parameter_regions

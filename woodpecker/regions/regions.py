@@ -23,9 +23,7 @@ from shapely.ops import unary_union
 
 from pwmap.diagrams.diagram import PointStatus, SpecialPoint
 from woodpecker.base.arrays import Floats
-from woodpecker.base.checks import instance, interval, iterates
 from woodpecker.base.settings import Settings
-from woodpecker.base.shown import shown as told
 from woodpecker.plane.curve import Curve
 from woodpecker.plane.families import Family, Pair
 from woodpecker.plane.following import curve_through
@@ -43,8 +41,7 @@ from woodpecker.regions.cutting import (
     way_between,
 )
 from woodpecker.regions.survey import Survey
-from woodpecker.runs import nothing
-from woodpecker.search.diagrams import finite_window, whole_diagram
+from woodpecker.search.diagrams import whole_diagram
 from woodpecker.search.search import Search
 
 # To find the curve between a place that disagrees with others of its face and the nearest.
@@ -170,78 +167,15 @@ class Regions:
         return found
 
 
-def regions_of(
-    family: Family,
-    curves: Sequence[Curve] = (),
-    *,
-    span: Spans,
-    settings: Settings,
-    orders: Sequence[int] = (1,),
-    survey: Survey | None = None,
-    progress: Progress | None = None,
-    within: Pair | None = None,
-) -> Regions:
-    """Cut a rectangle of two parameters into regions in which the same cycles live.
-
-    Parameters
-    ----------
-    family
-        The maps.
-    curves
-        That are known already; none is needed.
-    span
-        Intervals of both parameters.
-    settings
-        Window (finite), steps and tolerances; its span is taken from ``span``.
-    orders
-        Periods of the cycles that are counted.
-    survey
-        How many random places and curves.
-    progress
-        Called with every curve that is found.
-    within
-        The interval that orbits must not leave, by default the window.
-
-    Returns
-    -------
-    Regions
-        With how many random places agree; those that do not are listed.
-
-    Raises
-    ------
-    ValueError
-        If an order is not at least 1, the window is not finite, or curves are over other
-        parameters.
-
-    Examples
-    --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings
-    >>> from woodpecker.plane import family_from_sympy
-    >>> from woodpecker.regions import Survey, regions_of
-    >>> x, a, r = symbols("x a r")
-    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
-    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
-    >>> settings = Settings(span=(-1, 1), window=(-4, 4))
-    >>> span = ((-1, 1), (1.1, 2))
-    >>> found = regions_of(family, span=span, settings=settings, survey=Survey(checks=4))
-    >>> len(found.regions), round(sum(region.share for region in found.regions), 9)
-    (2, 1.0)
-    """
-    finite_window(settings)
-    one, other = (interval("span", each, finite=True) for each in span)
-    if survey is not None:
-        instance("survey", survey, Survey)
-    if not isinstance(curves, Sequence):
-        raise TypeError(f"curves must be a list of them, got {told(curves)}")
-    for curve in curves:
-        instance("curve", curve, Curve)
-        if curve.names != family.names:
-            raise ValueError(f"expected curves over {family.names}, got one over {curve.names}")
-    mapped = _Mapping(family, (one, other), settings, iterates(orders), survey or Survey(), within)
+def divided(
+    family: Family, curves: Sequence[Curve], spans: Spans, settings: Settings,
+    orders: tuple[int, ...], survey: Survey, within: Pair, progress: Progress,
+) -> Regions:  # fmt: skip
+    """The regions of a rectangle; see :func:`woodpecker.regions.parameter_regions`."""
+    mapped = _Mapping(family, spans, settings, orders, survey, within)
     for curve in curves:
         mapped.add(curve)
-    mapped.complete(progress or nothing)
+    mapped.complete(progress)
     return mapped.result()
 
 
@@ -250,10 +184,10 @@ class _Mapping:
 
     def __init__(
         self, family: Family, spans: Spans, settings: Settings, orders: tuple[int, ...],
-        survey: Survey, within: Pair | None,
+        survey: Survey, within: Pair,
     ) -> None:  # fmt: skip
         self.family, self.spans, self.orders, self.survey = family, spans, orders, survey
-        self.within = settings.window if within is None else within
+        self.within = within
         self.settings = tuple(replace(settings, span=each) for each in spans)
         self.curves = list[Curve]()
         self.places, self._counted = dict[Pair, Census](), dict[Pair, Census]()

@@ -206,3 +206,30 @@ def test_graph_of_curves_that_meet() -> None:
     other = family_from_sympy(map_, X, (Q, P))
     with pytest.raises(ValueError, match="expected curves over the same parameters"):
         graph_of_curves([curve, through(other, (0.0, -0.5), 0.0, 1, span)])
+
+
+def test_a_cycle_on_the_edge_of_the_window_is_followed_through_all_words() -> None:
+    """x -> r - a x + c_1 (a - b_1 x)+ + .. has the fixed point 1 for r = 1 + a - c_1 (a - b_1)+ ..
+
+    Its words change at a = b_1, .. . What holds it at 1 is an equation, so no rounding of how x
+    changes along the curve ends it at the edge, where an arc begins.
+    """
+    kinks = [(13, 37), (17, -61), (21, 83), (26, -45), (33, 29)]  # 10 b and 100 c
+    exact = [(Fraction(b, 10), Fraction(c, 100)) for b, c in kinks]
+    formulas = [R - A * X]
+    for b, c in exact:
+        formulas.append(formulas[-1] + sympy.Rational(c) * (A - sympy.Rational(b) * X))
+    sides = [sympy.Rational(b) * X > A for b, _ in exact]
+    family = family_from_sympy(
+        sympy.Piecewise(*zip(formulas, [*sides, True], strict=True)), X, (R, A)
+    )
+    settings, span, at = Settings(window=(-3.0, 1.0)), ((-10.0, 10.0), (1.0, 4.0)), 2.3
+    found = everything(family.over(0, (0.0, at)), replace(settings, span=span[0]), (1,)).diagram
+    edge = next(point for point in found.points if point.kind == "EP" and point.x == 1.0)
+    curve = curve_in_two(family, edge, family.names, span, value=at, settings=settings)
+    r, a = curve.values.T
+    assert [end.values[1] for end in curve.ends] == [1.0, 4.0]
+    assert len(curve.words) == len(formulas)
+    bends = sum(float(c) * np.maximum(a - float(b), 0.0) for b, c in exact)
+    assert np.abs(r - (1.0 + a - bends)).max() < ROUNDED
+    assert np.abs(curve.x - 1.0).max() < ROUNDED

@@ -114,6 +114,26 @@ def test_a_fold_flip_becomes_a_collision_where_the_multiplier_passes_minus_one()
     assert max(flip.precision) < 1e-6  # as close as the first place beyond the word change lies
 
 
+def test_flips_go_on_beyond_a_contact_with_another_curvature() -> None:
+    """At (0.14647, 0.29336) they touch a border at which slopes go like a cube root.
+
+    Beyond it their margin grows a thousand times slower than on this side. A place there is found
+    again by continuation over one parameter.
+    """
+    toy = Toy(mu_2=0.2925, eps_n1=0.1386)
+    found = continuation(toy, shoot(toy, -0.7704), "eps_n1", (0.138, 0.14))
+    (flip,) = [point for point in found.points if point.kind is PointKind.PD]
+    flips = curve_in_two(toy, flip, OVER, ((0.1, 0.9), (0.29, 0.34)))
+    assert [end.kind for end in flips.ends] == [PlaneKind.FLIP_BORDER] * 2
+    assert max(end.values[0] for end in flips.ends) > 0.149
+    k = int(np.abs(flips.values[:, 0] - 0.148).argmin())
+    eps_n1, mu_2 = flips.values[k].tolist()
+    there, near = toy.replace(mu_2=mu_2, eps_n1=eps_n1 + 5e-5), (eps_n1 - 1e-4, eps_n1 + 1e-4)
+    one = continuation(there, shoot(there, float(flips.x[k, 0])), "eps_n1", near)
+    (anew,) = [point.parameter for point in one.points if point.kind is PointKind.PD]
+    assert anew == pytest.approx(eps_n1, abs=CLOSE)
+
+
 def test_wrong_arguments() -> None:
     toy, orbit = Toy(), shoot(Toy(), -0.53)
     point = diagram().point("A")

@@ -10,10 +10,11 @@ import sympy
 from needs import NEEDS_NUMBA
 from shapely import LineString, MultiLineString
 
+import woodpecker.regions
 from pwmap import PiecewiseLinearMap, parameter_plane
 from woodpecker import Settings, Toy, shoot
 from woodpecker.plane import family_from_sympy
-from woodpecker.regions import Regions, Survey, parameter_regions, regions_of
+from woodpecker.regions import Regions, Survey, parameter_regions
 from woodpecker.regions.cutting import SQUARE, way_between
 
 X, A, R = sympy.symbols("x a r")
@@ -26,7 +27,7 @@ BESIDE = Survey().beside  # parts of the spans: a place closer to a border is no
 def of_the_paper() -> Regions:
     """P1^L [Leine2001, Eq. 14] over r and a, from nothing."""
     family = family_from_sympy(PAPER, X, (R, A))
-    return regions_of(family, span=SPAN, settings=Settings(window=(-20.0, 20.0)), orders=(1, 2))
+    return parameter_regions(family, ("r", "a"), SPAN, window=(-20.0, 20.0), orders=(1, 2))
 
 
 def exact(r: float, a: float) -> tuple[tuple[int, int, int], ...]:
@@ -116,7 +117,9 @@ def test_a_place_on_a_border_is_in_no_region() -> None:
 def test_wrong_input_is_refused() -> None:
     family = family_from_sympy(PAPER, X, (R, A))
     with pytest.raises(ValueError, match="finite window"):
-        regions_of(family, span=SPAN, settings=Settings())
+        parameter_regions(family, ("r", "a"), SPAN)
+    with pytest.raises(ValueError, match="those of the family"):
+        parameter_regions(family, ("a", "r"), SPAN)
     with pytest.raises(ValueError, match="checks must be at least 1, got 0"):
         Survey(checks=0)
     with pytest.raises(ValueError, match="beside must lie in"):
@@ -146,6 +149,19 @@ def test_regions_of_the_toy_beside_the_flip() -> None:
             assert (stable, unstable) == ((1, 0) if orbit.stable else (0, 1))
 
 
+@pytest.mark.slow
+@NEEDS_NUMBA
+def test_cycles_that_leave_the_window_of_the_toy_bound_regions() -> None:
+    """Here two cycles leave the window: where they do are curves across the whole rectangle."""
+    found = parameter_regions(
+        Toy(), ("eps_n1", "c_phi"), ((0.24, 0.36), (0.0058, 0.0064)), window=(-0.9, -0.45),
+        survey=Survey(checks=40),
+    )  # fmt: skip
+    assert found.open == ()
+    assert found.checks == 40
+    assert sum(curve.kind == "EP" for curve in found.curves) == 2
+
+
 def test_a_way_leads_round_a_line_that_ends_inside() -> None:
     """Over the end of the slit at (1/2, 3/4), not through it; and none through a whole cut."""
     a, b = (0.25, 0.25), (0.75, 0.25)
@@ -163,8 +179,17 @@ def test_a_survey_ends_where_no_place_is_far_from_all_borders() -> None:
     """Every place of the rectangle is closer than 0.6 of it to the border at r = 0."""
     family = family_from_sympy(sympy.Piecewise((R - 2, X <= 0), (R - A * X, True)), X, (R, A))
     settings, span = Settings(window=(-4.0, 4.0)), ((-1.0, 1.0), (1.1, 2.0))
-    found = regions_of(
-        family, span=span, settings=settings, survey=Survey(checks=4, beside=0.6, thin=0.01)
-    )
+    few = Survey(checks=4, beside=0.6, thin=0.01)
+    found = parameter_regions(family, family.names, span, settings=settings, survey=few)
     assert found.checks < 4
     assert sum(region.share for region in found.regions) == pytest.approx(1.0)
+
+
+def test_the_old_name_still_works() -> None:
+    family, span = family_from_sympy(PAPER, X, (R, A)), ((-1.0, 1.0), (1.1, 2.0))
+    settings, few = Settings(window=(-4.0, 4.0)), Survey(checks=4)
+    with pytest.warns(DeprecationWarning, match="call parameter_regions"):
+        old = woodpecker.regions.regions_of  # type: ignore[attr-defined]
+    found = old(family, span=span, settings=settings, survey=few)
+    new = parameter_regions(family, family.names, span, settings=settings, survey=few)
+    assert [each.census for each in found.regions] == [each.census for each in new.regions]
