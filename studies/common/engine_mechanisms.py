@@ -87,7 +87,7 @@ MECHANISMS: Final = (
     Mechanism("engine.germs", "cycle_through", gives(None), "end a crossing at a cycle"),
     Mechanism("engine.germs", "lost_beyond", gives(""), "say why a limit is lost"),
     # --- What the map takes beside a point
-    Mechanism("engine.line", "DISTANCES", (2.0**-22,), "propose pieces at several distances"),
-    Mechanism("engine.line", "limit", _at_border, "limits where slopes are rounding"),
+    Mechanism("engine.maps", "DISTANCES", (2.0**-22,), "propose pieces at several distances"),
+    Mechanism("engine.maps", "limit", _at_border, "limits where slopes are rounding"),
     Mechanism("engine.maps", "ROOT", math.inf, "tell a square root"),
 )  # fmt: skip

@@ -3,6 +3,10 @@
 A piece is a smooth map P(x, p) that exists beyond the set where the map takes it. Its margins
 h_j(x, p) are positive inside, and one of them vanishes at a border. What the map takes
 infinitesimally beyond a border is asked for at the border: :meth:`PiecewiseMap.beside`.
+
+A map need not know its germs. What it takes beside a point is *proposed* by its images at small
+distances, and *accepted* by the signs of margins and their derivatives at the point itself, so
+that it does not depend on the distances: :func:`proposed`.
 """
 
 from __future__ import annotations
@@ -24,6 +28,8 @@ STEEP_TIE = 2.0**-46  # the same of terms above 1, which say more of a slope tha
 
 CLOSER = 2.0**-33  # scaled: where slopes still have some digits left, and next to no curvature
 SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the distances above
+DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 46, 16, 10))  # scaled, of proposals
+NEAREST = min(DISTANCES)
 ROOT = 4.0  # times steeper at that distance, or times as high as that slope says: a root
 
 
@@ -103,6 +109,35 @@ def taken(map_: PiecewiseMap, x: Floats, p: Floats) -> tuple[Hashable, Floats]:
 def margins_decide(map_: PiecewiseMap) -> bool:
     """Whether a map is sure that it takes a piece just where all of its margins are positive."""
     return getattr(map_, "margins_decide", False)
+
+
+def proposed(
+    map_: PiecewiseMap, x: Floats, p: Floats, direction: Floats, scale: Sequence[float]
+) -> Image:
+    """The image of a point (d,) under the piece infinitesimally beside it, or a reason why none.
+
+    The map has no value right beside the point, or its pieces accumulate there. ``scale`` holds the
+    d lengths of x and those of the k parameters.
+    """
+    length, d = float(np.abs(direction / np.array(scale)).max()), len(x)
+    if length == 0.0:
+        return map_.at(x, p)._replace(reason=ACCUMULATE)
+    unit, seen = direction / length, set[Hashable]()
+    lost, around = "", None
+    for distance in DISTANCES:
+        proposal = map_.at(x + distance * unit[:d], p + distance * unit[d:])
+        if distance == NEAREST:
+            lost = proposal.reason
+        if proposal.reason or proposal.piece.key in seen:
+            continue
+        seen.add(proposal.piece.key)
+        image = limit(proposal, x, p, unit)
+        if image.reason or not image.begins_along(x, p, unit):
+            continue
+        if image.tied(x, p).any():
+            return image
+        around = around or image  # its border is elsewhere: a thinner piece may begin here
+    return around or map_.at(x, p)._replace(reason=lost or ACCUMULATE)
 
 
 def limit(near: Image, x: Floats, p: Floats, unit: Floats) -> Image:

@@ -10,8 +10,8 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
-from woodpecker.engine.line import LinePiece, proposed
-from woodpecker.engine.maps import Image
+from woodpecker.engine.line import LinePiece
+from woodpecker.engine.maps import Image, proposed
 from woodpecker.engine.newton import Problem, cycles
 from woodpecker.maps import pieces
 from woodpecker.plane.families import Family, Pair
