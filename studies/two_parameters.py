@@ -43,8 +43,9 @@ ISLAND, ON_IT = ("I1", "I1 left"), (0.388, -0.885)  # its ends, and a place on i
 FINE = Settings(window=DEFAULT.window, max_step=0.006)  # some 200 places from A upwards
 BESIDE = 1e-7  # rad: a collision is looked for from right beside the jump
 BESIDES = (1e-7, 1e-6, 1e-8)  # the same, where a jump is steep or another one is near
-WIDTHS = (1e-4, 1e-5, 1e-6, 1e-7)  # of a diagram across a place, to both sides; the least where
-# the curve turns over the second parameter, and crosses the diagram twice
+# Of a diagram across a place, to both sides; the least where the curve turns over the second
+# parameter, and crosses the diagram twice.
+WIDTHS = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 RIGHT_AT = 1e-5  # of a special point: there its own events are not told from those of the curve
 CONFIRMED = 1e-9  # in the first parameter: the same special point
 NEAR = 0.1  # rad: the fixed point that is lost lies so close to the jump
