@@ -12,7 +12,7 @@ from woodpecker.slices.borders import is_square_root, limit, moved, strays
 from woodpecker.slices.margins import IN_X, depth, first_part, is_within, lowest_dip, reach
 
 MOST_SAMPLES = 10_000  # samples of a piece: some tens are usual
-AHEAD = 1.25  # part of the way to a border that a step over it has: to first order it lies there
+AHEAD = 1.1  # part of the way to a border that a step over it has: to first order it lies there
 RETRY = 0.25  # part of a step that is tried next if the map takes another piece at its end
 ROOT_STEPS = 60  # to where a margin vanishes; then a shorter way is tried. A handful is usual
 STRAYED = 6  # steps after which every third halves: three are enough where cubics do not mislead

@@ -28,11 +28,9 @@ from woodpecker.slices.orbits import (
     orbit_of,
 )
 from woodpecker.slices.partition import (
-    NEAR_DIAGONAL,
+    NEAR,
     Partition,
     PieceExtent,
-    beside_diagonal,
-    beside_window,
     partition,
 )
 
@@ -116,9 +114,8 @@ def slices_at(
     iterates(orders)  # refuses what are none
     map_ = as_counting(map_)
     allowed = Allowance(map_, settings.of_slice(orders))
-    side = (beside_diagonal if max(orders) == 1 else beside_window)(settings)
-    pieces = partition(map_, p, settings.window, settings, side, allowed)
-    borders = [b for b in pieces.borders() if b.kind(settings) is BorderKind.JUMP]
+    pieces = partition(map_, p, settings.window, settings, orders, allowed)
+    borders = [b for b in pieces.borders(settings) if b.kind(settings) is BorderKind.JUMP]
     found, whole = [], settings.window[1] - settings.window[0]
     orbits = Itineraries(pieces, settings, allowed) if max(orders) > 1 else None
     for order in orders:
@@ -182,7 +179,7 @@ class _Crossing:
 
     def __init__(self, map_: PiecewiseMap, order: int, settings: Settings) -> None:
         self.map, self.order = map_, order
-        self._slack = NEAR_DIAGONAL * settings.x_scale
+        self._slack = NEAR * settings.x_scale
         self._known: dict[tuple[int, int], tuple[float, float]] = {}
 
     def __call__(self, border: Border, length: int, x: float) -> bool:

@@ -58,7 +58,7 @@ def borders_in(
     ends = interval("window", window, finite=True)
     chosen = settings if settings is not None else Settings(window=ends)
     instance("settings", chosen, Settings)
-    found = partition(map_of_pieces(map_), number("p", p), ends, chosen).borders()
+    found = partition(map_of_pieces(map_), number("p", p), ends, chosen).borders(chosen)
     return [_sharpened(map_, border, chosen) for border in found]
 
 
