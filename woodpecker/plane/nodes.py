@@ -77,7 +77,7 @@ def _border_of(plane: Plane, orbit: Orbit, on: OnBorder) -> BorderMet:
     line = LineMap(map_, *plane.scale[:2])
     outer = _rooted(over_first(line.beside(x, orbit.p[:1], -image.gradient(on.code))), x, orbit)
     border = Border(float(x[0]), values[0], image, on.code, side, outer, nearest_code(outer, -side))
-    limit = limit_of(map_, outer, len(orbit.x) - 1, values[0])
+    limit = limit_of(map_, border.x, outer, len(orbit.x) - 1, values[0])
     rest = [float(each.jacobian[0, 0]) for k, each in enumerate(orbit.images) if k != i]
     return BorderMet(
         border, border.kind(plane.first), limit.value - float(x[0]), outer.slope * math.prod(rest)

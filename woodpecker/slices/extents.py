@@ -28,29 +28,6 @@ WITHIN, NO_VALUE = -1, -2  # instead of a margin that vanishes
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Reach:
-    """How far a piece reaches from a point to one side.
-
-    Attributes
-    ----------
-    x, images
-        Samples on the way, from the point on; the last lies at the end.
-    code
-        The margin that vanishes at the end; -1 if the limit of the search is met, or the piece has
-        no value further on.
-    """
-
-    x: tuple[float, ...]
-    images: tuple[Image, ...]
-    code: int
-
-    @property
-    def end(self) -> float:
-        """Where the piece ends."""
-        return self.x[-1]
-
-
-@dataclass(frozen=True, slots=True, eq=False)
 class Knot:
     """A point at which a piece was evaluated; between such points it is interpolated.
 
@@ -68,8 +45,10 @@ Missing = Callable[[Knot, Knot], float]
 def reach_of(
     image: Image, x: float, p: float, side: int, limit: float, settings: Settings,
     missing: Missing = lambda *_: 0.0,
-) -> Reach:  # fmt: skip
-    """Follow a piece to one side until a margin vanishes or a limit is met.
+) -> list[Knot]:  # fmt: skip
+    """Samples of a piece to one side, from the point on until a margin vanishes or a limit is met.
+
+    The last one has the code of the margin; -1 at the limit, or if there is no value further on.
 
     Parameters
     ----------
@@ -94,8 +73,7 @@ def reach_of(
         found = _followed(samples[-1], to, p, settings, missing)
         samples += found
         code = found[-1].code if found else NO_VALUE
-    xs, images = tuple(each.x for each in samples), tuple(each.image for each in samples)
-    return Reach(xs, images, max(code, -1))
+    return [*samples[:-1], replace(samples[-1], code=max(code, WITHIN))]
 
 
 def _followed(here: Knot, to: float, p: float, settings: Settings, missing: Missing) -> list[Knot]:

@@ -39,6 +39,10 @@ BISECTIONS = 24
 INTERIOR, ZOOMS = 16, 4
 
 
+Wanted = Callable[[Border, int, float], bool]
+"""Whether an orbit matters that leads to a border, of so many points, and starts about at one."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Cylinders:
     """Intervals of x_0 whose orbits visit given branches, and where P_j takes their ends.
@@ -100,16 +104,9 @@ class Itineraries:
         return found
 
     def heads(
-        self, borders: Sequence[Border], order: int, wanted: Callable[[Border, int, float], bool]
+        self, borders: Sequence[Border], order: int, wanted: Wanted
     ) -> Iterator[tuple[Orbit, Border]]:
-        """Orbits that lead to borders within ``order`` points, about, the border their last.
-
-        Parameters
-        ----------
-        wanted
-            Whether an orbit matters that leads to a border, of so many points, and starts about at
-            a point.
-        """
+        """Orbits that lead to borders within ``order`` points, about, the border their last."""
         for border in borders:
             targets = np.array([border.x])
             points: list[tuple[tuple[float, ...], tuple[int, ...]]] = [((), ())]

@@ -21,7 +21,7 @@ from woodpecker.base.settings import Settings
 from woodpecker.maps.counting import Allowance, as_counting
 from woodpecker.maps.pieces import Image, PiecewiseMap
 from woodpecker.slices.borders import THIN, Border
-from woodpecker.slices.extents import BOTH, Knot, Reach, reach_of, uneven
+from woodpecker.slices.extents import BOTH, Knot, reach_of, uneven
 from woodpecker.slices.margins import depth, nearest_code, reach
 
 # Part of the window: by how much values in a gap may differ from those beside it, for neighbouring
@@ -183,6 +183,7 @@ class _Search:
         self.gaps: list[tuple[float, float]] = []
         scale = settings.x_scale
         self._near, self._even = NEAR * scale, EVEN * scale
+        self._nearest = settings.nearest * scale
         self._thin = THIN * settings.beside * scale
         self._short = settings.coarse * scale
         self._samples: Floats | None = None
@@ -240,8 +241,8 @@ class _Search:
                 back = self._reach(image, x, -1, gap.low)
                 ahead = self._reach(image, x, 1, gap.high)
                 self.pieces.append(_joined(back, ahead))
-                low, high = back.end, ahead.end
-                ends = back.images[-1].value, ahead.images[-1].value
+                low, high = back[-1].x, ahead[-1].x
+                ends = back[-1].image.value, ahead[-1].image.value
         yield from self._open(_Gap(gap.low - low, gap.low, low, gap.below, ends[0], gap.left))
         yield from self._open(_Gap(high - gap.high, high, gap.high, ends[1], gap.above, gap.left))
 
@@ -254,13 +255,14 @@ class _Search:
         elif gap.size < 0.0:
             self.gaps.append((gap.low, gap.high))
 
-    def _reach(self, image: Image, x: float, way: int, limit: float) -> Reach:
+    def _reach(self, image: Image, x: float, way: int, limit: float) -> list[Knot]:
         """A piece to its end, or to that of the piece which it touches there."""
         found = reach_of(image, x, self.p, way, limit, self.settings, self._missing)
-        if abs(found.end - limit) > BOTH * self.settings.nearest * self.settings.x_scale:
-            return found
-        code = found.code if found.code >= 0 else nearest_code(found.images[-1], way)
-        return Reach((*found.x[:-1], limit) if len(found.x) > 1 else found.x, found.images, code)
+        end = found[-1]
+        if len(found) > 1 and abs(end.x - limit) <= BOTH * self._nearest:
+            code = end.code if end.code >= 0 else nearest_code(end.image, way)
+            found[-1] = Knot(limit, end.image, code)
+        return found
 
     def _leads(self, image: Image, x: float) -> int:
         """Where a piece leads from end to end, to first order; 0 if not to one side."""
@@ -284,8 +286,8 @@ class _Search:
         return 0.0 if 0 != sides[0] == sides[1] else uneven(here, there, self._even)
 
 
-def _joined(back: Reach, ahead: Reach) -> PieceExtent:
-    return PieceExtent(
-        (*back.x[::-1], *ahead.x[1:]), (*back.images[::-1], *ahead.images[1:]),
-        (back.code, ahead.code),
-    )  # fmt: skip
+def _joined(back: list[Knot], ahead: list[Knot]) -> PieceExtent:
+    """A piece from its samples to both sides of a point."""
+    knots = [*back[:0:-1], *ahead]
+    codes = back[-1].code, ahead[-1].code
+    return PieceExtent(tuple(each.x for each in knots), tuple(each.image for each in knots), codes)
