@@ -114,6 +114,8 @@ def _next(here: Knot, to: float, p: float, settings: Settings) -> Knot | None:
         if is_within(there.image):
             return there
         root = _first_root(here, _continued(here, to, p, settings, there.image), p, settings)
+        if root is not None and root.code == WITHIN:
+            return root
         if root is not None:  # a piece that was met at a grazing may be continued the wrong way
             return replace(root, image=root.image._replace(piece=here.image.piece))
         to = here.x + RETRY * (to - here.x)
@@ -134,13 +136,13 @@ def _continued(
 
 
 def _first_root(low: Knot, high: Knot, p: float, settings: Settings) -> Knot | None:
-    """Where between two points the first margin vanishes; None if that is not clear yet.
+    """Where between two points the first margin vanishes, or as far as none does; None if unclear.
 
     Each margin that is negative at the far end is a cubic in between; the point where the first of
     them vanishes takes the place of one of the ends. Where the piece has no value at the far end it
     is approached from inside.
     """
-    before, left = low, 1.0
+    before, left, inside = low, 1.0, 0
     tolerance = settings.nearest * settings.x_scale
     for k in range(ROOT_STEPS):
         way = high.x - low.x
@@ -150,6 +152,11 @@ def _first_root(low: Knot, high: Knot, p: float, settings: Settings) -> Knot | N
             code = code if ahead <= 2.0 * tolerance else NO_VALUE
             return _at_end(before, low, way, code) if lost else Knot(low.x, low.image, code)
         ahead /= abs(way)
+        if inside > 1 and not lost and ahead >= 1.0:  # from afar it may have been continued wrongly
+            high = _continued(low, high.x, p, settings)
+            if is_within(high.image):
+                return high
+            lost = bool(high.image.reason)
         if lost and ahead >= 1.0:
             part = 0.5 if k > 0 else SPLIT
         elif lost:
@@ -174,9 +181,9 @@ def _first_root(low: Knot, high: Knot, p: float, settings: Settings) -> Knot | N
         else:
             found = _continued(low, trial, p, settings)
             if is_within(found.image):
-                before, low, left = low, found, 1.0
+                before, low, left, inside = low, found, 1.0, inside + 1
             else:
-                high, left = found, left * WIDEN
+                high, left, inside = found, left * WIDEN, 0
     return None
 
 

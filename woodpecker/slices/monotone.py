@@ -18,7 +18,7 @@ from woodpecker.slices.margins import is_within
 from woodpecker.slices.partition import Partition, PieceExtent
 
 DEEPEST = 60  # samples about a turning point, so many that they never end; a handful is usual
-TURNED = 1e-9  # part of the window: a rise so small from a turning point is none
+TURNED = 1e-7  # part of the window: a rise so small from a turning point is none
 
 
 @dataclass(frozen=True, slots=True, eq=False)
