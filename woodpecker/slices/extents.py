@@ -49,17 +49,7 @@ def reach_of(
     """Samples of a piece to one side, from the point on until a margin vanishes or a limit is met.
 
     The last one has the code of the margin; -1 at the limit, or if there is no value further on.
-
-    Parameters
-    ----------
-    image, x, p
-        A point of the piece.
-    side, limit
-        Which way, and how far.
-    settings
-        Scales.
-    missing
-        Where a sample is missing between two, as a part of the way; 0 if none is.
+    ``missing`` says where a sample is missing between two, as a part of the way; 0 if none is.
     """
     samples, code = [Knot(x, image)], WITHIN
     longest = settings.max_step * settings.x_scale
@@ -73,7 +63,8 @@ def reach_of(
         found = _followed(samples[-1], to, p, settings, missing)
         samples += found
         code = found[-1].code if found else NO_VALUE
-    return [*samples[:-1], replace(samples[-1], code=max(code, WITHIN))]
+    samples[-1] = Knot(samples[-1].x, samples[-1].image, max(code, WITHIN))
+    return samples
 
 
 def _followed(here: Knot, to: float, p: float, settings: Settings, missing: Missing) -> list[Knot]:
@@ -234,10 +225,7 @@ def _short_of(
 def uneven(here: Knot, there: Knot, even: float) -> float:
     """Where a sample is missing between two, as a part of the way; 0 if none is.
 
-    Parameters
-    ----------
-    even
-        By how much a rise may differ from those that the slopes at both ends make of it.
+    A rise may differ by ``even`` from those that the slopes at both ends make of it.
     """
     run, rise = there.x - here.x, there.image.value - here.image.value
     rates = here.image.slope * run, there.image.slope * run

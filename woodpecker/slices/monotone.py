@@ -25,14 +25,7 @@ TURNED = 1e-7  # part of the window: a rise so small from a turning point is non
 class Branches:
     """P_1 on the intervals where it is monotone: samples of each, in order of their values.
 
-    Attributes
-    ----------
-    first, last
-        (n,) where the samples of a branch begin and end in the others.
-    x, y, slope
-        (m,) samples; a slope is infinite where a branch ends in a square root.
-    images
-        m images.
+    Branch k has the samples ``first[k]`` to ``last[k]``; a slope is infinite beside a square root.
     """
 
     first: Ints

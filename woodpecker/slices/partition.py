@@ -26,7 +26,7 @@ from woodpecker.slices.margins import depth, nearest_code, reach
 
 # Part of the window: by how much values in a gap may differ from those beside it, for neighbouring
 # pieces of a map that accumulate differ by a few hundredths of it.
-NEAR = 0.1
+ASTRAY = 0.1
 # Part of the window: samples of a piece lie so close that slopes at two of them and between them
 # differ by such a rise; cubics are a tenth of it off, and what they do not tell is then so close to
 # the diagonal that it is looked for by Newton's method.
@@ -38,14 +38,10 @@ FEW = 3
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PieceExtent:
-    """A piece of the map between two points.
+    """A piece of the map between two points: samples in ascending order, from end to end.
 
-    Attributes
-    ----------
-    x, images
-        Samples in ascending order, from end to end.
-    codes
-        The margins that vanish at the ends; -1 at the end of the window or of what is resolved.
+    ``codes`` are the margins that vanish at the ends; -1 at an end of the window or of what is
+    resolved.
     """
 
     x: tuple[float, ...]
@@ -65,17 +61,9 @@ class PieceExtent:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Partition:
-    """The pieces of a map at one parameter.
+    """The pieces of a map at one parameter, in ascending order, and what is left between them.
 
-    Attributes
-    ----------
-    p, window
-        The parameter, and the interval of x.
-    cylinders
-        In ascending order. Where one begins before the one before it ends, two words differ by
-        rounding only.
-    gaps
-        Intervals in which pieces are shorter than the cut-off, or the map has no value.
+    In the gaps pieces are shorter than the cut-off, or the map has no value.
     """
 
     p: float
@@ -107,39 +95,26 @@ def partition(
     map_: PiecewiseMap, p: float, window: tuple[float, float], settings: Settings,
     orders: Sequence[int] = (), allowed: Allowance | None = None,
 ) -> Partition:  # fmt: skip
-    """The pieces of a map in a window.
+    """The pieces of a map in a finite window: all, but for some of those shorter than a cut-off.
 
-    Where there are more of them, or where it takes more evaluations, than the settings allow, the
-    longest gaps are crossed, and the others remain.
-
-    Parameters
-    ----------
-    map_, p
-        The map and the parameter.
-    window
-        Interval of x, finite.
-    settings
-        Scales, and the cut-offs: ``finest``, and ``coarse`` where no cycle can be.
-    orders
-        Iterates whose cycles and jumps are looked for; by default all pieces are that do not lead
-        out of the window of the settings.
-    allowed
-        How often the map may be evaluated; by default as often as for a slice of P_1.
+    That is ``finest``, or ``coarse`` where no cycle or jump of the iterates ``orders`` can be; by
+    default where pieces lead out of the window of the settings. Where there are more pieces, or it
+    takes more evaluations, than allowed, by default for P_1, the longest gaps are crossed first.
     """
     counting = as_counting(map_)
     allowed = allowed or Allowance(counting, settings.of_slice((1,)))
-    search = _Search(counting, p, settings, orders)
+    finder = _Finder(counting, p, settings, orders)
     todo = [_Gap(window[0] - window[1], *window)]
     while todo:  # each gap leaves shorter ones, and none that is shorter than the cut-off
         gap = heapq.heappop(todo)
-        full = len(search.pieces) >= settings.max_pieces or allowed.spent
-        if full or not search.matters(gap):
-            search.gaps.append((gap.low, gap.high))
+        full = len(finder.pieces) >= settings.max_pieces or allowed.spent
+        if full or not finder.matters(gap):
+            finder.gaps.append((gap.low, gap.high))
         else:
-            for each in search.crossed(gap):
+            for each in finder.crossed(gap):
                 heapq.heappush(todo, each)
-    pieces = sorted(search.pieces, key=lambda piece: piece.low)
-    return Partition(p, window, tuple(pieces), _merged(sorted(search.gaps)))
+    pieces = sorted(finder.pieces, key=lambda piece: piece.low)
+    return Partition(p, window, tuple(pieces), _merged(sorted(finder.gaps)))
 
 
 def _merged(gaps: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
@@ -172,7 +147,7 @@ class _Gap(NamedTuple):
 NOWHERE = 2
 
 
-class _Search:
+class _Finder:
     """The pieces that were found, and the gaps that are left between them."""
 
     def __init__(
@@ -182,7 +157,7 @@ class _Search:
         self.pieces: list[PieceExtent] = []
         self.gaps: list[tuple[float, float]] = []
         scale = settings.x_scale
-        self._near, self._even = NEAR * scale, EVEN * scale
+        self._near, self._even = ASTRAY * scale, EVEN * scale
         self._nearest = settings.nearest * scale
         self._thin = THIN * settings.beside * scale
         self._short = settings.coarse * scale

@@ -28,7 +28,7 @@ from woodpecker.slices.orbits import (
     orbit_of,
 )
 from woodpecker.slices.partition import (
-    NEAR,
+    ASTRAY,
     Partition,
     PieceExtent,
     partition,
@@ -176,7 +176,7 @@ def _crossing(map_: PiecewiseMap, order: int, settings: Settings) -> Wanted:
 
     Its limits depend on the border and on the returns that follow, and not on what leads to it.
     """
-    slack = NEAR * settings.x_scale
+    slack = ASTRAY * settings.x_scale
     known: dict[tuple[int, int], list[float]] = {}
 
     def crosses(border: Border, length: int, x: float) -> bool:
