@@ -46,7 +46,6 @@ ENGINE = {
     "woodpecker.search.curves.BranchCurve": "a curve of one branch, as a run keeps it",
     "woodpecker.search.ends.Collision": "how a branch ends at a border, as a run keeps it",
     "woodpecker.search.ends.End": "how a branch ends, as a run keeps it",
-    "woodpecker.slices.jumps.OneSided": "the orbit of a limit on one side of a jump",
     "woodpecker.maps.symbolic.SymbolicPiece": "a formula, with its derivatives compiled",
     "woodpecker.simulation.paths.Follower": "a return that is followed with its word prescribed",
     "woodpecker.toy_map._ThreadRoom": "what threads do not share",

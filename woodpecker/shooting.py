@@ -299,11 +299,11 @@ def _jump_near(map_: PiecewiseMap, first: Orbit, settings: Settings) -> Jump | N
     x, p = float(first.x[0]), first.p
     far = LOOKED * settings.x_scale
     ends = [reach_of(first.images[0], x, p, side, x + side * far, settings) for side in (-1, 1)]
-    borders = sorted((e for e in ends if e.code >= 0), key=lambda e: abs(e.end - x))
+    borders = sorted((e[-1] for e in ends if e[-1].code >= 0), key=lambda e: abs(e.x - x))
     if not borders:
         return None
     nearest = borders[0]
-    head = orbit_of([nearest.images[-1].piece], np.array([nearest.end]), p)
+    head = orbit_of([nearest.image.piece], np.array([nearest.x]), p)
     return jump_of(map_, head, nearest.code, 1, settings)
 
 

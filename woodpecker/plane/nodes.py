@@ -56,7 +56,7 @@ def border_of(plane: Plane, orbit: Orbit, on: OnBorder) -> tuple[Border, float]:
         line = LineMap(map_, *plane.scale[:2])
         outer = over_first(line.beside(x, orbit.p[:1], -image.gradient(on.code)))
         border = border_between(orbit, on, outer)
-        limit = limit_of(map_, border.outer, len(orbit.x) - 1, values[0])
+        limit = limit_of(map_, border.x, outer, len(orbit.x) - 1, values[0])
         known[orbit, on] = border, limit.value - float(x[0])
     return known[orbit, on]
 

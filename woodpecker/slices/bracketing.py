@@ -26,19 +26,8 @@ def bracketed(
 ) -> tuple[float, Image] | None:
     """Where a function of a piece vanishes between two points; None if it does not.
 
-    Newton's method as long as it stays inside, for a few steps; then Brent's.
-
-    Parameters
-    ----------
-    ends
-        Images of the two points.
-    x, to
-        The points; Newton's method starts from the first.
-    function
-        The function and its slope, of an image and its point; the function changes its sign
-        between the two points.
-    tolerance
-        How closely, if not to the last bit.
+    Newton's method from the first as long as it stays inside, for a few steps; then Brent's. The
+    function, of an image and its point, has a slope; ``ends`` are the images of both points.
     """
     images = dict(ends)
     finest = max(tolerance, math.ulp(x))

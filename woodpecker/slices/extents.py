@@ -12,7 +12,7 @@ from woodpecker.slices.borders import is_square_root, limit, moved, strays
 from woodpecker.slices.margins import IN_X, depth, first_part, is_within, lowest_dip, reach
 
 MOST_SAMPLES = 10_000  # samples of a piece: some tens are usual
-AHEAD = 1.25  # part of the way to a border that a step over it has: to first order it lies there
+AHEAD = 1.1  # part of the way to a border that a step over it has: to first order it lies there
 RETRY = 0.25  # part of a step that is tried next if the map takes another piece at its end
 ROOT_STEPS = 60  # to where a margin vanishes; then a shorter way is tried. A handful is usual
 STRAYED = 6  # steps after which every third halves: three are enough where cubics do not mislead
@@ -25,29 +25,6 @@ SAFETY = 4.0  # times an estimated error: one bit more than the next term of a s
 UNEVEN = 16.0  # slopes whose ratio is larger are split beside the steeper one
 OTHER_WAY = "the piece goes another way"
 WITHIN, NO_VALUE = -1, -2  # instead of a margin that vanishes
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Reach:
-    """How far a piece reaches from a point to one side.
-
-    Attributes
-    ----------
-    x, images
-        Samples on the way, from the point on; the last lies at the end.
-    code
-        The margin that vanishes at the end; -1 if the limit of the search is met, or the piece has
-        no value further on.
-    """
-
-    x: tuple[float, ...]
-    images: tuple[Image, ...]
-    code: int
-
-    @property
-    def end(self) -> float:
-        """Where the piece ends."""
-        return self.x[-1]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -68,19 +45,11 @@ Missing = Callable[[Knot, Knot], float]
 def reach_of(
     image: Image, x: float, p: float, side: int, limit: float, settings: Settings,
     missing: Missing = lambda *_: 0.0,
-) -> Reach:  # fmt: skip
-    """Follow a piece to one side until a margin vanishes or a limit is met.
+) -> list[Knot]:  # fmt: skip
+    """Samples of a piece to one side, from the point on until a margin vanishes or a limit is met.
 
-    Parameters
-    ----------
-    image, x, p
-        A point of the piece.
-    side, limit
-        Which way, and how far.
-    settings
-        Scales.
-    missing
-        Where a sample is missing between two, as a part of the way; 0 if none is.
+    The last one has the code of the margin; -1 at the limit, or if there is no value further on.
+    ``missing`` says where a sample is missing between two, as a part of the way; 0 if none is.
     """
     samples, code = [Knot(x, image)], WITHIN
     longest = settings.max_step * settings.x_scale
@@ -94,8 +63,8 @@ def reach_of(
         found = _followed(samples[-1], to, p, settings, missing)
         samples += found
         code = found[-1].code if found else NO_VALUE
-    xs, images = tuple(each.x for each in samples), tuple(each.image for each in samples)
-    return Reach(xs, images, max(code, -1))
+    samples[-1] = Knot(samples[-1].x, samples[-1].image, max(code, WITHIN))
+    return samples
 
 
 def _followed(here: Knot, to: float, p: float, settings: Settings, missing: Missing) -> list[Knot]:
@@ -136,6 +105,8 @@ def _next(here: Knot, to: float, p: float, settings: Settings) -> Knot | None:
         if is_within(there.image):
             return there
         root = _first_root(here, _continued(here, to, p, settings, there.image), p, settings)
+        if root is not None and root.code == WITHIN:
+            return root
         if root is not None:  # a piece that was met at a grazing may be continued the wrong way
             return replace(root, image=root.image._replace(piece=here.image.piece))
         to = here.x + RETRY * (to - here.x)
@@ -156,13 +127,13 @@ def _continued(
 
 
 def _first_root(low: Knot, high: Knot, p: float, settings: Settings) -> Knot | None:
-    """Where between two points the first margin vanishes; None if that is not clear yet.
+    """Where between two points the first margin vanishes, or as far as none does; None if unclear.
 
     Each margin that is negative at the far end is a cubic in between; the point where the first of
     them vanishes takes the place of one of the ends. Where the piece has no value at the far end it
     is approached from inside.
     """
-    before, left = low, 1.0
+    before, left, inside = low, 1.0, 0
     tolerance = settings.nearest * settings.x_scale
     for k in range(ROOT_STEPS):
         way = high.x - low.x
@@ -172,6 +143,11 @@ def _first_root(low: Knot, high: Knot, p: float, settings: Settings) -> Knot | N
             code = code if ahead <= 2.0 * tolerance else NO_VALUE
             return _at_end(before, low, way, code) if lost else Knot(low.x, low.image, code)
         ahead /= abs(way)
+        if inside > 1 and not lost and ahead >= 1.0:  # from afar it may have been continued wrongly
+            high = _continued(low, high.x, p, settings)
+            if is_within(high.image):
+                return high
+            lost = bool(high.image.reason)
         if lost and ahead >= 1.0:
             part = 0.5 if k > 0 else SPLIT
         elif lost:
@@ -196,9 +172,9 @@ def _first_root(low: Knot, high: Knot, p: float, settings: Settings) -> Knot | N
         else:
             found = _continued(low, trial, p, settings)
             if is_within(found.image):
-                before, low, left = low, found, 1.0
+                before, low, left, inside = low, found, 1.0, inside + 1
             else:
-                high, left = found, left * WIDEN
+                high, left, inside = found, left * WIDEN, 0
     return None
 
 
@@ -249,10 +225,7 @@ def _short_of(
 def uneven(here: Knot, there: Knot, even: float) -> float:
     """Where a sample is missing between two, as a part of the way; 0 if none is.
 
-    Parameters
-    ----------
-    even
-        By how much a rise may differ from those that the slopes at both ends make of it.
+    A rise may differ by ``even`` from those that the slopes at both ends make of it.
     """
     run, rise = there.x - here.x, there.image.value - here.image.value
     rates = here.image.slope * run, there.image.slope * run

@@ -39,12 +39,13 @@ BISECTIONS = 24
 INTERIOR, ZOOMS = 16, 4
 
 
+Wanted = Callable[[Border, int, float], bool]
+"""Whether an orbit matters that leads to a border, of so many points, and starts about at one."""
+
+
 @dataclass(frozen=True, slots=True, eq=False)
 class _Cylinders:
-    """Intervals of x_0 whose orbits visit given branches, and where P_j takes their ends.
-
-    ``branches`` is (n, j); the other arrays are (n,).
-    """
+    """Intervals (n,) of x_0 whose orbits visit branches (n, j), and where P_j takes their ends."""
 
     low: Floats
     high: Floats
@@ -61,21 +62,9 @@ class _Cylinders:
 
 
 class Itineraries:
-    """Orbits of P_1 at one parameter.
+    """Orbits of P_1 at one parameter that stay in the window of a partition.
 
-    Parameters
-    ----------
-    partition
-        The pieces of P_1 in a window; orbits that leave the window are not followed.
-    settings
-        Tolerances, and how many pieces of an iterate there may be.
-    allowed
-        How often the map may be evaluated.
-
-    Attributes
-    ----------
-    left
-        Whether there are more pieces or orbits than that, so that some were not looked at.
+    ``left`` says whether there are more than are allowed, so that some were not looked at.
     """
 
     def __init__(self, partition: Partition, settings: Settings, allowed: Allowance) -> None:
@@ -100,16 +89,9 @@ class Itineraries:
         return found
 
     def heads(
-        self, borders: Sequence[Border], order: int, wanted: Callable[[Border, int, float], bool]
+        self, borders: Sequence[Border], order: int, wanted: Wanted
     ) -> Iterator[tuple[Orbit, Border]]:
-        """Orbits that lead to borders within ``order`` points, about, the border their last.
-
-        Parameters
-        ----------
-        wanted
-            Whether an orbit matters that leads to a border, of so many points, and starts about at
-            a point.
-        """
+        """Orbits that lead to borders within ``order`` points, about, the border their last."""
         for border in borders:
             targets = np.array([border.x])
             points: list[tuple[tuple[float, ...], tuple[int, ...]]] = [((), ())]

@@ -10,41 +10,12 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+import numpy as np
+
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import Image, PiecewiseMap
 from woodpecker.slices.borders import beyond
 from woodpecker.slices.orbits import Orbit
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class OneSided:
-    """One-sided limit of P_N at a jump.
-
-    Attributes
-    ----------
-    x
-        Points of the orbit that starts with the value at the border.
-    images
-        The image of the border, and those of the points; all but the last image are points.
-    """
-
-    x: tuple[float, ...]
-    images: tuple[Image, ...]
-
-    @property
-    def value(self) -> float:
-        """The limit; nan if the orbit is lost."""
-        return math.nan if self.images[-1].reason else self.images[-1].value
-
-    @property
-    def keys(self) -> tuple[object, ...]:
-        """Which pieces it takes."""
-        return tuple(image.piece.key for image in self.images)
-
-    @property
-    def words(self) -> tuple[str, ...]:
-        """Their names."""
-        return tuple(image.piece.word for image in self.images)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -60,7 +31,8 @@ class Jump:
     order
         The iterate.
     inner, outer
-        Limits under the piece of the head, and under the one beyond the border.
+        Orbits from the border to its limits, of which the values are the limits: under the piece of
+        the head, and under the one beyond.
     outer_code
         The margin of the piece beyond which vanishes there.
 
@@ -80,8 +52,8 @@ class Jump:
     head: Orbit
     code: int
     order: int
-    inner: OneSided
-    outer: OneSided
+    inner: Orbit
+    outer: Orbit
     outer_code: int
 
     @property
@@ -121,23 +93,20 @@ class Jump:
         return f"{outer} / {inner}" if self.inner_side > 0 else f"{inner} / {outer}"
 
 
-def limit_of(map_: PiecewiseMap, first: Image, returns: int, p: float) -> OneSided:
-    """Follow the value of an image for some returns."""
-    x, images = list[float](), [first]
+def limit_of(map_: PiecewiseMap, x: float, first: Image, returns: int, p: float) -> Orbit:
+    """The orbit of a border, from its image under a piece, for some returns more."""
+    points, images = [x], [first]
     for _ in range(returns):
         if images[-1].reason:
             break
-        x.append(images[-1].value)
-        images.append(map_.at(x[-1], p))
-    return OneSided(tuple(x), tuple(images))
+        points.append(images[-1].value)
+        images.append(map_.at(points[-1], p))
+    return Orbit(np.array(points), p, tuple(images))
 
 
 def jump_of(map_: PiecewiseMap, head: Orbit, code: int, order: int, settings: Settings) -> Jump:
     """The jump of P_order at an orbit that ends where a margin vanishes."""
-    inner, returns = head.images[-1], order - len(head)
-    side = inner.onward(code)
-    outer, outer_code = beyond(map_, float(head.x[-1]), head.p, side, settings)
-    return Jump(
-        head, code, order, limit_of(map_, inner, returns, head.p),
-        limit_of(map_, outer, returns, head.p), outer_code,
-    )  # fmt: skip
+    inner, returns, x = head.images[-1], order - len(head), float(head.x[-1])
+    outer, outer_code = beyond(map_, x, head.p, inner.onward(code), settings)
+    one, other = (limit_of(map_, x, image, returns, head.p) for image in (inner, outer))
+    return Jump(head, code, order, one, other, outer_code)

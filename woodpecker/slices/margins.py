@@ -54,23 +54,20 @@ def is_within(image: Image) -> bool:
 def lowest_dip(
     here: Image, there: Image, step: float, along: Floats, along_there: Floats
 ) -> float | None:
-    """Where between two points a margin may come closest to zero, as a part of the way; or None.
+    """Where between two points inside a margin may come closest to zero, as a part of the way.
 
-    Both points lie inside. A margin that falls at the first and rises at the second is a cubic in
-    between, or, where its slope at one end is that beside a square root, a parabola in the root of
-    the distance from there; a minimum that takes away most of it is worth a look. So is the middle
-    if a margin that only one of the points has leads below zero.
+    A margin that falls at the first and rises at the second is a cubic, or, beside a square root, a
+    parabola in the root of the distance; so is the middle looked at if a margin that only one of
+    them has leads below zero.
     """
     part, found = _of_two(DIP, here, there, step, along, along_there)
     return part if found >= 0 else None
 
 
 def first_part(here: Image, there: Image, step: float) -> tuple[float, int]:
-    """Where the first margin vanishes of those that are negative at the second of two points.
+    """Where, as a part of the way, the first margin vanishes that is negative at the second point.
 
-    Returns
-    -------
-    The place as a part of the way, and the margin; -1 if none is clear.
+    And which one it is; -1 if none is clear.
     """
     return _of_two(FIRST, here, there, step, IN_X, IN_X)
 
@@ -100,30 +97,12 @@ def _margins(
     slopes_there: Floats, causes_there: Ints, along: Floats, along_there: Floats, found: Floats,
     worth: float, bent: float,
 ) -> int:  # fmt: skip
-    """Go through the margins of one image, or of two.
+    """Go through the margins of one image, or of two: which one it is about; -1 if there is none.
 
-    Parameters
-    ----------
-    task
-        REACH, NEAREST, DEPTH: of the first image; DIP, FIRST: of both.
-    code
-        DEPTH: a margin that does not count.
-    step
-        REACH, NEAREST: the side; DIP, FIRST: the way from one point to the other.
-    a, slopes, causes
-        (m,) margins of the first image, (m, 2) their gradients and (m,) codes, ascending.
-    b, slopes_there, causes_there
-        The same of the second.
-    along, along_there
-        (2,) directions of the way in (x, p).
-    found
-        (1,) output: the distance, or the part of the way.
-    worth, bent
-        DIP: see WORTH and BESIDE_ROOT; arguments, so that code cached on disk has no old ones.
-
-    Returns
-    -------
-    The margin that it belongs to; -1 if there is none.
+    REACH, NEAREST, DEPTH (but for the margin ``code``) are of the first image, to the side
+    ``step``; DIP, FIRST of both, ``step`` apart along (x, p). Margins (m,) and (m, 2) gradients
+    have ascending codes ``causes``; ``found`` (1,) takes the distance, or the part of the way.
+    ``worth``, ``bent`` are WORTH and BESIDE_ROOT: arguments, for code cached on disk has old ones.
     """
     if task <= DEPTH:
         return _nearest(task, code, step, a, slopes, causes, found)

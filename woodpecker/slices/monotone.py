@@ -18,20 +18,14 @@ from woodpecker.slices.margins import is_within
 from woodpecker.slices.partition import Partition, PieceExtent
 
 DEEPEST = 60  # samples about a turning point, so many that they never end; a handful is usual
+TURNED = 1e-7  # part of the window: a rise so small from a turning point is none
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Branches:
     """P_1 on the intervals where it is monotone: samples of each, in order of their values.
 
-    Attributes
-    ----------
-    first, last
-        (n,) where the samples of a branch begin and end in the others.
-    x, y, slope
-        (m,) samples; a slope is infinite where a branch ends in a square root.
-    images
-        m images.
+    Branch k has the samples ``first[k]`` to ``last[k]``; a slope is infinite beside a square root.
     """
 
     first: Ints
@@ -135,50 +129,46 @@ def _root(s: Floats, y0: Floats, y1: Floats, rate1: Floats) -> Floats:
 
 def branches_of(partition: Partition, settings: Settings) -> Branches:
     """The branches of a partition, from turning point to turning point."""
-    refined = _Refined(partition.p, settings)
-    parts = [part for each in partition.cylinders for part in refined.parts(each)]
-    return _joined(parts)
+    turned = TURNED * settings.x_scale
+    return _joined(
+        [part for each in partition.cylinders for part in _parts(each, turned, partition.p)]
+    )
 
 
-class _Refined:
-    """Adds samples where a piece turns round."""
+def _parts(cylinder: PieceExtent, turned: float, p: float) -> Iterator[list[Knot]]:
+    """Samples of the parts of a piece between its turning points, values ascending."""
+    if len(cylinder.x) < 2:
+        return
+    ends = [Knot(*each) for each in zip(cylinder.x, cylinder.images, strict=True)]
+    samples = [ends[0]]
+    for a, b in pairwise(ends):
+        samples += [*_about_turn(a, b, turned, p), b]
+    rises = np.diff([sample.image.value for sample in samples])
+    turns = (np.flatnonzero(rises[1:] * rises[:-1] < 0.0) + 1).tolist()
+    for first, last in zip([0, *turns], [*turns, len(samples) - 1], strict=True):
+        part = samples[first : last + 1]
+        yield part if part[-1].image.value >= part[0].image.value else part[::-1]
 
-    def __init__(self, p: float, settings: Settings) -> None:
-        self.p, self._turned = p, settings.same * settings.x_scale
 
-    def parts(self, cylinder: PieceExtent) -> Iterator[list[Knot]]:
-        """Samples of the parts of a piece between its turning points, values ascending."""
-        if len(cylinder.x) < 2:
-            return
-        ends = [Knot(*each) for each in zip(cylinder.x, cylinder.images, strict=True)]
-        samples = [ends[0]]
-        for a, b in pairwise(ends):
-            samples += [*self._between(a, b), b]
-        rises = np.diff([sample.image.value for sample in samples])
-        turns = (np.flatnonzero(rises[1:] * rises[:-1] < 0.0) + 1).tolist()
-        for first, last in zip([0, *turns], [*turns, len(samples) - 1], strict=True):
-            part = samples[first : last + 1]
-            yield part if part[-1].image.value >= part[0].image.value else part[::-1]
-
-    def _between(self, a: Knot, b: Knot) -> list[Knot]:
-        """Samples about a turning point between two, the last ones next to it."""
-        left, right = list[Knot](), list[Knot]()
-        for _ in range(DEEPEST):
-            run, rise = b.x - a.x, b.image.value - a.image.value
-            rates = a.image.slope * run, b.image.slope * run
-            if rates[0] * rates[1] >= 0.0 or min(abs(rates[0]), abs(rates[1])) <= self._turned:
-                break
-            x = a.x + _turning(rise, *rates) * run
-            image = a.image.piece.at(x, self.p)
-            if not (a.x < x < b.x and is_within(image)):
-                break
-            if image.slope * rates[0] > 0.0:
-                a = Knot(x, image)
-                left.append(a)
-            else:
-                b = Knot(x, image)
-                right.append(b)
-        return [*left, *right[::-1]]
+def _about_turn(a: Knot, b: Knot, turned: float, p: float) -> list[Knot]:
+    """Samples about a turning point between two, the last ones next to it."""
+    left, right = list[Knot](), list[Knot]()
+    for _ in range(DEEPEST):
+        run, rise = b.x - a.x, b.image.value - a.image.value
+        rates = a.image.slope * run, b.image.slope * run
+        if rates[0] * rates[1] >= 0.0 or min(abs(rates[0]), abs(rates[1])) <= turned:
+            break
+        x = a.x + _turning(rise, *rates) * run
+        image = a.image.piece.at(x, p)
+        if not (a.x < x < b.x and is_within(image)):
+            break
+        if image.slope * rates[0] > 0.0:
+            a = Knot(x, image)
+            left.append(a)
+        else:
+            b = Knot(x, image)
+            right.append(b)
+    return [*left, *right[::-1]]
 
 
 def _turning(rise: float, rate0: float, rate1: float) -> float:

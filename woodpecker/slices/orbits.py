@@ -5,6 +5,7 @@ To the engine they are orbits of R^1: conditions, problem and Newton's method ar
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 
@@ -89,6 +90,11 @@ class Orbit:
         for image in self.images:
             product *= image.slope
         return product
+
+    @property
+    def value(self) -> float:
+        """The image of the last point; nan if there is none."""
+        return math.nan if self.images[-1].reason else self.images[-1].value
 
     @property
     def defined(self) -> bool:

@@ -8,46 +8,40 @@ is passed, and its length is reported.
 from __future__ import annotations
 
 import heapq
-from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple
 
+import numpy as np
+
+from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.maps.counting import Allowance, as_counting
 from woodpecker.maps.pieces import Image, PiecewiseMap
-from woodpecker.slices.borders import THIN, Border, beyond
-from woodpecker.slices.extents import Knot, Reach, reach_of, uneven
-from woodpecker.slices.margins import depth, reach
+from woodpecker.slices.borders import THIN, Border
+from woodpecker.slices.extents import BOTH, Knot, reach_of, uneven
+from woodpecker.slices.margins import depth, nearest_code, reach
 
-# Part of the window: a value this close to the diagonal may have a fixed point near it, for
-# neighbouring pieces of a map that accumulate differ by a few hundredths of it.
-NEAR_DIAGONAL = 0.1
+# Part of the window: by how much values in a gap may differ from those beside it, for neighbouring
+# pieces of a map that accumulate differ by a few hundredths of it.
+ASTRAY = 0.1
 # Part of the window: samples of a piece lie so close that slopes at two of them and between them
 # differ by such a rise; cubics are a tenth of it off, and what they do not tell is then so close to
 # the diagonal that it is looked for by Newton's method.
 EVEN = 5e-4
-# Part of a step: a piece that reaches back by this is worth stopping at; shorter ones are stepped
-# over, where infinitely many accumulate.
-LONG = 0.25
-# Pieces in a row that are shorter than the cut-off and are taken all the same: where borders meet
-# as a parameter varies a few thin ones lie beside each other, and of infinitely many no more. Nor
-# are those so thin that another one may lie between them.
-FEW = 5
-# Part of the shortest pieces that are looked for where all lead elsewhere: how closely the ends of
-# longer ones are located there.
-ROUGH = 0.0625
+# How often a gap that is shorter than the cut-off is halved all the same: where borders meet as a
+# parameter varies a few thin pieces lie beside each other.
+FEW = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class PieceExtent:
-    """A piece of the map between two points.
+    """A piece of the map between two points: samples in ascending order, from end to end.
 
-    Attributes
-    ----------
-    x, images
-        Samples in ascending order, from end to end.
-    codes
-        The margins that vanish at the ends; -1 at the end of the window or of what is resolved.
+    ``codes`` are the margins that vanish at the ends; -1 at an end of the window or of what is
+    resolved.
     """
 
     x: tuple[float, ...]
@@ -67,17 +61,9 @@ class PieceExtent:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Partition:
-    """The pieces of a map at one parameter.
+    """The pieces of a map at one parameter, in ascending order, and what is left between them.
 
-    Attributes
-    ----------
-    p, window
-        The parameter, and the interval of x.
-    cylinders
-        In ascending order. Where one begins before the one before it ends, two words differ by
-        rounding only.
-    gaps
-        Intervals in which pieces are shorter than the cut-off, or the map has no value.
+    In the gaps pieces are shorter than the cut-off, or the map has no value.
     """
 
     p: float
@@ -90,63 +76,45 @@ class Partition:
         """Total length of the gaps."""
         return sum(high - low for low, high in self.gaps)
 
-    def borders(self) -> Iterator[Border]:
-        """Borders between cylinders that touch each other."""
-        for left, right in zip(self.cylinders[:-1], self.cylinders[1:], strict=True):
-            if right.low <= left.high and left.codes[1] >= 0:
-                yield Border(
-                    left.high, self.p, left.images[-1], left.codes[1], 1, right.images[0],
-                    right.codes[0],
-                )  # fmt: skip
+    def borders(self, settings: Settings) -> Iterator[Border]:
+        """Borders of cylinders, with the images of the next ones beyond.
 
-
-Side = Callable[[float, float], int]
-"""On which side of what is looked for a value P(x) lies, from x and P(x): -1, 1, or 0 if near."""
-
-
-def beside_window(settings: Settings) -> Side:
-    """Below or above the window: values from which an orbit does not go on."""
-    low, high = settings.window
-    return lambda _, value: int(value > high) - int(value < low)
-
-
-def beside_diagonal(settings: Settings) -> Side:
-    """Below or above the diagonal, and not near: pieces that have no fixed point."""
-    near = NEAR_DIAGONAL * settings.x_scale
-    return lambda x, value: int(value - x > near) - int(value - x < -near)
+        Where a gap is left between two that is shorter than the cut-off, both its ends.
+        """
+        for left, right in pairwise(self.cylinders):
+            if right.low - left.high > settings.finest * settings.x_scale:
+                continue
+            one, other = (left.images[-1], left.codes[1]), (right.images[0], right.codes[0])
+            if left.codes[1] >= 0:
+                yield Border(left.high, self.p, *one, 1, *other)
+            if right.codes[0] >= 0 and (right.low > left.high or left.codes[1] < 0):
+                yield Border(right.low, self.p, *other, -1, *one)
 
 
 def partition(
     map_: PiecewiseMap, p: float, window: tuple[float, float], settings: Settings,
-    side: Side | None = None, allowed: Allowance | None = None,
+    orders: Sequence[int] = (), allowed: Allowance | None = None,
 ) -> Partition:  # fmt: skip
-    """The pieces of a map in a window.
+    """The pieces of a map in a finite window: all, but for some of those shorter than a cut-off.
 
-    Where there are more of them, or where it takes more evaluations, than the settings allow, the
-    longest gaps are crossed, and the others remain.
-
-    Parameters
-    ----------
-    map_, p
-        The map and the parameter.
-    window
-        Interval of x, finite.
-    settings
-        Scales, and the cut-offs: ``finest``, and ``coarse`` where pieces lead elsewhere.
-    side
-        What is looked for: borders between pieces that lead elsewhere are passed over then. By
-        default all, with fewer of those that lead out of the window of the settings.
-    allowed
-        How often the map may be evaluated; by default as often as for a slice of P_1.
+    That is ``finest``, or ``coarse`` where no cycle or jump of the iterates ``orders`` can be; by
+    default where pieces lead out of the window of the settings. Where there are more pieces, or it
+    takes more evaluations, than allowed, by default for P_1, the longest gaps are crossed first.
     """
     counting = as_counting(map_)
     allowed = allowed or Allowance(counting, settings.of_slice((1,)))
-    walk = _Walk(counting, p, settings, side, allowed)
-    todo = _Longest(_Gap(*window, 0))
+    finder = _Finder(counting, p, settings, orders)
+    todo = [_Gap(window[0] - window[1], *window)]
     while todo:  # each gap leaves shorter ones, and none that is shorter than the cut-off
-        todo.add(walk.cross(todo.pop()))
-    cylinders = sorted(walk.cylinders, key=lambda cylinder: cylinder.low)
-    return Partition(p, window, tuple(cylinders), _merged(sorted(walk.gaps)))
+        gap = heapq.heappop(todo)
+        full = len(finder.pieces) >= settings.max_pieces or allowed.spent
+        if full or not finder.matters(gap):
+            finder.gaps.append((gap.low, gap.high))
+        else:
+            for each in finder.crossed(gap):
+                heapq.heappush(todo, each)
+    pieces = sorted(finder.pieces, key=lambda piece: piece.low)
+    return Partition(p, window, tuple(pieces), _merged(sorted(finder.gaps)))
 
 
 def _merged(gaps: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
@@ -159,240 +127,142 @@ def _merged(gaps: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
     return tuple(merged)
 
 
-class _Longest:
-    """Gaps to be crossed, the longest first: if not all can be, the shortest are left."""
-
-    def __init__(self, first: _Gap) -> None:
-        self._gaps = [(-first.length, first)]
-
-    def __len__(self) -> int:
-        return len(self._gaps)
-
-    def add(self, gaps: Iterable[_Gap]) -> None:
-        """More of them."""
-        for gap in gaps:
-            heapq.heappush(self._gaps, (-gap.length, gap))
-
-    def pop(self) -> _Gap:
-        """The next."""
-        return heapq.heappop(self._gaps)[1]
-
-
 class _Gap(NamedTuple):
-    """An interval to be crossed.
+    """An interval in which pieces are not known yet; the longest comes first.
 
-    Attributes
-    ----------
-    low, high
-        Its ends.
-    side
-        Where the piece below it leads: 0 if not to one side, or if there is none.
-    after
-        Whether that piece ends at ``low``.
-    above
-        Where the piece above it leads, if that is known.
+    ``below`` and ``above`` are the values beside it: infinite at an end of the window, where none
+    is known, and nan where the map has none. Shorter than the cut-off it is halved so often yet.
     """
 
+    size: float  # its length, less than zero
     low: float
     high: float
-    side: int
-    after: bool = False
-    above: int | None = None
-
-    @property
-    def length(self) -> float:
-        """How long it is."""
-        return self.high - self.low
-
-    @property
-    def changes(self) -> bool:
-        """Whether pieces below and above lead to different sides."""
-        return self.above is not None and self.above != self.side
+    below: float = math.inf
+    above: float = -math.inf
+    left: int = FEW
 
 
-# The side where the map has no value. Such a stretch is looked at as coarsely as where all pieces
-# lead elsewhere; its ends are closed in on.
+# Where the map has no value. Such a stretch is looked at as coarsely as where all pieces lead
+# elsewhere; its ends are closed in on.
 NOWHERE = 2
 
 
-class _Walk:
-    """Cylinders and gaps as they are found."""
+class _Finder:
+    """The pieces that were found, and the gaps that are left between them."""
 
     def __init__(
-        self, map_: PiecewiseMap, p: float, settings: Settings, side: Side | None,
-        allowed: Allowance,
-    ) -> None:  # fmt: skip
-        self.map, self.p, self.settings, self._all = map_, p, settings, side is None
-        self._side_of = side or beside_window(settings)
-        self._allowed = allowed
-        self.cylinders: list[PieceExtent] = []
+        self, map_: PiecewiseMap, p: float, settings: Settings, orders: Sequence[int]
+    ) -> None:
+        self.map, self.p, self.settings, self.orders = map_, p, settings, orders
+        self.pieces: list[PieceExtent] = []
         self.gaps: list[tuple[float, float]] = []
-        self._even = EVEN * settings.x_scale
-        self._thin = THIN * settings.beside * settings.x_scale
-        self._short = settings.coarse * settings.x_scale
-        self._rough = replace(settings, nearest=max(settings.nearest, ROUGH * settings.coarse))
+        scale = settings.x_scale
+        self._near, self._even = ASTRAY * scale, EVEN * scale
+        self._nearest = settings.nearest * scale
+        self._thin = THIN * settings.beside * scale
+        self._short = settings.coarse * scale
+        self._samples: Floats | None = None
 
-    def cross(self, gap: _Gap) -> list[_Gap]:
-        """Walk from piece to piece; what is left to be crossed, if something is in the way."""
-        if self._is_full:
-            return self._left(gap)
-        if gap.changes:
-            return self._halved(gap)
-        at, high, side, after, _ = gap
-        ahead: Image | None = None
-        short = 0
-        while True:  # each piece begins where the one before it ends, and they are counted
-            found, code = ahead, -1
-            if found is None:
-                found, code = self._beyond(at) if after else (self.map.at(at, self.p), -1)
-            if not self._holds(found):
-                return self._passed(_Gap(at, high, NOWHERE if found.reason else side))
-            way, ahead = self._onward(found, at, high)
-            self.cylinders.append(PieceExtent(way.x, way.images, (code, way.code)))
-            if way.end >= high:
-                return []
-            side = self._common([*self._sides(way), *([side] if side else [])])
-            rest = _Gap(way.end, high, side, way.code >= 0)
-            length = way.end - at
-            short = short + 1 if length < self._cut_off(rest) else 0
-            if way.code < 0 or short > FEW or (short and length < self._thin):
-                return self._passed(rest)
-            at, after = way.end if ahead is None else way.end + self._short, True
-            if self._is_full:
-                return self._left(rest)
+    def matters(self, gap: _Gap) -> bool:
+        """Whether a gap is long, or a cycle or a jump that is asked for may lie in it.
 
-    def _onward(self, image: Image, x: float, high: float) -> tuple[Reach, Image | None]:
-        """How far a piece reaches; and the piece a short way beyond, if both lead to one side.
-
-        Where exactly it ends does not matter then.
+        What is in a gap leads near to where the pieces beside it do. The longest gaps are crossed
+        first, so that of all the others is known where they lead.
         """
-        side = 0 if self._all else self._leads(image, x, 1, high)
-        if side:
-            way = reach_of(image, x, self.p, 1, high, self._rough, self._missing)
-            to = way.end + self._short
-            if self._common(self._sides(way)) == side and way.code >= 0 and to < high:
-                ahead = self.map.at(to, self.p)
-                if self._holds(ahead) and self._leads(ahead, to, -1, way.end) == side:
-                    begin = to - reach(ahead, -1.0)[0]
-                    if begin > way.end:
-                        self.gaps.append((way.end, begin))
-                    return way, ahead
-        return self._reach(image, x, 1, high), None
+        if -gap.size > self._short:
+            return True
+        if self._is_aside(gap):
+            return False
+        around = min(gap.below, gap.above), max(gap.below, gap.above)
+        if not self.orders or math.isnan(gap.below + gap.above):  # the end of a map is closed in on
+            return True
+        for order in range(1, max(self.orders) + 1):
+            around = around[0] - self._near, around[1] + self._near
+            if order in self.orders and self._meets(around, (gap.low, gap.high)):
+                return True
+            if order < max(self.orders):
+                around = self._image(*around)
+        return False
 
-    def _leads(self, image: Image, x: float, side: int, limit: float) -> int:
-        """Where a piece leads from a point to its end on a side, to first order; 0 if not to one.
+    def _is_aside(self, gap: _Gap) -> bool:
+        """Whether the pieces beside a gap lead to one side of all that is looked for."""
+        return 0 != self._side(gap.low, gap.below) == self._side(gap.high, gap.above)
 
-        No farther than to a limit, or than samples of it are apart.
-        """
+    @staticmethod
+    def _meets(one: tuple[float, float], other: tuple[float, float]) -> bool:
+        return one[0] <= other[1] and other[0] <= one[1]
+
+    def _image(self, low: float, high: float) -> tuple[float, float]:
+        """Between which values the map leads from an interval, by the samples in and beside it."""
+        if self._samples is None:
+            both = (zip(piece.x, piece.images, strict=True) for piece in self.pieces)
+            found = sorted((x, image.value) for one in both for x, image in one)
+            self._samples = np.array(found).reshape(-1, 2).T
+        x, value = self._samples
+        first, last = np.searchsorted(x, (low, high))
+        near = value[max(first - 1, 0) : last + 1]
+        return float(near.min(initial=math.inf)), float(near.max(initial=-math.inf))
+
+    def crossed(self, gap: _Gap) -> Iterator[_Gap]:
+        """Look at the middle of a gap: what is left on both sides of the piece that is there."""
+        x = 0.5 * (gap.low + gap.high)
+        image = self.map.at(x, self.p)
+        low, high, ends = x, x, (image.value, image.value)
+        if image.reason or depth(image) < -self._thin:
+            ends = math.nan, math.nan
+        else:
+            passed = self._is_aside(gap) and self._leads(image, x) == self._side(gap.low, gap.below)
+            if not passed or reach(image, -1.0)[0] + reach(image, 1.0)[0] > self._short:
+                back = self._reach(image, x, -1, gap.low)
+                ahead = self._reach(image, x, 1, gap.high)
+                self.pieces.append(_joined(back, ahead))
+                low, high = back[-1].x, ahead[-1].x
+                ends = back[-1].image.value, ahead[-1].image.value
+        yield from self._open(_Gap(gap.low - low, gap.low, low, gap.below, ends[0], gap.left))
+        yield from self._open(_Gap(high - gap.high, high, gap.high, ends[1], gap.above, gap.left))
+
+    def _open(self, gap: _Gap) -> Iterator[_Gap]:
+        """A gap unless it is too short to be crossed."""
+        if -gap.size > self.settings.finest * self.settings.x_scale:
+            yield gap
+        elif gap.left > 0 and -gap.size > self._thin:
+            yield gap._replace(left=gap.left - 1)
+        elif gap.size < 0.0:
+            self.gaps.append((gap.low, gap.high))
+
+    def _reach(self, image: Image, x: float, way: int, limit: float) -> list[Knot]:
+        """A piece to its end, or to that of the piece which it touches there."""
+        found = reach_of(image, x, self.p, way, limit, self.settings, self._missing)
+        end = found[-1]
+        if len(found) > 1 and abs(end.x - limit) <= BOTH * self._nearest:
+            code = end.code if end.code >= 0 else nearest_code(end.image, way)
+            found[-1] = Knot(limit, end.image, code)
+        return found
+
+    def _leads(self, image: Image, x: float) -> int:
+        """Where a piece leads from end to end, to first order; 0 if not to one side."""
         longest = self.settings.max_step * self.settings.x_scale
-        way = side * min(reach(image, side)[0], abs(limit - x), longest)
-        ends = (x, image.value), (x + way, image.value + way * image.slope)
-        return self._common([self._side_of(*end) for end in ends])
+        ways = [side * min(reach(image, side)[0], longest) for side in (-1.0, 1.0)]
+        sides = {self._side(x + way, image.value + way * image.slope) for way in (0.0, *ways)}
+        return sides.pop() if len(sides) == 1 else 0
 
-    @property
-    def _is_full(self) -> bool:
-        """Whether there are as many pieces as allowed, or the map was evaluated as often."""
-        return len(self.cylinders) >= self.settings.max_pieces or self._allowed.spent
-
-    def _left(self, gap: _Gap) -> list[_Gap]:
-        """Leave a gap as it is."""
-        self.gaps.append((gap.low, gap.high))
-        return []
+    def _side(self, x: float, value: float) -> int:
+        """On which side of all that is looked for a value lies; 0 if near."""
+        if math.isnan(value):
+            return NOWHERE
+        low, high = self.settings.window
+        if tuple(self.orders) == (1,):
+            low, high = x - self._near, x + self._near
+        return int(value > high) - int(value < low)
 
     def _missing(self, here: Knot, there: Knot) -> float:
         """Where samples of a piece do not tell what lies between them, if it matters."""
-        sides = [self._side_of(each.x, each.image.value) for each in (here, there)]
-        return 0.0 if self._common(sides) else uneven(here, there, self._even)
+        sides = [self._side(each.x, each.image.value) for each in (here, there)]
+        return 0.0 if 0 != sides[0] == sides[1] else uneven(here, there, self._even)
 
-    def _reach(self, image: Image, x: float, side: int, limit: float) -> Reach:
-        return reach_of(image, x, self.p, side, limit, self.settings, self._missing)
 
-    def _beyond(self, x: float) -> tuple[Image, int]:
-        return beyond(self.map, x, self.p, 1, self.settings)
-
-    def _holds(self, image: Image) -> bool:
-        """Whether the map has a value that a piece explains."""
-        return not image.reason and depth(image) >= -self._thin
-
-    def _sides(self, way: Reach) -> list[int]:
-        """Where the samples of a piece lead."""
-        return [self._side_of(x, image.value) for x, image in zip(way.x, way.images, strict=True)]
-
-    @staticmethod
-    def _common(sides: list[int]) -> int:
-        """The side that all are on; 0 if what is looked for may lie between them."""
-        return sides[0] if len(set(sides)) == 1 else 0
-
-    def _cut_off(self, gap: _Gap) -> float:
-        """Length of pieces that are not looked for one by one."""
-        fine = gap.side == 0 or gap.changes
-        return (self.settings.finest if fine else self.settings.coarse) * self.settings.x_scale
-
-    def _passed(self, gap: _Gap) -> list[_Gap]:
-        """Pass something by starting anew at a distance, back and ahead."""
-        gap = self._skimmed(gap)
-        step = self._cut_off(gap)
-        if gap.length <= step:
-            return self._left(gap)
-        while True:  # the step doubles until it is half of the gap
-            last = gap.low + 2.0 * step >= gap.high
-            middle = 0.5 * (gap.low + gap.high) if last else gap.low + step
-            found = self.map.at(middle, self.p)
-            if self._holds(found):
-                back = self._reach(found, middle, -1, gap.low)
-                if last or middle - back.end >= LONG * step:
-                    return self._around(gap, back)
-            elif last:
-                side = NOWHERE if found.reason else gap.side
-                return [gap._replace(high=middle), _Gap(middle, gap.high, side)]
-            step *= 2.0
-
-    def _halved(self, gap: _Gap) -> list[_Gap]:
-        """Close in on where pieces begin to lead to another side."""
-        middle = 0.5 * (gap.low + gap.high)
-        found = self.map.at(middle, self.p)
-        if self._holds(found):
-            return self._around(gap, self._reach(found, middle, -1, gap.low))
-        halves = gap._replace(high=middle, above=NOWHERE), gap._replace(low=middle, side=NOWHERE)
-        return self._kept(*halves)
-
-    def _around(self, gap: _Gap, back: Reach) -> list[_Gap]:
-        """Keep a piece that was followed to its low end; what it leaves of a gap."""
-        found, middle = back.images[0], back.x[0]
-        ahead = self._reach(found, middle, 1, gap.high)
-        x = (*back.x[::-1], *ahead.x[1:])
-        images = (*back.images[::-1], *ahead.images[1:])
-        self.cylinders.append(PieceExtent(x, images, (back.code, ahead.code)))
-        below, above = self._common(self._sides(back)), self._common(self._sides(ahead))
-        inner = _Gap(gap.low, back.end, gap.side, gap.after, below)
-        rest = _Gap(ahead.end, gap.high, above, ahead.code >= 0, gap.above)
-        onward = self._kept(rest) if gap.above is not None else [rest] if rest.length > 0.0 else []
-        return [*self._kept(inner), *onward]
-
-    def _kept(self, *gaps: _Gap) -> list[_Gap]:
-        """Those that are long enough to be crossed."""
-        for gap in gaps:
-            if 0.0 < gap.length <= self._cut_off(gap):
-                self.gaps.append((gap.low, gap.high))
-        return [gap for gap in gaps if gap.length > self._cut_off(gap)]
-
-    def _skimmed(self, gap: _Gap) -> _Gap:
-        """What is left of a gap without its first part, where all is short and leads elsewhere."""
-        step = self._cut_off(gap)
-        while gap.side and gap.low + 2.0 * step < gap.high and not self._is_full:
-            middle = gap.low + step
-            found = self.map.at(middle, self.p)
-            if not self._holds(found) or self._length(found) > step:
-                break
-            rise = step * abs(found.slope)
-            around = [self._side_of(middle, found.value + way * rise) for way in (-1.0, 0.0, 1.0)]
-            if self._common([gap.side, *around]) == 0:
-                return gap._replace(side=0)
-            self.gaps.append((gap.low, middle))
-            gap = gap._replace(low=middle, after=False)
-        return gap
-
-    @staticmethod
-    def _length(image: Image) -> float:
-        """Of a piece, to first order."""
-        return reach(image, -1.0)[0] + reach(image, 1.0)[0]
+def _joined(back: list[Knot], ahead: list[Knot]) -> PieceExtent:
+    """A piece from its samples to both sides of a point."""
+    knots = [*back[:0:-1], *ahead]
+    codes = back[-1].code, ahead[-1].code
+    return PieceExtent(tuple(each.x for each in knots), tuple(each.image for each in knots), codes)

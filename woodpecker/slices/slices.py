@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 
@@ -16,7 +15,8 @@ from woodpecker.maps.counting import Allowance, as_counting
 from woodpecker.maps.pieces import Image, PiecewiseMap
 from woodpecker.slices.borders import Border, BorderKind
 from woodpecker.slices.bracketing import bracketed
-from woodpecker.slices.itineraries import Itineraries
+from woodpecker.slices.extents import Knot
+from woodpecker.slices.itineraries import Itineraries, Wanted
 from woodpecker.slices.jumps import Jump, jump_of, limit_of
 from woodpecker.slices.margins import depth
 from woodpecker.slices.orbits import (
@@ -28,11 +28,9 @@ from woodpecker.slices.orbits import (
     orbit_of,
 )
 from woodpecker.slices.partition import (
-    NEAR_DIAGONAL,
+    ASTRAY,
     Partition,
     PieceExtent,
-    beside_diagonal,
-    beside_window,
     partition,
 )
 
@@ -116,9 +114,8 @@ def slices_at(
     iterates(orders)  # refuses what are none
     map_ = as_counting(map_)
     allowed = Allowance(map_, settings.of_slice(orders))
-    side = (beside_diagonal if max(orders) == 1 else beside_window)(settings)
-    pieces = partition(map_, p, settings.window, settings, side, allowed)
-    borders = [b for b in pieces.borders() if b.kind(settings) is BorderKind.JUMP]
+    pieces = partition(map_, p, settings.window, settings, orders, allowed)
+    borders = [b for b in pieces.borders(settings) if b.kind(settings) is BorderKind.JUMP]
     found, whole = [], settings.window[1] - settings.window[0]
     orbits = Itineraries(pieces, settings, allowed) if max(orders) > 1 else None
     for order in orders:
@@ -159,7 +156,7 @@ def _jumps(
     map_: PiecewiseMap, borders: Sequence[Border], orbits: Itineraries | None, order: int,
     settings: Settings,
 ) -> Iterator[Jump]:  # fmt: skip
-    wanted = _Crossing(map_, order, settings)
+    wanted = _crossing(map_, order, settings)
     if orbits is None:
         heads: Iterator[tuple[Orbit, Border]] = (
             (Orbit(np.array([b.x]), b.p, (b.inner,)), b) for b in borders if wanted(b, 1, b.x)
@@ -174,28 +171,24 @@ def _jumps(
                 yield jump
 
 
-class _Crossing:
-    """Whether a jump may cross the diagonal at a point that is known roughly.
+def _crossing(map_: PiecewiseMap, order: int, settings: Settings) -> Wanted:
+    """Whether a jump of P_order may cross the diagonal at a point that is known roughly.
 
     Its limits depend on the border and on the returns that follow, and not on what leads to it.
     """
+    slack = ASTRAY * settings.x_scale
+    known: dict[tuple[int, int], list[float]] = {}
 
-    def __init__(self, map_: PiecewiseMap, order: int, settings: Settings) -> None:
-        self.map, self.order = map_, order
-        self._slack = NEAR_DIAGONAL * settings.x_scale
-        self._known: dict[tuple[int, int], tuple[float, float]] = {}
-
-    def __call__(self, border: Border, length: int, x: float) -> bool:
-        """Whether the jump at x does, of which so many points lead to a border."""
-        key = id(border), self.order - length
-        if key not in self._known:
-            one, other = (
-                limit_of(self.map, image, key[1], border.p).value
+    def crosses(border: Border, length: int, x: float) -> bool:
+        key = id(border), order - length
+        if key not in known:
+            known[key] = [
+                limit_of(map_, border.x, image, key[1], border.p).value
                 for image in (border.inner, border.outer)
-            )
-            self._known[key] = min(one, other), max(one, other)
-        low, high = self._known[key]
-        return low - self._slack <= x <= high + self._slack
+            ]
+        return min(known[key]) - slack <= x <= max(known[key]) + slack
+
+    return crosses
 
 
 def _within(orbit: Orbit, settings: Settings) -> bool:
@@ -205,10 +198,10 @@ def _within(orbit: Orbit, settings: Settings) -> bool:
 
 def _fixed_points(pieces: Partition, settings: Settings) -> Iterator[Orbit]:
     for cylinder in pieces.cylinders:
-        for (a, one), (b, other) in _parts(cylinder, pieces.p):
-            if (one.value - a) * (other.value - b) > 0.0:
+        for a, b in _parts(cylinder, pieces.p):
+            if (a.image.value - a.x) * (b.image.value - b.x) > 0.0:
                 continue
-            root = bracketed({a: one, b: other}, a, b, pieces.p, _gap)
+            root = bracketed({a.x: a.image, b.x: b.image}, a.x, b.x, pieces.p, _gap)
             if root is None:
                 continue
             start = orbit_of([root[1].piece], np.array([root[0]]), pieces.p)
@@ -217,27 +210,22 @@ def _fixed_points(pieces: Partition, settings: Settings) -> Iterator[Orbit]:
                 yield found
 
 
-class _Point(NamedTuple):
-    x: float
-    image: Image
-
-
-def _parts(cylinder: PieceExtent, p: float) -> Iterator[tuple[_Point, _Point]]:
+def _parts(cylinder: PieceExtent, p: float) -> Iterator[tuple[Knot, Knot]]:
     """Neighbouring samples, with more of them where P(x) - x may turn round beyond the diagonal."""
-    points = [_Point(x, image) for x, image in zip(cylinder.x, cylinder.images, strict=True)]
+    points = [Knot(x, image) for x, image in zip(cylinder.x, cylinder.images, strict=True)]
     for pair in pairwise(points):
         todo, left = [pair], MOST_ADDED
         while todo:
             a, b = todo.pop()
             x, left = _lowest(a, b) if left > 0 else None, left - 1
-            middle = None if x is None else _Point(x, a.image.piece.at(x, p))
+            middle = None if x is None else Knot(x, a.image.piece.at(x, p))
             if middle is None or middle.image.reason:
                 yield a, b
             else:
                 todo += [(middle, b), (a, middle)]
 
 
-def _lowest(a: _Point, b: _Point) -> float | None:
+def _lowest(a: Knot, b: Knot) -> float | None:
     """Where |P(x) - x| is least between two points; None if it does not come down to zero there.
 
     It does not if the tangents at both ends meet before: as long as it does not bend the other way.

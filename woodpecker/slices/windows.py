@@ -58,7 +58,7 @@ def borders_in(
     ends = interval("window", window, finite=True)
     chosen = settings if settings is not None else Settings(window=ends)
     instance("settings", chosen, Settings)
-    found = partition(map_of_pieces(map_), number("p", p), ends, chosen).borders()
+    found = partition(map_of_pieces(map_), number("p", p), ends, chosen).borders(chosen)
     return [_sharpened(map_, border, chosen) for border in found]
 
 
@@ -110,12 +110,12 @@ def nearest_border(
     found = list[Border]()
     for side in (-1, 1):
         limit = x + side * within
-        way = reach_of(here, x, p, side, limit, chosen)
-        code = way.code
-        if code < 0 and way.end != limit:
-            code = _ahead(way.images[-1], side, chosen)
+        end = reach_of(here, x, p, side, limit, chosen)[-1]
+        code = end.code
+        if code < 0 and end.x != limit:
+            code = _ahead(end.image, side, chosen)
         if code >= 0:
-            found.append(border_of(map_, way.images[-1], code, way.end, p, side, chosen))
+            found.append(border_of(map_, end.image, code, end.x, p, side, chosen))
     return min(found, key=lambda border: abs(border.x - x), default=None)
 
 

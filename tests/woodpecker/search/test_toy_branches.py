@@ -106,7 +106,7 @@ def test_pieces_beside_the_jump() -> None:
     found = partition(ToyPieces(Toy()), 0.02, (x - 2e-4, x + 2e-4), SETTINGS)
     assert len(found.cylinders) == 2
     assert found.unresolved == 0.0
-    (border,) = found.borders()
+    (border,) = found.borders(SETTINGS)
     assert border.x == pytest.approx(x, abs=1e-10)
     assert border.kind(SETTINGS) is BorderKind.JUMP
     assert border.cause == AT_ONCE

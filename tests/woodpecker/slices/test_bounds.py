@@ -127,7 +127,7 @@ def test_a_slice_is_bounded_where_the_map_has_no_value() -> None:
     """Without friction the toy does not jam: each start runs to the event limit."""
     toy, settings = Toy(mu_1=0, mu_2=0, mu_3=0), Settings(window=(-2.5, -0.24))
     map_ = as_counting(ToyPieces(toy))
-    found = partition(map_, 0.5, settings.window, settings, None, Allowance(map_, 1_000))
+    found = partition(map_, 0.5, settings.window, settings, (), Allowance(map_, 1_000))
     assert not found.cylinders
     assert found.unresolved == pytest.approx(2.26)
     assert map_.evaluations < 2_000  # one start counts for some forty, and a gap takes some ten
@@ -158,7 +158,7 @@ def test_the_largest_gaps_are_crossed_first() -> None:
     formula = Piecewise((cos(1 / (X + 1e-9)) / 2, X < 0.1), (P + X / 2, X < 0.9), (X / 4, True))
     map_ = as_counting(from_sympy(formula, X, P, words=["wild", "A", "B"]))
     settings = Settings(window=(-0.1, 1.0))
-    found = partition(map_, 0.1, settings.window, settings, None, Allowance(map_, 60))
+    found = partition(map_, 0.1, settings.window, settings, (), Allowance(map_, 60))
     assert {each.images[0].piece.word for each in found.cylinders} >= {"A", "B"}
 
 

@@ -14,7 +14,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import Image
 from woodpecker.slices.monotone import branches_of
-from woodpecker.slices.partition import beside_diagonal, partition
+from woodpecker.slices.partition import partition
 from woodpecker.slices.slices import Slice, slices_at
 
 WINDOW = (-2.5, -0.24)
@@ -118,7 +118,7 @@ class Counted:
 def test_what_leads_elsewhere_is_skimmed() -> None:
     """At 0.15 infinitely many pieces accumulate at a dip: they are neither met nor forgotten."""
     near, all_ = Counted(), Counted()
-    found = partition(near, 0.15, WINDOW, SETTINGS, beside_diagonal(SETTINGS))
+    found = partition(near, 0.15, WINDOW, SETTINGS, (1,))
     every = partition(all_, 0.15, WINDOW, SETTINGS)
     assert near.calls < all_.calls < 1200  # 767 and 917 where this was measured; once 2000
     assert len(found.cylinders) < len(every.cylinders)
