@@ -129,10 +129,10 @@ class Border:
         if math.isnan(self.jump):
             return BorderKind.LOST
         one, other = self.inner.slope, self.outer.slope
-        images = ((self.inner, self.code), (self.outer, self.outer_code))
-        same = max(_unsure(image, code, self.x, settings) for image, code in images)
-        if abs(self.jump) > max(settings.jump * settings.x_scale, same):
-            return BorderKind.JUMP
+        if abs(self.jump) > settings.jump * settings.x_scale:
+            images = ((self.inner, self.code), (self.outer, self.outer_code))
+            if abs(self.jump) > max(_unsure(*each, self.x, settings) for each in images):
+                return BorderKind.JUMP
         if not (abs(one) < STEEP_AT_BORDER and abs(other) < STEEP_AT_BORDER):
             return BorderKind.GRAZING
         size = max(1.0, abs(one), abs(other))
