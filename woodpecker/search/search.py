@@ -17,6 +17,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from woodpecker.base.arguments import explained_fields
 from woodpecker.base.checks import number, whole
 from woodpecker.base.settings import Settings
 from woodpecker.search.explorer import Explorer, Seen, Step
@@ -24,6 +25,7 @@ from woodpecker.search.explorer import Explorer, Seen, Step
 GOLDEN = 0.5 * (5.0**0.5 - 1.0)  # the golden section: parts of multiples of it lie evenly
 
 
+@explained_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Search:
     """How to look for what is not connected.

@@ -13,7 +13,7 @@ from pwmap.diagrams.shown import counted
 from woodpecker.base.checks import instance, iterates
 from woodpecker.base.settings import Settings
 from woodpecker.maps.counting import Allowance, as_counting
-from woodpecker.maps.pieces import Image, PiecewiseMap
+from woodpecker.maps.pieces import Image, PiecewiseMap, map_of_pieces
 from woodpecker.slices.borders import Border, BorderKind
 from woodpecker.slices.bracketing import bracketed
 from woodpecker.slices.itineraries import Itineraries
@@ -114,7 +114,7 @@ def slices_at(
     """
     instance("settings", settings, Settings)
     iterates(orders)  # refuses what are none
-    map_ = as_counting(map_)
+    map_ = as_counting(map_of_pieces(map_))
     allowed = Allowance(map_, settings.of_slice(orders))
     side = (beside_diagonal if max(orders) == 1 else beside_window)(settings)
     pieces = partition(map_, p, settings.window, settings, side, allowed)

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap.diagrams.diagram import Diagram
+from woodpecker.base.arguments import explained
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, interval, positive, real_array, whole
 from woodpecker.base.settings import Settings
@@ -21,7 +22,7 @@ from woodpecker.maps.pieces import Image as LineImage
 from woodpecker.search.diagrams import whole_diagram
 from woodpecker.search.search import Search
 from woodpecker.systems.returns import SystemMap
-from woodpecker.systems.verbs import SystemCycle, window_of
+from woodpecker.systems.verbs import HELD, SystemCycle, window_of
 
 REPEATS = 1e-6  # scaled: an orbit that has settled repeats itself so closely
 LONGEST = 64  # period that is looked for
@@ -68,6 +69,10 @@ class LineOfSystem:
             )
         self.map = map_
 
+    def __repr__(self) -> str:
+        """Of which map."""
+        return f"LineOfSystem({self.map!r})"
+
     def at(self, x: float, p: float) -> LineImage:
         """The image of a point under the piece that the map takes there.
 
@@ -111,6 +116,7 @@ def _of_line(image: Image) -> LineImage:
     )  # fmt: skip
 
 
+@explained(HELD)
 def bifurcation_diagram(
     map_: SystemMap, span: tuple[float, float], orders: Sequence[int],
     window: tuple[float, float], *, settings: Settings | None = None, search: Search | None = None,
@@ -178,6 +184,7 @@ class SettledReturns:
     lost: int
 
 
+@explained(HELD)
 def orbit_diagram(
     map_: SystemMap, parameters: npt.ArrayLike, starts: npt.ArrayLike,
     window: Sequence[tuple[float, float]], *, transient: int = 300, keep: int = 128,
@@ -264,6 +271,7 @@ def _period(x: Floats) -> int:
     return 0
 
 
+@explained(HELD)
 def basins(
     map_: SystemMap, cycles: Sequence[SystemCycle], points: npt.ArrayLike, *, returns: int = 200,
     near: float = 1e-3, p: npt.ArrayLike | None = None,
@@ -322,6 +330,7 @@ def basins(
     return found
 
 
+@explained(HELD)
 def curve_in_two(
     map_: SystemMap, found: Connected, point: str, spans: Sequence[tuple[float, float]],
     window: Sequence[tuple[float, float]], *, step: float = 0.01, min_step: float = 1e-9,

@@ -8,6 +8,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from pwmap.diagrams.shown import brief, counted
+from woodpecker.base.arguments import explained_fields
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance
 from woodpecker.engine.maps import ACCUMULATE, Image
@@ -25,6 +27,7 @@ SMOOTH = 2.0**-18  # of derivatives: those of a smooth piece differ by less at t
 ROOT = 4.0  # times steeper at that distance, or times as high as that slope says: a root
 
 
+@explained_fields
 class SystemMap:
     """The return map of a system on a section, with derivatives in some parameters.
 
@@ -67,6 +70,13 @@ class SystemMap:
         self.events_most = events_most
         self.names = self.embedding.names
         self._own = self.machine.eq.p
+
+    def __repr__(self) -> str:
+        """Its coordinates, the event, and what is free of the system."""
+        free, when = ", ".join(map(str, self.section.free)), brief(str(self.section.when))
+        of = f"{counted(self.system.n, 'coordinate')} and {counted(len(self.names), 'contact')}"
+        over = ", ".join(f"{n}={v:.6g}" for n, v in zip(self.parameters, self.p, strict=True))
+        return f"SystemMap({free} at {when!r}, of {of}{', over ' * bool(over)}{over})"
 
     def holding(self, **values: float) -> SystemMap:
         """The same map with other values of the system's parameters; it shares what is compiled.

@@ -12,6 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap.diagrams.shown import brief, counted
+from woodpecker.base.arguments import explained
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, iterates, number, positive, real_array, whole
 from woodpecker.base.shown import shown
@@ -37,6 +38,8 @@ NEWTON_MOST = 50  # iterations of shooting
 HALVINGS_MOST = 12  # of one step
 CONVERGED = 1e-12  # relative residual of a cycle, times how much the map amplifies rounding
 ORDER_MOST = 100
+
+HELD = "map_.holding(...) has other values of parameters"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -74,6 +77,7 @@ class Motion:
         )
 
 
+@explained("system.replace(...) has other values of parameters")
 def simulate(
     system: ContactSystem, start: Mapping[Any, float], t_end: float, *, samples: int = SAMPLES,
     max_events: int = EVENTS_MOST, backend: Backend | str | None = None,
@@ -193,6 +197,7 @@ class SystemReturns:
     status: tuple[MotionStatus, ...]
 
 
+@explained(HELD)
 def return_map(
     map_: SystemMap, x: npt.ArrayLike, *, order: int = 1, p: npt.ArrayLike | None = None
 ) -> SystemReturns:
@@ -300,6 +305,7 @@ class SystemCycle:
         return bool(self.success and (np.abs(self.multipliers) < 1.0).all())
 
 
+@explained(HELD)
 def shoot(
     map_: SystemMap, guess: npt.ArrayLike, *, order: int = 1, p: npt.ArrayLike | None = None
 ) -> SystemCycle:
@@ -412,6 +418,7 @@ def _cycle(
     )  # fmt: skip
 
 
+@explained(HELD)
 def continuation(
     map_: SystemMap, cycle: SystemCycle, span: tuple[float, float],
     window: Sequence[tuple[float, float]], *, orders: Sequence[int] = (1, 2), step: float = 0.01,
