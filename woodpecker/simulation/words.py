@@ -11,6 +11,10 @@ otherwise: ``s`` sticks, ``f`` separates; after ``-`` the same of the expansion,
 contact that stays although it stores impulse, or leaves although it stores none. So ``I3s`` sticks
 at the end of the compression, ``I1-s`` at the end of the expansion. With these letters a return
 map is smooth where its word is constant.
+
+Where impulses are open, as in ``I~1e6+3e3``, the letters name both ends of the segment of
+solutions: 6 = 0 + 3 * 2 is one at which the first contact sticks (0) and the second slides
+backward (2), 3 = 0 + 3 * 1 one at which it slides forward (1).
 """
 
 from __future__ import annotations

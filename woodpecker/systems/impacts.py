@@ -9,7 +9,8 @@ One phase of an impact seeks impulses Lambda with
 Compression has floor 0, expansion floor eps_N Lambda_NC (Poisson); Newton's law is one phase with
 gamma_N' + eps_N gamma_N in place of gamma_N'. For each contact a *case* says which equations hold:
 its gap rate or its impulse is given, and it sticks or slides. All cases of few contacts are tried,
-so that a missing solution or a second one is seen; of many, Lemke's path proposes one.
+so that a missing solution or a second one is seen; of many, Lemke's path proposes one. Which case
+names a motion that several have is a rule of :mod:`woodpecker.mechanics.contact_problems`.
 
 With its cases prescribed a phase is linear in the velocities, and its derivatives solve the same
 equations.
@@ -27,22 +28,18 @@ from typing import NamedTuple
 import numpy as np
 
 from woodpecker.base.arrays import Bools, Floats, Ints
-from woodpecker.mechanics.lcp import solve_contact_lcp
-from woodpecker.mechanics.one_contact import (
+from woodpecker.mechanics.cases import (
     BACKWARD,
     EXACT,
     FORWARD,
     FREE,
     HOLD,
-    NO_SOLUTION,
     REST,
     SAME,
     SLACK,
-    SOLVED,
-    given,
-    one_contact,
-    stated,
 )
+from woodpecker.mechanics.lcp import solve_contact_lcp
+from woodpecker.mechanics.one_contact import NO_SOLUTION, SOLVED, given, one_contact, stated
 from woodpecker.systems.equations import Equations, Terms
 from woodpecker.systems.model import FrictionBound, ImpactLaw
 
@@ -51,8 +48,8 @@ ENUMERATED = 3  # contacts of an impact of which all 216 cases are tried
 Cases = tuple[int, ...]
 
 _CASES = {  # of one contact without and with friction
-    False: (REST, FREE),
-    True: tuple(one + other for one in (REST, FREE) for other in (HOLD, FORWARD, BACKWARD)),
+    False: (3 * REST + FORWARD, 3 * FREE + FORWARD),
+    True: tuple(range(6)),
 }
 
 
@@ -100,7 +97,7 @@ class Impact:
         return frozenset(
             i
             for i, case in zip(self.contacts, self.last, strict=True)
-            if case < FREE and i not in self.rebounds
+            if case // 3 == REST and i not in self.rebounds
         )
 
     @property
@@ -114,21 +111,19 @@ class Impact:
     def symbol(self) -> str:
         """Its letters in a word, see :mod:`woodpecker.simulation.words`."""
         if len(self.compression) > 1:
-            ends = zip(*self.compression, strict=True)
-            marks = [f"e{one % 3 + 3 * (other % 3)}" for one, other in ends]
+            ends = [sum(case % 3 * 3**k for k, case in enumerate(end)) for end in self.compression]
+            marks = [f"e{end}" for end in ends] + [""] * len(self.contacts)
             return "I~" + "+".join(
-                f"{i + 1}{mark}" for i, mark in zip(self.contacts, marks, strict=True)
+                f"{i + 1}{mark}" for i, mark in zip(self.contacts, marks, strict=False)
             )
         texts = []
         for k, i in enumerate(self.contacts):
             first = self.compression[0][k]
-            text = "f" if first >= FREE else "s" if first % 3 == HOLD else ""
+            text = "f" if first // 3 == FREE else "s" if first % 3 == HOLD else ""
             if self.expansion:
                 usual = FREE if i in self.stores else REST
                 second = self.expansion[k]
-                late = ("" if second // 3 * 3 == usual else "r") + (
-                    "s" if second % 3 == HOLD else ""
-                )
+                late = ("" if second // 3 == usual else "r") + ("s" if second % 3 == HOLD else "")
                 text += f"-{late}" if late else ""
             texts.append(f"{i + 1}{text}")
         return "I" + "+".join(texts)
@@ -245,7 +240,7 @@ def _zero(velocity: Floats, cases: Cases) -> None:
     """Exact zeros where the cases say so."""
     n = len(cases)
     for k, case in enumerate(cases):
-        if case < FREE:
+        if case // 3 == REST:
             velocity[k] = 0.0
         if case % 3 == HOLD:
             velocity[n + k] = 0.0
@@ -258,8 +253,8 @@ Solution = tuple[Outcome, tuple[Cases, ...], Floats | None]
 def solutions(phase: ImpactPhase, feeds: Floats) -> Solution:
     """The cases that solve a phase, and its impulses (2c,).
 
-    Where several cases solve it with the same velocities, the one with the least violation counts;
-    of several that solve it but for rounding the first.
+    Where several cases solve it with the same velocities, the first counts that does so but for
+    rounding, or else the one with the least violation.
     If their normal impulses differ at contacts of which a part ``feeds`` an expansion, it is
     indeterminate: the two ends of the segment, and its middle.
     """
@@ -282,11 +277,21 @@ def solutions(phase: ImpactPhase, feeds: Floats) -> Solution:
     apart = np.abs(impulses[kept] - impulses[best])[:, :n] * (feeds > 0.0)
     if (apart <= SAME * np.abs(impulses[best]).max()).all():
         return Outcome.SOLVED, (cases,), impulses[best]
-    widest = int(np.ptp(impulses[kept], axis=0).argmax())
-    low = int(kept[impulses[kept, widest].argmin()])
-    high = int(kept[impulses[kept, widest].argmax()])
+    low, high = (int(kept[k]) for k in _ends(impulses[kept], SAME * np.abs(impulses[best]).max()))
     ends = tuple(tried[low].tolist()), tuple(tried[high].tolist())
     return Outcome.INDETERMINATE, ends, 0.5 * (impulses[low] + impulses[high])
+
+
+def _ends(points: Floats, same: float) -> tuple[int, int]:
+    """The two ends among points (b, 2c) of one segment: extremes of its longest coordinate.
+
+    Of coordinates that are as long, and of points that are the same, the first one counts.
+    """
+    lengths = np.ptp(points, axis=0)
+    longest = points[:, (lengths >= lengths.max() - same).argmax()]
+    return int((longest <= longest.min() + same).argmax()), int(
+        (longest >= longest.max() - same).argmax()
+    )
 
 
 def _of_one(phase: ImpactPhase) -> Solution:
@@ -301,7 +306,7 @@ def _of_one(phase: ImpactPhase) -> Solution:
 @lru_cache(maxsize=64)
 def _combinations(rubs: tuple[bool, ...]) -> Ints:
     """All cases (count, c) of contacts; without friction a contact slides, one way."""
-    return np.array(list(product(*(_CASES[each] for each in rubs))))
+    return np.array(list(product(*(_CASES[each] for each in reversed(rubs)))))[:, ::-1]
 
 
 def _proposed(phase: ImpactPhase) -> Ints:
@@ -315,14 +320,14 @@ def _proposed(phase: ImpactPhase) -> Ints:
     forward = found.gamma_t > 0.0
     slides = np.where(forward, FORWARD, BACKWARD)
     sticks = (found.gamma_t == 0.0) & np.array(phase.rubs)
-    cases = np.where(rests, REST, FREE) + np.where(sticks, HOLD, slides)
-    return np.where(phase.rubs, cases, np.where(rests, REST, FREE))[None]
+    along = np.where(phase.rubs, np.where(sticks, HOLD, slides), FORWARD)
+    return (3 * np.where(rests, REST, FREE) + along)[None]
 
 
 def _try(phase: ImpactPhase, tried: Ints) -> tuple[Floats, Floats, Floats]:
     """Impulses and velocities (count, 2c) of cases, and their largest relative violation."""
     count, n = tried.shape
-    rests, tangential = tried < FREE, tried % 3
+    rests, tangential = tried // 3 == REST, tried % 3
     sign = np.where(tangential == FORWARD, -1.0, 1.0)  # of friction
     matrix, right = np.zeros((count, 2 * n, 2 * n)), np.zeros((count, 2 * n))
     eye = np.eye(n)
@@ -453,7 +458,7 @@ def _carry(
     terms, case = eq.terms(z, p), np.array(cases)
     w_n, w_t, mu = terms.w_n[at], terms.w_t[at], terms.mu[at]
     bound = _bound(eq, mu) if expands else np.diag(mu)
-    rests, holds = case < FREE, case % 3 == HOLD
+    rests, holds = case // 3 == REST, case % 3 == HOLD
     sign = np.where(case % 3 == FORWARD, -1.0, 1.0)
     k = _prescribed(terms.mass, w_n, w_t, bound, case)
     u = z[n : 2 * n]
@@ -495,7 +500,7 @@ def _carry(
 def _prescribed(mass: Floats, w_n: Floats, w_t: Floats, bound: Floats, case: Ints) -> Floats:
     """The matrix (n + 2c, n + 2c) of the equations of a phase for u' and Lambda."""
     n, c = len(mass), len(case)
-    rests, holds = case < FREE, case % 3 == HOLD
+    rests, holds = case // 3 == REST, case % 3 == HOLD
     sign = np.where(case % 3 == FORWARD, -1.0, 1.0)
     k = np.zeros((n + 2 * c, n + 2 * c))
     k[:n, :n], k[:n, n : n + c], k[:n, n + c :] = mass, -w_n.T, -w_t.T
