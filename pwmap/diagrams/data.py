@@ -115,7 +115,7 @@ class Stretch:
     Attributes
     ----------
     first
-        Its first sample; it ends where the next stretch begins.
+        Its first sample, where a word changes that at the border; it ends where the next begins.
     cause
         A sentence on what happens where it begins; empty at the start of a branch.
     exact

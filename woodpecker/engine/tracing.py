@@ -64,7 +64,7 @@ class Change(NamedTuple):
     Attributes
     ----------
     sample
-        The word changes after this one, as an index; it or the next lies at the border.
+        The one at the border, as an index; the word changes at it, or with the next.
     cause
         A sentence on what happens there.
     smooth
