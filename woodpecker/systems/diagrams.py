@@ -22,7 +22,7 @@ from woodpecker.maps.pieces import Image as LineImage
 from woodpecker.search.diagrams import whole_diagram
 from woodpecker.search.search import Search
 from woodpecker.systems.returns import SystemMap
-from woodpecker.systems.verbs import HELD, SystemCycle, window_of
+from woodpecker.systems.verbs import HELD, SystemCycle, parameters_of, points_of, window_of
 
 REPEATS = 1e-6  # scaled: an orbit that has settled repeats itself so closely
 LONGEST = 64  # period that is looked for
@@ -221,7 +221,7 @@ def orbit_diagram(
         raise ValueError("the map has no free parameter")
     transient, keep = whole("transient", transient, least=0), whole("keep", keep)
     ends = np.array(window_of(map_, window))
-    first = _points(map_, "starts", starts)
+    first = points_of(map_, "starts", starts)
     values = np.atleast_1d(real_array("parameters", parameters))
     found, lost = list[tuple[float, Floats, Floats]](), 0
     for value in values.tolist():
@@ -237,15 +237,6 @@ def orbit_diagram(
         start=np.array([each[1] for each in found]).reshape(-1, map_.d),
         period=np.array([_period(each / map_.x_scale) for each in x], dtype=np.int64),
     )  # fmt: skip
-
-
-def _points(map_: SystemMap, name: str, given: npt.ArrayLike) -> Floats:
-    """Points (m, d)."""
-    points = real_array(name, given)
-    points = points.reshape(-1, 1) if points.ndim < 2 and map_.d == 1 else np.atleast_2d(points)
-    if points.ndim != 2 or points.shape[1] != map_.d:
-        raise ValueError(f"{name} must have shape (m, {map_.d}), got {points.shape}")
-    return points
 
 
 def _orbit(
@@ -312,10 +303,10 @@ def basins(
     for cycle in cycles:
         instance("cycle", cycle, SystemCycle)
     returns, near = whole("returns", returns), positive("near", near)
-    values = map_.p if p is None else np.atleast_1d(real_array("p", p))
+    values = parameters_of(map_, p)
     places = np.concatenate([cycle.x for cycle in cycles])
     owners = np.repeat(np.arange(len(cycles)), [len(cycle.x) for cycle in cycles])
-    starts = _points(map_, "points", points)
+    starts = points_of(map_, "points", points)
     found = np.full(len(starts), NOWHERE, dtype=np.int64)
     for k, start in enumerate(starts):
         x: Floats | None = start

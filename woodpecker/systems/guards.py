@@ -126,12 +126,7 @@ class Series:
         """Its value, divided."""
         return float(chebyshev.chebval(2.0 * (t - self.low) / (self.high - self.low) - 1.0, self.c))
 
-    @property
-    def is_positive(self) -> bool:
-        """Whether the coefficients alone say that it has no root."""
-        return bool(self.c[0] > np.abs(self.c[1:]).sum())
-
-    def extremes(self, order: int | None = None) -> Floats:
+    def extremes(self) -> Floats:
         """Times inside at which its slope vanishes; ascending."""
         c = self.c
         size = np.abs(c).max(initial=0.0)
@@ -144,7 +139,8 @@ class Series:
 
     def falls(self) -> float:
         """The first time at which it falls through zero; infinite if there is none."""
-        if self.is_positive or np.abs(self.c).max() <= NOISE**2:
+        is_positive = self.c[0] > np.abs(self.c[1:]).sum()  # the coefficients alone say so
+        if is_positive or np.abs(self.c).max() <= NOISE**2:
             return math.inf
         times = [self.low, *self.extremes().tolist(), self.high]
         values = [self(t) for t in times]

@@ -241,8 +241,7 @@ class Local:
 
     @cached_property
     def _partial(self) -> list[Floats]:
-        a, l_n, l_t = self.balance
-        return self.eq.motion_changes(self.z, self.p, a, l_n, l_t)
+        return self.eq.motion_changes(self.z, self.p, *self.balance)
 
     @cached_property
     def jacobian(self) -> Floats:

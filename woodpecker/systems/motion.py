@@ -18,7 +18,7 @@ import numpy as np
 from woodpecker.base.arrays import Floats
 from woodpecker.base.compiled import announce
 from woodpecker.mechanics.one_contact import stated
-from woodpecker.systems.accumulation import Tail, after, implied, tail_of
+from woodpecker.systems.accumulation import TOGETHER, Tail, after, implied, tail_of
 from woodpecker.systems.equations import Equations
 from woodpecker.systems.flows import Flow, LostError, RungeFlow, Step
 from woodpecker.systems.guards import TIME, Phase
@@ -45,7 +45,6 @@ EVENTS_MOST = 2000  # of one return, unless a caller says otherwise
 STEPS_MOST = 20_000  # of one phase of one return
 PENETRATED = 1e-7  # relative: far more than rounding leaves of a gap
 BRIEF = 2.0**-10  # of the longest phase: before flights are as short as this none need be looked at
-TOGETHER = 2.0**-44  # of a phase: gaps that close within it do so at once
 POLISHED = 1e-6  # of a window: Newton's step from a root of the series is shorter, or not taken
 NO_FORCE = 1e-9  # relative: a normal force that vanishes where a cone is reached
 

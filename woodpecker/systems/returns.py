@@ -115,9 +115,12 @@ class SystemMap:
 
     def image(self, x: Floats, p: Floats) -> Floats | None:
         """Where a point (d,) of the section returns, without derivatives; None if it does not."""
-        run, values = self.search(x, p), self.values(p)
-        if not run.status.success:
-            return None
+        run = self.search(x, p)
+        return self.landed(run, p) if run.status.success else None
+
+    def landed(self, run: Run, p: Floats) -> Floats:
+        """The point (d,) of the section at which a motion has returned."""
+        values = self.values(p)
         return self.embedding.point(run.z, values, self.embedding.turns(run.z, values))
 
     def at(self, x: Floats, p: Floats) -> Image:

@@ -12,9 +12,9 @@ import sympy
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number, positive
 from woodpecker.base.shown import shown
-from woodpecker.systems.equations import Equations
+from woodpecker.systems.equations import Equations, Function
 from woodpecker.systems.model import ContactSystem, expression, names
-from woodpecker.systems.modes import OPEN, STICK, Local, Touch
+from woodpecker.systems.modes import STICK, Local, Touch
 
 HORIZON = 1e4  # of one return [s] unless a section says otherwise
 SAMPLES = 5  # random points at which an expression is tried for being zero
@@ -120,8 +120,6 @@ class Embedding:
         along = (*section.free, *eq.along[eq.size :])
         rows = sympy.Matrix(whole)
         symbols = (*section.free, *system.parameters)
-        from woodpecker.systems.equations import Function
-
         self._embed = Function(
             symbols, [np.array(whole, dtype=object), np.array(rows.jacobian(along), dtype=object)]
         )
@@ -195,7 +193,7 @@ class Embedding:
         """The coordinates (d,) of a state on the section, time less so many periods."""
         x = z[self.places].copy()
         if self.section.period is not None:
-            x[self._of_time] -= turns * self._period(p)[0][0]
+            x[self.of_time] -= turns * self._period(p)[0][0]
         return x
 
     def changes(self, tangents: Floats, p: Floats, turns: int) -> Floats:
@@ -203,7 +201,7 @@ class Embedding:
         found = tangents[self.places].copy()
         k = len(self.eq.free)
         if self.section.period is not None and k:
-            found[self._of_time, -k:] -= turns * self._period(p)[0][1:]
+            found[self.of_time, -k:] -= turns * self._period(p)[0][1:]
         return np.asarray(found)
 
     def turns(self, z: Floats, p: Floats) -> int:
@@ -211,7 +209,7 @@ class Embedding:
         if self.section.period is None:
             return 0
         period = float(self._period(p)[0][0])
-        t = z[self.places[self._of_time]]
+        t = z[self.places[self.of_time]]
         return int(np.floor((t - self.section.first) / period)) if period > 0.0 else 0
 
     def phase_margins(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
@@ -220,20 +218,16 @@ class Embedding:
         The derivatives are those in time and in the parameters.
         """
         values = self._period(p)[0]
-        t = x[self._of_time] - self.section.first
+        t = x[self.of_time] - self.section.first
         rows = np.zeros((2, 1 + len(values) - 1))
         rows[:, 0] = 1.0, -1.0
         rows[1, 1:] = values[1:]
         return np.array([t, values[0] - t]), rows
 
     @property
-    def _of_time(self) -> int:
-        return list(self.section.free).index(self.eq.system.time)
-
-    @property
     def of_time(self) -> int:
         """Which coordinate is time."""
-        return self._of_time
+        return self.section.free.index(self.eq.system.time)
 
     def counts(self, mode: Sequence[int]) -> bool:
         """Whether the event counts in a mode."""
@@ -295,8 +289,3 @@ def touching(eq: Equations, z: Floats, p: Floats, rounding: float) -> tuple[Touc
             if abs(slip) <= rounding:
                 held.add(i)
     return Touch(frozenset(closed), frozenset(held), frozenset(leaving)), striking
-
-
-def opened(eq: Equations) -> tuple[int, ...]:
-    """The mode without contact."""
-    return (OPEN,) * eq.m

@@ -228,11 +228,7 @@ def return_map(
     """
     instance("map_", map_, SystemMap)
     order = whole("order", order, 1, ORDER_MOST)
-    points = real_array("x", x)
-    points = points.reshape(-1, 1) if points.ndim < 2 and map_.d == 1 else np.atleast_2d(points)
-    if points.ndim != 2 or points.shape[1] != map_.d:
-        raise ValueError(f"x must have shape (s, {map_.d}), got {points.shape}")
-    values = _parameters(map_, p)
+    points, values = points_of(map_, "x", x), parameters_of(map_, p)
     images, words, status = np.full_like(points, np.nan), list[str](), list[MotionStatus]()
     for k, point in enumerate(points):
         found, word = point, list[str]()
@@ -241,8 +237,7 @@ def return_map(
             word.append(" ".join(run.symbols))
             if not run.status.success:
                 break
-            whole_p = map_.values(values)
-            found = map_.embedding.point(run.z, whole_p, map_.embedding.turns(run.z, whole_p))
+            found = map_.landed(run, values)
         words.append(" | ".join(word))
         status.append(run.status)
         if run.status.success:
@@ -250,7 +245,17 @@ def return_map(
     return SystemReturns(x=points, images=images, words=tuple(words), status=tuple(status))
 
 
-def _parameters(map_: SystemMap, p: npt.ArrayLike | None) -> Floats:
+def points_of(map_: SystemMap, name: str, given: npt.ArrayLike) -> Floats:
+    """Points (m, d)."""
+    points = real_array(name, given)
+    points = points.reshape(-1, 1) if points.ndim < 2 and map_.d == 1 else np.atleast_2d(points)
+    if points.ndim != 2 or points.shape[1] != map_.d:
+        raise ValueError(f"{name} must have shape (m, {map_.d}), got {points.shape}")
+    return points
+
+
+def parameters_of(map_: SystemMap, p: npt.ArrayLike | None) -> Floats:
+    """Values (k,) of the free parameters."""
     if p is None:
         return map_.p
     values = np.atleast_1d(real_array("p", p))
@@ -341,7 +346,7 @@ def shoot(
         raise ValueError(f"guess must have shape ({map_.d},), got {x.shape}")
     if not np.isfinite(x).all():
         raise ValueError(f"guess must be finite, got {x.tolist()}")
-    values, scale = _parameters(map_, p), np.array(map_.x_scale)
+    values, scale = parameters_of(map_, p), np.array(map_.x_scale)
     images = _images(map_, x, values, order)
     if images is None:
         return _cycle(map_, x, values, [], CycleStatus.LOST)
