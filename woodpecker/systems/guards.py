@@ -21,8 +21,16 @@ from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.polynomials import HALVINGS, WHOLE, bernstein, fall, first_fall, roots, scaled
 from woodpecker.systems.equations import Equations
 from woodpecker.systems.flows import Flow, Step
-from woodpecker.systems.modes import SECTION, Local, Mode, Touch, guard_values, guards_in, guards_of
-from woodpecker.systems.sections import SectionGuard
+from woodpecker.systems.modes import (
+    SECTION,
+    Local,
+    Mode,
+    SectionGuard,
+    Touch,
+    guard_values,
+    guards_in,
+    guards_of,
+)
 
 NODES = 24  # of an interpolant: a Taylor step of order 20, and guards that are no polynomials
 CHOPPED = 2.0**-52  # relative: coefficients that are smaller are rounding
@@ -345,6 +353,8 @@ class Phase:
     ----------
     watched, starts
         The guards, and how they begin.
+    section
+        As above.
     width
         Of the interpolant by which the last root was found; 0 where that is as exact as doubles.
     """
@@ -353,20 +363,16 @@ class Phase:
         self, eq: Equations, mode: Mode, z: Floats, p: Floats, flow: Flow, touch: Touch,
         section: SectionGuard | None, *, on_section: bool,
     ) -> None:  # fmt: skip
-        self.mode, self.flow, self.width = mode, flow, 0.0
-        self._eq, self._p, self._section = eq, p, section
+        self.mode, self.flow, self.section, self.width = mode, flow, section, 0.0
         self.starts: list[GuardStart] = []
         if flow.has_guards:
             key = mode, eq.friction, eq.slips, touch, section is not None, on_section
             self.watched, self._orders, self._before = _begun(*key)
             return
-        here, guards = Local(eq, mode, z, p), guards_of(eq, mode)
-        self.watched = guards
-        self.starts = [started(here, touch, guard) for guard in guards]
-        if section is not None:
-            self.watched = (*guards, SECTION * eq.m)
-            jet = section.jet(here) if on_section else ()
-            self.starts.append(GuardStart(int(on_section), jet, True))
+        here = Local(eq, mode, z, p, section)
+        starts = starts_of(here, touch, on_section=on_section)
+        self.watched, self.starts = tuple(starts), list(starts.values())
+        self._values = watching(here)
 
     def fired(self, step: Step, begin: float, ignored: Set[int]) -> tuple[int, float]:
         """The guard that fires first in a step that begins at a time, and when; TIME if none."""
@@ -396,13 +402,6 @@ class Phase:
         )
         return (TIME, math.inf) if k < 0 else (self.watched[k], begin + time)
 
-    def _values(self, states: Floats) -> Floats:
-        own = guards_of(self._eq, self.mode)
-        values = guard_values(self._eq, self.mode, own, self._eq.terms(states, self._p))
-        if self._section is None:
-            return values
-        return np.vstack([values, self._section.values(states, self._p)])
-
 
 @lru_cache(maxsize=1024)
 def _begun(
@@ -418,7 +417,27 @@ def _begun(
     return guards, _orders(starts), _before(starts)
 
 
-def started(here: Local, touch: Touch, guard: int) -> GuardStart:
-    """How a guard begins, where an event has made some of its derivatives zero."""
-    order = touch.order(here.eq.slips, here.mode, guard)
-    return GuardStart(order, here.jet(guard) if order else ())
+def starts_of(here: Local, touch: Touch, *, on_section: bool) -> dict[int, GuardStart]:
+    """How all guards of a phase begin, where an event has made some of their derivatives zero."""
+    found = dict[int, GuardStart]()
+    for guard in guards_of(here.eq, here.mode):
+        order = touch.order(here.eq.slips, here.mode, guard)
+        found[guard] = GuardStart(order, here.jet(guard) if order else ())
+    if here.section is not None:
+        guard = SECTION * here.eq.m
+        jet = here.jet(guard, 1) if on_section else ()
+        found[guard] = GuardStart(int(on_section), jet, True)
+    return found
+
+
+def watching(here: Local) -> Watched:
+    """All guards of a phase as a function of many states."""
+    own = guards_of(here.eq, here.mode)
+
+    def values(states: Floats) -> Floats:
+        found = guard_values(here.eq, here.mode, own, here.eq.terms(states, here.p))
+        if here.section is None:
+            return found
+        return np.vstack([found, here.section.values(states, here.p)])
+
+    return values

@@ -34,12 +34,13 @@ from woodpecker.systems.modes import (
     STICK,
     Local,
     Mode,
+    SectionGuard,
     Touch,
     resting_mode,
     settle,
     team_of,
 )
-from woodpecker.systems.sections import Embedding, SectionGuard
+from woodpecker.systems.sections import Embedding
 
 EVENTS_MOST = 2000  # of one return, unless a caller says otherwise
 STEPS_MOST = 20_000  # of one phase of one return
@@ -323,8 +324,7 @@ class MotionSearch:
         """The guard that fires first in a phase, when, and the state there."""
         if most <= 0.0:
             return TIME, 0.0, z
-        embedding = self.embedding
-        section = embedding.guard if embedding and embedding.counts(mode) else None
+        section = self.embedding.guard_in(mode) if self.embedding else None
         flow = self.machine.flow(mode, section=section)
         phase = Phase(self.eq, mode, z, self.p, flow, touch, section, on_section=on_section)
         t, step, keeps = 0.0, None, keeps and self.keeps
@@ -350,23 +350,13 @@ class MotionSearch:
         z, _ = step.exact(t - begin)
         if phase.width == 0.0:
             return t, z
-        here = Local(self.eq, phase.mode, z, self.p)
-        value, rate = self.value_and_rate(here, guard)
+        value, rate = Local(self.eq, phase.mode, z, self.p, phase.section).jet(guard, 1)
         if begin == 0.0:
             value -= float(phase.starts[phase.watched.index(guard)].noise(np.array(t)))
         if rate < 0.0 and abs(value) < POLISHED * phase.width * -rate:
             t -= value / rate
             z, _ = step.exact(t - begin)
         return t, z
-
-    def value_and_rate(self, here: Local, guard: int) -> tuple[float, float]:
-        """Those of a guard, also of the section's."""
-        if guard == SECTION * self.eq.m:
-            assert self.embedding is not None
-            assert self.embedding.guard is not None
-            return self.embedding.guard.jet(here)
-        value, rate = here.jet(guard, 1)
-        return value, rate
 
     # --- Events -----------------------------------------------------------------------------------
 

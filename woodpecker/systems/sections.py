@@ -14,7 +14,7 @@ from woodpecker.base.checks import number, positive
 from woodpecker.base.shown import shown
 from woodpecker.systems.equations import Equations, Function
 from woodpecker.systems.model import ContactSystem, expression, names
-from woodpecker.systems.modes import STICK, Local, Touch
+from woodpecker.systems.modes import STICK, SectionGuard, Touch
 
 HORIZON = 1e4  # of one return [s] unless a section says otherwise
 SAMPLES = 5  # random points at which an expression is tried for being zero
@@ -229,39 +229,9 @@ class Embedding:
         """Which coordinate is time."""
         return self.section.free.index(self.eq.system.time)
 
-    def counts(self, mode: Sequence[int]) -> bool:
-        """Whether the event counts in a mode."""
-        return self.guard is not None and all(mode[i] == STICK for i in self.sticking)
-
-
-class SectionGuard:
-    """An expression that rises through zero, as a guard that falls."""
-
-    def __init__(self, eq: Equations, when: sympy.Expr) -> None:
-        a = sympy.symbols(f"_a:{eq.n}")
-        system = eq.system
-        flow = (*system.u, *a, sympy.Integer(1)) if system.u is not None else ()
-        value = -when
-        rate = sum(value.diff(s) * v for s, v in zip(system.state, flow, strict=True))
-        both = sympy.Matrix([value, rate])
-        self._function = eq.function([both.jacobian(eq.along), both.jacobian(a)], a)
-        self._values = eq.function([both], a)
-        self._value = eq.function([sympy.Matrix([value])])
-        self.when = when
-
-    def values(self, z: Floats, p: Floats) -> Floats:
-        """Values (b,) at states (b, N)."""
-        return self._value.batch(z, p)[:, 0]
-
-    def jet(self, here: Local) -> tuple[float, float]:
-        """Value and rate."""
-        value, rate = self._values(here.z, here.p, here.balance.a)[0][:, 0].tolist()
-        return value, rate
-
-    def gradients(self, here: Local) -> tuple[Floats, Floats]:
-        """Derivatives (columns,) of value and rate."""
-        along, per_a = self._function(here.z, here.p, here.balance.a)
-        return along[0], along[1] + per_a[1] @ here.changes[0]
+    def guard_in(self, mode: Sequence[int]) -> SectionGuard | None:
+        """The guard of the section, if its event is no impact and counts in a mode."""
+        return self.guard if all(mode[i] == STICK for i in self.sticking) else None
 
 
 def touching(eq: Equations, z: Floats, p: Floats, rounding: float) -> tuple[Touch, list[int]]:

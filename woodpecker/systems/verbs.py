@@ -246,11 +246,11 @@ def return_map(
 
 
 def points_of(map_: SystemMap, name: str, given: npt.ArrayLike) -> Floats:
-    """Points (m, d)."""
+    """Points (s, d)."""
     points = real_array(name, given)
     points = points.reshape(-1, 1) if points.ndim < 2 and map_.d == 1 else np.atleast_2d(points)
     if points.ndim != 2 or points.shape[1] != map_.d:
-        raise ValueError(f"{name} must have shape (m, {map_.d}), got {points.shape}")
+        raise ValueError(f"{name} must have shape (s, {map_.d}), got {points.shape}")
     return points
 
 
