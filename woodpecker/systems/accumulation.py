@@ -31,26 +31,16 @@ SOLVED = 4  # iterations of Newton's method for a cubic, from the root of its qu
 
 
 class Tail(NamedTuple):
-    """Where impacts end that accumulate.
+    """Where impacts end that accumulate."""
 
-    Attributes
-    ----------
-    z, tangents
-        The state (N,) and its derivatives (N, columns).
-    touch
-        What touches.
-    group, struck
-        The contacts that have closed, ascending; all that have struck.
-    is_open
-        Whether the contact laws have left impulses open.
-    """
-
+    # the state (N,) and its derivatives (N, columns)
     z: Floats
     tangents: Floats
-    touch: Touch
+    touch: Touch  # what touches
+    # the contacts that have closed, ascending; all that have struck
     group: tuple[int, ...]
     struck: frozenset[int]
-    is_open: bool
+    is_open: bool  # whether the contact laws have left impulses open
 
 
 def tail_of(

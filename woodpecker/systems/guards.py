@@ -51,21 +51,11 @@ Watched = Callable[[Floats], Floats]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GuardStart:
-    """How a guard begins.
+    """How a guard begins."""
 
-    Attributes
-    ----------
-    order
-        How many derivatives, from the value on, are exactly zero.
-    jet
-        Its derivatives as computed, those included.
-    is_section
-        Whether it is that of a section, which may be negative: it fires only as it falls through
-        zero.
-    """
-
-    order: int
-    jet: Sequence[float] = ()
+    order: int  # how many derivatives, from the value on, are exactly zero
+    jet: Sequence[float] = ()  # its derivatives as computed, those included
+    # whether it is that of a section, which may be negative: it fires only as it falls through zero
     is_section: bool = False
 
     def noise(self, t: Floats) -> Floats:
@@ -110,25 +100,14 @@ class GuardStart:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Series:
-    """A guard over an interval of a phase, as a Chebyshev series.
+    """A guard over an interval of a phase, as a Chebyshev series."""
 
-    Attributes
-    ----------
-    low, high
-        The interval, in time from the start of the phase.
-    c
-        The coefficients; of the guard over t**order.
-    order
-        As above; 0 unless the interval begins where the phase does.
-    at_once
-        Whether it fires where it begins at zero or below, and falls.
-    """
-
+    # the interval, in time from the start of the phase
     low: float
     high: float
-    c: Floats
-    order: int = 0
-    at_once: bool = False
+    c: Floats  # the coefficients; of the guard over t**order
+    order: int = 0  # as above; 0 unless the interval begins where the phase does
+    at_once: bool = False  # whether it fires where it begins at zero or below, and falls
 
     def __call__(self, t: float) -> float:
         """Its value, divided."""
@@ -229,28 +208,15 @@ class Least:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Power:
-    """A guard over a step of a phase, as a power series in the time from its start.
+    """A guard over a step of a phase, as a power series in the time from its start."""
 
-    Attributes
-    ----------
-    low, high
-        The step, in time from the start of the phase.
-    c
-        The coefficients in units of the step's length; of the guard over t**order.
-    order
-        As above; 0 unless the step begins where the phase does.
-    b
-        The same polynomial's Bernstein coefficients.
-    at_once
-        Whether it fires where it begins at zero or below, and falls.
-    """
-
+    # the step, in time from the start of the phase
     low: float
     high: float
-    c: Floats
-    order: int
-    b: Floats
-    at_once: bool = False
+    c: Floats  # the coefficients in units of the step's length; of the guard over t**order
+    order: int  # as above; 0 unless the step begins where the phase does
+    b: Floats  # the same polynomial's Bernstein coefficients
+    at_once: bool = False  # whether it fires where it begins at zero or below, and falls
 
     def __call__(self, t: float) -> float:
         """Its value, divided."""

@@ -18,7 +18,7 @@ equations.
 
 from __future__ import annotations
 
-from collections.abc import Set
+from collections.abc import Iterator, Set
 from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
@@ -64,27 +64,14 @@ class Outcome(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Impact:
-    """What is decided at an impact; with it, the impact is a smooth map.
+    """What is decided at an impact; with it, the impact is a smooth map."""
 
-    Attributes
-    ----------
-    contacts
-        Those that take part, ascending.
-    compression
-        Their cases; twice, if it is indeterminate: both ends of the segment of solutions.
-    expansion
-        Their cases; none without an expansion.
-    stores
-        Contacts that have impulse to give back in the expansion.
-    rebounds
-        Contacts whose gap rate Newton's law reverses.
-    """
-
-    contacts: tuple[int, ...]
+    contacts: tuple[int, ...]  # those that take part, ascending
+    # their cases; twice, if it is indeterminate: both ends of the segment of solutions
     compression: tuple[Cases, ...]
-    expansion: Cases = ()
-    stores: tuple[int, ...] = ()
-    rebounds: tuple[int, ...] = ()
+    expansion: Cases = ()  # their cases; none without an expansion
+    stores: tuple[int, ...] = ()  # contacts that have impulse to give back in the expansion
+    rebounds: tuple[int, ...] = ()  # contacts whose gap rate Newton's law reverses
 
     @property
     def last(self) -> Cases:
@@ -130,48 +117,22 @@ class Impact:
 
 
 class ImpactPhase(NamedTuple):
-    """One phase of an impact of c contacts as a problem in the normal form above.
+    """One phase of an impact of c contacts as a problem in the normal form above."""
 
-    Attributes
-    ----------
-    delassus
-        (2c, 2c) W M^-1 W^T, normals first.
-    free
-        (2c,) velocities that would be left without impulses.
-    bound
-        (c, c) mu F.
-    floor
-        (c,) least normal impulses.
-    rubs
-        (c,) which contacts have friction.
-    """
-
-    delassus: Floats
-    free: Floats
-    bound: Floats
-    floor: Floats
-    rubs: tuple[bool, ...]
+    delassus: Floats  # (2c, 2c) W M^-1 W^T, normals first
+    free: Floats  # (2c,) velocities that would be left without impulses
+    bound: Floats  # (c, c) mu F
+    floor: Floats  # (c,) least normal impulses
+    rubs: tuple[bool, ...]  # (c,) which contacts have friction
 
 
 class Decision(NamedTuple):
-    """What a contact problem of an impact comes to.
+    """What a contact problem of an impact comes to."""
 
-    Attributes
-    ----------
-    outcome
-        Whether it is solved.
-    impact
-        Its cases; None if it is not.
-    u
-        (n,) velocities afterwards.
-    impulses
-        (2, 2, m) normal and tangential impulses of compression and expansion.
-    """
-
-    outcome: Outcome
-    impact: Impact | None
-    u: Floats
-    impulses: Floats
+    outcome: Outcome  # whether it is solved
+    impact: Impact | None  # its cases; None if it is not
+    u: Floats  # (n,) velocities afterwards
+    impulses: Floats  # (2, 2, m) normal and tangential impulses of compression and expansion
 
 
 def decide(
@@ -376,66 +337,47 @@ def solved(matrix: Floats, right: Floats) -> Floats:
 
 
 class Struck(NamedTuple):
-    """A state after an impact.
+    """A state after an impact."""
 
-    Attributes
-    ----------
-    z, tangents
-        The state (N,) and its derivatives (N, columns).
-    slacks, gradients, items
-        Of all strict inequalities (s,), their derivatives (s, columns), and what they are: the
-        phase (0 compression, 1 its second end, 2 expansion) * 4m + 4 * contact + which.
-    impulses
-        (2, 2, m) normal and tangential impulses of compression and expansion.
-    """
-
-    z: Floats
-    tangents: Floats
+    z: Floats  # the state (N,)
+    tangents: Floats  # and its derivatives (N, columns)
+    # of all strict inequalities (s,), their derivatives (s, columns), and what they are: the phase
+    # (0 compression, 1 its second end, 2 expansion) * 4m + 4 * contact + which
     slacks: Floats
     gradients: Floats
     items: list[int]
-    impulses: Floats
 
 
 NORMAL_SIDE, ALONG, CONE_PLUS, CONE_MINUS = range(4)  # the inequalities of a contact
 
 
-def carry_out(
-    eq: Equations, impact: Impact, z: Floats, p: Floats, tangents: Floats | None = None
-) -> Struck:
-    """The state after an impact with its cases prescribed; derivatives if tangents are given."""
-    if tangents is None:
-        tangents = np.zeros((eq.size, 0))
-    c, columns = len(impact.contacts), tangents.shape[1]
-    none, nothing = np.zeros(c), np.zeros((c, columns))
-    slacks, items = list[Floats](), list[int]()
-    impulses = np.zeros((2, 2, eq.m))
+def carry_out(eq: Equations, impact: Impact, z: Floats, p: Floats, tangents: Floats) -> Struck:
+    """The state after an impact with its cases prescribed, and its derivatives."""
+    contacts, c, columns = impact.contacts, len(impact.contacts), tangents.shape[1]
+    none = np.zeros(c), np.zeros((c, columns))
     ends = [
-        _carry(eq, impact.contacts, cases, z, p, tangents, (none, nothing), expands=False)
+        _carry(eq, contacts, cases, z, p, tangents, none, expands=False)
         for cases in impact.compression
     ]
-    for side, (end, cases) in enumerate(zip(ends, impact.compression, strict=True)):
-        _slacks(eq, impact.contacts, cases, end, side, (slacks, items))
+    rows = [
+        row
+        for side, (end, cases) in enumerate(zip(ends, impact.compression, strict=True))
+        for row in _slacks(eq, contacts, cases, end, side)
+    ]
     z, tangents, impulse, change = (
         np.mean(part, axis=0) for part in zip(*(end[:4] for end in ends), strict=True)
     )
-    impulses[0][:, impact.contacts] = impulse.reshape(2, c)
     if impact.expansion:
-        terms = eq.terms(z, p)
-        eps = terms.eps[list(impact.contacts)]
+        at = list(contacts)
+        eps = eq.terms(z, p).eps[at]
         d_eps = eq.impact_changes(z, p, z[eq.n : 2 * eq.n], *np.zeros((2, eq.m)))[5]
-        d_floor = eps[:, None] * change[:c] + impulse[:c, None] * total(
-            eq, d_eps[list(impact.contacts)], tangents
-        )
-        end = _carry(
-            eq, impact.contacts, impact.expansion, z, p, tangents, (eps * impulse[:c], d_floor),
-            expands=True,
-        )  # fmt: skip
-        _slacks(eq, impact.contacts, impact.expansion, end, 2, (slacks, items))
-        z, tangents, impulse, _ = end[:4]
-        impulses[1][:, impact.contacts] = impulse.reshape(2, c)
-    rows = np.array(slacks).reshape(-1, 1 + columns)
-    return Struck(z, tangents, rows[:, 0], rows[:, 1:], items, impulses)
+        d_floor = eps[:, None] * change[:c] + impulse[:c, None] * total(eq, d_eps[at], tangents)
+        floor = eps * impulse[:c], d_floor
+        end = _carry(eq, contacts, impact.expansion, z, p, tangents, floor, expands=True)
+        rows += _slacks(eq, contacts, impact.expansion, end, 2)
+        z, tangents = end.z, end.tangents
+    found = np.array([row for row, _ in rows]).reshape(-1, 1 + columns)
+    return Struck(z, tangents, found[:, 0], found[:, 1:], [item for _, item in rows])
 
 
 class _End(NamedTuple):
@@ -473,10 +415,6 @@ def _carry(
     after[n : 2 * n] = new
     rate, slip, cone = w_n @ new + hat_n, w_t @ new + hat_t, bound @ impulse[:c]
     sides = _sides(rests, sign, (impulse[:c] - floor[0], rate, slip), cone, impulse[c:])
-    columns = tangents.shape[1]
-    if not columns:
-        nothing = np.zeros((2 * c, 0))
-        return _End(after, tangents, impulse, nothing, sides, np.zeros((4, c, 0)))
     l_n, l_t = np.zeros((2, eq.m))
     l_n[at], l_t[at] = impulse[:c], impulse[c:]
     kick, d_rate, d_slip, d_kept, d_mu = _partial(eq, z, p, (new, l_n, l_t), tangents, at)
@@ -548,14 +486,13 @@ def total(eq: Equations, change: Floats, tangents: Floats) -> Floats:
 
 
 def _slacks(
-    eq: Equations, contacts: tuple[int, ...], cases: Cases, end: _End, side: int,
-    into: tuple[list[Floats], list[int]],
-) -> None:  # fmt: skip
-    """Collect the strict inequalities of a phase."""
+    eq: Equations, contacts: tuple[int, ...], cases: Cases, end: _End, side: int
+) -> Iterator[tuple[Floats, int]]:
+    """The strict inequalities of a phase (1 + columns,), and what they are."""
     for k, (i, case) in enumerate(zip(contacts, cases, strict=True)):
         which = [NORMAL_SIDE]
         if eq.rubs[i]:
             which += [CONE_PLUS, CONE_MINUS] if case % 3 == HOLD else [ALONG]
         for each in which:
-            into[0].append(np.append(end.sides[each, k], end.turns[each, k]))
-            into[1].append(4 * (eq.m * side + i) + each)
+            row = np.append(end.sides[each, k], end.turns[each, k])
+            yield row, 4 * (eq.m * side + i) + each

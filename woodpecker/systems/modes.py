@@ -374,23 +374,12 @@ class Local:
 
 @dataclass(frozen=True, slots=True)
 class Touch:
-    """What an event leaves: the contacts that touch and stay, and what is exactly zero.
+    """What an event leaves: the contacts that touch and stay, and what is exactly zero."""
 
-    Attributes
-    ----------
-    closed
-        Contacts with zero gap and zero gap rate.
-    held
-        Those of them whose slip is exactly zero.
-    leaving
-        Contacts with zero gap that open.
-    fired
-        The guard that brought us here; -1: none that leaves a zero on acceleration level.
-    """
-
-    closed: frozenset[int]
-    held: frozenset[int] = frozenset()
-    leaving: frozenset[int] = frozenset()
+    closed: frozenset[int]  # contacts with zero gap and zero gap rate
+    held: frozenset[int] = frozenset()  # those of them whose slip is exactly zero
+    leaving: frozenset[int] = frozenset()  # contacts with zero gap that open
+    # the guard that brought us here; -1: none that leaves a zero on acceleration level
     fired: int = -1
 
     def order(self, slips: Sequence[int], mode: Mode, guard: int) -> int:

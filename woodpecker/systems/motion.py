@@ -91,25 +91,15 @@ _OF_OUTCOME = {
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """One phase of a path, and the event that begins it.
+    """One phase of a path, and the event that begins it."""
 
-    Attributes
-    ----------
-    impact
-        The impact that it begins with, if any.
-    closes, lap
-        The contacts at which impacts have accumulated then; how many of the phases before are
-        repeated until they do.
-    touch
-        What touches where it begins.
-    mode, guard
-        The states of the contacts, and which guard ends it.
-    """
-
-    impact: Impact | None
+    impact: Impact | None  # the impact that it begins with, if any
+    # the contacts at which impacts have accumulated then; how many of the phases before are
+    # repeated until they do
     closes: tuple[int, ...]
     lap: int
-    touch: Touch
+    touch: Touch  # what touches where it begins
+    # the states of the contacts, and which guard ends it
     mode: Mode
     guard: int
 
@@ -196,31 +186,18 @@ class Machine:
 
 @dataclass(slots=True, eq=False)
 class Run:
-    """A motion as it was found.
+    """A motion as it was found."""
 
-    Attributes
-    ----------
-    z
-        The state that was reached.
-    status
-        Why it ended.
-    legs, durations
-        Its phases.
-    last
-        The impact that it ended with, on a section of impacts.
-    symbols, events
-        What happened; equal bounces that accumulate are one symbol. Descriptions only if asked for.
-    steps
-        Where each step began [s], and the step, if they are kept.
-    """
-
-    z: Floats
-    status: MotionStatus = MotionStatus.EVENT_LIMIT
+    z: Floats  # the state that was reached
+    status: MotionStatus = MotionStatus.EVENT_LIMIT  # why it ended
+    # its phases
     legs: list[Leg] = field(default_factory=list)
     durations: list[float] = field(default_factory=list)
-    last: Impact | None = None
+    last: Impact | None = None  # the impact that it ended with, on a section of impacts
+    # what happened; equal bounces that accumulate are one symbol. Descriptions only if asked for
     symbols: list[str] = field(default_factory=list)
     events: list[MotionEvent] = field(default_factory=list)
+    # where each step began [s], and the step, if they are kept
     steps: list[tuple[float, Step]] = field(default_factory=list)
 
 

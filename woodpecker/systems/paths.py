@@ -40,11 +40,7 @@ from woodpecker.systems.guards import (
     starts_of,
     watching,
 )
-from woodpecker.systems.impacts import (
-    ALONG,
-    Impact,
-    carry_out,
-)
+from woodpecker.systems.impacts import ALONG, Impact, carry_out, total
 from woodpecker.systems.modes import (
     GAP,
     NORMAL,
@@ -72,24 +68,13 @@ NOTHING = 1e-14  # a margin that is smaller than this with all its derivatives i
 
 @dataclass(frozen=True, slots=True)
 class MotionPath:
-    """What happens in a return.
+    """What happens in a return."""
 
-    Attributes
-    ----------
-    legs
-        The phases, with the events that begin them. Of impacts that accumulate one lap is left.
-    last
-        The impact that it ends with, on a section of impacts.
-    turns
-        By how many periods time has gone on.
-    word
-        For people; it is no part of what tells paths apart.
-    """
-
+    # the phases, with the events that begin them. Of impacts that accumulate one lap is left
     legs: tuple[Leg, ...]
-    last: Impact | None
-    turns: int
-    word: str = field(compare=False)
+    last: Impact | None  # the impact that it ends with, on a section of impacts
+    turns: int  # by how many periods time has gone on
+    word: str = field(compare=False)  # for people; it is no part of what tells paths apart
 
 
 def path_of(run: Run, turns: int) -> tuple[MotionPath, Floats]:
@@ -101,27 +86,15 @@ def path_of(run: Run, turns: int) -> tuple[MotionPath, Floats]:
 
 
 class FollowedPath(NamedTuple):
-    """A return along a path, with derivatives in the point and in free parameters.
+    """A return along a path, with derivatives in the point and in free parameters."""
 
-    Attributes
-    ----------
-    value, jacobian
-        (d,) and (d, d + k).
-    margins, gradients, codes
-        (s,), (s, d + k), (s,) ascending.
-    times
-        Durations of the phases.
-    z
-        The state that is reached.
-    """
-
-    value: Floats
-    jacobian: Floats
-    margins: Floats
-    gradients: Floats
-    codes: Ints
-    times: Floats
-    z: Floats
+    value: Floats  # (d,)
+    jacobian: Floats  # (d, d + k)
+    margins: Floats  # (s,)
+    gradients: Floats  # (s, d + k)
+    codes: Ints  # (s,) ascending
+    times: Floats  # durations of the phases
+    z: Floats  # the state that is reached
 
 
 class NoRootError(Exception):
@@ -197,11 +170,7 @@ class Following:
 
     def _total(self, gradient: Floats, tangents: Floats) -> Floats:
         """A derivative (columns,) in state and parameters, along the tangents of a state."""
-        found = gradient[: self.eq.size] @ tangents
-        k = len(self.eq.free)
-        if k:
-            found[-k:] += gradient[self.eq.size :]
-        return np.asarray(found)
+        return np.asarray(total(self.eq, gradient[None], tangents)[0])
 
     # --- Events -----------------------------------------------------------------------------------
 
@@ -262,9 +231,7 @@ class Following:
         t, left = self._root(steps, leg, starts, near)
         z, changes = steps.exact(t)
         there = self._local(leg, z)
-        tangents = changes[:, : eq.size] @ self._tangents
-        if eq.free:
-            tangents[:, -len(eq.free) :] += changes[:, eq.size :]
+        tangents = total(eq, changes, self._tangents)
         length = steps.first.length
         start = starts[leg.guard]
         delay = self._fired_margins(there, leg, k, t, start, tangents, length, left)
@@ -539,9 +506,7 @@ class Following:
     ) -> None:
         z, changes = steps.exact(t)
         here, eq = self._local(leg, z), self.eq
-        tangents = changes[:, : eq.size] @ self._tangents
-        if eq.free:
-            tangents[:, -len(eq.free) :] += changes[:, eq.size :]
+        tangents = total(eq, changes, self._tangents)
         value = here.derivative(guard, 0)
         gradient, _ = self._gradients(here, guard, tangents)
         item = guard + (0 if sign > 0.0 else 1)

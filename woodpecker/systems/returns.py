@@ -164,21 +164,11 @@ class SystemMap:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SystemPiece:
-    """Returns along one path.
+    """Returns along one path."""
 
-    Attributes
-    ----------
-    whole
-        The map that it belongs to.
-    path
-        What happens.
-    times
-        Durations of its phases where it was met last.
-    """
-
-    whole: SystemMap
-    path: MotionPath
-    times: Floats = field(repr=False)
+    whole: SystemMap  # the map that it belongs to
+    path: MotionPath  # what happens
+    times: Floats = field(repr=False)  # durations of its phases where it was met last
 
     @property
     def key(self) -> Hashable:
