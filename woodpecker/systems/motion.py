@@ -8,9 +8,10 @@ up the new index sets. What happened is recorded as a path, along which derivati
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence, Set
+from collections.abc import Sequence, Set
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import cache, partial
 from importlib.util import find_spec
 
 import numpy as np
@@ -149,16 +150,15 @@ class Machine:
         self.backend = Backend(backend)
         self.eq = Equations(system, free)
         self._flows: dict[tuple[Mode, bool, SectionGuard | None], Flow] = {}
-        self._made: dict[Mode, Callable[[Floats, Floats], Floats]] = {}
         time = system.time
         parts = [*system.M, *system.h, *(c.gap for c in system.contacts)]
         parts += [c.slip for c in system.contacts if c.slip is not None]
         self.is_autonomous = not any(part.has(time) for part in parts)
 
         if self.backend is Backend.TAYLOR:
-            from woodpecker.systems.taylor import terms_function
+            from woodpecker.systems.taylor import jets, terms_function
 
-            self.eq.jets, self.eq.compiled = self._jets, terms_function(self.eq)
+            self.eq.jets, self.eq.compiled = cache(partial(jets, self.eq)), terms_function(self.eq)
 
     def flow(
         self, mode: Mode, *, varies: bool = False, section: SectionGuard | None = None
@@ -174,14 +174,6 @@ class Machine:
             else:
                 self._flows[key] = RungeFlow(self.eq, mode, varies=varies)
         return self._flows[key]
-
-    def _jets(self, mode: Mode) -> Callable[[Floats, Floats], Floats]:
-        """Accelerations, forces and guards of a mode, compiled."""
-        if mode not in self._made:
-            from woodpecker.systems.taylor import jets
-
-            self._made[mode] = jets(self.eq, mode)
-        return self._made[mode]
 
 
 @dataclass(slots=True, eq=False)

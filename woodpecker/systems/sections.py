@@ -13,11 +13,10 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number, positive
 from woodpecker.base.shown import shown
 from woodpecker.systems.equations import Equations, Function
-from woodpecker.systems.model import ContactSystem, expression, names
+from woodpecker.systems.model import ContactSystem, expression, names, vanishes
 from woodpecker.systems.modes import STICK, SectionGuard, Touch
 
 HORIZON = 1e4  # of one return [s] unless a section says otherwise
-SAMPLES = 5  # random points at which an expression is tried for being zero
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -128,7 +127,7 @@ class Embedding:
             [np.array([section.period or zero, *(
                 (section.period or zero).diff(s) for s in eq.along[eq.size :])], dtype=object)],
         )  # fmt: skip
-        self.touch = self._touching(symbols)
+        self.touch = self._touching()
         self.guard = None if self.contact >= 0 else SectionGuard(eq, section.when)
 
     def _check(self, system: ContactSystem) -> None:
@@ -154,35 +153,20 @@ class Embedding:
             for other in sorted(section.period.free_symbols - parameters, key=str):
                 raise ValueError(f"period has {other}, which is no parameter")
 
-    def _touching(self, symbols: Sequence[sympy.Symbol]) -> Touch:
+    def _touching(self) -> Touch:
         """Contacts that touch at every point of the section."""
-        system, rng = self.eq.system, np.random.default_rng(7)
         closed, held, leaving = set[int](), set[int](), set[int]()
-        assert system.u is not None
-        for i, each in enumerate(system.contacts):
-            rate = sum(
-                each.gap.diff(q) * u for q, u in zip(system.q, system.u, strict=True)
-            ) + each.gap.diff(system.time)
-            if not self._vanishes(each.gap, symbols, rng):
+        gaps, rates, slips = self.eq.kinematics
+        for i in range(self.eq.m):
+            if not vanishes(gaps[i].subs(self._at)):
                 continue
-            if not self._vanishes(sympy.sympify(rate), symbols, rng):
+            if not vanishes(rates[i].subs(self._at)):
                 leaving.add(i)
                 continue
             closed.add(i)
-            if each.rubs and self._vanishes(each.slip, symbols, rng):
+            if self.eq.rubs[i] and vanishes(slips[i].subs(self._at)):
                 held.add(i)
         return Touch(frozenset(closed), frozenset(held), frozenset(leaving))
-
-    def _vanishes(
-        self, value: sympy.Expr, symbols: Sequence[sympy.Symbol], rng: np.random.Generator
-    ) -> bool:
-        """Whether an expression is zero all over the section."""
-        there = value.subs(self._at)
-        if there == 0:
-            return True
-        tried = sympy.lambdify(symbols, there, modules="numpy")
-        points = rng.uniform(0.5, 1.5, (SAMPLES, len(symbols)))
-        return all(abs(complex(tried(*point))) < 1e-9 for point in points)
 
     def state(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
         """The state (N,) of a point, and its derivatives (N, d + k)."""
