@@ -451,7 +451,7 @@ def systems(results: All) -> str:
         [f"Den Hartog's oscillator, {friction['frequencies']} frequencies", "amplitude without stops",
          number(friction["largest_difference"])],
         ["Den Hartog's oscillator", "amplitude with two stops", number(friction["with_stops"])],
-        ["Den Hartog's oscillator", "where stops begin, by continuation", number(friction["border"])],
+        ["Den Hartog's oscillator", "where stops begin, a change of word on its branch", number(friction["border"])],
         ["ball on a vibrating table", "motion of one bounce closes", number(table["closes"])],
         ["ball on a vibrating table", "its fold, by continuation", number(table["fold"])],
         ["ball on a vibrating table", "its flip, by continuation", number(table["flip"])],

@@ -77,11 +77,11 @@ def _locked(values: Sequence[float] | FloatArray, dtype: type) -> npt.NDArray[np
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A part of a branch with one word, from the sample ``first`` to the next; see :class:`Branch`.
+    """A part of a branch with one word, up to where the next begins; see :class:`Branch`.
 
-    ``cause`` is a sentence on what happens where it begins, empty at the start of a branch;
-    ``exact`` holds sympy expressions by name, such as ``{"x": r/(a + 1)}``, and is empty for the
-    toy.
+    ``first`` is its first sample, where a word changes that at the border; ``cause`` is a sentence
+    on what happens where it begins, empty at the start of a branch; ``exact`` holds sympy
+    expressions by name, such as ``{"x": r/(a + 1)}``, and is empty for the toy.
     """
 
     first: int

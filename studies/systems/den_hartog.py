@@ -30,7 +30,7 @@ from matplotlib.figure import Figure
 
 from pwmap import Diagram
 from studies.common.record import Results, command
-from studies.common.style import GREY, RED, STABLE, canvas, keep
+from studies.common.style import RED, STABLE, canvas, keep
 from woodpecker.base.arrays import Floats
 from woodpecker.systems import (
     Contact,
@@ -139,8 +139,8 @@ def followed(w: float) -> Diagram:
 def border(found: Diagram) -> tuple[float, str]:
     """Where stops begin on that branch, and what happens there."""
     (branch,) = found.branches
-    change = branch.words[1]
-    return float(branch.parameter[change.first - 1]), change.cause
+    (change,) = branch.changes
+    return float(branch.parameter[change.first]), change.cause
 
 
 def main(fast: bool = False, out: Path | None = None) -> Results:
@@ -168,20 +168,21 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
     frictions = np.linspace(stops_from(slow), 0.9, 4 if fast else 14)[1:]
     stopping = np.array([amplitude(slow, each) for each in frictions])
     known = np.array([amplitude_with_stops(slow, each) for each in frictions])
+    place, _ = border(followed(slow))
     if out is not None:
-        keep(draw((w, found, exact), (frictions, stopping, known), slow),
+        keep(draw((w, found, exact), (frictions, stopping, known), slow, place),
              out / "system_den_hartog.png")  # fmt: skip
     return {
         "frequencies": len(w), "largest_difference": float(np.abs(found - exact).max()),
         "with_stops": float(np.abs(stopping - known).max()),
-        "border": abs(border(followed(slow))[0] - stops_from(slow)),
+        "border": abs(place - stops_from(slow)),
     }  # fmt: skip
 
 
 Three = tuple[Floats, Floats, Floats]
 
 
-def draw(over_w: Three, over_f: Three, slow: float) -> Figure:
+def draw(over_w: Three, over_f: Three, slow: float, place: float) -> Figure:
     """Amplitudes over the frequency, and over the friction through the border."""
     figure, (left, right) = canvas(3.6, columns=2)
     w, found, exact = over_w
@@ -190,15 +191,16 @@ def draw(over_w: Three, over_f: Three, slow: float) -> Figure:
     left.set(xlabel="$w$", ylabel="amplitude at $f = 0.2$", yscale="log")
     f, stopping, known = over_f
     free = np.linspace(0.0, stops_from(slow), 40)
-    right.plot(free, [exact_amplitude(slow, each) for each in free], color=STABLE)
+    right.plot(free, [exact_amplitude(slow, each) for each in free], color=STABLE,
+               label="no stops")  # fmt: skip
     right.plot([free[-1], *f], [exact_amplitude(slow, free[-1]), *known], "--", color=STABLE,
-               label="thirty digits")  # fmt: skip
+               label="two stops")  # fmt: skip
     right.plot(f, stopping, "o", color=RED, mfc="none", markersize=4)
-    right.axvline(free[-1], color=GREY, linewidth=0.8)
-    right.text(free[-1], 0.06, "with stops ", transform=right.get_xaxis_transform(), rotation=90)
+    right.plot(place, exact_amplitude(slow, place), "|", color="black", markersize=14,
+               label="change of word")  # fmt: skip
     right.set(xlabel="$f$", ylabel=f"amplitude at $w = {slow}$")
     left.legend()
-    right.legend(loc="upper right")
+    right.legend(loc="lower left")
     return figure
 
 

@@ -83,11 +83,11 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         ax.plot(
             walk.parameter[:first], known[:, 0], "o", color=RED, mfc="none", label="closed form"
         )
-        ax.axvline(walk.parameter[first - 1], color=GREY, label="the foot slips from here on")
+        ax.axvline(walk.parameter[first], color=GREY, label="the foot slips from here on")
         ax.set(xlabel=r"slope $\gamma$", ylabel=r"speed $\omega$ after a step")
         ax.legend()
         keep(figure, out / "system_rimless_wheel.png")
-    return {"speed": off[0], "multiplier": off[1], "slips_from": float(walk.parameter[first - 1])}
+    return {"speed": off[0], "multiplier": off[1], "slips_from": float(walk.parameter[first])}
 
 
 if __name__ == "__main__":

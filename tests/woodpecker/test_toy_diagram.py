@@ -162,7 +162,7 @@ def test_fixed_points_are_fixed(law: ExpansionFriction) -> None:
         for branch in diagram.branches:
             if branch.kind is BranchKind.FIXED_POINT and len(branch) > 2:
                 # on a border rounding says which of two pieces is taken, with which slope
-                borders = {word.first - 1 for word in branch.words}
+                borders = {word.first for word in branch.words}
                 inside = [k for k in range(1, len(branch) - 1) if k not in borders]
                 for p, x in zip(branch.parameter[inside[::7]], branch.x[inside[::7]], strict=True):
                     toy = Toy(eps_n1=float(p), expansion_friction=law)

@@ -368,14 +368,14 @@ class _Placed:
 
 
 def _words(found: Trace) -> list[Stretch]:
-    """Where the words of a branch begin, with what happens there; a border has those before it."""
+    """Where the words of a branch begin, at a border, with what happens there."""
     stretches = [Stretch(0, found.begin.sample.orbit.word)]
     for change in found.changes:
-        first = change.sample + 1
-        if first < len(found.samples):
+        first, beyond = max(change.sample, 1), change.sample + 1
+        if beyond < len(found.samples):
             if stretches[-1].first == first:  # two changes within a step: it has the last word
                 stretches.pop()
-            stretches.append(Stretch(first, found.samples[first].orbit.word, change.cause))
+            stretches.append(Stretch(first, found.samples[beyond].orbit.word, change.cause))
     return stretches
 
 

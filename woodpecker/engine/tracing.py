@@ -61,7 +61,7 @@ MOST_ARCS = 2000  # of one branch
 class Change(NamedTuple):
     """A change of word on a branch that is no special point."""
 
-    sample: int  # index of the last one before it; it or the next lies at the border
+    sample: int  # index of the one at the border; the word changes at it, or with the next
     cause: str  # a sentence on what happens there
     smooth: bool  # the derivatives of the map are the same on both sides
 

@@ -127,7 +127,9 @@ class PiecewiseMap(Protocol):
 
 
 def map_of_pieces(map_: PiecewiseMap) -> PiecewiseMap:
-    """A map that a user has given; TypeError if it has no pieces."""
+    """A map that a user has given; TypeError if it has no pieces, or is no map of the line."""
+    if hasattr(map_, "d"):
+        raise TypeError(f"a map of the line is needed, such as LineOfSystem(map_), got {map_!r}")
     if not callable(getattr(map_, "at", None)):
         raise TypeError(
             "a map must be one of pieces, such as ToyPieces(toy) or FormulaMap([...]), "

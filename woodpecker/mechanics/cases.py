@@ -24,6 +24,10 @@ from woodpecker.base.compiled import part
 REST, FREE = 0, 1  # gap rate stays zero / Lambda_N stays at its floor
 HOLD, FORWARD, BACKWARD = 0, 1, 2  # tangential velocity zero / positive / negative
 
+SLACK = 1e-11  # relative: rounding in the inequalities of a solution on a boundary
+EXACT = 2.0**-47  # relative: no more than the rounding of few operations
+SAME = 1e-8  # relative: solutions that are closer are one
+
 SINGULAR = 1e-11  # pivot over row norm below which a combination is rank-deficient: rounding of G
 # is near 1e-15, and the only rank-deficient combinations are exactly so (four directions in R^3)
 

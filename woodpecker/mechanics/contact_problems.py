@@ -11,6 +11,11 @@ In the expansion at two contacts the paper's law bounds |Lambda_T| by mu times t
 normal impulses (:class:`woodpecker.mechanics.toy.ExpansionFriction`). One contact has closed forms
 for its six index combinations; for two, all 36 of a table are tried (``cases``). Either way a
 missing solution or a second one is seen. :mod:`woodpecker.mechanics.lcp` is the test's reference.
+
+On a boundary several combinations give one motion. The first that holds but for the rounding of
+few operations (EXACT) counts, in the order of their numbers: a contact rests before it leaves, and
+holds before it slides. Where none does it is the one with the least violation, of SLACK at most.
+:mod:`woodpecker.systems.impacts` has the same rule, so that words do not hang on rounding.
 """
 
 from __future__ import annotations
@@ -21,16 +26,22 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import part
-from woodpecker.mechanics.cases import FORWARD, FREE, HOLD, REST, impulse_of
+from woodpecker.mechanics.cases import (
+    EXACT,
+    FORWARD,
+    FREE,
+    HOLD,
+    REST,
+    SAME,
+    SLACK,
+    impulse_of,
+)
 from woodpecker.mechanics.modes import CONTACT, FORCE, LEVER, MU, SIGN, TANGENT
 
 # Outcome of a contact problem.
 SOLVED, NO_SOLUTION, AMBIGUOUS, INDETERMINATE = 0, 1, 2, 3
 
 UNSOLVED = -1
-
-SLACK = 1e-11  # used only where strict signs leave no combination: a solution on a boundary
-SAME = 1e-8  # velocities closer than this (relative) are one solution found twice
 
 
 @part
@@ -136,7 +147,7 @@ def two_contacts(
     units of mu. delassus (4, 4) and free (4,) have (N, T) of each contact in turn; mu, floor and
     feeds are (2,), feeds nonzero where a normal impulse feeds the expansion. Output: ``cases``
     (2, 2), the index combination twice, or both ends of a segment; ``impulse`` (4,), or the middle
-    of the segment.
+    of the segment, whose ends have the least and the greatest of that impulse which varies most.
 
     SOLVED, NO_SOLUTION, AMBIGUOUS if two combinations give different velocities, INDETERMINATE if
     they give the same velocities but different normal impulses where these matter.
@@ -159,7 +170,7 @@ def two_contacts(
         return NO_SOLUTION
     best = 0
     for s in range(1, count):
-        if violations[s] < violations[best]:
+        if violations[best] > EXACT and violations[s] < violations[best]:
             best = s
     for i in range(4):
         sizes[i] = _size(i, delassus, free, impulses[best])
@@ -174,7 +185,7 @@ def two_contacts(
                 status = INDETERMINATE
     low = high = best
     if status == INDETERMINATE:
-        low, high = _ends(impulses, count)
+        low, high = _ends(impulses, count, SAME * _largest(impulses[best]))
     cases[0, 0], cases[0, 1] = found[low] % 6, found[low] // 6
     cases[1, 0], cases[1, 1] = found[high] % 6, found[high] // 6
     for i in range(4):
@@ -227,19 +238,23 @@ def _largest(p: Floats) -> float:
 
 
 @part
-def _ends(points: Floats, count: int) -> tuple[int, int]:
-    """The two ends among points that lie on one segment: extremes of its longest coordinate."""
+def _ends(points: Floats, count: int, same: float) -> tuple[int, int]:
+    """The two ends among points that lie on one segment: extremes of its longest coordinate.
+
+    Of coordinates that are as long, and of points that are the same, the first one counts.
+    """
     first = last = 0
     longest = -1.0
     for k in range(points.shape[1]):
-        low = high = 0
+        low = high = points[0, k]
         for s in range(1, count):
-            if points[s, k] < points[low, k]:
-                low = s
-            if points[s, k] > points[high, k]:
-                high = s
-        if points[high, k] - points[low, k] > longest:
-            longest, first, last = points[high, k] - points[low, k], low, high
+            low, high = min(low, points[s, k]), max(high, points[s, k])
+        if high - low > longest + same:
+            longest, first, last = high - low, 0, 0
+            while points[first, k] > low + same:
+                first += 1
+            while points[last, k] < high - same:
+                last += 1
     return first, last
 
 

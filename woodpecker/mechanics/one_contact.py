@@ -12,12 +12,8 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import jit, part
+from woodpecker.mechanics.cases import BACKWARD, EXACT, FORWARD, FREE, HOLD, REST, SAME, SLACK
 
-FORWARD, BACKWARD, HOLD = 0, 1, 2  # what a contact does in the tangential direction,
-REST, FREE = 0, 3  # and in the normal one: the sum is its case
-SLACK = 1e-11  # relative: rounding in the inequalities of a solution on a boundary
-EXACT = 2.0**-47  # relative: no more than the rounding of few operations
-SAME = 1e-8  # relative: solutions that are closer are one
 SOLVED, NO_SOLUTION, AMBIGUOUS = range(3)
 
 
@@ -82,7 +78,7 @@ def one_contact(
                 found = _tried(delassus, free, mu, floor, normal, tangential)
                 worst = _violation(delassus, free, mu, floor, normal, tangential, found, rubs)
                 if worst <= SLACK:
-                    kept[count, 0], kept[count, 1] = worst, normal + tangential
+                    kept[count, 0], kept[count, 1] = worst, 3 * normal + tangential
                     for k in range(4):
                         kept[count, 2 + k] = found[k]
                     count += 1

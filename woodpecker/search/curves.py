@@ -69,15 +69,17 @@ def keys_of(jump: Jump) -> Keys:
 
 def stretches(curve: BranchCurve) -> tuple[Stretch, ...]:
     """Stretches of a branch with one word, each with the cause of the change that begins it."""
-    # A sample at a border has the pieces before it. What has no mark is the orbit of a limit of a
-    # jump that meets a border where borders accumulate.
-    causes = {mark.sample + 1: mark.cause for mark in curve.marks}
+    # One begins with the sample at the border, also if that has the pieces before it. What has no
+    # mark is the orbit of a limit of a jump that meets a border where borders accumulate.
+    causes = {mark.sample: mark.cause for mark in curve.marks}
     unmarked = OF_A_LIMIT if curve.kind is BranchKind.JUMP else ""
     first, *others = curve.words
     found = [Stretch(0, first.text, "")]
     for word in others:
         if word.text != found[-1].word:
-            found.append(Stretch(word.first, word.text, causes.get(word.first) or unmarked))
+            border = word.first - (word.first - 1 in causes)
+            cause = causes.pop(border, "") or unmarked
+            found.append(Stretch(max(border, found[-1].first + 1), word.text, cause))
     return tuple(found)
 
 

@@ -15,6 +15,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from pwmap.algebra.arguments import explained_fields
 from woodpecker.base.checks import number, whole
 from woodpecker.base.settings import Settings
 from woodpecker.search.explorer import Explorer, Seen, Step
@@ -22,6 +23,7 @@ from woodpecker.search.explorer import Explorer, Seen, Step
 GOLDEN = 0.5 * (5.0**0.5 - 1.0)  # the golden section: parts of multiples of it lie evenly
 
 
+@explained_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Search:
     """How to look for what is not connected.

@@ -129,7 +129,7 @@ class Tasks:
         behind = self._trace(replace(begin, sample=begin.sample.turned))
         first = self._end(behind)
         n = len(behind.samples) - 1
-        changes = [each._replace(sample=n - 1 - each.sample) for each in reversed(behind.changes)]
+        changes = [each._replace(sample=n - each.sample) for each in reversed(behind.changes)]
         changes += [each._replace(sample=each.sample + n) for each in ahead.changes]
         samples = (*reversed(behind.samples), *ahead.samples[1:])
         curve = curve_of(begin, samples, changes, (first, end))

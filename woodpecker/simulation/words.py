@@ -8,6 +8,10 @@ through compression and expansion unless letters behind its number say otherwise
 ``f`` separates; after ``-`` the same of the expansion (``I1-s``), where ``r`` is a contact that
 stays although it stores impulse, or leaves although it stores none. With these letters a return map
 is smooth where its word is constant.
+
+Where impulses are open, as in ``I~1e6+3e3``, the letters name both ends of the segment of
+solutions: 6 = 0 + 3 * 2 is one at which the first contact sticks (0) and the second slides
+backward (2), 3 = 0 + 3 * 1 one at which it slides forward (1).
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from pwmap.diagrams.shown import counted
 from woodpecker.base.checks import instance, iterates
 from woodpecker.base.settings import Settings
 from woodpecker.maps.counting import Allowance, as_counting
-from woodpecker.maps.pieces import Image, PiecewiseMap
+from woodpecker.maps.pieces import Image, PiecewiseMap, map_of_pieces
 from woodpecker.slices.borders import Border, BorderKind
 from woodpecker.slices.bracketing import bracketed
 from woodpecker.slices.extents import Knot
@@ -112,7 +112,7 @@ def slices_at(
     """
     instance("settings", settings, Settings)
     iterates(orders)  # refuses what are none
-    map_ = as_counting(map_)
+    map_ = as_counting(map_of_pieces(map_))
     allowed = Allowance(map_, settings.of_slice(orders))
     pieces = partition(map_, p, settings.window, settings, orders, allowed)
     borders = [b for b in pieces.borders(settings) if b.kind(settings) is BorderKind.JUMP]

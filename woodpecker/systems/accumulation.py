@@ -24,33 +24,23 @@ IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding;
 SHORT = 2.0**-17  # of a motion's own time: what follows a gap's cubic is below rounding
 VANISHED = 2.0**-52  # relative: speeds that are smaller are nothing
 PRECISE = VANISHED / SHORT  # of the first short flight, as the motion before is so much larger
-TOGETHER = 2.0**-44  # of a flight: gaps that close within it do so at once
+TOGETHER = 2.0**-44  # of a phase: gaps that close within it do so at once
 IMPACTS_MOST = 3000  # a ratio of 0.99 needs so many from short flights to none
 LAP_MOST = 8  # impacts of a lap
 SOLVED = 4  # iterations of Newton's method for a cubic, from the root of its quadratic part
 
 
 class Tail(NamedTuple):
-    """Where impacts end that accumulate.
+    """Where impacts end that accumulate."""
 
-    Attributes
-    ----------
-    z, tangents
-        The state (N,) and its derivatives (N, columns).
-    touch
-        What touches.
-    group, struck
-        The contacts that have closed, ascending; all that have struck.
-    is_open
-        Whether the contact laws have left impulses open.
-    """
-
+    # the state (N,) and its derivatives (N, columns)
     z: Floats
     tangents: Floats
-    touch: Touch
+    touch: Touch  # what touches
+    # the contacts that have closed, ascending; all that have struck
     group: tuple[int, ...]
     struck: frozenset[int]
-    is_open: bool
+    is_open: bool  # whether the contact laws have left impulses open
 
 
 def tail_of(

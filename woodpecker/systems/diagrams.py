@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from pwmap.algebra.arguments import explained
 from pwmap.diagrams.diagram import Diagram
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, interval, positive, real_array, whole
@@ -21,7 +22,7 @@ from woodpecker.maps.pieces import Image as LineImage
 from woodpecker.search.diagrams import whole_diagram
 from woodpecker.search.search import Search
 from woodpecker.systems.returns import SystemMap
-from woodpecker.systems.verbs import SystemCycle, window_of
+from woodpecker.systems.verbs import HELD, SystemCycle, parameters_of, points_of, window_of
 
 REPEATS = 1e-6  # scaled: an orbit that has settled repeats itself so closely
 LONGEST = 64  # period that is looked for
@@ -68,6 +69,10 @@ class LineOfSystem:
             )
         self.map = map_
 
+    def __repr__(self) -> str:
+        """Of which map."""
+        return f"LineOfSystem({self.map!r})"
+
     def at(self, x: float, p: float) -> LineImage:
         """The image of a point under the piece that the map takes there.
 
@@ -111,6 +116,7 @@ def _of_line(image: Image) -> LineImage:
     )  # fmt: skip
 
 
+@explained(HELD)
 def bifurcation_diagram(
     map_: SystemMap, span: tuple[float, float], orders: Sequence[int],
     window: tuple[float, float], *, settings: Settings | None = None, search: Search | None = None,
@@ -178,6 +184,7 @@ class SettledReturns:
     lost: int
 
 
+@explained(HELD)
 def orbit_diagram(
     map_: SystemMap, parameters: npt.ArrayLike, starts: npt.ArrayLike,
     window: Sequence[tuple[float, float]], *, transient: int = 300, keep: int = 128,
@@ -214,7 +221,7 @@ def orbit_diagram(
         raise ValueError("the map has no free parameter")
     transient, keep = whole("transient", transient, least=0), whole("keep", keep)
     ends = np.array(window_of(map_, window))
-    first = _points(map_, "starts", starts)
+    first = points_of(map_, "starts", starts)
     values = np.atleast_1d(real_array("parameters", parameters))
     found, lost = list[tuple[float, Floats, Floats]](), 0
     for value in values.tolist():
@@ -230,15 +237,6 @@ def orbit_diagram(
         start=np.array([each[1] for each in found]).reshape(-1, map_.d),
         period=np.array([_period(each / map_.x_scale) for each in x], dtype=np.int64),
     )  # fmt: skip
-
-
-def _points(map_: SystemMap, name: str, given: npt.ArrayLike) -> Floats:
-    """Points (m, d)."""
-    points = real_array(name, given)
-    points = points.reshape(-1, 1) if points.ndim < 2 and map_.d == 1 else np.atleast_2d(points)
-    if points.ndim != 2 or points.shape[1] != map_.d:
-        raise ValueError(f"{name} must have shape (m, {map_.d}), got {points.shape}")
-    return points
 
 
 def _orbit(
@@ -264,6 +262,7 @@ def _period(x: Floats) -> int:
     return 0
 
 
+@explained(HELD)
 def basins(
     map_: SystemMap, cycles: Sequence[SystemCycle], points: npt.ArrayLike, *, returns: int = 200,
     near: float = 1e-3, p: npt.ArrayLike | None = None,
@@ -304,10 +303,10 @@ def basins(
     for cycle in cycles:
         instance("cycle", cycle, SystemCycle)
     returns, near = whole("returns", returns), positive("near", near)
-    values = map_.p if p is None else np.atleast_1d(real_array("p", p))
+    values = parameters_of(map_, p)
     places = np.concatenate([cycle.x for cycle in cycles])
     owners = np.repeat(np.arange(len(cycles)), [len(cycle.x) for cycle in cycles])
-    starts = _points(map_, "points", points)
+    starts = points_of(map_, "points", points)
     found = np.full(len(starts), NOWHERE, dtype=np.int64)
     for k, start in enumerate(starts):
         x: Floats | None = start
@@ -322,6 +321,7 @@ def basins(
     return found
 
 
+@explained(HELD)
 def curve_in_two(
     map_: SystemMap, found: Connected, point: str, spans: Sequence[tuple[float, float]],
     window: Sequence[tuple[float, float]], *, step: float = 0.01, min_step: float = 1e-9,

@@ -81,15 +81,10 @@ class Function:
         begins = [0, *ends[:-1]]
         shapes = [each.shape for each in arrays]
         self.parts: Parts = tuple(zip(begins, ends, shapes, strict=True))
-        flat = [entry for each in arrays for entry in each.ravel().tolist()]
-        self._one: Callable[..., Any] = sympy.lambdify(symbols, flat, modules="math", cse=True)
-        self._symbols, self._flat = symbols, flat
+        self.flat = [sympy.sympify(entry) for each in arrays for entry in each.ravel().tolist()]
+        self._one: Callable[..., Any] = sympy.lambdify(symbols, self.flat, modules="math", cse=True)
+        self._symbols = symbols
         self._many: Callable[..., Any] | None = None
-
-    @property
-    def flat(self) -> list[sympy.Expr]:
-        """All expressions."""
-        return [sympy.sympify(each) for each in self._flat]
 
     def __call__(self, *numbers: Floats) -> list[Floats]:
         """Arrays at one point, whose coordinates are given in parts."""
@@ -101,12 +96,12 @@ class Function:
         try:
             return np.array(self._one(*np.concatenate(numbers).tolist()), dtype=float)
         except (ValueError, ZeroDivisionError, OverflowError, TypeError):  # TypeError: complex
-            return np.full(len(self._flat), np.nan)
+            return np.full(len(self.flat), np.nan)
 
     def batch(self, z: Floats, p: Floats) -> Floats:
         """The same at many states (b, N), the batch first."""
         if self._many is None:
-            self._many = sympy.lambdify(self._symbols, self._flat, modules="numpy", cse=True)
+            self._many = sympy.lambdify(self._symbols, self.flat, modules="numpy", cse=True)
         with np.errstate(all="ignore"):
             values = self._many(*z.T, *p)
         flat = np.empty((len(z), len(values)))
@@ -136,8 +131,20 @@ class Equations:
     slips
         (m,) for each contact the first one with the same slip: such contacts stick together, as the
         feet of a body do, and only the sum of their friction is known.
+    along
+        The symbols in which derivatives are taken.
     expressions, kinematics
         M, h, w_N, w_T, w-bar_N, w-bar_T and mu; gaps, gap rates and slips.
+    flat
+        All expressions of the terms, in their order.
+    kinematic_changes(z, p)
+        Derivatives of gaps, gap rates and slips, (m, columns) each.
+    motion_changes(z, p, a, lambda_N, lambda_T)
+        Those of M a - h - W lambda (n), of both contact accelerations (m), and of mu (m), with
+        accelerations and forces fixed.
+    impact_changes(z, p, u', Lambda_N, Lambda_T)
+        Those of M (u' - u) - W Lambda, of gap rate and slip after, gap rate before, mu and eps_N,
+        with u' and Lambda fixed.
     jets
         Makes of a mode a compiled function of state and parameters, see
         :func:`woodpecker.systems.taylor.jets`; None without a compiler.
@@ -160,7 +167,7 @@ class Equations:
         self.rubs: Bools = np.array(self.friction)
         self.slips = _equal_slips(system)
         self.symbols = (*system.state, *system.parameters)
-        self._along = (*system.state, *(known[name] for name in free))
+        self.along = (*system.state, *(known[name] for name in free))
         self._last: tuple[bytes, bytes, Terms] | None = None
         self.compiled: Callable[[Floats, Floats], Floats] | None = None
         self.jets: Callable[[tuple[int, ...]], Callable[..., Floats]] | None = None
@@ -188,23 +195,19 @@ class Equations:
         flat = [np.array(each).ravel() for each in columns]
         whole = [np.array(system.M), np.array(system.h).ravel(), np.array(w_n), np.array(w_t)]
         self._terms = Function(self.symbols, [*whole, *flat])
+        self.flat = self._terms.flat
         pull = w_n.T * l_n + w_t.T * l_t
         motion = [system.M * a - system.h - pull, w_n * a + bar_n, w_t * a + bar_t, mu]
         after = dict(zip(system.state[self.n : -1], new, strict=True))
         impact = [
             system.M * (new - u) - pull, rate.subs(after), slip.subs(after), rate, mu, eps,
         ]  # fmt: skip
-        self._motion = self._changes(motion, (*a, *l_n, *l_t))
-        self._impact = self._changes(impact, (*new, *l_n, *l_t))
-        self._kinematics = self._changes([gap, rate, slip], ())
+        self.motion_changes = self._changes(motion, (*a, *l_n, *l_t))
+        self.impact_changes = self._changes(impact, (*new, *l_n, *l_t))
+        self.kinematic_changes = self._changes([gap, rate, slip], ())
 
     def _changes(self, parts: Sequence[Any], more: Sequence[sympy.Symbol]) -> Function:
-        along = sympy.Matrix(self._along)
-        arrays = [
-            np.array(each.jacobian(along), dtype=object).reshape(each.rows, len(self._along))
-            for each in parts
-        ]
-        return Function((*self.symbols, *more), arrays)
+        return self.function([each.jacobian(self.along) for each in parts], more)
 
     def terms(self, z: Floats, p: Floats) -> Terms:
         """The terms at one state (N,), or at a batch (b, N); the last ones are remembered."""
@@ -216,41 +219,9 @@ class Equations:
             self._last = *key, Terms(numbers(z, p), self._terms.parts)
         return self._last[2]
 
-    def motion_changes(
-        self, z: Floats, p: Floats, a: Floats, l_n: Floats, l_t: Floats
-    ) -> list[Floats]:
-        """Derivatives of M a - h - W lambda (n), of both contact accelerations (m), and of mu (m).
-
-        They are taken in z and free parameters, with accelerations and forces fixed.
-        """
-        return self._motion(z, p, a, l_n, l_t)
-
-    def impact_changes(
-        self, z: Floats, p: Floats, after: Floats, l_n: Floats, l_t: Floats
-    ) -> list[Floats]:
-        """Derivatives of M (u' - u) - W Lambda, of gap rate and slip after and gap rate before.
-
-        Those of mu and eps_N follow. They are taken with u' and Lambda fixed.
-        """
-        return self._impact(z, p, after, l_n, l_t)
-
-    def kinematic_changes(self, z: Floats, p: Floats) -> list[Floats]:
-        """Derivatives of gaps, gap rates and slips, (m, columns) each."""
-        return self._kinematics(z, p)
-
-    @property
-    def flat(self) -> list[sympy.Expr]:
-        """All expressions of the terms, in their order."""
-        return self._terms.flat
-
     def function(self, arrays: Sequence[Any], more: Sequence[sympy.Symbol] = ()) -> Function:
         """Expressions of state, parameters and some more, compiled."""
         return Function((*self.symbols, *more), [np.array(each, dtype=object) for each in arrays])
-
-    @property
-    def along(self) -> tuple[sympy.Symbol, ...]:
-        """The symbols in which derivatives are taken."""
-        return self._along
 
 
 def _equal_slips(system: ContactSystem) -> tuple[int, ...]:

@@ -66,18 +66,10 @@ class KeptSteps:
         self._made: list[Step] = []
         self._begins = [0.0]
 
-    def _more(self) -> Step:
-        step = next(self._source, None)
-        if step is None or len(self._made) == KEPT_MOST:
-            raise LostError
-        self._made.append(step)
-        self._begins.append(self._begins[-1] + step.length)
-        return step
-
     @property
     def first(self) -> Step:
         """The first step."""
-        return self._made[0] if self._made else self._more()
+        return self.step(0)
 
     def all(self) -> Iterator[Step]:
         """All steps, one after the other."""
@@ -87,14 +79,18 @@ class KeptSteps:
     def exact(self, t: float) -> tuple[Floats, Floats]:
         """State and derivatives at a time, also before the start of the phase."""
         while self._begins[-1] < t or not self._made:
-            self._more()
+            self.step(len(self._made))
         k = max(0, int(np.searchsorted(self._begins, t)) - 1)
         return self._made[k].exact(t - self._begins[k])
 
     def step(self, k: int) -> Step:
         """The k-th step."""
         while len(self._made) <= k:
-            self._more()
+            step = next(self._source, None)
+            if step is None or len(self._made) == KEPT_MOST:
+                raise LostError
+            self._made.append(step)
+            self._begins.append(self._begins[-1] + step.length)
         return self._made[k]
 
 

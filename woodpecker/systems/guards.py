@@ -21,8 +21,16 @@ from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.polynomials import HALVINGS, WHOLE, bernstein, fall, first_fall, roots, scaled
 from woodpecker.systems.equations import Equations
 from woodpecker.systems.flows import Flow, Step
-from woodpecker.systems.modes import SECTION, Local, Mode, Touch, guard_values, guards_in, guards_of
-from woodpecker.systems.sections import SectionGuard
+from woodpecker.systems.modes import (
+    SECTION,
+    Local,
+    Mode,
+    SectionGuard,
+    Touch,
+    guard_values,
+    guards_in,
+    guards_of,
+)
 
 NODES = 24  # of an interpolant: a Taylor step of order 20, and guards that are no polynomials
 CHOPPED = 2.0**-52  # relative: coefficients that are smaller are rounding
@@ -43,21 +51,11 @@ Watched = Callable[[Floats], Floats]
 
 @dataclass(frozen=True, slots=True, eq=False)
 class GuardStart:
-    """How a guard begins.
+    """How a guard begins."""
 
-    Attributes
-    ----------
-    order
-        How many derivatives, from the value on, are exactly zero.
-    jet
-        Its derivatives as computed, those included.
-    is_section
-        Whether it is that of a section, which may be negative: it fires only as it falls through
-        zero.
-    """
-
-    order: int
-    jet: Sequence[float] = ()
+    order: int  # how many derivatives, from the value on, are exactly zero
+    jet: Sequence[float] = ()  # its derivatives as computed, those included
+    # whether it is that of a section, which may be negative: it fires only as it falls through zero
     is_section: bool = False
 
     def noise(self, t: Floats) -> Floats:
@@ -102,36 +100,20 @@ class GuardStart:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Series:
-    """A guard over an interval of a phase, as a Chebyshev series.
+    """A guard over an interval of a phase, as a Chebyshev series."""
 
-    Attributes
-    ----------
-    low, high
-        The interval, in time from the start of the phase.
-    c
-        The coefficients; of the guard over t**order.
-    order
-        As above; 0 unless the interval begins where the phase does.
-    at_once
-        Whether it fires where it begins at zero or below, and falls.
-    """
-
+    # the interval, in time from the start of the phase
     low: float
     high: float
-    c: Floats
-    order: int = 0
-    at_once: bool = False
+    c: Floats  # the coefficients; of the guard over t**order
+    order: int = 0  # as above; 0 unless the interval begins where the phase does
+    at_once: bool = False  # whether it fires where it begins at zero or below, and falls
 
     def __call__(self, t: float) -> float:
         """Its value, divided."""
         return float(chebyshev.chebval(2.0 * (t - self.low) / (self.high - self.low) - 1.0, self.c))
 
-    @property
-    def is_positive(self) -> bool:
-        """Whether the coefficients alone say that it has no root."""
-        return bool(self.c[0] > np.abs(self.c[1:]).sum())
-
-    def extremes(self, order: int | None = None) -> Floats:
+    def extremes(self) -> Floats:
         """Times inside at which its slope vanishes; ascending."""
         c = self.c
         size = np.abs(c).max(initial=0.0)
@@ -144,7 +126,8 @@ class Series:
 
     def falls(self) -> float:
         """The first time at which it falls through zero; infinite if there is none."""
-        if self.is_positive or np.abs(self.c).max() <= NOISE**2:
+        is_positive = self.c[0] > np.abs(self.c[1:]).sum()  # the coefficients alone say so
+        if is_positive or np.abs(self.c).max() <= NOISE**2:
             return math.inf
         times = [self.low, *self.extremes().tolist(), self.high]
         values = [self(t) for t in times]
@@ -225,28 +208,15 @@ class Least:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Power:
-    """A guard over a step of a phase, as a power series in the time from its start.
+    """A guard over a step of a phase, as a power series in the time from its start."""
 
-    Attributes
-    ----------
-    low, high
-        The step, in time from the start of the phase.
-    c
-        The coefficients in units of the step's length; of the guard over t**order.
-    order
-        As above; 0 unless the step begins where the phase does.
-    b
-        The same polynomial's Bernstein coefficients.
-    at_once
-        Whether it fires where it begins at zero or below, and falls.
-    """
-
+    # the step, in time from the start of the phase
     low: float
     high: float
-    c: Floats
-    order: int
-    b: Floats
-    at_once: bool = False
+    c: Floats  # the coefficients in units of the step's length; of the guard over t**order
+    order: int  # as above; 0 unless the step begins where the phase does
+    b: Floats  # the same polynomial's Bernstein coefficients
+    at_once: bool = False  # whether it fires where it begins at zero or below, and falls
 
     def __call__(self, t: float) -> float:
         """Its value, divided."""
@@ -349,6 +319,8 @@ class Phase:
     ----------
     watched, starts
         The guards, and how they begin.
+    section
+        As above.
     width
         Of the interpolant by which the last root was found; 0 where that is as exact as doubles.
     """
@@ -357,20 +329,16 @@ class Phase:
         self, eq: Equations, mode: Mode, z: Floats, p: Floats, flow: Flow, touch: Touch,
         section: SectionGuard | None, *, on_section: bool,
     ) -> None:  # fmt: skip
-        self.mode, self.flow, self.width = mode, flow, 0.0
-        self._eq, self._p, self._section = eq, p, section
+        self.mode, self.flow, self.section, self.width = mode, flow, section, 0.0
         self.starts: list[GuardStart] = []
         if flow.has_guards:
             key = mode, eq.friction, eq.slips, touch, section is not None, on_section
             self.watched, self._orders, self._before = _begun(*key)
             return
-        here, guards = Local(eq, mode, z, p), guards_of(eq, mode)
-        self.watched = guards
-        self.starts = [started(here, touch, guard) for guard in guards]
-        if section is not None:
-            self.watched = (*guards, SECTION * eq.m)
-            jet = section.jet(here) if on_section else ()
-            self.starts.append(GuardStart(int(on_section), jet, True))
+        here = Local(eq, mode, z, p, section)
+        starts = starts_of(here, touch, on_section=on_section)
+        self.watched, self.starts = tuple(starts), list(starts.values())
+        self._values = watching(here)
 
     def fired(self, step: Step, begin: float, ignored: Set[int]) -> tuple[int, float]:
         """The guard that fires first in a step that begins at a time, and when; TIME if none."""
@@ -400,13 +368,6 @@ class Phase:
         )
         return (TIME, math.inf) if k < 0 else (self.watched[k], begin + time)
 
-    def _values(self, states: Floats) -> Floats:
-        own = guards_of(self._eq, self.mode)
-        values = guard_values(self._eq, self.mode, own, self._eq.terms(states, self._p))
-        if self._section is None:
-            return values
-        return np.vstack([values, self._section.values(states, self._p)])
-
 
 @lru_cache(maxsize=1024)
 def _begun(
@@ -422,7 +383,27 @@ def _begun(
     return guards, _orders(starts), _before(starts)
 
 
-def started(here: Local, touch: Touch, guard: int) -> GuardStart:
-    """How a guard begins, where an event has made some of its derivatives zero."""
-    order = touch.order(here.eq.slips, here.mode, guard)
-    return GuardStart(order, here.jet(guard) if order else ())
+def starts_of(here: Local, touch: Touch, *, on_section: bool) -> dict[int, GuardStart]:
+    """How all guards of a phase begin, where an event has made some of their derivatives zero."""
+    found = dict[int, GuardStart]()
+    for guard in guards_of(here.eq, here.mode):
+        order = touch.order(here.eq.slips, here.mode, guard)
+        found[guard] = GuardStart(order, here.jet(guard) if order else ())
+    if here.section is not None:
+        guard = SECTION * here.eq.m
+        jet = here.jet(guard, 1) if on_section else ()
+        found[guard] = GuardStart(int(on_section), jet, True)
+    return found
+
+
+def watching(here: Local) -> Watched:
+    """All guards of a phase as a function of many states."""
+    own = guards_of(here.eq, here.mode)
+
+    def values(states: Floats) -> Floats:
+        found = guard_values(here.eq, here.mode, own, here.eq.terms(states, here.p))
+        if here.section is None:
+            return found
+        return np.vstack([found, here.section.values(states, here.p)])
+
+    return values

@@ -9,7 +9,8 @@ One phase of an impact seeks impulses Lambda with
 Compression has floor 0, expansion floor eps_N Lambda_NC (Poisson); Newton's law is one phase with
 gamma_N' + eps_N gamma_N in place of gamma_N'. For each contact a *case* says which equations hold:
 its gap rate or its impulse is given, and it sticks or slides. All cases of few contacts are tried,
-so that a missing solution or a second one is seen; of many, Lemke's path proposes one.
+so that a missing solution or a second one is seen; of many, Lemke's path proposes one. Which case
+names a motion that several have is a rule of :mod:`woodpecker.mechanics.contact_problems`.
 
 With its cases prescribed a phase is linear in the velocities, and its derivatives solve the same
 equations.
@@ -17,7 +18,7 @@ equations.
 
 from __future__ import annotations
 
-from collections.abc import Set
+from collections.abc import Iterator, Set
 from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
@@ -27,22 +28,18 @@ from typing import NamedTuple
 import numpy as np
 
 from woodpecker.base.arrays import Bools, Floats, Ints
-from woodpecker.mechanics.lcp import solve_contact_lcp
-from woodpecker.mechanics.one_contact import (
+from woodpecker.mechanics.cases import (
     BACKWARD,
     EXACT,
     FORWARD,
     FREE,
     HOLD,
-    NO_SOLUTION,
     REST,
     SAME,
     SLACK,
-    SOLVED,
-    given,
-    one_contact,
-    stated,
 )
+from woodpecker.mechanics.lcp import solve_contact_lcp
+from woodpecker.mechanics.one_contact import NO_SOLUTION, SOLVED, given, one_contact, stated
 from woodpecker.systems.equations import Equations, Terms
 from woodpecker.systems.model import FrictionBound, ImpactLaw
 
@@ -51,8 +48,8 @@ ENUMERATED = 3  # contacts of an impact of which all 216 cases are tried
 Cases = tuple[int, ...]
 
 _CASES = {  # of one contact without and with friction
-    False: (REST, FREE),
-    True: tuple(one + other for one in (REST, FREE) for other in (HOLD, FORWARD, BACKWARD)),
+    False: (3 * REST + FORWARD, 3 * FREE + FORWARD),
+    True: tuple(range(6)),
 }
 
 
@@ -67,27 +64,14 @@ class Outcome(Enum):
 
 @dataclass(frozen=True, slots=True)
 class Impact:
-    """What is decided at an impact; with it, the impact is a smooth map.
+    """What is decided at an impact; with it, the impact is a smooth map."""
 
-    Attributes
-    ----------
-    contacts
-        Those that take part, ascending.
-    compression
-        Their cases; twice, if it is indeterminate: both ends of the segment of solutions.
-    expansion
-        Their cases; none without an expansion.
-    stores
-        Contacts that have impulse to give back in the expansion.
-    rebounds
-        Contacts whose gap rate Newton's law reverses.
-    """
-
-    contacts: tuple[int, ...]
+    contacts: tuple[int, ...]  # those that take part, ascending
+    # their cases; twice, if it is indeterminate: both ends of the segment of solutions
     compression: tuple[Cases, ...]
-    expansion: Cases = ()
-    stores: tuple[int, ...] = ()
-    rebounds: tuple[int, ...] = ()
+    expansion: Cases = ()  # their cases; none without an expansion
+    stores: tuple[int, ...] = ()  # contacts that have impulse to give back in the expansion
+    rebounds: tuple[int, ...] = ()  # contacts whose gap rate Newton's law reverses
 
     @property
     def last(self) -> Cases:
@@ -100,7 +84,7 @@ class Impact:
         return frozenset(
             i
             for i, case in zip(self.contacts, self.last, strict=True)
-            if case < FREE and i not in self.rebounds
+            if case // 3 == REST and i not in self.rebounds
         )
 
     @property
@@ -114,69 +98,41 @@ class Impact:
     def symbol(self) -> str:
         """Its letters in a word, see :mod:`woodpecker.simulation.words`."""
         if len(self.compression) > 1:
-            ends = zip(*self.compression, strict=True)
-            marks = [f"e{one % 3 + 3 * (other % 3)}" for one, other in ends]
+            ends = [sum(case % 3 * 3**k for k, case in enumerate(end)) for end in self.compression]
+            marks = [f"e{end}" for end in ends] + [""] * len(self.contacts)
             return "I~" + "+".join(
-                f"{i + 1}{mark}" for i, mark in zip(self.contacts, marks, strict=True)
+                f"{i + 1}{mark}" for i, mark in zip(self.contacts, marks, strict=False)
             )
         texts = []
         for k, i in enumerate(self.contacts):
             first = self.compression[0][k]
-            text = "f" if first >= FREE else "s" if first % 3 == HOLD else ""
+            text = "f" if first // 3 == FREE else "s" if first % 3 == HOLD else ""
             if self.expansion:
                 usual = FREE if i in self.stores else REST
                 second = self.expansion[k]
-                late = ("" if second // 3 * 3 == usual else "r") + (
-                    "s" if second % 3 == HOLD else ""
-                )
+                late = ("" if second // 3 == usual else "r") + ("s" if second % 3 == HOLD else "")
                 text += f"-{late}" if late else ""
             texts.append(f"{i + 1}{text}")
         return "I" + "+".join(texts)
 
 
 class ImpactPhase(NamedTuple):
-    """One phase of an impact of c contacts as a problem in the normal form above.
+    """One phase of an impact of c contacts as a problem in the normal form above."""
 
-    Attributes
-    ----------
-    delassus
-        (2c, 2c) W M^-1 W^T, normals first.
-    free
-        (2c,) velocities that would be left without impulses.
-    bound
-        (c, c) mu F.
-    floor
-        (c,) least normal impulses.
-    rubs
-        (c,) which contacts have friction.
-    """
-
-    delassus: Floats
-    free: Floats
-    bound: Floats
-    floor: Floats
-    rubs: tuple[bool, ...]
+    delassus: Floats  # (2c, 2c) W M^-1 W^T, normals first
+    free: Floats  # (2c,) velocities that would be left without impulses
+    bound: Floats  # (c, c) mu F
+    floor: Floats  # (c,) least normal impulses
+    rubs: tuple[bool, ...]  # (c,) which contacts have friction
 
 
 class Decision(NamedTuple):
-    """What a contact problem of an impact comes to.
+    """What a contact problem of an impact comes to."""
 
-    Attributes
-    ----------
-    outcome
-        Whether it is solved.
-    impact
-        Its cases; None if it is not.
-    u
-        (n,) velocities afterwards.
-    impulses
-        (2, 2, m) normal and tangential impulses of compression and expansion.
-    """
-
-    outcome: Outcome
-    impact: Impact | None
-    u: Floats
-    impulses: Floats
+    outcome: Outcome  # whether it is solved
+    impact: Impact | None  # its cases; None if it is not
+    u: Floats  # (n,) velocities afterwards
+    impulses: Floats  # (2, 2, m) normal and tangential impulses of compression and expansion
 
 
 def decide(
@@ -245,7 +201,7 @@ def _zero(velocity: Floats, cases: Cases) -> None:
     """Exact zeros where the cases say so."""
     n = len(cases)
     for k, case in enumerate(cases):
-        if case < FREE:
+        if case // 3 == REST:
             velocity[k] = 0.0
         if case % 3 == HOLD:
             velocity[n + k] = 0.0
@@ -258,8 +214,8 @@ Solution = tuple[Outcome, tuple[Cases, ...], Floats | None]
 def solutions(phase: ImpactPhase, feeds: Floats) -> Solution:
     """The cases that solve a phase, and its impulses (2c,).
 
-    Where several cases solve it with the same velocities, the one with the least violation counts;
-    of several that solve it but for rounding the first.
+    Where several cases solve it with the same velocities, the first counts that does so but for
+    rounding, or else the one with the least violation.
     If their normal impulses differ at contacts of which a part ``feeds`` an expansion, it is
     indeterminate: the two ends of the segment, and its middle.
     """
@@ -282,11 +238,21 @@ def solutions(phase: ImpactPhase, feeds: Floats) -> Solution:
     apart = np.abs(impulses[kept] - impulses[best])[:, :n] * (feeds > 0.0)
     if (apart <= SAME * np.abs(impulses[best]).max()).all():
         return Outcome.SOLVED, (cases,), impulses[best]
-    widest = int(np.ptp(impulses[kept], axis=0).argmax())
-    low = int(kept[impulses[kept, widest].argmin()])
-    high = int(kept[impulses[kept, widest].argmax()])
+    low, high = (int(kept[k]) for k in _ends(impulses[kept], SAME * np.abs(impulses[best]).max()))
     ends = tuple(tried[low].tolist()), tuple(tried[high].tolist())
     return Outcome.INDETERMINATE, ends, 0.5 * (impulses[low] + impulses[high])
+
+
+def _ends(points: Floats, same: float) -> tuple[int, int]:
+    """The two ends among points (b, 2c) of one segment: extremes of its longest coordinate.
+
+    Of coordinates that are as long, and of points that are the same, the first one counts.
+    """
+    lengths = np.ptp(points, axis=0)
+    longest = points[:, (lengths >= lengths.max() - same).argmax()]
+    return int((longest <= longest.min() + same).argmax()), int(
+        (longest >= longest.max() - same).argmax()
+    )
 
 
 def _of_one(phase: ImpactPhase) -> Solution:
@@ -301,7 +267,7 @@ def _of_one(phase: ImpactPhase) -> Solution:
 @lru_cache(maxsize=64)
 def _combinations(rubs: tuple[bool, ...]) -> Ints:
     """All cases (count, c) of contacts; without friction a contact slides, one way."""
-    return np.array(list(product(*(_CASES[each] for each in rubs))))
+    return np.array(list(product(*(_CASES[each] for each in reversed(rubs)))))[:, ::-1]
 
 
 def _proposed(phase: ImpactPhase) -> Ints:
@@ -315,14 +281,14 @@ def _proposed(phase: ImpactPhase) -> Ints:
     forward = found.gamma_t > 0.0
     slides = np.where(forward, FORWARD, BACKWARD)
     sticks = (found.gamma_t == 0.0) & np.array(phase.rubs)
-    cases = np.where(rests, REST, FREE) + np.where(sticks, HOLD, slides)
-    return np.where(phase.rubs, cases, np.where(rests, REST, FREE))[None]
+    along = np.where(phase.rubs, np.where(sticks, HOLD, slides), FORWARD)
+    return (3 * np.where(rests, REST, FREE) + along)[None]
 
 
 def _try(phase: ImpactPhase, tried: Ints) -> tuple[Floats, Floats, Floats]:
     """Impulses and velocities (count, 2c) of cases, and their largest relative violation."""
     count, n = tried.shape
-    rests, tangential = tried < FREE, tried % 3
+    rests, tangential = tried // 3 == REST, tried % 3
     sign = np.where(tangential == FORWARD, -1.0, 1.0)  # of friction
     matrix, right = np.zeros((count, 2 * n, 2 * n)), np.zeros((count, 2 * n))
     eye = np.eye(n)
@@ -371,66 +337,47 @@ def solved(matrix: Floats, right: Floats) -> Floats:
 
 
 class Struck(NamedTuple):
-    """A state after an impact.
+    """A state after an impact."""
 
-    Attributes
-    ----------
-    z, tangents
-        The state (N,) and its derivatives (N, columns).
-    slacks, gradients, items
-        Of all strict inequalities (s,), their derivatives (s, columns), and what they are: the
-        phase (0 compression, 1 its second end, 2 expansion) * 4m + 4 * contact + which.
-    impulses
-        (2, 2, m) normal and tangential impulses of compression and expansion.
-    """
-
-    z: Floats
-    tangents: Floats
+    z: Floats  # the state (N,)
+    tangents: Floats  # and its derivatives (N, columns)
+    # of all strict inequalities (s,), their derivatives (s, columns), and what they are: the phase
+    # (0 compression, 1 its second end, 2 expansion) * 4m + 4 * contact + which
     slacks: Floats
     gradients: Floats
     items: list[int]
-    impulses: Floats
 
 
 NORMAL_SIDE, ALONG, CONE_PLUS, CONE_MINUS = range(4)  # the inequalities of a contact
 
 
-def carry_out(
-    eq: Equations, impact: Impact, z: Floats, p: Floats, tangents: Floats | None = None
-) -> Struck:
-    """The state after an impact with its cases prescribed; derivatives if tangents are given."""
-    if tangents is None:
-        tangents = np.zeros((eq.size, 0))
-    c, columns = len(impact.contacts), tangents.shape[1]
-    none, nothing = np.zeros(c), np.zeros((c, columns))
-    slacks, items = list[Floats](), list[int]()
-    impulses = np.zeros((2, 2, eq.m))
+def carry_out(eq: Equations, impact: Impact, z: Floats, p: Floats, tangents: Floats) -> Struck:
+    """The state after an impact with its cases prescribed, and its derivatives."""
+    contacts, c, columns = impact.contacts, len(impact.contacts), tangents.shape[1]
+    none = np.zeros(c), np.zeros((c, columns))
     ends = [
-        _carry(eq, impact.contacts, cases, z, p, tangents, (none, nothing), expands=False)
+        _carry(eq, contacts, cases, z, p, tangents, none, expands=False)
         for cases in impact.compression
     ]
-    for side, (end, cases) in enumerate(zip(ends, impact.compression, strict=True)):
-        _slacks(eq, impact.contacts, cases, end, side, (slacks, items))
+    rows = [
+        row
+        for side, (end, cases) in enumerate(zip(ends, impact.compression, strict=True))
+        for row in _slacks(eq, contacts, cases, end, side)
+    ]
     z, tangents, impulse, change = (
         np.mean(part, axis=0) for part in zip(*(end[:4] for end in ends), strict=True)
     )
-    impulses[0][:, impact.contacts] = impulse.reshape(2, c)
     if impact.expansion:
-        terms = eq.terms(z, p)
-        eps = terms.eps[list(impact.contacts)]
+        at = list(contacts)
+        eps = eq.terms(z, p).eps[at]
         d_eps = eq.impact_changes(z, p, z[eq.n : 2 * eq.n], *np.zeros((2, eq.m)))[5]
-        d_floor = eps[:, None] * change[:c] + impulse[:c, None] * total(
-            eq, d_eps[list(impact.contacts)], tangents
-        )
-        end = _carry(
-            eq, impact.contacts, impact.expansion, z, p, tangents, (eps * impulse[:c], d_floor),
-            expands=True,
-        )  # fmt: skip
-        _slacks(eq, impact.contacts, impact.expansion, end, 2, (slacks, items))
-        z, tangents, impulse, _ = end[:4]
-        impulses[1][:, impact.contacts] = impulse.reshape(2, c)
-    rows = np.array(slacks).reshape(-1, 1 + columns)
-    return Struck(z, tangents, rows[:, 0], rows[:, 1:], items, impulses)
+        d_floor = eps[:, None] * change[:c] + impulse[:c, None] * total(eq, d_eps[at], tangents)
+        floor = eps * impulse[:c], d_floor
+        end = _carry(eq, contacts, impact.expansion, z, p, tangents, floor, expands=True)
+        rows += _slacks(eq, contacts, impact.expansion, end, 2)
+        z, tangents = end.z, end.tangents
+    found = np.array([row for row, _ in rows]).reshape(-1, 1 + columns)
+    return Struck(z, tangents, found[:, 0], found[:, 1:], [item for _, item in rows])
 
 
 class _End(NamedTuple):
@@ -453,7 +400,7 @@ def _carry(
     terms, case = eq.terms(z, p), np.array(cases)
     w_n, w_t, mu = terms.w_n[at], terms.w_t[at], terms.mu[at]
     bound = _bound(eq, mu) if expands else np.diag(mu)
-    rests, holds = case < FREE, case % 3 == HOLD
+    rests, holds = case // 3 == REST, case % 3 == HOLD
     sign = np.where(case % 3 == FORWARD, -1.0, 1.0)
     k = _prescribed(terms.mass, w_n, w_t, bound, case)
     u = z[n : 2 * n]
@@ -468,10 +415,6 @@ def _carry(
     after[n : 2 * n] = new
     rate, slip, cone = w_n @ new + hat_n, w_t @ new + hat_t, bound @ impulse[:c]
     sides = _sides(rests, sign, (impulse[:c] - floor[0], rate, slip), cone, impulse[c:])
-    columns = tangents.shape[1]
-    if not columns:
-        nothing = np.zeros((2 * c, 0))
-        return _End(after, tangents, impulse, nothing, sides, np.zeros((4, c, 0)))
     l_n, l_t = np.zeros((2, eq.m))
     l_n[at], l_t[at] = impulse[:c], impulse[c:]
     kick, d_rate, d_slip, d_kept, d_mu = _partial(eq, z, p, (new, l_n, l_t), tangents, at)
@@ -495,7 +438,7 @@ def _carry(
 def _prescribed(mass: Floats, w_n: Floats, w_t: Floats, bound: Floats, case: Ints) -> Floats:
     """The matrix (n + 2c, n + 2c) of the equations of a phase for u' and Lambda."""
     n, c = len(mass), len(case)
-    rests, holds = case < FREE, case % 3 == HOLD
+    rests, holds = case // 3 == REST, case % 3 == HOLD
     sign = np.where(case % 3 == FORWARD, -1.0, 1.0)
     k = np.zeros((n + 2 * c, n + 2 * c))
     k[:n, :n], k[:n, n : n + c], k[:n, n + c :] = mass, -w_n.T, -w_t.T
@@ -543,14 +486,13 @@ def total(eq: Equations, change: Floats, tangents: Floats) -> Floats:
 
 
 def _slacks(
-    eq: Equations, contacts: tuple[int, ...], cases: Cases, end: _End, side: int,
-    into: tuple[list[Floats], list[int]],
-) -> None:  # fmt: skip
-    """Collect the strict inequalities of a phase."""
+    eq: Equations, contacts: tuple[int, ...], cases: Cases, end: _End, side: int
+) -> Iterator[tuple[Floats, int]]:
+    """The strict inequalities of a phase (1 + columns,), and what they are."""
     for k, (i, case) in enumerate(zip(contacts, cases, strict=True)):
         which = [NORMAL_SIDE]
         if eq.rubs[i]:
             which += [CONE_PLUS, CONE_MINUS] if case % 3 == HOLD else [ALONG]
         for each in which:
-            into[0].append(np.append(end.sides[each, k], end.turns[each, k]))
-            into[1].append(4 * (eq.m * side + i) + each)
+            row = np.append(end.sides[each, k], end.turns[each, k])
+            yield row, 4 * (eq.m * side + i) + each

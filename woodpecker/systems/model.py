@@ -227,16 +227,16 @@ class ContactSystem:
         assert self.u is not None
         if not all(map(are_equal, self.M, self.M.T)):
             raise ValueError("M must be symmetric")
-        if _vanishes(self.M.det()):
+        if vanishes(self.M.det()):
             raise ValueError("M is singular: every coordinate needs inertia")
         for each in self.contacts:
-            if all(_vanishes(each.gap.diff(q)) for q in self.q):
+            if all(vanishes(each.gap.diff(q)) for q in self.q):
                 raise ValueError(f"the gap of {each.name!r} is one that no coordinate moves")
             if each.slip is None:
                 continue
-            if not all(_vanishes(each.slip.diff(v, w)) for v in self.u for w in self.u):
+            if not all(vanishes(each.slip.diff(v, w)) for v in self.u for w in self.u):
                 raise ValueError(f"the slip of {each.name!r} must be linear in the velocities")
-            if each.rubs and all(_vanishes(each.slip.diff(v)) for v in self.u):
+            if each.rubs and all(vanishes(each.slip.diff(v)) for v in self.u):
                 raise ValueError(f"the slip of {each.name!r} is one that no velocity moves")
 
 
@@ -423,7 +423,8 @@ def are_equal(one: sympy.Expr, other: sympy.Expr) -> bool:
     return seen
 
 
-def _vanishes(value: sympy.Expr) -> bool:
+def vanishes(value: sympy.Expr) -> bool:
+    """Whether an expression is zero everywhere."""
     return are_equal(value, sympy.Integer(0))
 
 

@@ -18,6 +18,7 @@ from itertools import product
 from typing import NamedTuple
 
 import numpy as np
+import sympy
 from scipy.optimize import linprog
 
 from woodpecker.base.arrays import Floats, Ints
@@ -32,7 +33,8 @@ MOST_MODES = 256  # combinations that are tried on acceleration level
 ROUNDING = 1e-12  # relative size of a force that rounding may have made of zero
 SAME = 1e-9  # relative: accelerations that are closer are one motion
 
-KNOWN = {GAP: 3, NORMAL: 1, CONE_UP: 1, CONE_DOWN: 1, SLIP: 2}  # derivatives of guards in time
+# derivatives of guards in time that are known
+KNOWN = {GAP: 3, NORMAL: 1, CONE_UP: 1, CONE_DOWN: 1, SLIP: 2, SECTION: 2}
 
 Mode = tuple[int, ...]
 
@@ -187,17 +189,51 @@ def _bound(eq: Equations, mode: Mode, i: int, mu: Floats, l_n: Floats) -> Floats
     return np.asarray((mu[..., team] * l_n[..., team]).sum(axis=-1))
 
 
+class SectionGuard:
+    """An expression that rises through zero, as a guard that falls."""
+
+    def __init__(self, eq: Equations, when: sympy.Expr) -> None:
+        a = sympy.symbols(f"_a:{eq.n}")
+        system = eq.system
+        flow = (*system.u, *a, sympy.Integer(1)) if system.u is not None else ()
+        value = -when
+        rate = sum(value.diff(s) * v for s, v in zip(system.state, flow, strict=True))
+        both = sympy.Matrix([value, rate])
+        self._function = eq.function([both.jacobian(eq.along), both.jacobian(a)], a)
+        self._values = eq.function([both], a)
+        self._value = eq.function([sympy.Matrix([value])])
+        self.when = when
+
+    def values(self, z: Floats, p: Floats) -> Floats:
+        """Values (b,) at states (b, N)."""
+        return self._value.batch(z, p)[:, 0]
+
+    def jet(self, here: Local) -> list[float]:
+        """Value and rate."""
+        found: list[float] = self._values(here.z, here.p, here.balance.a)[0][:, 0].tolist()
+        return found
+
+    def gradients(self, here: Local) -> tuple[Floats, Floats]:
+        """Derivatives (columns,) of value and rate."""
+        along, per_a = self._function(here.z, here.p, here.balance.a)
+        return along[0], along[1] + per_a[1] @ here.changes[0]
+
+
 class Local:
     """A mode at one state: motion and guards, and their derivatives where they are asked for.
 
     Attributes
     ----------
+    section
+        The guard of a section that counts in the mode, if any.
     numbers
         Accelerations, forces and guards with derivatives, if they are compiled and finite.
     """
 
-    def __init__(self, eq: Equations, mode: Mode, z: Floats, p: Floats) -> None:
-        self.eq, self.mode, self.z, self.p = eq, mode, z, p
+    def __init__(
+        self, eq: Equations, mode: Mode, z: Floats, p: Floats, section: SectionGuard | None = None
+    ) -> None:
+        self.eq, self.mode, self.z, self.p, self.section = eq, mode, z, p, section
         self.numbers: list[float] | None = None
         if eq.jets is not None:
             found: list[float] = eq.jets(mode)(z, p).tolist()
@@ -241,8 +277,7 @@ class Local:
 
     @cached_property
     def _partial(self) -> list[Floats]:
-        a, l_n, l_t = self.balance
-        return self.eq.motion_changes(self.z, self.p, a, l_n, l_t)
+        return self.eq.motion_changes(self.z, self.p, *self.balance)
 
     @cached_property
     def jacobian(self) -> Floats:
@@ -256,7 +291,7 @@ class Local:
     def jet(self, guard: int, order: int = 3) -> list[float]:
         """Value of a guard and its derivatives in time, up to an order or as far as known.
 
-        Known are three derivatives of gaps, two of slips, one of forces.
+        Known are three derivatives of gaps, two of slips and a section, one of forces.
         """
         most = min(order, KNOWN[guard // self.eq.m])
         return [self.derivative(guard, k) for k in range(most + 1)]
@@ -268,6 +303,9 @@ class Local:
             return self.numbers[place + order]
         kind, i = divmod(guard, self.eq.m)
         t = self.terms
+        if kind == SECTION and order < 2:
+            assert self.section is not None
+            return self.section.jet(self)[order]
         if kind in (GAP, SLIP):
             sign = 1.0 if kind == GAP or self.mode[i] == SLIDE_UP else -1.0
             if kind == GAP and order < 2:
@@ -282,7 +320,7 @@ class Local:
             l_n, l_t = self.balance.l_n, self.balance.l_t
             bound = _bound(self.eq, self.mode, i, t.mu, l_n)
             return float(_force_guard(kind, l_n[i], bound, l_t[i]))
-        return float(self.gradient(guard)[: self.eq.size] @ self.flow)
+        return float(self.gradient(guard, order - 1)[: self.eq.size] @ self.flow)
 
     def _acceleration_change(self, kind: int, i: int) -> Floats:
         """Derivatives (columns,) of the acceleration of a gap or a slip."""
@@ -310,9 +348,12 @@ class Local:
     def gradient(self, guard: int, order: int = 0) -> Floats:
         """Derivatives (columns,) of a guard, or of its derivative in time of an order.
 
-        Known are those of gaps to order 2, of slips to order 1, of forces to order 0.
+        Known are those of gaps to order 2, of slips and a section to order 1, of forces to order 0.
         """
         kind, i = divmod(guard, self.eq.m)
+        if kind == SECTION:
+            assert self.section is not None
+            return self.section.gradients(self)[order]
         sign = -1.0 if kind == SLIP and self.mode[i] != SLIDE_UP else 1.0
         if kind in (GAP, SLIP):
             if order == (2 if kind == GAP else 1):
@@ -333,23 +374,12 @@ class Local:
 
 @dataclass(frozen=True, slots=True)
 class Touch:
-    """What an event leaves: the contacts that touch and stay, and what is exactly zero.
+    """What an event leaves: the contacts that touch and stay, and what is exactly zero."""
 
-    Attributes
-    ----------
-    closed
-        Contacts with zero gap and zero gap rate.
-    held
-        Those of them whose slip is exactly zero.
-    leaving
-        Contacts with zero gap that open.
-    fired
-        The guard that brought us here; -1: none that leaves a zero on acceleration level.
-    """
-
-    closed: frozenset[int]
-    held: frozenset[int] = frozenset()
-    leaving: frozenset[int] = frozenset()
+    closed: frozenset[int]  # contacts with zero gap and zero gap rate
+    held: frozenset[int] = frozenset()  # those of them whose slip is exactly zero
+    leaving: frozenset[int] = frozenset()  # contacts with zero gap that open
+    # the guard that brought us here; -1: none that leaves a zero on acceleration level
     fired: int = -1
 
     def order(self, slips: Sequence[int], mode: Mode, guard: int) -> int:

@@ -8,9 +8,10 @@ up the new index sets. What happened is recorded as a path, along which derivati
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence, Set
+from collections.abc import Sequence, Set
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import cache, partial
 from importlib.util import find_spec
 
 import numpy as np
@@ -18,7 +19,7 @@ import numpy as np
 from woodpecker.base.arrays import Floats
 from woodpecker.base.compiled import announce
 from woodpecker.mechanics.one_contact import stated
-from woodpecker.systems.accumulation import Tail, after, implied, tail_of
+from woodpecker.systems.accumulation import TOGETHER, Tail, after, implied, tail_of
 from woodpecker.systems.equations import Equations
 from woodpecker.systems.flows import Flow, LostError, RungeFlow, Step
 from woodpecker.systems.guards import TIME, Phase
@@ -34,18 +35,18 @@ from woodpecker.systems.modes import (
     STICK,
     Local,
     Mode,
+    SectionGuard,
     Touch,
     resting_mode,
     settle,
     team_of,
 )
-from woodpecker.systems.sections import Embedding, SectionGuard
+from woodpecker.systems.sections import Embedding
 
 EVENTS_MOST = 2000  # of one return, unless a caller says otherwise
 STEPS_MOST = 20_000  # of one phase of one return
 PENETRATED = 1e-7  # relative: far more than rounding leaves of a gap
 BRIEF = 2.0**-10  # of the longest phase: before flights are as short as this none need be looked at
-TOGETHER = 2.0**-44  # of a phase: gaps that close within it do so at once
 POLISHED = 1e-6  # of a window: Newton's step from a root of the series is shorter, or not taken
 NO_FORCE = 1e-9  # relative: a normal force that vanishes where a cone is reached
 
@@ -91,25 +92,15 @@ _OF_OUTCOME = {
 
 @dataclass(frozen=True, slots=True)
 class Leg:
-    """One phase of a path, and the event that begins it.
+    """One phase of a path, and the event that begins it."""
 
-    Attributes
-    ----------
-    impact
-        The impact that it begins with, if any.
-    closes, lap
-        The contacts at which impacts have accumulated then; how many of the phases before are
-        repeated until they do.
-    touch
-        What touches where it begins.
-    mode, guard
-        The states of the contacts, and which guard ends it.
-    """
-
-    impact: Impact | None
+    impact: Impact | None  # the impact that it begins with, if any
+    # the contacts at which impacts have accumulated then; how many of the phases before are
+    # repeated until they do
     closes: tuple[int, ...]
     lap: int
-    touch: Touch
+    touch: Touch  # what touches where it begins
+    # the states of the contacts, and which guard ends it
     mode: Mode
     guard: int
 
@@ -159,16 +150,15 @@ class Machine:
         self.backend = Backend(backend)
         self.eq = Equations(system, free)
         self._flows: dict[tuple[Mode, bool, SectionGuard | None], Flow] = {}
-        self._made: dict[Mode, Callable[[Floats, Floats], Floats]] = {}
         time = system.time
         parts = [*system.M, *system.h, *(c.gap for c in system.contacts)]
         parts += [c.slip for c in system.contacts if c.slip is not None]
         self.is_autonomous = not any(part.has(time) for part in parts)
 
         if self.backend is Backend.TAYLOR:
-            from woodpecker.systems.taylor import terms_function
+            from woodpecker.systems.taylor import jets, terms_function
 
-            self.eq.jets, self.eq.compiled = self._jets, terms_function(self.eq)
+            self.eq.jets, self.eq.compiled = cache(partial(jets, self.eq)), terms_function(self.eq)
 
     def flow(
         self, mode: Mode, *, varies: bool = False, section: SectionGuard | None = None
@@ -185,42 +175,21 @@ class Machine:
                 self._flows[key] = RungeFlow(self.eq, mode, varies=varies)
         return self._flows[key]
 
-    def _jets(self, mode: Mode) -> Callable[[Floats, Floats], Floats]:
-        """Accelerations, forces and guards of a mode, compiled."""
-        if mode not in self._made:
-            from woodpecker.systems.taylor import jets
-
-            self._made[mode] = jets(self.eq, mode)
-        return self._made[mode]
-
 
 @dataclass(slots=True, eq=False)
 class Run:
-    """A motion as it was found.
+    """A motion as it was found."""
 
-    Attributes
-    ----------
-    z
-        The state that was reached.
-    status
-        Why it ended.
-    legs, durations
-        Its phases.
-    last
-        The impact that it ended with, on a section of impacts.
-    symbols, events
-        What happened; equal bounces that accumulate are one symbol. Descriptions only if asked for.
-    steps
-        Where each step began [s], and the step, if they are kept.
-    """
-
-    z: Floats
-    status: MotionStatus = MotionStatus.EVENT_LIMIT
+    z: Floats  # the state that was reached
+    status: MotionStatus = MotionStatus.EVENT_LIMIT  # why it ended
+    # its phases
     legs: list[Leg] = field(default_factory=list)
     durations: list[float] = field(default_factory=list)
-    last: Impact | None = None
+    last: Impact | None = None  # the impact that it ended with, on a section of impacts
+    # what happened; equal bounces that accumulate are one symbol. Descriptions only if asked for
     symbols: list[str] = field(default_factory=list)
     events: list[MotionEvent] = field(default_factory=list)
+    # where each step began [s], and the step, if they are kept
     steps: list[tuple[float, Step]] = field(default_factory=list)
 
 
@@ -324,8 +293,7 @@ class MotionSearch:
         """The guard that fires first in a phase, when, and the state there."""
         if most <= 0.0:
             return TIME, 0.0, z
-        embedding = self.embedding
-        section = embedding.guard if embedding and embedding.counts(mode) else None
+        section = self.embedding.guard_in(mode) if self.embedding else None
         flow = self.machine.flow(mode, section=section)
         phase = Phase(self.eq, mode, z, self.p, flow, touch, section, on_section=on_section)
         t, step, keeps = 0.0, None, keeps and self.keeps
@@ -351,23 +319,13 @@ class MotionSearch:
         z, _ = step.exact(t - begin)
         if phase.width == 0.0:
             return t, z
-        here = Local(self.eq, phase.mode, z, self.p)
-        value, rate = self.value_and_rate(here, guard)
+        value, rate = Local(self.eq, phase.mode, z, self.p, phase.section).jet(guard, 1)
         if begin == 0.0:
             value -= float(phase.starts[phase.watched.index(guard)].noise(np.array(t)))
         if rate < 0.0 and abs(value) < POLISHED * phase.width * -rate:
             t -= value / rate
             z, _ = step.exact(t - begin)
         return t, z
-
-    def value_and_rate(self, here: Local, guard: int) -> tuple[float, float]:
-        """Those of a guard, also of the section's."""
-        if guard == SECTION * self.eq.m:
-            assert self.embedding is not None
-            assert self.embedding.guard is not None
-            return self.embedding.guard.jet(here)
-        value, rate = here.jet(guard, 1)
-        return value, rate
 
     # --- Events -----------------------------------------------------------------------------------
 

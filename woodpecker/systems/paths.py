@@ -37,20 +37,16 @@ from woodpecker.systems.guards import (
     Power,
     Series,
     series,
-    started,
+    starts_of,
+    watching,
 )
-from woodpecker.systems.impacts import (
-    ALONG,
-    Impact,
-    carry_out,
-)
+from woodpecker.systems.impacts import ALONG, Impact, carry_out, total
 from woodpecker.systems.modes import (
     GAP,
     NORMAL,
     SECTION,
     SLIP,
     Local,
-    guard_values,
     guards_of,
 )
 from woodpecker.systems.motion import Leg, Machine, Run
@@ -72,24 +68,13 @@ NOTHING = 1e-14  # a margin that is smaller than this with all its derivatives i
 
 @dataclass(frozen=True, slots=True)
 class MotionPath:
-    """What happens in a return.
+    """What happens in a return."""
 
-    Attributes
-    ----------
-    legs
-        The phases, with the events that begin them. Of impacts that accumulate one lap is left.
-    last
-        The impact that it ends with, on a section of impacts.
-    turns
-        By how many periods time has gone on.
-    word
-        For people; it is no part of what tells paths apart.
-    """
-
+    # the phases, with the events that begin them. Of impacts that accumulate one lap is left
     legs: tuple[Leg, ...]
-    last: Impact | None
-    turns: int
-    word: str = field(compare=False)
+    last: Impact | None  # the impact that it ends with, on a section of impacts
+    turns: int  # by how many periods time has gone on
+    word: str = field(compare=False)  # for people; it is no part of what tells paths apart
 
 
 def path_of(run: Run, turns: int) -> tuple[MotionPath, Floats]:
@@ -101,27 +86,15 @@ def path_of(run: Run, turns: int) -> tuple[MotionPath, Floats]:
 
 
 class FollowedPath(NamedTuple):
-    """A return along a path, with derivatives in the point and in free parameters.
+    """A return along a path, with derivatives in the point and in free parameters."""
 
-    Attributes
-    ----------
-    value, jacobian
-        (d,) and (d, d + k).
-    margins, gradients, codes
-        (s,), (s, d + k), (s,) ascending.
-    times
-        Durations of the phases.
-    z
-        The state that is reached.
-    """
-
-    value: Floats
-    jacobian: Floats
-    margins: Floats
-    gradients: Floats
-    codes: Ints
-    times: Floats
-    z: Floats
+    value: Floats  # (d,)
+    jacobian: Floats  # (d, d + k)
+    margins: Floats  # (s,)
+    gradients: Floats  # (s, d + k)
+    codes: Ints  # (s,) ascending
+    times: Floats  # durations of the phases
+    z: Floats  # the state that is reached
 
 
 class NoRootError(Exception):
@@ -154,7 +127,7 @@ class Following:
                 self._marks.append((self._z, self._tangents))
                 continue
             struck = False
-            here = Local(self.eq, leg.mode, self._z, self.p)
+            here = self._local(leg, self._z)
             self._start_margins(here, leg, k)
             if repeated > BOUNCES_MOST:
                 raise NoRootError
@@ -197,11 +170,7 @@ class Following:
 
     def _total(self, gradient: Floats, tangents: Floats) -> Floats:
         """A derivative (columns,) in state and parameters, along the tangents of a state."""
-        found = gradient[: self.eq.size] @ tangents
-        k = len(self.eq.free)
-        if k:
-            found[-k:] += gradient[self.eq.size :]
-        return np.asarray(found)
+        return np.asarray(total(self.eq, gradient[None], tangents)[0])
 
     # --- Events -----------------------------------------------------------------------------------
 
@@ -256,28 +225,19 @@ class Following:
     def _phase(self, here: Local, leg: Leg, k: int, near: float | None) -> float:
         """Follow the motion to the event that ends a phase; how long it takes."""
         eq = self.eq
-        guards = guards_of(eq, leg.mode)
-        starts = {guard: started(here, leg.touch, guard) for guard in guards}
-        section = SECTION * eq.m
-        if self.embedding.counts(leg.mode):
-            assert self.embedding.guard is not None
-            jet = self.embedding.guard.jet(here)
-            starts[section] = GuardStart(1, jet, True) if k == 0 else GuardStart(0, (), True)
+        starts = starts_of(here, leg.touch, on_section=k == 0)
         most = self.embedding.section.horizon
         steps = KeptSteps(self.machine.flow(leg.mode, varies=True), here.z, self.p, most)
-        watch = list(starts)
         t, left = self._root(steps, leg, starts, near)
         z, changes = steps.exact(t)
-        there = Local(eq, leg.mode, z, self.p)
-        tangents = changes[:, : eq.size] @ self._tangents
-        if eq.free:
-            tangents[:, -len(eq.free) :] += changes[:, eq.size :]
+        there = self._local(leg, z)
+        tangents = total(eq, changes, self._tangents)
         length = steps.first.length
         start = starts[leg.guard]
         delay = self._fired_margins(there, leg, k, t, start, tangents, length, left)
-        for guard in watch:
+        for guard, other in starts.items():
             if guard != leg.guard:
-                self._meeting(there, guard, k, t, starts[guard], tangents, delay, length)
+                self._meeting(there, guard, k, t, other, tangents, delay, length)
         self._dips(steps, leg, k, t, starts)
         self._z, self._tangents = z, tangents + np.outer(there.flow, delay)
         self._fired = leg.guard % eq.m
@@ -285,13 +245,8 @@ class Following:
         self._flight = (t, delay) if rested else None
         return t
 
-    def _value(self, here: Local, guard: int) -> tuple[float, float]:
-        """Value and rate of a guard."""
-        if guard == SECTION * self.eq.m:
-            assert self.embedding.guard is not None
-            return self.embedding.guard.jet(here)
-        value, rate = here.jet(guard, 1)
-        return float(value), float(rate)
+    def _local(self, leg: Leg, z: Floats) -> Local:
+        return Local(self.eq, leg.mode, z, self.p, self.embedding.guard_in(leg.mode))
 
     def _root(
         self, steps: KeptSteps, leg: Leg, starts: dict[int, GuardStart], near: float | None
@@ -322,8 +277,8 @@ class Following:
         t, step = near, math.inf
         for _ in range(NEWTON_MOST):
             z, _ = steps.exact(t)
-            here = Local(self.eq, leg.mode, z, self.p)
-            value, rate = self._value(here, leg.guard)
+            here = self._local(leg, z)
+            value, rate = here.jet(leg.guard, 1)
             bends = self._second_rate(here, leg.guard)
             step = -rate / bends if bends > 0.0 else math.inf
             if not abs(t + step - near) <= NEARBY * abs(near):
@@ -354,8 +309,7 @@ class Following:
             ):
                 return math.nan
             z, _ = steps.exact(t)
-            here = Local(self.eq, leg.mode, z, self.p)
-            value, rate = self._value(here, leg.guard)
+            value, rate = self._local(leg, z).jet(leg.guard, 1)
             if order:
                 value -= float(start.noise(np.array(t)))
                 rate -= order * value / t
@@ -388,14 +342,8 @@ class Following:
     ) -> Iterator[Sequence[Series] | Polynomials]:
         """The guards until a time, interval by interval."""
         begin, every = 0.0, list(starts.values())
-        section = self.embedding.guard if self.embedding.counts(leg.mode) else None
-        flow = self.machine.flow(leg.mode, section=section)
-        own = [guard for guard in starts if guard != SECTION * self.eq.m]
-
-        def values(states: Floats) -> Floats:
-            found = guard_values(self.eq, leg.mode, own, self.eq.terms(states, self.p))
-            return found if section is None else np.vstack([found, section.values(states, self.p)])
-
+        here = self._local(leg, steps.start[0])
+        flow, values = self.machine.flow(leg.mode, section=here.section), watching(here)
         made = flow.steps(*steps.start) if flow.has_guards else steps.all()
         before = None
         for step in made:
@@ -446,13 +394,8 @@ class Following:
 
     def _gradients(self, here: Local, guard: int, tangents: Floats) -> tuple[Floats, Floats]:
         """Derivatives of a guard and of its rate, along the tangents at a fixed time."""
-        if guard == SECTION * self.eq.m:
-            assert self.embedding.guard is not None
-            value, rate = self.embedding.guard.gradients(here)
-            return self._total(value, tangents), self._total(rate, tangents)
-        kind = guard // self.eq.m
         value = self._total(here.gradient(guard), tangents)
-        if kind in (GAP, SLIP):
+        if guard // self.eq.m in (GAP, SLIP, SECTION):
             return value, self._total(here.gradient(guard, 1), tangents)
         return value, self._rate_by_differences(here, guard, tangents)
 
@@ -482,7 +425,7 @@ class Following:
         The square of its rate f' is -2 f f'' of its minimum f; what is left of it makes that so
         where it only touches zero.
         """
-        _, rate = self._value(there, leg.guard)
+        rate = there.rate(leg.guard)
         value_turn, rate_turn = self._gradients(there, leg.guard, tangents)
         if rate == 0.0 or not math.isfinite(rate):
             raise NoRootError
@@ -512,10 +455,6 @@ class Following:
 
     def _second_rate(self, here: Local, guard: int) -> float:
         """The second derivative of a guard in time."""
-        if guard == SECTION * self.eq.m:
-            assert self.embedding.guard is not None
-            rate = self.embedding.guard.gradients(here)[1]
-            return float(rate[: self.eq.size] @ here.flow)
         known = here.jet(guard, 2)
         if len(known) > 2:
             return known[2]
@@ -533,16 +472,10 @@ class Following:
         """
         if start.order and t < min(SOON * length, 0.25 * start.comes_back()):
             return
-        if guard == SECTION * self.eq.m:
-            assert self.embedding.guard is not None
-            value, rate = self.embedding.guard.jet(there)
-            if value <= 0.0 or rate >= 0.0:
-                return  # it does not fall through zero
-            gradient = self.embedding.guard.gradients(there)[0]
-        else:
-            value, rate = there.jet(guard, 1)
-            gradient = there.gradient(guard)
-        turn = self._total(gradient, tangents) + rate * delay
+        value, rate = there.jet(guard, 1)
+        if guard == SECTION * self.eq.m and (value <= 0.0 or rate >= 0.0):
+            return  # it does not fall through zero
+        turn = self._total(there.gradient(guard), tangents) + rate * delay
         if start.order and t > 0.0:
             value -= float(start.noise(np.array(t)))
             scale = t**start.order
@@ -572,11 +505,9 @@ class Following:
         self, steps: KeptSteps, leg: Leg, k: int, guard: int, t: float, sign: float
     ) -> None:
         z, changes = steps.exact(t)
-        here, eq = Local(self.eq, leg.mode, z, self.p), self.eq
-        tangents = changes[:, : eq.size] @ self._tangents
-        if eq.free:
-            tangents[:, -len(eq.free) :] += changes[:, eq.size :]
-        value, _ = self._value(here, guard)
+        here, eq = self._local(leg, z), self.eq
+        tangents = total(eq, changes, self._tangents)
+        value = here.derivative(guard, 0)
         gradient, _ = self._gradients(here, guard, tangents)
         item = guard + (0 if sign > 0.0 else 1)
         self._note(k, DIP, item, sign * value, sign * gradient)

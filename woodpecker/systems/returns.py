@@ -8,9 +8,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from pwmap.algebra.arguments import explained_fields
+from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance
-from woodpecker.engine.maps import ACCUMULATE, Image
+from woodpecker.engine.maps import Image, proposed
 from woodpecker.systems.causes import cause_of
 from woodpecker.systems.flows import LostError
 from woodpecker.systems.model import ContactSystem
@@ -19,12 +21,9 @@ from woodpecker.systems.paths import FollowedPath, Following, MotionPath, NoRoot
 from woodpecker.systems.sections import Embedding, Section
 
 TOO_FAR = "the path does not reach so far"
-DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 16, 10))  # of proposals of what lies beside
-CLOSER = 2.0**-33  # where slopes still have some digits left, and next to no curvature
-SMOOTH = 2.0**-18  # of derivatives: those of a smooth piece differ by less at the distances above
-ROOT = 4.0  # times steeper at that distance, or times as high as that slope says: a root
 
 
+@explained_fields
 class SystemMap:
     """The return map of a system on a section, with derivatives in some parameters.
 
@@ -68,6 +67,13 @@ class SystemMap:
         self.names = self.embedding.names
         self._own = self.machine.eq.p
 
+    def __repr__(self) -> str:
+        """Its coordinates, the event, and what is free of the system."""
+        free, when = ", ".join(map(str, self.section.free)), brief(str(self.section.when))
+        of = f"{counted(self.system.n, 'coordinate')} and {counted(len(self.names), 'contact')}"
+        over = ", ".join(f"{n}={v:.6g}" for n, v in zip(self.parameters, self.p, strict=True))
+        return f"SystemMap({free} at {when!r}, of {of}{', over ' * bool(over)}{over})"
+
     def holding(self, **values: float) -> SystemMap:
         """The same map with other values of the system's parameters; it shares what is compiled.
 
@@ -105,9 +111,12 @@ class SystemMap:
 
     def image(self, x: Floats, p: Floats) -> Floats | None:
         """Where a point (d,) of the section returns, without derivatives; None if it does not."""
-        run, values = self.search(x, p), self.values(p)
-        if not run.status.success:
-            return None
+        run = self.search(x, p)
+        return self.landed(run, p) if run.status.success else None
+
+    def landed(self, run: Run, p: Floats) -> Floats:
+        """The point (d,) of the section at which a motion has returned."""
+        values = self.values(p)
         return self.embedding.point(run.z, values, self.embedding.turns(run.z, values))
 
     def at(self, x: Floats, p: Floats) -> Image:
@@ -120,30 +129,8 @@ class SystemMap:
         return SystemPiece(self, path, times).at(x, p)
 
     def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
-        """The return along the path that the system takes infinitesimally beside a point.
-
-        Paths are proposed by points at small distances, and accepted by the signs of margins and of
-        their derivatives at the point itself.
-        """
-        lengths = np.array([*self.x_scale, *self.p_scale])
-        length = float(np.abs(direction / lengths).max())
-        if length == 0.0:
-            return self.at(x, p)._replace(reason=ACCUMULATE)
-        unit, seen = direction / length, set[Hashable]()
-        lost, around = "", None
-        for distance in DISTANCES:
-            near = self.at(x + distance * unit[: self.d], p + distance * unit[self.d :])
-            lost = lost or near.reason
-            if near.reason or near.piece.key in seen:
-                continue
-            seen.add(near.piece.key)
-            image = limit(near, x, p, unit)
-            if image.reason or not image.begins_along(x, p, unit):
-                continue
-            if image.tied(x, p).any():
-                return image
-            around = around or image
-        return around or self.at(x, p)._replace(reason=lost or ACCUMULATE)
+        """The return along the path that the system takes infinitesimally beside a point."""
+        return proposed(self, x, p, direction, (*self.x_scale, *self.p_scale))
 
     def _nowhere(self, reason: str) -> Image:
         return undefined(SystemPiece(self, MotionPath((), None, 0, reason), np.zeros(0)), reason)
@@ -151,21 +138,11 @@ class SystemMap:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SystemPiece:
-    """Returns along one path.
+    """Returns along one path."""
 
-    Attributes
-    ----------
-    whole
-        The map that it belongs to.
-    path
-        What happens.
-    times
-        Durations of its phases where it was met last.
-    """
-
-    whole: SystemMap
-    path: MotionPath
-    times: Floats = field(repr=False)
+    whole: SystemMap  # the map that it belongs to
+    path: MotionPath  # what happens
+    times: Floats = field(repr=False)  # durations of its phases where it was met last
 
     @property
     def key(self) -> Hashable:
@@ -210,35 +187,3 @@ def undefined(piece: SystemPiece, reason: str) -> Image:
         np.full(d, np.nan), np.full((d, columns), np.nan), np.zeros(0), np.zeros((0, columns)),
         none, piece, reason,
     )  # fmt: skip
-
-
-def limit(near: Image, x: Floats, p: Floats, unit: Floats) -> Image:
-    """The one-sided limit at (x, p) of the piece of an image that lies a little away.
-
-    Where a time goes like a root of the distance the piece may have no value right at the point:
-    its derivatives are those beside it then. If those grow without bound the image says so by their
-    size, and its value is that of a root.
-    """
-    d = len(x)
-    there = near.piece.at(x, p)
-    if not there.reason and _alike(there.jacobian, near.jacobian):
-        return there
-    away = CLOSER * unit
-    closer = near.piece.at(x + away[:d], p + away[d:])
-    if closer.reason:
-        return closer
-    change = np.abs(closer.jacobian - there.jacobian).max() if not there.reason else np.inf
-    if change <= 0.5 * np.abs(near.jacobian - there.jacobian).max():
-        return there
-    grown = float(np.abs(closer.jacobian).max())
-    rooted = grown > ROOT * max(1.0, float(np.abs(near.jacobian).max()))
-    along = closer.jacobian @ away
-    value = closer.value - (2.0 * along if rooted else along)
-    if not there.reason and np.abs(there.value - value).max() <= ROOT * np.abs(along).max():
-        value = there.value
-    return closer._replace(value=value, margins=closer.margins - closer.gradients @ away)
-
-
-def _alike(one: Floats, other: Floats) -> bool:
-    size = max(1.0, float(np.abs(one).max()), float(np.abs(other).max()))
-    return bool(np.abs(one - other).max() <= SMOOTH * size)

@@ -12,12 +12,11 @@ import sympy
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number, positive
 from woodpecker.base.shown import shown
-from woodpecker.systems.equations import Equations
-from woodpecker.systems.model import ContactSystem, expression, names
-from woodpecker.systems.modes import OPEN, STICK, Local, Touch
+from woodpecker.systems.equations import Equations, Function
+from woodpecker.systems.model import ContactSystem, expression, names, vanishes
+from woodpecker.systems.modes import STICK, SectionGuard, Touch
 
 HORIZON = 1e4  # of one return [s] unless a section says otherwise
-SAMPLES = 5  # random points at which an expression is tried for being zero
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -120,8 +119,6 @@ class Embedding:
         along = (*section.free, *eq.along[eq.size :])
         rows = sympy.Matrix(whole)
         symbols = (*section.free, *system.parameters)
-        from woodpecker.systems.equations import Function
-
         self._embed = Function(
             symbols, [np.array(whole, dtype=object), np.array(rows.jacobian(along), dtype=object)]
         )
@@ -130,7 +127,7 @@ class Embedding:
             [np.array([section.period or zero, *(
                 (section.period or zero).diff(s) for s in eq.along[eq.size :])], dtype=object)],
         )  # fmt: skip
-        self.touch = self._touching(symbols)
+        self.touch = self._touching()
         self.guard = None if self.contact >= 0 else SectionGuard(eq, section.when)
 
     def _check(self, system: ContactSystem) -> None:
@@ -156,35 +153,20 @@ class Embedding:
             for other in sorted(section.period.free_symbols - parameters, key=str):
                 raise ValueError(f"period has {other}, which is no parameter")
 
-    def _touching(self, symbols: Sequence[sympy.Symbol]) -> Touch:
+    def _touching(self) -> Touch:
         """Contacts that touch at every point of the section."""
-        system, rng = self.eq.system, np.random.default_rng(7)
         closed, held, leaving = set[int](), set[int](), set[int]()
-        assert system.u is not None
-        for i, each in enumerate(system.contacts):
-            rate = sum(
-                each.gap.diff(q) * u for q, u in zip(system.q, system.u, strict=True)
-            ) + each.gap.diff(system.time)
-            if not self._vanishes(each.gap, symbols, rng):
+        gaps, rates, slips = self.eq.kinematics
+        for i in range(self.eq.m):
+            if not vanishes(gaps[i].subs(self._at)):
                 continue
-            if not self._vanishes(sympy.sympify(rate), symbols, rng):
+            if not vanishes(rates[i].subs(self._at)):
                 leaving.add(i)
                 continue
             closed.add(i)
-            if each.rubs and self._vanishes(each.slip, symbols, rng):
+            if self.eq.rubs[i] and vanishes(slips[i].subs(self._at)):
                 held.add(i)
         return Touch(frozenset(closed), frozenset(held), frozenset(leaving))
-
-    def _vanishes(
-        self, value: sympy.Expr, symbols: Sequence[sympy.Symbol], rng: np.random.Generator
-    ) -> bool:
-        """Whether an expression is zero all over the section."""
-        there = value.subs(self._at)
-        if there == 0:
-            return True
-        tried = sympy.lambdify(symbols, there, modules="numpy")
-        points = rng.uniform(0.5, 1.5, (SAMPLES, len(symbols)))
-        return all(abs(complex(tried(*point))) < 1e-9 for point in points)
 
     def state(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
         """The state (N,) of a point, and its derivatives (N, d + k)."""
@@ -195,7 +177,7 @@ class Embedding:
         """The coordinates (d,) of a state on the section, time less so many periods."""
         x = z[self.places].copy()
         if self.section.period is not None:
-            x[self._of_time] -= turns * self._period(p)[0][0]
+            x[self.of_time] -= turns * self._period(p)[0][0]
         return x
 
     def changes(self, tangents: Floats, p: Floats, turns: int) -> Floats:
@@ -203,7 +185,7 @@ class Embedding:
         found = tangents[self.places].copy()
         k = len(self.eq.free)
         if self.section.period is not None and k:
-            found[self._of_time, -k:] -= turns * self._period(p)[0][1:]
+            found[self.of_time, -k:] -= turns * self._period(p)[0][1:]
         return np.asarray(found)
 
     def turns(self, z: Floats, p: Floats) -> int:
@@ -211,7 +193,7 @@ class Embedding:
         if self.section.period is None:
             return 0
         period = float(self._period(p)[0][0])
-        t = z[self.places[self._of_time]]
+        t = z[self.places[self.of_time]]
         return int(np.floor((t - self.section.first) / period)) if period > 0.0 else 0
 
     def phase_margins(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
@@ -220,54 +202,20 @@ class Embedding:
         The derivatives are those in time and in the parameters.
         """
         values = self._period(p)[0]
-        t = x[self._of_time] - self.section.first
+        t = x[self.of_time] - self.section.first
         rows = np.zeros((2, 1 + len(values) - 1))
         rows[:, 0] = 1.0, -1.0
         rows[1, 1:] = values[1:]
         return np.array([t, values[0] - t]), rows
 
     @property
-    def _of_time(self) -> int:
-        return list(self.section.free).index(self.eq.system.time)
-
-    @property
     def of_time(self) -> int:
         """Which coordinate is time."""
-        return self._of_time
+        return self.section.free.index(self.eq.system.time)
 
-    def counts(self, mode: Sequence[int]) -> bool:
-        """Whether the event counts in a mode."""
-        return self.guard is not None and all(mode[i] == STICK for i in self.sticking)
-
-
-class SectionGuard:
-    """An expression that rises through zero, as a guard that falls."""
-
-    def __init__(self, eq: Equations, when: sympy.Expr) -> None:
-        a = sympy.symbols(f"_a:{eq.n}")
-        system = eq.system
-        flow = (*system.u, *a, sympy.Integer(1)) if system.u is not None else ()
-        value = -when
-        rate = sum(value.diff(s) * v for s, v in zip(system.state, flow, strict=True))
-        both = sympy.Matrix([value, rate])
-        self._function = eq.function([both.jacobian(eq.along), both.jacobian(a)], a)
-        self._values = eq.function([both], a)
-        self._value = eq.function([sympy.Matrix([value])])
-        self.when = when
-
-    def values(self, z: Floats, p: Floats) -> Floats:
-        """Values (b,) at states (b, N)."""
-        return self._value.batch(z, p)[:, 0]
-
-    def jet(self, here: Local) -> tuple[float, float]:
-        """Value and rate."""
-        value, rate = self._values(here.z, here.p, here.balance.a)[0][:, 0].tolist()
-        return value, rate
-
-    def gradients(self, here: Local) -> tuple[Floats, Floats]:
-        """Derivatives (columns,) of value and rate."""
-        along, per_a = self._function(here.z, here.p, here.balance.a)
-        return along[0], along[1] + per_a[1] @ here.changes[0]
+    def guard_in(self, mode: Sequence[int]) -> SectionGuard | None:
+        """The guard of the section, if its event is no impact and counts in a mode."""
+        return self.guard if all(mode[i] == STICK for i in self.sticking) else None
 
 
 def touching(eq: Equations, z: Floats, p: Floats, rounding: float) -> tuple[Touch, list[int]]:
@@ -295,8 +243,3 @@ def touching(eq: Equations, z: Floats, p: Floats, rounding: float) -> tuple[Touc
             if abs(slip) <= rounding:
                 held.add(i)
     return Touch(frozenset(closed), frozenset(held), frozenset(leaving)), striking
-
-
-def opened(eq: Equations) -> tuple[int, ...]:
-    """The mode without contact."""
-    return (OPEN,) * eq.m

@@ -7,7 +7,7 @@ polynomials say when they fire.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import heyoka as hy
@@ -239,7 +239,7 @@ class _Expressions:
         for k, (row, bar) in enumerate(bars):
             rows[n + k][:n], rows[n + k][size] = row, -bar[0]
         x = _eliminated(rows)
-        self.a, self.l_n, self.l_t = x[:n], [zero] * eq.m, [zero] * eq.m
+        self.a, self.l_n, self.l_t = _kept(x[:n], bars), [zero] * eq.m, [zero] * eq.m
         for k, i in enumerate(closed):
             self.l_n[i] = x[n + k]
             if mode[i] != STICK and eq.rubs[i]:
@@ -325,6 +325,27 @@ def _eliminated(rows: list[list[Any]]) -> list[Any]:
                 total = total - rows[k][j] * x[j]
         x[k] = total / rows[k][k]
     return x
+
+
+def _kept(a: list[Any], bars: Sequence[tuple[list[Any], list[Any]]]) -> list[Any]:
+    """Accelerations that keep w a + bar at zero but for the rounding of this sum alone.
+
+    That of the whole system would add up over a phase: a contact that is closed would drift. Only
+    where it is safe to divide, by a number or by what alone moves the contact.
+    """
+    found, left = list(a), set(range(len(a)))
+    for row, bar in bars:
+        moves = [j for j, entry in enumerate(row) if not _is_zero(entry)]
+        safe = [j for j in moves if j in left and (len(moves) == 1 or _is_number(row[j]))]
+        if safe:
+            j = safe[0]
+            left.remove(j)
+            found[j] = -(bar[0] + hy.sum([row[k] * found[k] for k in moves if k != j])) / row[j]
+    return found
+
+
+def _is_number(value: Any) -> bool:
+    return not hy.get_variables(value) and not hy.get_params(value)
 
 
 def _is_zero(value: Any) -> bool:

@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from pwmap.algebra.arguments import explained
 from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, iterates, number, positive, real_array, whole
@@ -37,6 +38,8 @@ NEWTON_MOST = 50  # iterations of shooting
 HALVINGS_MOST = 12  # of one step
 CONVERGED = 1e-12  # relative residual of a cycle, times how much the map amplifies rounding
 ORDER_MOST = 100
+
+HELD = "map_.holding(...) has other values of parameters"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -74,6 +77,7 @@ class Motion:
         )
 
 
+@explained("system.replace(...) has other values of parameters")
 def simulate(
     system: ContactSystem, start: Mapping[Any, float], t_end: float, *, samples: int = SAMPLES,
     max_events: int = EVENTS_MOST, backend: Backend | str | None = None,
@@ -193,6 +197,7 @@ class SystemReturns:
     status: tuple[MotionStatus, ...]
 
 
+@explained(HELD)
 def return_map(
     map_: SystemMap, x: npt.ArrayLike, *, order: int = 1, p: npt.ArrayLike | None = None
 ) -> SystemReturns:
@@ -223,11 +228,7 @@ def return_map(
     """
     instance("map_", map_, SystemMap)
     order = whole("order", order, 1, ORDER_MOST)
-    points = real_array("x", x)
-    points = points.reshape(-1, 1) if points.ndim < 2 and map_.d == 1 else np.atleast_2d(points)
-    if points.ndim != 2 or points.shape[1] != map_.d:
-        raise ValueError(f"x must have shape (s, {map_.d}), got {points.shape}")
-    values = _parameters(map_, p)
+    points, values = points_of(map_, "x", x), parameters_of(map_, p)
     images, words, status = np.full_like(points, np.nan), list[str](), list[MotionStatus]()
     for k, point in enumerate(points):
         found, word = point, list[str]()
@@ -236,8 +237,7 @@ def return_map(
             word.append(" ".join(run.symbols))
             if not run.status.success:
                 break
-            whole_p = map_.values(values)
-            found = map_.embedding.point(run.z, whole_p, map_.embedding.turns(run.z, whole_p))
+            found = map_.landed(run, values)
         words.append(" | ".join(word))
         status.append(run.status)
         if run.status.success:
@@ -245,7 +245,17 @@ def return_map(
     return SystemReturns(x=points, images=images, words=tuple(words), status=tuple(status))
 
 
-def _parameters(map_: SystemMap, p: npt.ArrayLike | None) -> Floats:
+def points_of(map_: SystemMap, name: str, given: npt.ArrayLike) -> Floats:
+    """Points (s, d)."""
+    points = real_array(name, given)
+    points = points.reshape(-1, 1) if points.ndim < 2 and map_.d == 1 else np.atleast_2d(points)
+    if points.ndim != 2 or points.shape[1] != map_.d:
+        raise ValueError(f"{name} must have shape (s, {map_.d}), got {points.shape}")
+    return points
+
+
+def parameters_of(map_: SystemMap, p: npt.ArrayLike | None) -> Floats:
+    """Values (k,) of the free parameters."""
     if p is None:
         return map_.p
     values = np.atleast_1d(real_array("p", p))
@@ -300,6 +310,7 @@ class SystemCycle:
         return bool(self.success and (np.abs(self.multipliers) < 1.0).all())
 
 
+@explained(HELD)
 def shoot(
     map_: SystemMap, guess: npt.ArrayLike, *, order: int = 1, p: npt.ArrayLike | None = None
 ) -> SystemCycle:
@@ -335,7 +346,7 @@ def shoot(
         raise ValueError(f"guess must have shape ({map_.d},), got {x.shape}")
     if not np.isfinite(x).all():
         raise ValueError(f"guess must be finite, got {x.tolist()}")
-    values, scale = _parameters(map_, p), np.array(map_.x_scale)
+    values, scale = parameters_of(map_, p), np.array(map_.x_scale)
     images = _images(map_, x, values, order)
     if images is None:
         return _cycle(map_, x, values, [], CycleStatus.LOST)
@@ -412,6 +423,7 @@ def _cycle(
     )  # fmt: skip
 
 
+@explained(HELD)
 def continuation(
     map_: SystemMap, cycle: SystemCycle, span: tuple[float, float],
     window: Sequence[tuple[float, float]], *, orders: Sequence[int] = (1, 2), step: float = 0.01,

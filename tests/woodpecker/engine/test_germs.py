@@ -132,7 +132,7 @@ def test_a_crossing_goes_on_through_corners() -> None:
         b for b in diagram.branches
         if b.kind is BranchKind.JUMP and sorted(b.parameter[[0, -1]]) == pytest.approx([0.3, 7 / 9])
     )  # fmt: skip
-    changes = [branch.parameter[stretch.first - 1] for stretch in branch.words[1:]]
+    changes = [branch.parameter[stretch.first] for stretch in branch.words[1:]]
     assert sorted(changes) == pytest.approx([1 / 3, 3 / 4], abs=1e-14)
     assert {stretch.cause for stretch in branch.words[1:]} == {"x = 0"}
 

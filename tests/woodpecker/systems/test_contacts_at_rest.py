@@ -5,8 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 import sympy
+from needs import NEEDS_HEYOKA
 
-from woodpecker.systems import Contact, ContactSystem
+from studies.systems.toy import system_of
+from woodpecker import Toy
+from woodpecker.systems import Contact, ContactSystem, simulate
 from woodpecker.systems.equations import Equations
 from woodpecker.systems.impacts import decide
 
@@ -41,3 +44,16 @@ def test_the_ground_keeps_its_case(wrong: float) -> None:
     assert found.impulses[:, 0] == pytest.approx(np.array([[0.5, 1.0], [0.5 * EPS, EPS]]))
     u = [-EPS, 0.0, 1.0 - MU * 0.5 * (1.0 + EPS)]
     assert found.u == pytest.approx(u, abs=10 * ROUNDING)
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_a_closed_contact_does_not_drift() -> None:
+    """The jammed sleeve stays where it is to the last bit while the bird swings; then it slides."""
+    toy = Toy(eps_n1=0.5)
+    system, _ = system_of(toy)
+    jammed = -(toy.r_m - toy.r_0) / toy.h_m
+    motion = simulate(system, {"phi_m": jammed, "phi_s": -0.53}, 0.034)
+    assert motion.word == "S2"
+    assert (motion.q[:, 1] == jammed).all()
+    assert not motion.u[:, 1].any()

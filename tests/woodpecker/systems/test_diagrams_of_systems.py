@@ -108,7 +108,7 @@ def test_wrong_input_is_refused_in_one_sentence() -> None:
         (lambda: LineOfSystem(map_), "one coordinate and one free parameter, got 2 and 1"),
         (lambda: bifurcation_diagram(map_, (0, 1), (1,), (0, 1)), "one coordinate"),
         (lambda: orbit_diagram(map_, [1.0], [[1.0, 2.0]], [(0, 1)]), r"window must have shape"),
-        (lambda: orbit_diagram(map_, [1.0], [1.0], [(0, 1)] * 2), r"starts must have shape \(m, 2"),
+        (lambda: orbit_diagram(map_, [1.0], [1.0], [(0, 1)] * 2), r"starts must have shape \(s, 2"),
         (lambda: orbit_diagram(table.map_of(), [1.0], [[1, 2]], [(0, 1)] * 2), "no free parameter"),
         (lambda: basins(map_, [], [[1.0, 2.0]]), "at least one cycle is needed"),
         (lambda: basins(map_, [3], [[1.0, 2.0]]), "cycle must be"),  # type: ignore[list-item]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from dataclasses import asdict
 
 import numpy as np
@@ -19,12 +18,25 @@ from woodpecker import return_map as kernel_map
 from woodpecker.systems import Contact, ContactSystem, MotionStatus, return_map, shoot, simulate
 
 
-def without_ends(word: str) -> str:
-    """A word without the letters that name both ends of an indeterminate impact.
-
-    At an end several index combinations hold with the same impulses, and rounding picks one.
-    """
-    return re.sub(r"e\d", "", word)
+def compare(law: str, numbers: range, *, equal: bool = False) -> None:
+    """Five returns of each of some random toys: the same words and statuses, and images."""
+    map_ = map_of(Toy(expansion_friction=law))
+    names = {str(symbol) for symbol in map_.system.parameters}
+    for number in numbers:
+        drawn = random_toy(number)
+        toy = drawn.toy.replace(expansion_friction=law)
+        if equal:  # then impacts at two contacts often have several solutions with one motion
+            eps = 0.125 * (number % 4)
+            toy = toy.replace(eps_n1=eps, eps_n2=eps, eps_n3=eps)
+        x = np.random.default_rng(number).uniform(*drawn.window, size=5)
+        exact = kernel_map(toy, x)
+        values = {name: value for name, value in asdict(toy).items() if name in names}
+        found = return_map(map_.holding(**values), x)
+        assert found.words == tuple(exact.words)
+        assert [each.name for each in found.status] == [each.name for each in exact.status]
+        returns = np.isfinite(exact.phi_s)
+        away = np.abs(found.images[:, 0] - exact.phi_s) / (1.0 + np.abs(exact.slope))
+        assert away[returns].max(initial=0.0) < 1e-10
 
 
 @NEEDS_HEYOKA
@@ -32,20 +44,18 @@ def without_ends(word: str) -> str:
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["summed", "separate"])
 def test_random_returns_of_random_toys(law: str) -> None:
-    """The same words and statuses; images to 1e-10 of 1 + the slope."""
-    map_ = map_of(Toy(expansion_friction=law))
-    names = {str(symbol) for symbol in map_.system.parameters}
-    for number in range(20):
-        drawn = random_toy(number)
-        toy = drawn.toy.replace(expansion_friction=law)
-        x = np.random.default_rng(number).uniform(*drawn.window, size=5)
-        exact = kernel_map(toy, x)
-        values = {name: value for name, value in asdict(toy).items() if name in names}
-        found = return_map(map_.holding(**values), x)
-        assert [without_ends(w) for w in found.words] == [without_ends(w) for w in exact.words]
-        assert [each.name for each in found.status] == [each.name for each in exact.status]
-        away = np.abs(found.images[:, 0] - exact.phi_s) / (1.0 + np.abs(exact.slope))
-        assert away.max() < 1e-10
+    """Number 18 and 20 have an indeterminate impact, of which both ends are named."""
+    compare(law, range(21))
+    compare(law, range(21, 27), equal=True)
+
+
+@pytest.mark.nightly
+@NEEDS_HEYOKA
+@NEEDS_NUMBA
+@pytest.mark.slow
+@pytest.mark.parametrize("law", ["summed", "separate"])
+def test_a_thousand_random_returns(law: str) -> None:
+    compare(law, range(200))
 
 
 @NEEDS_HEYOKA
