@@ -281,4 +281,7 @@ class Changes:
     def _crossings(self, polynomial: Number, low: Number, high: Number) -> tuple[Real, ...]:
         """Roots between two places at which a polynomial has different signs."""
         ends = sign_at(dense(polynomial), low), sign_at(dense(polynomial), high)
-        return self.samples.roots(polynomial, low, high) if ends[0] * ends[1] < 0 else ()
+        if ends[0] * ends[1] < 0:
+            return self.samples.roots(polynomial, low, high)
+        self.samples.meter.spend(1 + len(polynomial))  # for the signs
+        return ()
