@@ -18,7 +18,7 @@ from math import gcd
 from sympy import QQ
 
 from pwmap.algebra.exact import pair
-from pwmap.longrun.fates import AttractingCycle, Fate, Fates, GermOrbit, abs_, unfollowed
+from pwmap.longrun.fates import AttractingCycle, Fate, Fates, GermOrbit, abs_
 from pwmap.longrun.line import AffinePiece, Germ, Interval, MapLine, add, joined, length, outside
 from pwmap.longrun.neutral import NeutralIntervals, is_neutral, neutral_intervals
 from pwmap.longrun.numbers import Element, Exact, enclosed, in_order, work_of
@@ -93,7 +93,8 @@ def attractors_of(line: MapLine, meter: Meter) -> Attractors:
             fates.orbit(
                 Germ(QQ.zero, 1)
             )  # all orbits come to the cycle of one piece, if it has one
-    orbits += [unfollowed(line, germ) for germ in line.germs[len(orbits) :]]
+    orbits += [GermOrbit((germ,), (line.letter(germ),), Fate.OPEN)
+               for germ in line.germs[len(orbits) :]]  # fmt: skip
     neutral = neutral_intervals(line, orbits)
     with meter.keeping(line.branches):
         growth, grown = _Growth(fates, orbits, neutral), dict[Exact, set[Intervals]]()
@@ -169,7 +170,7 @@ def absorbing_of(line: MapLine) -> Interval | None:
     """The smallest closed interval with all breaks and images, mapped into itself; or None."""
     if not line.breaks:
         return None
-    places = [*line.breaks, *line.values, *(line.image(germ).x for germ in line.germs)]
+    places = [*line.breaks, *map(line, line.breaks), *(line.image(germ).x for germ in line.germs)]
     least, most = min(places), max(places)
     left, right = line.branches[0], line.branches[-1]
     # Its ends lie on the outer pieces: each is the least or largest image of a break, the fixed

@@ -21,7 +21,7 @@ from pwmap.algebra.arguments import check_functions, explained
 from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, sign
 from pwmap.diagrams.shown import counted
 from pwmap.longrun.fates import abs_
-from pwmap.longrun.line import IDENTITY, AffinePiece, Germ, Interval, MapLine, Owner, line_of
+from pwmap.longrun.line import IDENTITY, AffinePiece, Germ, Interval, MapLine, line_of
 from pwmap.longrun.numbers import Exact, exact_to_sympy, key, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, Progress, Report, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, checked_order
@@ -272,16 +272,15 @@ def _through_breaks(line: MapLine, order: int, meter: Meter) -> Iterator[FoundCy
         points = points[first:] + points[:first]
         pieces = [line.piece(point) for point in points]
         sides = [side for side in (-1, 1) if _is_followed(line, points, pieces, side)]
-        slopes: list[Exact] = [piece.slope for piece in pieces]
-        slope = prod(slopes, start=QQ.one) if sides else None
+        slope = prod((piece.slope for piece in pieces), start=QQ.one) if sides else None
         if slope != 1:
             yield FoundCycle(line, "".join(piece.letter for piece in pieces), least, slope, True)
 
 
-def _is_followed(line: MapLine, points: list[Exact], pieces: list[Owner], side: int) -> bool:
+def _is_followed(line: MapLine, points: list[Exact], pieces: list[AffinePiece], side: int) -> bool:
     """Whether points beside a cycle through breaks, on one side of its first, follow its pieces."""
     for x, piece in zip(points, pieces, strict=True):
-        if piece.slope is None or (side and line.letter(Germ(x, side)) != piece.letter):
+        if piece.is_point or (side and line.letter(Germ(x, side)) != piece.letter):
             return False
         side *= sign(piece.slope)
     return True

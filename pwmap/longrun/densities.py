@@ -63,7 +63,7 @@ class Enclosure(mpmath.ctx_iv.ivmpf):  # type: ignore[misc]
 class _BreakSide:
     """One side of a break inside a band, with the jumps that leave it."""
 
-    germ: Germ  # with the side on which the piece lies
+    germ: Germ  # with the side on which the piece lies: the jump at its image has that sign
     jumps: tuple[tuple[Exact, Exact], ...]  # where, and how high if the density there is one
     rest: float  # a bound of the heights of all further ones
 
@@ -177,7 +177,7 @@ def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
     rows = [_row(end.germ, ends, number, k) for k, end in enumerate(ends)]
     top = bands.intervals[-1][1]
     mass = [
-        number(_sign(end) * sum((w * (top - x) for x, w in end.jumps), start=QQ.zero))
+        number(end.germ.side * sum((w * (top - x) for x, w in end.jumps), start=QQ.zero))
         + _slack(end.rest) * number(top - bands.intervals[0][0])
         for end in ends
     ]
@@ -188,11 +188,6 @@ def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
     error = sum(float(abs(value).b) * end.rest for end, value in zip(ends, found, strict=True)
                 if end.rest)  # fmt: skip
     return Density(line, bands, exact, places, values, error * (1.0 + 2.0**-40))
-
-
-def _sign(end: _BreakSide) -> int:
-    """The jump at the image of a left end goes up, and that at a right end goes down."""
-    return end.germ.side
 
 
 def _slack(rest: float) -> Any:
@@ -261,7 +256,7 @@ def _row(here: Germ, ends: Sequence[_BreakSide], number: Callable[[Any], Any], k
     row = []
     for i, end in enumerate(ends):
         before = (w for x, w in end.jumps if x < here.x or (here.side > 0 and x == here.x))
-        entry = number(-_sign(end) * sum(before, start=QQ.zero)) + _slack(end.rest)
+        entry = number(-end.germ.side * sum(before, start=QQ.zero)) + _slack(end.rest)
         row.append(entry + 1 if i == k else entry)
     return row
 
@@ -316,7 +311,7 @@ def _steps(
     heights = {x: number(QQ.zero) for interval in bands.intervals for x in interval}
     for end, value in zip(ends, found, strict=True):
         for x, weight in end.jumps:
-            jump = number(_sign(end) * weight) * value
+            jump = number(end.germ.side * weight) * value
             heights[x] = heights[x] + jump if x in heights else jump
     places = sorted(heights)
     return tuple(places), tuple(accumulate(heights[x] for x in places[:-1]))

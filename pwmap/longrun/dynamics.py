@@ -26,7 +26,7 @@ from pwmap.longrun.basins import WholeBasin, basin_of, staying, whole_basin
 from pwmap.longrun.densities import Density, density_of
 from pwmap.longrun.entropy.entropies import ORDERS, Entropy, entropy_of, lap_numbers
 from pwmap.longrun.entropy.itineraries import STEPS, itinerary_of
-from pwmap.longrun.fates import AttractingCycle, Fate, GermOrbit
+from pwmap.longrun.fates import AttractingCycle, Fate
 from pwmap.longrun.line import Germ, Interval, MapLine, line_of
 from pwmap.longrun.neutral import NeutralIntervals
 from pwmap.longrun.numbers import exact_to_sympy
@@ -360,7 +360,7 @@ class Dynamics:
                 fate=orbit.fate.value,
                 letters=orbit.letters,
                 repeating=orbit.period if orbit.fate is Fate.FINITE else 0,
-                minmax=_minmax(self.line, germ, orbit),
+                minmax=_minmax(self.line, germ),
             )
             for germ, orbit in zip(self.line.germs, self._found.orbits, strict=True)
         )
@@ -434,13 +434,17 @@ def dynamics(
 EXTREMA = {-1: Extremum.MAXIMUM, 1: Extremum.MINIMUM, 0: Extremum.CONSTANT}  # by a germ's side
 
 
-def _minmax(line: MapLine, start: Germ, orbit: GermOrbit) -> MinMax:
-    """The min-max sequence of an orbit: it starts at the first image."""
+def _minmax(line: MapLine, start: Germ) -> MinMax:
+    """The min-max sequence of the orbit of a germ: it starts at the first image."""
     found = itinerary_of(line, start, STEPS, Meter(BUDGET))
-    if found.ending in (Fate.FLAT, Fate.OPEN):
-        germs, again = _until_back(line, start, orbit)
-        letters = [line.letter(germ) for germ in germs]
-        return _from_first_image([germ.side for germ in germs], letters, again)
+    if found.ending in (Fate.FLAT, Fate.OPEN):  # then germs tell whether one comes again
+        seen, germ = dict[Germ, int](), start
+        while germ not in seen and len(seen) < STEPS:
+            seen[germ] = len(seen)
+            germ = line.image(germ)
+        return _from_first_image(
+            [each.side for each in seen], [line.letter(each) for each in seen], seen.get(germ)
+        )
     pieces = [line.branches[k] for k in found.pieces]
     sides = [start.side]
     for branch in pieces:
@@ -449,17 +453,6 @@ def _minmax(line: MapLine, start: Germ, orbit: GermOrbit) -> MinMax:
         pieces += pieces[found.start :]
         sides += [-side for side in sides[found.start + 1 :]]
     return _from_first_image(sides[:-1], [branch.letter for branch in pieces], found.start)
-
-
-def _until_back(line: MapLine, germ: Germ, orbit: GermOrbit) -> tuple[Sequence[Germ], int | None]:
-    """Germs until one comes again, and the number of that, if one does in so many steps."""
-    if orbit.fate is Fate.FINITE:
-        return orbit.germs, orbit.start
-    seen = dict[Germ, int]()
-    while germ not in seen and len(seen) < STEPS:
-        seen[germ] = len(seen)
-        germ = line.image(germ)
-    return tuple(seen), seen.get(germ)
 
 
 def _from_first_image(sides: Sequence[int], letters: Sequence[str], start: int | None) -> MinMax:

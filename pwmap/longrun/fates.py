@@ -92,11 +92,6 @@ class GermOrbit:
         return f"{word}..."
 
 
-def unfollowed(line: MapLine, germ: Germ) -> GermOrbit:
-    """The orbit of a germ of which nothing is known."""
-    return GermOrbit((germ,), (line.letter(germ),), Fate.OPEN)
-
-
 class Fates:
     """Follows orbits, and keeps the attracting cycles that it meets."""
 

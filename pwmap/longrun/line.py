@@ -35,7 +35,7 @@ class Germ(NamedTuple):
 
 
 class AffinePiece(NamedTuple):
-    """One affine piece on an open interval: slope x + intercept between two ends."""
+    """One affine piece on an open interval, or at a point: slope x + intercept between its ends."""
 
     slope: Exact
     intercept: Exact
@@ -51,17 +51,15 @@ class AffinePiece(NamedTuple):
         """Its formula after another map."""
         return Affine(*self[:2]).after(first)
 
+    @property
+    def is_point(self) -> bool:
+        """Whether it is a piece of one point."""
+        return bool(self.lower == self.upper)
+
     def over(self, interval: Interval) -> Interval:
         """The image of an interval within its ends."""
         first, last = self(interval[0]), self(interval[1])
         return (first, last) if first <= last else (last, first)
-
-
-class Owner(NamedTuple):
-    """The piece that a break belongs to, and its slope; None if it is a piece of its own."""
-
-    letter: str
-    slope: Exact | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,8 +67,7 @@ class MapLine:
     """A map at one place of its parameters."""
 
     branches: tuple[AffinePiece, ...]  # on open intervals, from left to right
-    values: tuple[Exact, ...]  # at each break between two of them
-    owners: tuple[Owner, ...]  # of each break
+    owners: tuple[AffinePiece, ...]  # of each break between two of them: one of both, or a point
 
     @cached_property
     def breaks(self) -> tuple[Exact, ...]:
@@ -103,17 +100,13 @@ class MapLine:
 
     def __call__(self, x: Exact) -> Exact:
         """The value at a point."""
-        k = bisect_left(self.breaks, x)
-        if k < len(self.breaks) and self.breaks[k] == x:
-            return self.values[k]
-        return self.branches[k](x)
+        return self.piece(x)(x)
 
-    def piece(self, x: Exact) -> Owner:
+    def piece(self, x: Exact) -> AffinePiece:
         """The piece in which a point lies."""
         k = bisect_left(self.breaks, x)
-        if k < len(self.breaks) and self.breaks[k] == x:
-            return self.owners[k]
-        return Owner(self.branches[k].letter, self.branches[k].slope)
+        at_break = k < len(self.breaks) and self.breaks[k] == x
+        return self.owners[k] if at_break else self.branches[k]
 
     def letter(self, germ: Germ) -> str:
         """The letter of the piece that a germ is mapped by; at a break itself that of its value."""
@@ -220,8 +213,8 @@ def line_of(map_: PiecewiseLinearMap, values: Mapping[Any, object] | None = None
 
 def _of_pieces(map_: PiecewiseLinearMap) -> MapLine:
     """A map, or an iterate, whose parameters have rational values."""
-    orbits, branches = map_.orbits, list[AffinePiece]()
-    values, owners = list[Exact](), list[Owner]()
+    orbits = map_.orbits
+    branches, owners = list[AffinePiece](), list[AffinePiece]()
 
     def quotient(fraction: tuple[Any, Any]) -> Exact:
         return fraction[0] / fraction[1]
@@ -238,18 +231,17 @@ def _of_pieces(map_: PiecewiseLinearMap) -> MapLine:
             if upper is None
             else quotient(orbits.preimage(upper.k, cylinder.word[: upper.steps]))
         )
-        letter = map_.spelled(cylinder.word)
-        if cylinder.is_point or (last != LOWEST and cylinder.lower_closed):
-            values.append(slope * last + intercept)
-            owners.append(Owner(letter, None if cylinder.is_point else slope))
+        piece = AffinePiece(slope, intercept, last, end, map_.spelled(cylinder.word))
         if cylinder.is_point:
+            owners.append(piece._replace(upper=last))
             continue
-        branches.append(AffinePiece(slope, intercept, last, end, letter))
+        if last != LOWEST and cylinder.lower_closed:
+            owners.append(piece)
+        branches.append(piece)
         if cylinder.upper_closed:
-            values.append(slope * end + intercept)
-            owners.append(Owner(letter, slope))
+            owners.append(piece)
         last = end
-    return MapLine(tuple(branches), tuple(values), tuple(owners))
+    return MapLine(tuple(branches), tuple(owners))
 
 
 def line_at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
@@ -277,14 +269,11 @@ def line_at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
         AffinePiece(slopes[letter], intercepts[letter], cuts[i], cuts[i + 1], map_.letters[letter])
         for i, letter in enumerate(layout.slots[::2])
     )
-    values = tuple(
-        slopes[letter] * x + intercepts[letter]
-        for letter, x in zip(layout.slots[1::2], cuts[1:-1], strict=True)
-    )
-    owners = tuple(
-        Owner(map_.letters[here], slopes[here] if here in (left, right) else None)
-        for left, here, right in zip(
-            layout.slots[:-1:2], layout.slots[1::2], layout.slots[2::2], strict=True
+    owners = list[AffinePiece]()
+    for i, letter in enumerate(layout.slots[1::2]):
+        beside = [k for k in (i, i + 1) if layout.slots[2 * k] == letter]
+        point = AffinePiece(
+            slopes[letter], intercepts[letter], cuts[i + 1], cuts[i + 1], map_.letters[letter]
         )
-    )
-    return MapLine(branches, values, owners)
+        owners.append(branches[beside[0]] if beside else point)
+    return MapLine(branches, tuple(owners))

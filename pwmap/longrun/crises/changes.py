@@ -15,12 +15,9 @@ from functools import cache
 from itertools import pairwise, product
 
 from pwmap.algebra.exact import Number, dense
-from pwmap.algebra.roots import Real, bounds, roots_between, sign_at
-from pwmap.longrun.crises.covering import doubles_of
+from pwmap.algebra.roots import Real, bounds, sign_at
 from pwmap.longrun.crises.meetings import earliest
 from pwmap.longrun.crises.samples import CLOSER, Attracted, BreakImage, Samples
-from pwmap.longrun.cycles import closed_words
-from pwmap.longrun.line import line_at
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.words import CriticalOrbit, MultiplierSign, Word
 
@@ -251,10 +248,7 @@ class Changes:
                 ]
         found = set[Real]()
         for decision in decisions:
-            polynomial = self.orbits.polynomial(decision)
-            self.samples.meter.spend(1 + len(polynomial))
-            if polynomial:
-                found |= set(roots_between(dense(polynomial), low, high))
+            found.update(self.samples.roots(self.orbits.polynomial(decision), low, high))
         return tuple(sorted(found))
 
     def _ends_of_bands(
@@ -266,12 +260,12 @@ class Changes:
             return
         for end in ends:
             for other in self.samples.layout.breaks:
-                polynomial = dense(self.orbits.polynomial(CriticalOrbit(end.k, end.word, other)))
+                polynomial = self.orbits.polynomial(CriticalOrbit(end.k, end.word, other))
                 yield from ((root, ()) for root in self._crossings(polynomial, low, high))
-        lines = [doubles_of(line_at(self.samples.map, place)) for place in (low, high)]
+        lines = [self.samples.doubles(place) for place in (low, high)]
         at = [[to_double(self.samples.value(end, place)) for end in ends] for place in (low, high)]
-        for numbers in self._repelling(sample.place):
-            word = tuple(self.samples.letters[k] for k in numbers)
+        for numbers in self.samples.repelling(sample.place, max(PERIOD, self.order)):
+            word = self.samples.lettered(numbers)
             points = [line.cycle(numbers)[0] for line in lines]
             for i in range(len(word)):
                 for end, *values in zip(ends, *at, strict=True):
@@ -280,22 +274,14 @@ class Changes:
                     if one * other > 0.0 and abs(one) > size and abs(other) > size:
                         continue
                     image, cycle = earliest(end.word, word[i:] + word[:i])
-                    polynomial = dense(self.orbits.meeting(end.k, image, cycle))
+                    polynomial = self.orbits.meeting(end.k, image, cycle)
                     for root in self._crossings(polynomial, low, high):
                         yield root, ((BreakImage(end.k, image), cycle),)
 
-    def _crossings(
-        self, polynomial: tuple[Number, ...], low: Number, high: Number
-    ) -> tuple[Real, ...]:
+    def _crossings(self, polynomial: Number, low: Number, high: Number) -> tuple[Real, ...]:
         """Roots between two places at which a polynomial has different signs."""
-        self.samples.meter.spend(1 + len(polynomial))
-        if not polynomial or sign_at(polynomial, low) * sign_at(polynomial, high) >= 0:
-            return ()
-        return roots_between(polynomial, low, high)
-
-    @cache  # noqa: B019  as long as the changes live
-    def _repelling(self, place: Number) -> list[tuple[int, ...]]:
-        """Words of repelling cycles at the place of a sample, as numbers of pieces."""
-        line = self.samples.at(place).line
-        found = closed_words(line, max(PERIOD, self.order), self.samples.meter)
-        return [word for word, multiplier in found if not -1 <= multiplier <= 1]
+        ends = sign_at(dense(polynomial), low), sign_at(dense(polynomial), high)
+        if ends[0] * ends[1] < 0:
+            return self.samples.roots(polynomial, low, high)
+        self.samples.meter.spend(1 + len(polynomial))  # for the signs
+        return ()

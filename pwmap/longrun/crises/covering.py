@@ -9,14 +9,11 @@ more than their error; in doubt nothing is claimed.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import Any
 
-from pwmap.algebra.exact import Number, dense, to_float
 from pwmap.longrun.line import MapLine, cut_at
 from pwmap.longrun.numbers import to_double
-from pwmap.maps.words import Layout, Table
 
 STEPS = 24  # images of what grows that are looked at
 PARTS = 24  # of it, at most
@@ -54,27 +51,6 @@ class DoubleMap:
             one, other = min(one, other) + slack, max(one, other) - slack
             if one < other:
                 yield one, other
-
-
-def family_of(table: Table, layout: Layout) -> Callable[[Any], DoubleMap]:
-    """A map in doubles, as a function of its parameter: a place, or all places of an array."""
-
-    def doubles(number: Number) -> Sequence[float]:
-        return [to_float(c) for c in dense(number)] or [0.0]
-
-    letters = layout.slots[::2]
-    bottom = doubles(table.denominator)
-    groups = [
-        [doubles(table.slopes[k]) for k in letters],
-        [doubles(table.intercepts[k]) for k in letters],
-        [doubles(table.breaks[k]) for k in layout.breaks],
-    ]
-
-    def at(place: Any) -> DoubleMap:
-        below = value_at(bottom, place)
-        return DoubleMap(*([value_at(each, place) / below for each in group] for group in groups))
-
-    return at
 
 
 def doubles_of(line: MapLine) -> DoubleMap:
@@ -141,24 +117,3 @@ def _joined(known: list[Part], part: Part) -> Part | None:
 def _surrounds(part: Part, x: float) -> bool:
     slack = SLACK * (abs(x) + max(map(abs, part)))
     return part[0] + slack < x < part[1] - slack
-
-
-def single_root(polynomial: Sequence[float], low: float, high: float) -> float:
-    """A root between two places at which a polynomial has different signs, by halving."""
-    start = value_at(polynomial, low) > 0.0
-    for _ in range(60):
-        middle = 0.5 * (low + high)
-        if not low < middle < high:
-            break
-        low, high = (
-            (middle, high) if (value_at(polynomial, middle) > 0.0) == start else (low, middle)
-        )
-    return 0.5 * (low + high)
-
-
-def value_at(polynomial: Iterable[float], x: Any) -> Any:
-    """A polynomial at a place, or at all of an array; coefficients from the highest degree on."""
-    value = 0.0 * x
-    for coefficient in polynomial:
-        value = value * x + coefficient
-    return value

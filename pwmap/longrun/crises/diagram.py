@@ -302,11 +302,17 @@ class _Sweep:
     def close(self) -> None:
         """End the last cell; what is not finished is open."""
         end = self.finished[-1]
-        try:
-            self._known_up_to(end)
-        except BudgetError:  # not even how far the last cell goes on can be asked
-            end = self._inside[-1].place
+        last = self._inside[-1] if self._inside else None
+        if last is not None and last.counts and end < self._high:
+            # bands may change before the next sample, which was not compared
+            end = last.place
             self._cell(end)
+        else:
+            try:
+                self._known_up_to(end)
+            except BudgetError:  # not even how far the last cell goes on can be asked
+                end = self._inside[-1].place
+                self._cell(end)
         self._open(end, self._high)
 
     def _known_up_to(self, high: Real) -> None:

@@ -5,12 +5,14 @@ Where they differ from those at an exact sample, another exact sample is taken a
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
-from pwmap.algebra.exact import Number, floor, to_float
+from pwmap.algebra.exact import Number, floor
 from pwmap.algebra.roots import Real, bounds, simplest_between
-from pwmap.longrun.crises.covering import family_of
+from pwmap.longrun.crises.covering import DoubleMap
 from pwmap.longrun.crises.samples import Samples
 
 PLACES = 256  # in the whole interval
@@ -27,14 +29,13 @@ class Glimpses:
     """Chooses places at which something else may attract: bands, or cycles up to the order."""
 
     def __init__(self, samples: Samples, low: Number, high: Number, order: int) -> None:
-        self._family = family_of(samples.axis.orbits.table, samples.layout)
         self._order = order
         self._low, self._step = low, (high - low) / PLACES
         self._places = [low + self._step * (2 * k + 1) / 2 for k in range(PLACES)]
         breaks = len(samples.layout.breaks)
         samples.meter.spend(breaks * (SETTLED + SEEN))
-        places = np.array([to_float(x) for x in self._places])
-        self._kinds = self.kinds(places) if breaks else [(0,)] * PLACES
+        lines = [samples.doubles(place) for place in self._places if breaks]
+        self._kinds = _kinds(lines) if breaks else [(0,)] * PLACES
 
     def between(self, low: Real, high: Real, place: Number) -> list[Number]:
         """Simple places where orbits, at a neighbour, too, differ from those of a sample."""
@@ -53,21 +54,24 @@ class Glimpses:
             inside = differ
         return found
 
-    def kinds(self, places: Floats) -> list[tuple[int, ...]]:
-        """For each place 1 + the period of a cycle, minus the number of bands, or 0 for escape."""
-        line = self._family(places)
-        slopes, intercepts, breaks = map(np.array, (line.slopes, line.intercepts, line.breaks))
-        sides = [(b, k) for b in range(len(breaks)) for k in (b, b + 1)]
-        x = np.array([slopes[k] * breaks[b] + intercepts[k] for b, k in sides])
-        far = FAR * (1.0 + np.abs(breaks).max() + np.abs(x).max())
-        orbit = np.empty((SEEN, *x.shape))
-        for step in range(-SETTLED, SEEN):
-            if step >= 0:
-                orbit[step] = x
-            piece = (x[None] > breaks[:, None]).sum(axis=0)
-            x = np.take_along_axis(slopes, piece, 0) * x + np.take_along_axis(intercepts, piece, 0)
-            np.clip(x, -far, far, out=x)
-        return [tuple(row) for row in _counted(np.sort(orbit, axis=0), far).T.tolist()]
+
+def _kinds(lines: Sequence[DoubleMap]) -> list[tuple[int, ...]]:
+    """For each map 1 + the period of a cycle, minus the number of bands, or 0 for escape."""
+    slopes, intercepts, breaks = (
+        np.array(group).T
+        for group in zip(*((m.slopes, m.intercepts, m.breaks) for m in lines), strict=True)
+    )
+    sides = [(b, k) for b in range(len(breaks)) for k in (b, b + 1)]
+    x = np.array([slopes[k] * breaks[b] + intercepts[k] for b, k in sides])
+    far = FAR * (1.0 + np.abs(breaks).max() + np.abs(x).max())
+    orbit = np.empty((SEEN, *x.shape))
+    for step in range(-SETTLED, SEEN):
+        if step >= 0:
+            orbit[step] = x
+        piece = (x[None] > breaks[:, None]).sum(axis=0)
+        x = np.take_along_axis(slopes, piece, 0) * x + np.take_along_axis(intercepts, piece, 0)
+        np.clip(x, -far, far, out=x)
+    return [tuple(row) for row in _counted(np.sort(orbit, axis=0), far).T.tolist()]
 
 
 def _counted(points: Floats, far: float) -> npt.NDArray[np.int64]:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Hashable
 from dataclasses import dataclass
+from functools import cache
 
 from pwmap.algebra.exact import Number, dense
-from pwmap.algebra.roots import Real, RealRoot, bounds, simplest_between
+from pwmap.algebra.roots import Real, RealRoot, bounds, roots_between, simplest_between
 from pwmap.longrun.attractors import Attractors, attractors_of
+from pwmap.longrun.crises.covering import DoubleMap, doubles_of
+from pwmap.longrun.cycles import closed_words
 from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import MapLine, line_at
 from pwmap.longrun.numbers import Element, Exact, key
@@ -112,6 +115,30 @@ class Samples:
             for orbit, (k, _), word in zip(found.orbits, self.germs, words, strict=True)
         )
         return Attracted(place, line, found, ends, cycles, neutral, special)
+
+    @cache  # noqa: B019  as long as the samples live
+    def doubles(self, place: Number) -> DoubleMap:
+        """The map at a rational place, in doubles."""
+        return doubles_of(line_at(self.map, place))
+
+    @cache  # noqa: B019  as long as the samples live
+    def cycles(self, place: Number, order: int) -> list[tuple[tuple[int, ...], Exact]]:
+        """Words of cycles up to a period, as numbers of pieces, with their multipliers."""
+        return list(closed_words(line_at(self.map, place), order, self.meter))
+
+    def repelling(self, place: Number, order: int) -> list[tuple[int, ...]]:
+        """Those of them that repel."""
+        return [word for word, multiplier in self.cycles(place, order)
+                if not -1 <= multiplier <= 1]  # fmt: skip
+
+    def lettered(self, numbers: tuple[int, ...]) -> Word:
+        """Numbers of pieces as letters."""
+        return tuple(self.letters[k] for k in numbers)
+
+    def roots(self, polynomial: Number, low: Real, high: Real) -> tuple[Real, ...]:
+        """The places between two others at which a polynomial is zero; none if it is everywhere."""
+        self.meter.spend(1 + len(polynomial))
+        return roots_between(dense(polynomial), low, high) if polynomial else ()
 
     def value(self, image: BreakImage, place: Real) -> Exact:
         """Where an image of a break is."""

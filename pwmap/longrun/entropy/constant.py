@@ -30,8 +30,6 @@ from pwmap.algebra.roots import (
     Real,
     RealRoot,
     bounds,
-    most_roots,
-    real_roots,
     real_to_sympy,
     roots_between,
     sign_at,
@@ -300,13 +298,9 @@ class _Study:
         if any(not sign_at(each, sample) for each in polynomials):
             return GapCause.SPECIAL
         for each in polynomials:
-            if not most_roots(each, bounds(low)[0], bounds(high)[1]):
-                continue
-            for root in real_roots(each):
-                if low < root < sample:
-                    low = root
-                elif sample < root < high:
-                    high = root
+            roots = roots_between(each, low, high)
+            low = max([low, *(root for root in roots if root < sample)])
+            high = min([high, *(root for root in roots if root > sample)])
 
         def holds(end: Real) -> bool:
             return self.admits(end) and all(sign_at(each, end) for each in polynomials)

@@ -11,12 +11,10 @@ into a cycle or runs away has no further laps, and is cut off.
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
-from itertools import islice
 
 import networkx as nx
 import numpy as np
@@ -28,7 +26,7 @@ from pwmap.algebra.exact import HIGHEST, LOWEST
 from pwmap.algebra.roots import Real, RealRoot, real_roots, real_to_sympy
 from pwmap.longrun.attractors import Attractors
 from pwmap.longrun.fates import escapes
-from pwmap.longrun.line import Interval, MapLine, cut_at
+from pwmap.longrun.line import Interval, MapLine, cut_at, outside
 from pwmap.longrun.numbers import Element, Exact, log_bounds, work_of
 from pwmap.maps.budget import Meter
 
@@ -88,7 +86,7 @@ def laps_of(line: MapLine, found: Attractors, order: int, meter: Meter) -> tuple
     """The graph of laps up to an order, without further nodes, and with them as whole pieces."""
     cut_off = _without_laps(line, found)
     pieces = [(k, *part) for k, branch in enumerate(line.branches)
-              for part in _clipped((branch.lower, branch.upper), cut_off)]  # fmt: skip
+              for part in outside([(branch.lower, branch.upper)], cut_off)]  # fmt: skip
     number = {node: k for k, node in enumerate(pieces)}
     first = [[number[node] for node in pieces if node[0] == k] for k in range(len(line.branches))]
     leads, newest = list[list[Node]](), list(pieces)
@@ -123,27 +121,12 @@ def _without_laps(line: MapLine, found: Attractors) -> list[Interval]:
     return [part for part in ((LOWEST, below), *parts, (above, HIGHEST)) if part[0] < part[1]]
 
 
-def _clipped(part: Interval, cut_off: Sequence[Interval]) -> Iterator[Interval]:
-    """The parts of an interval outside of others, which are sorted and apart."""
-    low, high = part
-    first = bisect_right(cut_off, low, key=lambda each: each[1])
-    for start, stop in islice(cut_off, first, None):
-        if start >= high:
-            break
-        if low < start:
-            yield low, start
-        if stop >= high:
-            return
-        low = stop
-    yield low, high
-
-
 def _onward(line: MapLine, node: Node, cut_off: Sequence[Interval]) -> Iterator[Node]:
     k, low, high = node
     branch = line.branches[k]
     if not branch.slope:
         return
-    for image in _clipped(branch.over((low, high)), cut_off):
+    for image in outside([branch.over((low, high))], cut_off):
         yield from ((number, *part) for number, part in cut_at(line.breaks, image))
 
 
