@@ -30,7 +30,6 @@ BoolArray = npt.NDArray[np.bool_]
 _RANK = 1e-11  # singular values of a complementary basis below this are rounded zeros
 _FEASIBLE = 1e-9  # relative violation allowed to an enumerated solution: _ZERO and a margin
 _SAME = 1e-7  # enumerated solutions closer than this are one: _FEASIBLE over condition 1e2
-_MAX_ENUMERATED = 12  # unknowns, hence 4096 bases
 
 
 def matrices(
@@ -49,26 +48,9 @@ def enumerate_lcp(a: npt.ArrayLike, b: npt.ArrayLike) -> list[FloatArray]:
 
     A singular basis is skipped if inconsistent; otherwise its solution of least norm (of the
     scaled unknowns) stands for the whole continuum, and counts if it is feasible.
-
-    Parameters
-    ----------
-    a, b
-        Matrix A of shape (n, n) and vector b of shape (n,), n <= 12.
-
-    Returns
-    -------
-    list of arrays of shape (n,)
-        The distinct solutions, those with fewest positive unknowns first.
-
-    Raises
-    ------
-    ValueError
-        If n > 12, the shapes do not match or an entry is not finite.
     """
     problem = _equilibrate(*_checked(a, b))
     n = problem.b.size
-    if n > _MAX_ENUMERATED:
-        raise ValueError(f"enumeration takes at most {_MAX_ENUMERATED} unknowns, got {n}")
     found: list[FloatArray] = []
     for support in sorted(product((False, True), repeat=n), key=sum):
         x = _complementary_point(problem, np.array(support, dtype=bool))

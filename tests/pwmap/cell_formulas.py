@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
 from typing import Any
@@ -21,11 +22,16 @@ from independent import (
 )
 from readings import Place, between, compared, evaluated, number_of, place
 
-from pwmap import ParameterCell, parameter_cells
+from pwmap import PiecewiseLinearMap, parameter_cells
+
+SAMPLES = 20  # of the parameter, for edges that were missed
 
 
 def check_cells(family: Family, report: Report, draw: random.Random) -> None:
-    """The formulas of all cells, at a random parameter inside each and on each edge."""
+    """The formulas of all cells, at a random parameter inside each, on each edge and elsewhere.
+
+    On edges that are rational the map with the number put for its parameter is compared as well.
+    """
     cells = parameter_cells(family.map(), "p", family.orders, family.span)
     seen = []
     for cell in cells:
@@ -35,7 +41,10 @@ def check_cells(family: Family, report: Report, draw: random.Random) -> None:
         else:
             first = between(lower, upper)
             p = draw.choice([first, between(lower, first), between(first, upper)])
-        seen.append(_check_cell(family, cell, p, report))
+        seen.append(check_formulas(family, cell.map, p, family.orders, report))
+        if cell.is_edge and cell.lower.is_Rational:
+            there = family.map().at({"p": cell.lower})
+            check_formulas(family, there, p, family.orders, report)
     ends = [(place(cell.lower), place(cell.upper)) for cell in cells]
     whole = ends[0][0] == family.span[0] and ends[-1][1] == family.span[1]
     report.check(
@@ -50,14 +59,29 @@ def check_cells(family: Family, report: Report, draw: random.Random) -> None:
                 not seen[i - 1] == seen[i] == seen[i + 1],
                 lambda c=cell: f"nothing changes at {c.lower}",
             )
+    low, high = family.span
+    for _ in range(SAMPLES):
+        p = low + (high - low) * Fraction(draw.randrange(1, 9973), 9973)
+        here = [c for c, (a, b) in zip(cells, ends, strict=True) if _lies(a, p, b)]
+        report.check("one cell everywhere", len(here) == 1, lambda p=p: f"cells at {p}")
+        check_formulas(family, here[0].map, p, family.orders, report)
 
 
-def _check_cell(family: Family, cell: ParameterCell, p: Place, report: Report) -> list[Any]:
+def _lies(low: Place, p: Place, high: Place) -> bool:
+    """Whether a parameter lies strictly between the ends of a cell, or is an edge."""
+    left, right = compared(low, p), compared(p, high)
+    return left < 0 > right or left == 0 == right
+
+
+def check_formulas(
+    family: Family, map_at: PiecewiseLinearMap, p: Place, orders: Sequence[int], report: Report
+) -> list[Any]:
+    """What a map says of its iterates, at a parameter; what brute force sees there."""
     at = number_of(p)
-    iterates = iterated(family.at(at), max(family.orders))
+    iterates = iterated(family.at(at), max(orders))
     seen: list[Any] = []
-    for order in family.orders:
-        parts, map_ = iterates[order - 1], cell.map.iterate(order)
+    for order in orders:
+        parts, map_ = iterates[order - 1], map_at.iterate(order)
         truth: list[Any] = [
             (q.lo, q.lo_in, q.hi, q.hi_in, *_formula(q.slope, q.intercept, q.lo, q.hi), q.word)
             for q in parts
@@ -67,7 +91,7 @@ def _check_cell(family: Family, cell: ParameterCell, p: Place, report: Report) -
             lo, hi = evaluated(piece.lower, at), evaluated(piece.upper, at)
             formula = _formula(evaluated(piece.slope, at), evaluated(piece.intercept, at), lo, hi)
             found.append((lo, piece.lower_closed, hi, piece.upper_closed, *formula, piece.word))
-        where = f"cell ({cell.lower}, {cell.upper}), order {order}, p = {p}"
+        where = f"order {order}, p = {p}"
         _same(report, "pieces of cells", found, truth, where)
         points = list(fixed_points(iterates[0], parts, order))
         truth = [(f.x, f.word, f.multiplier, f.period, f.stable, f.at_border) for f in points]
@@ -94,11 +118,14 @@ def _check_cell(family: Family, cell: ParameterCell, p: Place, report: Report) -
         ]
         _same(report, "crossings of cells", found, truth, where)
         bands = [q for q in parts if q.is_identity]
-        truth = [(q.lo, q.hi, q.word, band_period(iterates[0], q, order)) for q in bands]
+        truth = [
+            (q.lo, q.lo_in, q.hi, q.hi_in, q.word, band_period(iterates[0], q, order))
+            for q in bands
+        ]
         found = [
             (
-                evaluated(band.interval.start, at),
-                evaluated(band.interval.end, at),
+                *_end(evaluated(band.interval.start, at), band.interval.left_open),
+                *_end(evaluated(band.interval.end, at), band.interval.right_open),
                 band.word,
                 band.period,
             )
@@ -114,6 +141,11 @@ def _check_cell(family: Family, cell: ParameterCell, p: Place, report: Report) -
             )
         )
     return seen
+
+
+def _end(x: Number, is_open: object) -> tuple[Number, bool]:
+    """An end of an interval, and whether it belongs to it."""
+    return x, x is not None and not is_open
 
 
 def _formula(slope: Number, intercept: Number, lo: Number, hi: Number) -> tuple[Number, Number]:

@@ -120,6 +120,8 @@ def _check_point(case: Case, point: SpecialPoint, tips: Sequence[Tip]) -> None:
     report.check("incidence", ids == set(point.branches), lambda: f"{point} has the branches {ids}")
     if not point.exact["x"].is_finite:  # type: ignore[attr-defined]
         return
+    x = float(sympy.N(point.exact["x"], 20))
+    report.check("floats", abs(point.x - x) <= 1e-14 * max(1.0, abs(x)), lambda: f"{point}")
     orders = {case.diagram.branch(name).order for name in ids}
     complete = True
     for curve in case.curves:  # a jump of another order crosses the diagonal, it does not meet it
@@ -179,8 +181,8 @@ def _kind_inside(
     if passing:
         staying = {word for _, word in passing}
         bands = any(curve.branch.order == order for curve in upright)
-        sides = left, right
-        return PointKind.BC, _staying(case.family, order, at, staying, sides, len(tips), bands)
+        sides, count = (left, right), len(tips) + len(upright)
+        return PointKind.BC, _staying(case.family, order, at, staying, sides, count, bands)
     if left.any == right.any:
         alone = all(t.side == 0 for t in own)  # at this value only, on a jump that passes or not
         return PointKind.BC, "isolated" if alone else "persistence"
@@ -198,7 +200,7 @@ def _staying(
     at: Number,
     words: set[str],
     seen: tuple[Seen, Seen],
-    tips: int,
+    branches: int,
     bands: bool,
 ) -> str:
     """The note where fixed points stay on a border."""
@@ -213,7 +215,7 @@ def _staying(
         notes.append(f"{'persistence' if all(ending) else 'fold'} at a branch on the border")
     elif bands and not notes:
         notes.append("an interval of fixed points ends at a branch on the border")
-    elif tips > 2 * len(words):
+    elif branches > 2 * len(words):
         notes.append("higher orders end at a branch on the border")
     if here and beside[0] == beside[1] != here:  # the ends of bands are not among them
         notes.append("attracts at this value only" if True in here else "")

@@ -53,8 +53,9 @@ class Case:
     report: Report
 
     @classmethod
-    def of(cls, family: Family, report: Report) -> Case:
-        diagram = bifurcation_diagram(family.map(), "p", family.span, family.orders)
+    def of(cls, family: Family, report: Report, *, own_span: bool = True) -> Case:
+        span = family.span if own_span else None
+        diagram = bifurcation_diagram(family.map(), "p", span, family.orders)
         curves = tuple(curve for branch in diagram.branches for curve in Curve.of(branch))
         return cls(family, diagram, curves, report)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import random
+from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -89,6 +90,37 @@ class Family:
             f"({self.span[0]}, {self.span[1]}), {self.orders}"
             + (", given p in the closed span" if self.assumes else "")
         )
+
+
+def family(
+    breaks: Sequence[Sequence[Fraction | int]],
+    owners: str,
+    formulas: Sequence[tuple[Sequence[Fraction | int], Sequence[Fraction | int]]],
+    *,
+    span: tuple[Fraction | int, Fraction | int],
+    orders: Sequence[int],
+    assumes: bool = False,
+) -> Family:
+    """A family from coefficients, constant terms first.
+
+    A break belongs to the piece on its left (``l``) or right (``r``), or is one (``p``).
+    """
+    slots = [0]
+    for owner in owners:
+        last = slots[-1]
+        slots += {"l": [last, last + 1], "r": [last + 1] * 2, "p": [last + 1, last + 2]}[owner]
+
+    def poly(coefficients: Sequence[Fraction | int]) -> Poly:
+        return trimmed([Fraction(c) for c in coefficients])
+
+    return Family(
+        formulas=tuple((poly(slope), poly(intercept)) for slope, intercept in formulas),
+        breaks=tuple(map(poly, breaks)),
+        slots=tuple(slots),
+        span=(Fraction(span[0]), Fraction(span[1])),
+        orders=tuple(orders),
+        assumes=assumes,
+    )
 
 
 def text(poly: Poly) -> str:

@@ -1,19 +1,21 @@
 """Exact results of pwmap against closed forms of piecewise-linear maps from the literature.
 
-Every closed form is derived in the docstring of its test. A brute force in fractions, which solves
-and follows all words of a length and uses nothing of pwmap, checks the closed forms as well.
+Every closed form is derived in the docstring of its test; brute force in fractions checks it too.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from fractions import Fraction
 from functools import cache
-from itertools import pairwise, product
+from itertools import pairwise
 from math import gcd
 
+import brute
 import pytest
 import sympy
+from brute import map_of, spelled
+from independent import Parts
 from sympy import FiniteSet, Interval, Rational, oo, sqrt
 
 from pwmap import (
@@ -33,42 +35,28 @@ GOLDEN = (1 + sqrt(5)) / 2
 
 # --- Brute force in fractions ---------------------------------------------------------------------
 
-Line = tuple[Fraction, Fraction, Callable[[Fraction], bool]]  # slope, intercept, domain
 Orbit = tuple[Fraction, ...]
 
 
-def brute_cycles(lines: Mapping[str, Line], period: int) -> dict[str, Orbit]:
-    """All cycles of a minimal period, by their first word: solve each word, then follow it."""
-    found = {}
-    for word in map("".join, product(sorted(lines), repeat=period)):
-        rotations = [word[i:] + word[:i] for i in range(period)]
-        if rotations.index(min(rotations)) or word in rotations[1:]:
-            continue
-        slope, shift = Fraction(1), Fraction(0)
-        for letter in word:
-            slope, shift = slope * lines[letter][0], shift * lines[letter][0] + lines[letter][1]
-        if slope == 1:
-            continue
-        x, orbit = shift / (1 - slope), []
-        for letter in word:
-            if not lines[letter][2](x):
-                break
-            orbit.append(x)
-            x = lines[letter][0] * x + lines[letter][1]
-        if len(orbit) == period:
-            found[word] = tuple(orbit)
-    return found
+def brute_cycles(lines: Parts, period: int) -> dict[str, Orbit]:
+    """All cycles of a minimal period, by their first word."""
+    points = {
+        spelled("LR", p.word): p.x for p in brute.fixed_points(lines, period) if p.period == period
+    }
+    rotations = {word: [word[i:] + word[:i] for i in range(period)] for word in points}
+    return {
+        word: tuple(points[each] for each in turned)
+        for word, turned in rotations.items()
+        if word == min(turned)
+    }
 
 
 def two_lines(
     left: tuple[object, object], right: tuple[object, object], edge: object = 0, owner: str = "L"
-) -> dict[str, Line]:
+) -> Parts:
     """Pieces L and R that meet at an edge, for the brute force."""
-    at = Fraction(str(edge))
-    a, p, b, q = (Fraction(str(number)) for number in (*left, *right))
-    if owner == "L":
-        return {"L": (a, p, lambda x: x <= at), "R": (b, q, lambda x: x > at)}
-    return {"L": (a, p, lambda x: x < at), "R": (b, q, lambda x: x >= at)}
+    a, p, b, q, at = (Fraction(str(number)) for number in (*left, *right, edge))
+    return map_of([at], ["left" if owner == "L" else "right"], [(a, p), (b, q)])
 
 
 def points_of(map_: PiecewiseLinearMap, period: int) -> dict[str, tuple[sympy.Expr, ...]]:
@@ -1013,13 +1001,3 @@ def test_cycles_of_the_paper_beyond_point_b() -> None:
     found = existence(bifurcation_diagram(paper(Rational(5, 4)), "r", (-1, 20), orders=(1, 2, 3)))
     assert found["LR"] == Interval(10, 20)
     assert found["LRR"] == Interval.Lopen(2, Rational(50, 21))
-
-
-# --- The brute force itself -----------------------------------------------------------------------
-
-
-def test_the_brute_force_on_a_map_done_by_hand() -> None:
-    """x/2 + 1 | x/2 - 1: the cycle -2/3, 2/3 only."""
-    lines = two_lines((HALF, 1), (HALF, -1))
-    found: Sequence[dict[str, Orbit]] = [brute_cycles(lines, n) for n in range(1, 5)]
-    assert found == [{}, {"LR": (Fraction(-2, 3), Fraction(2, 3))}, {}, {}]

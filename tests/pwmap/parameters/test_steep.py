@@ -9,15 +9,16 @@ from __future__ import annotations
 import pickle
 import random
 from fractions import Fraction
+from functools import cmp_to_key
 from itertools import pairwise
 from typing import Any
 
 import pytest
 import sympy
-from brute import map_of, texts
-from independent import Parts
-from sympy import QQ, Rational
-from test_brute_force import Case, R, check_diagram, curves, number
+from comparisons import Case, Report, check_at
+from families import Family, family
+from readings import Place, between, compared, place
+from sympy import QQ
 
 from pwmap import PiecewiseLinearMap, bifurcation_diagram
 from pwmap.algebra.exact import HIGHEST, LOWEST, floor, to_float
@@ -37,54 +38,64 @@ def scaled(rng: random.Random, low: int, high: int) -> Fraction:
     )
 
 
-def steep_case(seed: int) -> Case:
-    """Two to four pieces over r with slopes and breaks of very different sizes."""
+def steep_case(seed: int) -> Family:
+    """Two to four pieces over p with slopes and breaks of very different sizes."""
     rng = random.Random(1000 + seed)
     breaks = [Fraction(rng.randint(-2, 2), rng.randint(1, 3))]
     while len(breaks) < rng.choice([1, 1, 2, 3]):
         breaks.append(breaks[-1] + rng.choice([CLOSE, abs(scaled(rng, -9, 1))]))
-    owners = [rng.choice(["left", "right", "point"]) for _ in breaks]
-    n = len(breaks) + 1 + owners.count("point")
+    owners = "".join(rng.choice("lrp") for _ in breaks)
+    n = len(breaks) + 1 + owners.count("p")
     low, high = rng.choice([(-5, -1), (1, 6), (-5, 6)])
-    slopes = [scaled(rng, low, high) for _ in range(n)]
+    slopes = [(scaled(rng, low, high),) for _ in range(n)]
     intercepts = [
-        (rng.choice([Fraction(0), scaled(rng, -6, 6)]), Fraction(rng.choice([-1, 0, 1, 1])))
-        for _ in range(n)
+        (rng.choice([Fraction(0), scaled(rng, -6, 6)]), rng.choice([-1, 0, 1, 1])) for _ in range(n)
     ]
-    intercepts[-1] = intercepts[-1][0], Fraction(1)  # r occurs at least once
+    intercepts[-1] = intercepts[-1][0], 1  # p occurs at least once
     drift = rng.choice([0, 0, 1])
-
-    def parts(r: Any) -> Parts:
-        formulas = [(m, c + e * r) for m, (c, e) in zip(slopes, intercepts, strict=True)]
-        return map_of([b + drift * r for b in breaks], owners, formulas)
-
-    return Case(
-        map=PiecewiseLinearMap(texts(parts(R))),
-        parts=parts,
+    return family(
+        [(b, drift) for b in breaks],
+        owners,
+        list(zip(slopes, intercepts, strict=True)),
         span=(Fraction(-31, 13), Fraction(37, 14)),
         orders=(1, 2, 3, 4) if len(breaks) == 1 else (1, 2, 3),
     )
 
 
-def check(case: Case, own_span: bool) -> None:
+def check(
+    family_: Family, *, own_span: bool = True, beside: Fraction | None = None, most: int = 99
+) -> Case:
     """A diagram against brute force: on its edges, close beside them and between them."""
-    span = case.span if own_span else None
-    diagram = bifurcation_diagram(case.map, case.name, span, case.orders)
-    edges = sorted({number(p.exact["parameter"]) for p in diagram.points})  # type: ignore[arg-type]
-    inner = edges[1:-1]
-    beside = [x for a, b in pairwise(edges) for x in ((a + b) / 2, a + (b - a) / 10**9)]
+    case = Case.of(family_, Report(), own_span=own_span)
+    edges = sorted(case.formulas(), key=cmp_to_key(compared))
+    inner: list[tuple[Place, bool]] = [(p, True) for p in edges[1:-1]]
+    others = list[tuple[Place, bool]]()
+    for a, b in pairwise(edges):
+        middle = between(a, b)
+        close = middle
+        for _ in range(30):  # halvings
+            close = between(a, close)
+        others += [(middle, False), (close, False)]
+    if beside is not None:
+        others = [
+            (p + side * beside, p + side * beside in edges)
+            for p, _ in inner
+            if isinstance(p, Fraction)
+            for side in (-1, 1)
+        ]
     rng = random.Random(7)
-    branches = curves(diagram)
-    for values in (inner, beside):
-        for value in values if len(values) <= 12 else rng.sample(values, 12):
-            check_diagram(branches, case, value)
+    for places in (inner, others):
+        for p, on_edge in places if len(places) <= most else rng.sample(places, most):
+            check_at(case, p, on_edge=on_edge)
+    assert not case.report.differences
+    return case
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(0, 650, 130))
 def test_strongly_contracting_or_expanding_maps(seed: int) -> None:
     """Some of 650 maps, all of which were run once."""
-    check(steep_case(seed), own_span=seed % 2 == 0)
+    check(steep_case(seed), own_span=seed % 2 == 0, most=12)
 
 
 # --- Numbers --------------------------------------------------------------------------------------
@@ -158,64 +169,31 @@ def test_floats_of_what_is_too_large_are_infinite() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("A", [Rational(1, 10**4), Rational(1, 10**5)])
-def test_strong_contraction_with_a_jump(A: sympy.Rational) -> None:  # noqa: N803
-    case = Case(
-        map=PiecewiseLinearMap([("x*A + r", "x <= 0"), ("x*A + r - 1", "x > 0")]).at({"A": A}),
-        parts=lambda r: map_of(
-            [Fraction(0)], ["left"], [(Fraction(int(A.p), int(A.q)), r + e) for e in (0, -1)]
-        ),
-        span=(Fraction(-1), Fraction(2)),
-        orders=(1, 2, 3, 4, 5),
-    )
-    diagram = bifurcation_diagram(case.map, "r", case.span, case.orders)
-    assert (len(diagram.branches), len(diagram.points)) == (97, 76)
-    exact = sorted({number(p.exact["parameter"]) for p in diagram.points})  # type: ignore[arg-type]
-    floats = {p.parameter for p in diagram.points}
-    assert len(floats) < len(exact)  # some edges are the same float, and still told apart
-    branches = curves(diagram)
-    for value in exact[1:-1]:
-        check_diagram(branches, case, value)
+@pytest.mark.parametrize("a", [Fraction(1, 10**4), Fraction(1, 10**5)])
+def test_strong_contraction_with_a_jump(a: Fraction) -> None:
+    rows = [((a,), (0, 1)), ((a,), (-1, 1))]
+    case = check(family([()], "l", rows, span=(-1, 2), orders=range(1, 6)))
+    assert (len(case.diagram.branches), len(case.diagram.points)) == (97, 76)
+    floats = {p.parameter for p in case.diagram.points}
+    assert len(floats) < len(case.formulas())  # some edges are the same float, still told apart
 
 
 def test_expansion_by_a_million() -> None:
-    a = Fraction(10**6)
-    case = Case(
-        map=PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")]).at({"a": 10**6}),
-        parts=lambda r: map_of([Fraction(0)], ["left"], [(Fraction(0), r - 2), (-a, r)]),
-        span=(Fraction(-1), Fraction(3)),
-        orders=(1, 2, 3, 4),
-    )
-    diagram = bifurcation_diagram(case.map, "r", orders=case.orders)
-    assert (len(diagram.branches), len(diagram.points)) == (21, 21)
-    branches = curves(diagram)
-    exact = sorted({number(p.exact["parameter"]) for p in diagram.points})  # type: ignore[arg-type]
-    for value in exact[1:-1]:
-        for near in (value - CLOSE, value, value + CLOSE):
-            check_diagram(branches, case, near)
+    rows = [((), (-2, 1)), ((-(10**6),), (0, 1))]
+    steep = family([()], "l", rows, span=(-1, 3), orders=range(1, 5))
+    case = check(steep, own_span=False, beside=CLOSE)
+    assert (len(case.diagram.branches), len(case.diagram.points)) == (21, 21)
 
 
 def test_edges_closer_than_floats() -> None:
     third = Fraction(1, 3)
-    case = Case(
-        map=PiecewiseLinearMap([("r - 1/3", "x <= 0"), ("r - x/2 - 1/3 - 1/10**18", "x > 0")]),
-        parts=lambda r: map_of(
-            [Fraction(0)],
-            ["left"],
-            [(Fraction(0), r - third), (Fraction(-1, 2), r - third - CLOSE)],
-        ),
-        span=(Fraction(-1), Fraction(2)),
-        orders=(1, 2, 3),
-    )
-    diagram = bifurcation_diagram(case.map, "r", orders=case.orders)
-    inner = [p for p in diagram.points if p.kind != "EP"]
-    edges = sorted({number(p.exact["parameter"]) for p in inner})  # type: ignore[arg-type]
-    assert edges == [third, third + CLOSE, third + 2 * CLOSE]
+    rows = [((), (-third, 1)), ((Fraction(-1, 2),), (-third - CLOSE, 1))]
+    close = family([()], "l", rows, span=(-1, 2), orders=(1, 2, 3))
+    case = check(close, own_span=False, beside=CLOSE / 2)
+    inner = [p for p in case.diagram.points if p.kind != "EP"]
+    edges = {place(p.exact["parameter"]) for p in inner}  # type: ignore[arg-type]
+    assert edges == {third, third + CLOSE, third + 2 * CLOSE}
     assert len({p.parameter for p in inner}) == 1
-    branches = curves(diagram)
-    for value in edges:
-        for near in (value - CLOSE / 2, value, value + CLOSE / 2):
-            check_diagram(branches, case, near)
 
 
 def test_points_of_one_float_are_in_order() -> None:
