@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.maps import Image
+from woodpecker.engine.maps import SpaceImage
 
 
-def differences(image: Image, x: Floats, p: Floats, h: float) -> Floats:
+def differences(image: SpaceImage, x: Floats, p: Floats, h: float) -> Floats:
     """(d, d + k) by central differences of order four along the piece of an image."""
     found, at = [], np.concatenate([x, p])
     for step in h * np.eye(len(at)):

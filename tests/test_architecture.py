@@ -129,14 +129,6 @@ def test_only_drawing_files_import_matplotlib() -> None:
                 assert module.startswith(DRAWING), module
 
 
-SHARED = {  # class names that stand twice, and why
-    "Image": "of maps of the line, and of R^d",
-    "Orbit": "of maps of the line, and of R^d",
-    "Piece": "of maps of the line, and of R^d",
-    "PiecewiseMap": "of maps of the line, and of R^d",
-}
-
-
 def test_a_class_name_stands_for_one_thing() -> None:
     names = Counter(
         node.name
@@ -145,7 +137,7 @@ def test_a_class_name_stands_for_one_thing() -> None:
         for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
         if isinstance(node, ast.ClassDef)
     )
-    assert {name for name, count in names.items() if count > 1} == set(SHARED)
+    assert {name for name, count in names.items() if count > 1} == set()
 
 
 # --- Numbers that decide results ------------------------------------------------------------------

@@ -15,9 +15,9 @@ from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve
 from woodpecker.engine.germs import Beginning, crossings_at, is_inside, lost_beyond
-from woodpecker.engine.maps import ACCUMULATE, Image, PiecewiseMap
+from woodpecker.engine.maps import ACCUMULATE, SpaceImage, SpaceMap
 from woodpecker.engine.newton import Problem, solve
-from woodpecker.engine.orbits import Chained, Closed, Held, Orbit
+from woodpecker.engine.orbits import Chained, Closed, Held, SpaceOrbit
 
 BESIDE = tuple(2.0**-n for n in (20, 24, 28, 34, 40, 46))  # scaled: where a start is looked for
 PASSED = tuple(10.0**-n for n in range(11, 1, -1))  # scaled: how far places are passed over
@@ -32,7 +32,7 @@ class Arrival:
     """What a branch comes to, named as :class:`pwmap.diagrams.diagram.SpecialPoint` does."""
 
     kind: PointKind
-    orbit: Orbit  # there; of a collision the cycle, run through once
+    orbit: SpaceOrbit  # there; of a collision the cycle, run through once
     note: str = ""
     cause: str = ""
     precision: float = 0.0
@@ -67,7 +67,7 @@ def of_cycles(curve: SolutionCurve) -> SolutionCurve:
 
 
 def passed_over(
-    begin: Beginning, arc: Arc, cause: str, outer: Image | None = None
+    begin: Beginning, arc: Arc, cause: str, outer: SpaceImage | None = None
 ) -> Arrival | Onward | None:
     """The nearest continuation of the branch beyond a place where borders accumulate."""
     # It is looked for along the tangent, ever farther, with the pieces that the map takes there.
@@ -98,7 +98,7 @@ def passed_over(
         if away == PASSED[0] and _jumps_unseen(end.orbit, x, p, images, problem):
             return None
         held = problem.with_(Held(size + column, float(p[column])))
-        found = solve(held, Orbit(x, p, 0.0, tuple(images)))
+        found = solve(held, SpaceOrbit(x, p, 0.0, tuple(images)))
         if found.converged and curve.agrees(found.orbit):
             if not problem.same(found.orbit.x, end.orbit.x, FASTEST * away):
                 return None
@@ -109,7 +109,7 @@ def passed_over(
 
 
 def _jumps_unseen(
-    orbit: Orbit, x: Floats, p: Floats, images: list[Image], problem: Problem
+    orbit: SpaceOrbit, x: Floats, p: Floats, images: list[SpaceImage], problem: Problem
 ) -> bool:
     """Whether a map jumps right ahead of an orbit, though no margin of its pieces vanishes."""
     for i, image in enumerate(images):
@@ -212,7 +212,7 @@ def _passing(begin: Beginning, end: Sample, to: float, low: float, high: float) 
     return next((each for each in found if len(each.sample.orbit.x) == len(head)), None)
 
 
-def _halved(map_: PiecewiseMap, p: Floats, order: int, low: float, high: float) -> Floats | None:
+def _halved(map_: SpaceMap, p: Floats, order: int, low: float, high: float) -> Floats | None:
     """The orbit (n, 1) from where P_order jumps past its point, up to the border, or None."""
     # Halved down to neighbouring doubles: the border lies where their orbits part.
 

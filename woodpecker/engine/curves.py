@@ -11,7 +11,7 @@ from functools import lru_cache
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints, norm
-from woodpecker.engine.maps import Image, PiecewiseMap, length_of, margins_decide, taken
+from woodpecker.engine.maps import SpaceImage, SpaceMap, length_of, margins_decide, taken
 from woodpecker.engine.newton import (
     BLUR,
     STEEP,
@@ -26,7 +26,7 @@ from woodpecker.engine.orbits import (
     Condition,
     Held,
     OnBorder,
-    Orbit,
+    SpaceOrbit,
     completed,
     head_of,
     pulled_inside,
@@ -113,7 +113,7 @@ class CurveSettings:
 class Sample:
     """An orbit of a curve, and which way the curve goes."""
 
-    orbit: Orbit
+    orbit: SpaceOrbit
     tangent: Floats  # unit vector in scaled unknowns
     # determinant of the equations bordered with it; nan if not asked for
     bordered: float = math.nan
@@ -149,7 +149,7 @@ class TestFunction:
 class SolutionCurve:
     """A problem with one unknown left free, and the test functions along it."""
 
-    map: PiecewiseMap
+    map: SpaceMap
     problem: Problem
     settings: CurveSettings
     # margins, by image and code, that vanish all along it
@@ -157,7 +157,7 @@ class SolutionCurve:
     tests: tuple[Stop, ...] = MULTIPLIERS  # of multipliers: LP, PD, NS, BP
     own: tuple[TestFunction, ...] = ()  # other functions, ``SPECIAL`` where they vanish
 
-    def start(self, orbit: Orbit, along: Floats | None = None) -> Sample:
+    def start(self, orbit: SpaceOrbit, along: Floats | None = None) -> Sample:
         """An orbit as a sample; its tangent points along a direction in scaled unknowns."""
         return Sample(orbit, *tangent(self.problem, orbit, along))
 
@@ -183,7 +183,7 @@ class SolutionCurve:
         sample = self.start(orbit, last.tangent)
         return sample if np.isfinite(sample.tangent).all() else None
 
-    def _along_border(self, last: Sample, distance: float, way: Floats) -> Orbit | None:
+    def _along_border(self, last: Sample, distance: float, way: Floats) -> SpaceOrbit | None:
         """A jump crossing in R^1: its points up to the border are solved for, the share follows."""
         (*_, border), problem = self.problem.conditions, self.problem
         assert isinstance(border, OnBorder)
@@ -209,7 +209,7 @@ class SolutionCurve:
         square = 2.0 * b.tangent + a.tangent - 3.0 * mean
         return np.asarray(distance * part * (square + part * cubic))
 
-    def agrees(self, orbit: Orbit, border: tuple[int, int] | None = None) -> bool:
+    def agrees(self, orbit: SpaceOrbit, border: tuple[int, int] | None = None) -> bool:
         """Whether the map takes the pieces of an orbit; points on borders do not count."""
         at_border = {orbit.place(i) for i, _ in self.ignored}
         if border is not None:
@@ -219,7 +219,7 @@ class SolutionCurve:
             for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True))
         )
 
-    def takes(self, x: Floats, p: Floats, image: Image) -> bool:
+    def takes(self, x: Floats, p: Floats, image: SpaceImage) -> bool:
         """Whether the map takes the piece of an image, and the same of its solutions."""
         # A map whose margins decide is asked only where one of them vanishes but for rounding.
         if image.reason:
@@ -230,7 +230,7 @@ class SolutionCurve:
         slack = SAME_VALUE * max(1.0, float(np.abs(image.jacobian).max()))
         return key == image.piece.key and self.problem.same(value, image.value, slack)
 
-    def bounds(self, orbit: Orbit) -> tuple[Ints, Floats, Floats, list[Stop]]:
+    def bounds(self, orbit: SpaceOrbit) -> tuple[Ints, Floats, Floats, list[Stop]]:
         """The bounded unknowns of an orbit, their lower and upper bounds, and the Stop of each."""
         # One that is held at a value is not bounded: it may be held at an end of the window.
         n, share = len(orbit.x), -1 if orbit.outer is None else len(orbit.unknowns) - 1
@@ -334,7 +334,7 @@ def _limits(
     return np.array(columns)[kept], low, high, [stops[k] for k in kept]
 
 
-def _rate_of_share(orbit: Orbit, motion: Floats) -> float:
+def _rate_of_share(orbit: SpaceOrbit, motion: Floats) -> float:
     """How fast the share of a jump crossing in R^1 grows as its points and parameters change."""
     inner, outer = orbit.taken[-2:]
     n = len(orbit.x)

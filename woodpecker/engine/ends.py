@@ -18,7 +18,15 @@ from woodpecker.base.arrays import norm
 from woodpecker.base.cubics import zero_of_cubic
 from woodpecker.engine.curves import Sample, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.newton import BLUR, branch_point, solve
-from woodpecker.engine.orbits import AtLimit, Condition, Held, Multiplier, OnBorder, Orbit, held_at
+from woodpecker.engine.orbits import (
+    AtLimit,
+    Condition,
+    Held,
+    Multiplier,
+    OnBorder,
+    SpaceOrbit,
+    held_at,
+)
 
 LOCATED = 2.0**-52  # scaled: a zero of a test function is bracketed as closely as doubles allow
 CLOSED_IN = 2.0**-10  # of its values at both ends: what is left of one that does vanish
@@ -112,7 +120,7 @@ def _multipliers(
     return found
 
 
-def _special(curve: SolutionCurve, orbit: Orbit) -> Iterator[TestFunction]:
+def _special(curve: SolutionCurve, orbit: SpaceOrbit) -> Iterator[TestFunction]:
     """Folds, flips, pairs on the unit circle, branch points, and functions of its own."""
     yield from curve.own
     one = len(curve.problem.free) == 1
@@ -336,7 +344,7 @@ def _solved(
     return distance, sample
 
 
-def _guess(curve: SolutionCurve, a: Sample, b: Sample, test: TestFunction) -> Orbit:
+def _guess(curve: SolutionCurve, a: Sample, b: Sample, test: TestFunction) -> SpaceOrbit:
     """Where a test function may vanish, by its values and rates at two samples."""
     # One that only the second has is taken for linear; if it is level, the search begins there.
     assert test.rate is not None

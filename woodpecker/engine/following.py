@@ -14,7 +14,7 @@ import numpy as np
 from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.ends import ROUNDED_OFF, ArcEnd, UnclearError, asked_before, ends_between
-from woodpecker.engine.maps import Piece, margins_decide, taken
+from woodpecker.engine.maps import SpacePiece, margins_decide, taken
 from woodpecker.engine.newton import STEEP, solve
 from woodpecker.engine.orbits import Held, held_at
 
@@ -203,7 +203,7 @@ def _differs_between(curve: SolutionCurve, a: Sample, b: Sample) -> bool:
     )
 
 
-def _takes(curve: SolutionCurve, x: Floats, p: Floats, piece: Piece) -> bool:
+def _takes(curve: SolutionCurve, x: Floats, p: Floats, piece: SpacePiece) -> bool:
     if margins_decide(curve.map):
         return curve.takes(x, p, piece.at(x, p))
     return taken(curve.map, x, p)[0] == piece.key

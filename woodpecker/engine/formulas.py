@@ -12,7 +12,7 @@ import numpy as np
 import sympy
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.maps import Image
+from woodpecker.engine.maps import SpaceImage
 
 NOT_REAL = (ValueError, ZeroDivisionError, OverflowError)  # math's words for no real value
 NOWHERE = "no piece of the map holds this point"
@@ -48,7 +48,7 @@ class ExpressionPiece:
         """Its name."""
         return self.word
 
-    def at(self, x: Floats, p: Floats) -> Image:
+    def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The image of a point, also outside."""
         d, n = len(self.x), len(self.x) + len(self.p)
         m = len(self.margins)
@@ -58,7 +58,7 @@ class ExpressionPiece:
             numbers = np.full((d + m) * (n + 1), math.nan)
         rows = numbers.reshape(d + m, n + 1)
         reason = "" if np.isfinite(rows[:d]).all() else f"{self.word} has no value at x = {x}"
-        return Image(
+        return SpaceImage(
             rows[:d, 0], rows[:d, 1:], rows[d:, 0], rows[d:, 1:], np.arange(m), self, reason
         )
 
@@ -88,7 +88,7 @@ class ExpressionMap:
         if not self.pieces:
             raise ValueError("a map needs at least one piece, got none")
 
-    def at(self, x: Floats, p: Floats) -> Image:
+    def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The image of a point under the first piece that holds it."""
         for piece in self.pieces:
             image = piece.at(x, p)
@@ -96,7 +96,7 @@ class ExpressionMap:
                 return image
         return self._nowhere(x, p)
 
-    def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
+    def beside(self, x: Floats, p: Floats, direction: Floats) -> SpaceImage:
         """The image under the piece that holds the points infinitesimally beside a point."""
         for piece in self.pieces:
             image = piece.at(x, p)
@@ -105,10 +105,10 @@ class ExpressionMap:
                 return image
         return self._nowhere(x, p)
 
-    def _nowhere(self, x: Floats, p: Floats) -> Image:
+    def _nowhere(self, x: Floats, p: Floats) -> SpaceImage:
         d, k = len(x), len(p)
         none, gradients = np.empty(0), np.empty((0, d + k))
-        return Image(
+        return SpaceImage(
             np.full(d, math.nan), np.full((d, d + k), math.nan), none, gradients,
             np.arange(0), self.pieces[0], NOWHERE,
         )  # fmt: skip

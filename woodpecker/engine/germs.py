@@ -18,9 +18,9 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Sample, SolutionCurve
-from woodpecker.engine.maps import ACCUMULATE, TIE, Chain, Image, PiecewiseMap, chained
+from woodpecker.engine.maps import ACCUMULATE, TIE, Chain, SpaceImage, SpaceMap, chained
 from woodpecker.engine.newton import MERGED, Problem
-from woodpecker.engine.orbits import Chained, Closed, OnBorder, Orbit, orbit_of
+from woodpecker.engine.orbits import Chained, Closed, OnBorder, SpaceOrbit, orbit_of
 
 SAME = 1e-7  # scaled: values of a map that are closer are one
 SLOW = 1e-9  # a margin that grows slower than this along a tangent, scaled, has no side there
@@ -64,7 +64,7 @@ class GermPath:
     """A sequence of pieces that an orbit through border points may take."""
 
     x: Floats  # (n, d) its points
-    images: tuple[Image, ...]  # of the points, under the pieces
+    images: tuple[SpaceImage, ...]  # of the points, under the pieces
 
     @property
     def end(self) -> Floats:
@@ -73,7 +73,7 @@ class GermPath:
 
 
 def paths(
-    map_: PiecewiseMap, x: Floats, p: Floats, order: int, problem: Problem,
+    map_: SpaceMap, x: Floats, p: Floats, order: int, problem: Problem,
     points: Floats | None = None,
 ) -> list[GermPath]:  # fmt: skip
     """All paths of P_order from a point (d,); none if there are more than ``PATHS``."""
@@ -96,7 +96,7 @@ def paths(
     return found
 
 
-def sides(map_: PiecewiseMap, x: Floats, p: Floats, lengths: Floats) -> list[Image]:
+def sides(map_: SpaceMap, x: Floats, p: Floats, lengths: Floats) -> list[SpaceImage]:
     """The images of a point under all pieces that hold points near it; none where it has none."""
     first = map_.at(x, p)
     if first.reason:
@@ -116,9 +116,9 @@ def sides(map_: PiecewiseMap, x: Floats, p: Floats, lengths: Floats) -> list[Ima
     return found
 
 
-def lost_beyond(map_: PiecewiseMap, x: Floats, p: Floats, returns: int) -> str:
+def lost_beyond(map_: SpaceMap, x: Floats, p: Floats, returns: int) -> str:
     """Why an orbit from one of the sides of a border point is lost; empty if none is."""
-    found = list[Image]()
+    found = list[SpaceImage]()
     first = map_.at(x, p)
     if first.reason:
         return first.reason
@@ -131,7 +131,7 @@ def lost_beyond(map_: PiecewiseMap, x: Floats, p: Floats, returns: int) -> str:
     return next((each.reason for each in found if each.reason not in ("", ACCUMULATE)), "")
 
 
-def across(image: Image, code: int, x: Floats, p: Floats, lengths: Floats) -> Floats:
+def across(image: SpaceImage, code: int, x: Floats, p: Floats, lengths: Floats) -> Floats:
     """The direction (d + k,) across a border where a margin vanishes, from inside of its piece."""
     # Where other margins vanish too, it leads along the border to where they grow, and beyond it
     # only so far that they still do. Angles are those of scaled unknowns.
@@ -151,7 +151,7 @@ def across(image: Image, code: int, x: Floats, p: Floats, lengths: Floats) -> Fl
 
 
 def shared(
-    one: Image, other: Image, x: Floats, p: Floats, lengths: Floats
+    one: SpaceImage, other: SpaceImage, x: Floats, p: Floats, lengths: Floats
 ) -> tuple[list[int], list[int]] | None:
     """The opposite margins of two pieces along their common border (one may have none), or None."""
     pieces = [(each, each.codes[each.tied(x, p)].tolist()) for each in (one, other)]
@@ -218,7 +218,7 @@ def _cycles(
         )
         returns = base.problem.same(path.end, x, SAME) and nearest(path.end) == nearest(x)
         if returns and not goes_round:
-            yield from _both_ways(order, base, Orbit(path.x, p, 0.0, path.images))
+            yield from _both_ways(order, base, SpaceOrbit(path.x, p, 0.0, path.images))
 
 
 def _crossings(
@@ -300,8 +300,8 @@ def _opening(
 
 
 def joined(
-    base: SolutionCurve, heads: Sequence[Image], limits: tuple[Sequence[Image], Sequence[Image]],
-    x: Floats, p: Floats, share: float,
+    base: SolutionCurve, heads: Sequence[SpaceImage],
+    limits: tuple[Sequence[SpaceImage], Sequence[SpaceImage]], x: Floats, p: Floats, share: float,
 ) -> Beginning | None:  # fmt: skip
     """The crossing, without tangent, between two limits, from images before and from the border."""
     border = shared(limits[0][0], limits[1][0], x[-1], p, base.problem.lengths)
@@ -315,7 +315,7 @@ def joined(
     closing = Chained() if x.shape[1] == 1 else Closed()  # on the line the border says where it is
     conditions = (closing, OnBorder(last, rounds * border[0][0]))
     curve = replace(base, problem=replace(base.problem, conditions=conditions), ignored=ignored)
-    orbit = Orbit(x, p, share, (*heads, inner), outer)
+    orbit = SpaceOrbit(x, p, share, (*heads, inner), outer)
     return Beginning(last + rounds, curve, Sample(orbit, np.empty(0)))
 
 
@@ -329,7 +329,7 @@ def _locates_less(one: GermPath, other: GermPath, i: int, p: Floats) -> bool:
 
 
 def _meets_another(
-    orbit: Orbit, ignored: frozenset[tuple[int, int]], *, beyond: bool = False
+    orbit: SpaceOrbit, ignored: frozenset[tuple[int, int]], *, beyond: bool = False
 ) -> bool:
     """Whether a margin that is not ignored vanishes, and with ``beyond`` is not positive."""
     for i, image in enumerate(orbit.taken):
@@ -341,7 +341,7 @@ def _meets_another(
     return False
 
 
-def _both_ways(order: int, curve: SolutionCurve, orbit: Orbit) -> Iterator[Beginning]:
+def _both_ways(order: int, curve: SolutionCurve, orbit: SpaceOrbit) -> Iterator[Beginning]:
     """The curve through an orbit, on both sides of it, where its points have their pieces."""
     sample = curve.start(orbit)
     if not np.isfinite(sample.tangent).all():
@@ -381,17 +381,17 @@ def is_inside(curve: SolutionCurve, sample: Sample) -> bool:
 
 
 def cycle_through(
-    map_: PiecewiseMap, x: Floats, p: Floats, orders: Sequence[int], base: Problem
-) -> Orbit | None:
+    map_: SpaceMap, x: Floats, p: Floats, orders: Sequence[int], base: Problem
+) -> SpaceOrbit | None:
     """The shortest cycle through a point, along one of its paths; None if there is none."""
     for order in sorted(orders):
         for path in paths(map_, x, p, order, base):
             if base.same(path.end, x, SAME):
-                return once(Orbit(path.x, p, 0.0, path.images), base)
+                return once(SpaceOrbit(path.x, p, 0.0, path.images), base)
     return None
 
 
-def cycle_at_limit(crossing: Orbit, base: Problem) -> Orbit:
+def cycle_at_limit(crossing: SpaceOrbit, base: Problem) -> SpaceOrbit:
     """The cycle that a jump crossing is at s = 0 or 1; run through once."""
     last = crossing.images[-1]
     if crossing.outer is not None and crossing.share > 0.5:
@@ -404,10 +404,10 @@ def cycle_at_limit(crossing: Orbit, base: Problem) -> Orbit:
     return once(orbit_of(pieces, np.array(points[:-1]), crossing.p), base)
 
 
-def once(cycle: Orbit, base: Problem) -> Orbit:
+def once(cycle: SpaceOrbit, base: Problem) -> SpaceOrbit:
     """A cycle that may go round a shorter one several times, run through once."""
     period = base.period(cycle.x, MERGED)
-    return Orbit(cycle.x[:period], cycle.p, 0.0, cycle.images[:period])
+    return SpaceOrbit(cycle.x[:period], cycle.p, 0.0, cycle.images[:period])
 
 
 def judged(

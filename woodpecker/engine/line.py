@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.maps import Image, proposed
+from woodpecker.engine.maps import SpaceImage, proposed
 from woodpecker.maps import pieces
 
 
@@ -27,7 +27,7 @@ class LinePiece(NamedTuple):
         """Of the piece."""
         return self.own.word
 
-    def at(self, x: Floats, p: Floats) -> Image:
+    def at(self, x: Floats, p: Floats) -> SpaceImage:
         """Its image of a point, also where the map takes another piece."""
         return image_of(self.own.at(float(x[0]), float(p[0])))
 
@@ -51,7 +51,7 @@ class LineMap(NamedTuple):
     x_scale: float = 1.0
     p_scale: float = 1.0
 
-    def at(self, x: Floats, p: Floats) -> Image:
+    def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The image of a point under the piece that the map takes there."""
         return image_of(self.own.at(float(x[0]), float(p[0])))
 
@@ -69,14 +69,14 @@ class LineMap(NamedTuple):
         key, value = taken(*at)
         return key, np.array([value])
 
-    def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
+    def beside(self, x: Floats, p: Floats, direction: Floats) -> SpaceImage:
         """The image of a point under the piece that the map takes infinitesimally beside it."""
         return proposed(self, x, p, direction, (self.x_scale, self.p_scale))
 
 
-def image_of(own: pieces.Image) -> Image:
+def image_of(own: pieces.Image) -> SpaceImage:
     """An image of a map of the line as one of R^1."""
-    return Image(
+    return SpaceImage(
         np.array([own.value]), np.array([[own.slope, own.d_parameter]]), own.margins,
         own.gradients, own.causes, LinePiece(own.piece), own.reason,
     )  # fmt: skip

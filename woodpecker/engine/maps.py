@@ -33,7 +33,7 @@ NEAREST = min(DISTANCES)
 ROOT = 4.0  # times steeper at that distance, or times as high as that slope says: a root
 
 
-class Image(NamedTuple):
+class SpaceImage(NamedTuple):
     """The image of a point under a piece."""
 
     value: Floats  # (d,) P(x, p)
@@ -41,7 +41,7 @@ class Image(NamedTuple):
     margins: Floats  # (m,) h_j(x, p), positive where the map takes this piece
     gradients: Floats  # (m, d + k) derivatives of the margins
     codes: Ints  # (m,) ascending, of the margins; a piece need not have the same ones at two points
-    piece: Piece  # ready to be continued from this point
+    piece: SpacePiece  # ready to be continued from this point
     reason: str = ""  # why there is no value; empty if there is one
 
     def tied(self, x: Floats, p: Floats) -> Bools:
@@ -64,7 +64,7 @@ class Image(NamedTuple):
         return codes.index(code) if code in codes else -1
 
 
-class Piece(Protocol):
+class SpacePiece(Protocol):
     """A smooth map with margins. It may remember where it was met last, to start from there."""
 
     @property
@@ -75,20 +75,20 @@ class Piece(Protocol):
     def word(self) -> str:
         """Its name, as people read it, such as a sequence of events."""
 
-    def at(self, x: Floats, p: Floats) -> Image:
+    def at(self, x: Floats, p: Floats) -> SpaceImage:
         """Its image of a point, also where the map takes another piece."""
 
     def cause(self, code: int) -> str:
         """A sentence on what happens where a margin vanishes."""
 
 
-class PiecewiseMap(Protocol):
+class SpaceMap(Protocol):
     """A map of R^d, made of pieces."""
 
-    def at(self, x: Floats, p: Floats) -> Image:
+    def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The image of a point under the piece that the map takes there."""
 
-    def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
+    def beside(self, x: Floats, p: Floats, direction: Floats) -> SpaceImage:
         """The image under the piece that the map takes infinitesimally beside a point.
 
         The direction is (d + k,). Margins that vanish at the point count by the signs of their
@@ -96,7 +96,7 @@ class PiecewiseMap(Protocol):
         """
 
 
-def taken(map_: PiecewiseMap, x: Floats, p: Floats) -> tuple[Hashable, Floats]:
+def taken(map_: SpaceMap, x: Floats, p: Floats) -> tuple[Hashable, Floats]:
     """The key of the piece at a point, and its value (d,); a map may have its own method."""
     own = getattr(map_, "taken", None)
     if own is None:
@@ -106,14 +106,14 @@ def taken(map_: PiecewiseMap, x: Floats, p: Floats) -> tuple[Hashable, Floats]:
     return found
 
 
-def margins_decide(map_: PiecewiseMap) -> bool:
+def margins_decide(map_: SpaceMap) -> bool:
     """Whether a map is sure that it takes a piece just where all of its margins are positive."""
     return getattr(map_, "margins_decide", False)
 
 
 def proposed(
-    map_: PiecewiseMap, x: Floats, p: Floats, direction: Floats, scale: Sequence[float]
-) -> Image:
+    map_: SpaceMap, x: Floats, p: Floats, direction: Floats, scale: Sequence[float]
+) -> SpaceImage:
     """The image of a point (d,) under the piece infinitesimally beside it, or a reason why none.
 
     The map has no value right beside the point, or its pieces accumulate there. ``scale`` holds the
@@ -140,7 +140,7 @@ def proposed(
     return around or map_.at(x, p)._replace(reason=lost or ACCUMULATE)
 
 
-def limit(near: Image, x: Floats, p: Floats, unit: Floats) -> Image:
+def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
     """The one-sided limit at (x, p) of the piece of an image that lies a little away."""
     # Where the piece has no value at the point, or derivatives there are rounding, those beside it
     # are taken. At a square root they grow without bound; their size then says that one is there.
@@ -177,7 +177,7 @@ def _alike(one: Floats, other: Floats, within: float) -> bool:
 class Chain:
     """Several pieces in turn, as one; its margins, all of theirs, depend on the first point."""
 
-    pieces: tuple[Piece, ...]  # at least one
+    pieces: tuple[SpacePiece, ...]  # at least one
 
     @property
     def key(self) -> Hashable:
@@ -189,7 +189,7 @@ class Chain:
         """Their words."""
         return " | ".join(piece.word for piece in self.pieces)
 
-    def at(self, x: Floats, p: Floats) -> Image:
+    def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The last image, with all margins and derivatives in the first point."""
         images, value = [], x
         for piece in self.pieces:
@@ -205,7 +205,7 @@ class Chain:
         return self.pieces[i].cause(rest)
 
 
-def chained(images: Sequence[Image]) -> Image:
+def chained(images: Sequence[SpaceImage]) -> SpaceImage:
     """Several images in turn as one: the last, with derivatives in the first point."""
     if len(images) == 1:
         return images[0]
@@ -218,22 +218,22 @@ def chained(images: Sequence[Image]) -> Image:
         codes.append(n * image.codes + i)
         inner = _through(image.jacobian, inner, d)
     order = np.argsort(np.concatenate(codes), kind="stable")
-    return Image(
+    return SpaceImage(
         images[-1].value, inner, np.concatenate(margins)[order], np.concatenate(gradients)[order],
         np.concatenate(codes)[order], Chain(tuple(image.piece for image in images)),
     )  # fmt: skip
 
 
-def length_of(image: Image) -> int:
+def length_of(image: SpaceImage) -> int:
     """How many pieces an image went through."""
     return len(image.piece.pieces) if isinstance(image.piece, Chain) else 1
 
 
-def links(image: Image, x: Floats, p: Floats) -> list[Image]:
+def links(image: SpaceImage, x: Floats, p: Floats) -> list[SpaceImage]:
     """The images that a chain is made of, in turn; of a single piece its own."""
     if not isinstance(image.piece, Chain):
         return [image]
-    found = list[Image]()
+    found = list[SpaceImage]()
     for piece in image.piece.pieces:
         found.append(piece.at(found[-1].value if found else x, p))
     return found

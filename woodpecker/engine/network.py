@@ -22,9 +22,9 @@ from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.arrivals import Arrival
 from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve, Stop
 from woodpecker.engine.germs import Beginning, beginnings, judged
-from woodpecker.engine.maps import PiecewiseMap
+from woodpecker.engine.maps import SpaceMap
 from woodpecker.engine.newton import Problem, cycles, directions, other_direction, solve
-from woodpecker.engine.orbits import Held, Orbit, orbit_of
+from woodpecker.engine.orbits import Held, SpaceOrbit, orbit_of
 from woodpecker.engine.tracing import APART, Trace, beside, trace
 
 MULTIPLIERS = (PointKind.LP, PointKind.PD, PointKind.NS, PointKind.BP)
@@ -45,14 +45,14 @@ class Connected:
     """
 
     diagram: Diagram
-    orbits: Mapping[str, Orbit]
+    orbits: Mapping[str, SpaceOrbit]
 
     def __repr__(self) -> str:
         return f"Connected({self.diagram!r})"
 
 
 def connected(
-    map_: PiecewiseMap, x: object, p: object, settings: CurveSettings, *,
+    map_: SpaceMap, x: object, p: object, settings: CurveSettings, *,
     orders: Sequence[int] = (1, 2), free: int = 0, x_scale: Sequence[float] | None = None,
     p_scale: Sequence[float] | None = None, names: Sequence[str] = ("p", "x"),
     max_branches: int = 500,
@@ -131,7 +131,7 @@ def connected(
     return component.result(names)
 
 
-def cycle_near(map_: PiecewiseMap, x: Floats, p: Floats, problem: Problem) -> Orbit:
+def cycle_near(map_: SpaceMap, x: Floats, p: Floats, problem: Problem) -> SpaceOrbit:
     """The cycle near a guess (n, d), by Newton's method; ValueError if none, or of other pieces."""
     guess = orbit_of([map_.at(point, p).piece for point in x], x, p)
     held = [Held(x.size + k, float(p[k])) for k in problem.free]
@@ -149,7 +149,7 @@ class _Vertex:
     """A :class:`pwmap.diagrams.diagram.SpecialPoint` under construction."""
 
     kind: PointKind
-    orbit: Orbit
+    orbit: SpaceOrbit
     order: int
     note: str = ""
     cause: str = ""
@@ -169,7 +169,7 @@ class _Component:
         self.branches: list[tuple[Trace, _Vertex, _Vertex]] = []  # where they begin and end, too
         self.todo: deque[tuple[_Vertex, Beginning]] = deque()
 
-    def explore(self, start: Orbit) -> None:
+    def explore(self, start: SpaceOrbit) -> None:
         """Follow the branch through a cycle to a special point, then what starts at its ends."""
         first = self.base.start(start)
         ahead = trace(Beginning(len(start.x), self.base, first), self.orders)
@@ -246,7 +246,7 @@ class _Component:
 
     @staticmethod
     def _others(
-        found: Trace, arrival: Arrival, single: Orbit, halved: bool
+        found: Trace, arrival: Arrival, single: SpaceOrbit, halved: bool
     ) -> list[tuple[int, Sample]]:
         """Other curves through a point where a multiplier is 1 or -1: orders, and which way."""
         sample, curve, order = found.samples[-1], found.curve, found.begin.order
@@ -267,7 +267,7 @@ class _Component:
                 return [(order, Sample(orbit, sign * across)) for sign in (1.0, -1.0)]
         return []
 
-    def _known(self, cycle: Orbit, kind: PointKind) -> _Vertex | None:
+    def _known(self, cycle: SpaceOrbit, kind: PointKind) -> _Vertex | None:
         scale = self.problem.scale(cycle)
         for node in self.nodes:
             if node.kind is kind and node.orbit.unknowns.shape == cycle.unknowns.shape:

@@ -12,7 +12,7 @@ from scipy.linalg.lapack import dgesv, dgetrs
 from scipy.optimize import root
 
 from woodpecker.base.arrays import STEP, Floats, Ints, norm
-from woodpecker.engine.orbits import Closed, Condition, OnBorder, Orbit, placed
+from woodpecker.engine.orbits import Closed, Condition, OnBorder, SpaceOrbit, placed
 
 MERGED = 1e-9  # scaled: points of a cycle that are closer are one
 STEPS = 12  # of Newton's method: it converges in four or five, or it does not
@@ -38,7 +38,7 @@ class Problem:
     x_scale: tuple[float, ...]  # d lengths that count as 1
     p_scale: tuple[float, ...]  # k lengths that count as 1
 
-    def moving(self, orbit: Orbit) -> tuple[slice | Ints, Floats]:
+    def moving(self, orbit: SpaceOrbit) -> tuple[slice | Ints, Floats]:
         """The unknowns that may move, and their lengths: points, free parameters, the share.
 
         In R^1 the share follows from the points.
@@ -51,7 +51,7 @@ class Problem:
         """(d + k,) lengths of a point and of the parameters that count as 1."""
         return np.array((*self.x_scale, *self.p_scale))
 
-    def scale(self, orbit: Orbit) -> Floats:
+    def scale(self, orbit: SpaceOrbit) -> Floats:
         """The lengths of all of an orbit's unknowns."""
         return _scale(len(orbit.x), self.x_scale, self.p_scale)
 
@@ -60,12 +60,12 @@ class Problem:
         every = (*self.conditions, *conditions)
         return Problem(every, self.free, self.x_scale, self.p_scale)
 
-    def residual(self, orbit: Orbit) -> Floats:
+    def residual(self, orbit: SpaceOrbit) -> Floats:
         """The residuals of all equations."""
         found = [each.residual(orbit) for each in self.conditions]
         return found[0] if len(found) == 1 else np.concatenate(found)
 
-    def matrix(self, orbit: Orbit) -> Floats:
+    def matrix(self, orbit: SpaceOrbit) -> Floats:
         """Derivatives of the residuals in the scaled unknowns that may move."""
         blocks = [each.rows(orbit) for each in self.conditions]
         columns, lengths = self.moving(orbit)
@@ -89,17 +89,17 @@ class Problem:
                 rows[steep] -= np.outer(along[steep], normal)
             first += count
 
-    def stepped(self, orbit: Orbit, step: Floats) -> Floats:
+    def stepped(self, orbit: SpaceOrbit, step: Floats) -> Floats:
         """The unknowns of an orbit after a step in scaled ones."""
         to, (columns, lengths) = orbit.unknowns, self.moving(orbit)
         to[columns] += step * lengths
         return to
 
-    def moved(self, orbit: Orbit, step: Floats) -> Orbit:
+    def moved(self, orbit: SpaceOrbit, step: Floats) -> SpaceOrbit:
         """An orbit moved by a step in scaled unknowns."""
         return placed(orbit, self.stepped(orbit, step))
 
-    def step_between(self, one: Orbit, other: Orbit) -> Floats:
+    def step_between(self, one: SpaceOrbit, other: SpaceOrbit) -> Floats:
         """The step in scaled unknowns from one orbit to another."""
         columns, lengths = self.moving(one)
         found: Floats = (other.unknowns - one.unknowns)[columns] / lengths
@@ -151,7 +151,7 @@ def _scale(n: int, x_scale: tuple[float, ...], p_scale: tuple[float, ...]) -> Fl
 class Solution:
     """The last iterate of Newton's method."""
 
-    orbit: Orbit
+    orbit: SpaceOrbit
     converged: bool  # the equations are solved to rounding
     steps: int  # that were taken
 
@@ -164,16 +164,16 @@ class Across:
     start: Floats  # the unknowns of the orbit
     distance: float  # in scaled unknowns
 
-    def residual(self, orbit: Orbit) -> Floats:
+    def residual(self, orbit: SpaceOrbit) -> Floats:
         """(1,) by how much the orbit lies too far."""
         return np.array([(orbit.unknowns - self.start) @ self.row - self.distance])
 
-    def rows(self, orbit: Orbit) -> Floats:
+    def rows(self, orbit: SpaceOrbit) -> Floats:
         """(1, ...) the direction."""
         return self.row[None]
 
 
-def across(problem: Problem, start: Orbit, direction: Floats, distance: float) -> Across:
+def across(problem: Problem, start: SpaceOrbit, direction: Floats, distance: float) -> Across:
     """The equation of a distance from an orbit along a direction, in scaled unknowns."""
     unknowns, (columns, lengths) = start.unknowns, problem.moving(start)
     row = np.zeros(len(unknowns))
@@ -181,7 +181,7 @@ def across(problem: Problem, start: Orbit, direction: Floats, distance: float) -
     return Across(row, unknowns, distance)
 
 
-def solve(problem: Problem, start: Orbit) -> Solution:
+def solve(problem: Problem, start: SpaceOrbit) -> Solution:
     """Newton's method from an orbit, with its pieces, in at most ``STEPS`` steps.
 
     It has converged if the next step would be as short as rounding, or steps stop becoming shorter
@@ -220,13 +220,13 @@ def _largest(values: Floats) -> float:
     return max(sizes) if not math.isnan(sum(sizes)) else math.nan
 
 
-def newton_step(problem: Problem, orbit: Orbit) -> Floats:
+def newton_step(problem: Problem, orbit: SpaceOrbit) -> Floats:
     """A step of Newton's method in scaled unknowns; nan where the equations are singular."""
     factors, _, step, _ = dgesv(problem.matrix(orbit), -problem.residual(orbit))
     return step if factors.diagonal().all() else np.full(len(step), math.nan)
 
 
-def _is_met(problem: Problem, orbit: Orbit, matrix: Floats, residual: Floats) -> bool:
+def _is_met(problem: Problem, orbit: SpaceOrbit, matrix: Floats, residual: Floats) -> bool:
     """Whether nothing but rounding is left of the equations at an orbit."""
     # The rounding of a margin may exceed what its derivatives say, since those of earlier events
     # cancel in them: a margin is zero where it counts as zero for a border.
@@ -239,7 +239,7 @@ def _is_met(problem: Problem, orbit: Orbit, matrix: Floats, residual: Floats) ->
     return not left.any()
 
 
-def _towards(problem: Problem, orbit: Orbit, step: Floats) -> tuple[Orbit, bool]:
+def _towards(problem: Problem, orbit: SpaceOrbit, step: Floats) -> tuple[SpaceOrbit, bool]:
     """The orbit after a step, halved while a piece has no value there, and whether it was."""
     for halvings in range(HALVINGS):
         found = problem.moved(orbit, step * 0.5**halvings)
@@ -256,7 +256,9 @@ def _linear(matrix: Floats, right: Floats) -> tuple[Floats, float]:
     return found, -determinant if swapped % 2 else determinant
 
 
-def tangent(problem: Problem, orbit: Orbit, along: Floats | None = None) -> tuple[Floats, float]:
+def tangent(
+    problem: Problem, orbit: SpaceOrbit, along: Floats | None = None
+) -> tuple[Floats, float]:
     """Unit tangent, in scaled unknowns, of the curve through an orbit, and how it is oriented.
 
     It points along a direction ``along``, or makes the determinant positive; nan if there is none.
@@ -277,7 +279,7 @@ def tangent(problem: Problem, orbit: Orbit, along: Floats | None = None) -> tupl
     return sign * found / length, sign * determinant * length
 
 
-def directions(problem: Problem, orbit: Orbit) -> tuple[Floats, ...]:
+def directions(problem: Problem, orbit: SpaceOrbit) -> tuple[Floats, ...]:
     """Unit tangents, in scaled unknowns, of the two curves through a branch point, or none."""
     # There F is unchanged to first order in a plane. A curve leaves along v in it with
     # w F''(v, v) = 0, w orthogonal to all derivatives. Second derivatives are differences.
@@ -296,13 +298,13 @@ def directions(problem: Problem, orbit: Orbit) -> tuple[Floats, ...]:
     return tuple(each / norm(each) for each in found)
 
 
-def other_direction(problem: Problem, orbit: Orbit, along: Floats) -> Floats | None:
+def other_direction(problem: Problem, orbit: SpaceOrbit, along: Floats) -> Floats | None:
     """The unit tangent of the second curve through a branch point; None if there is none."""
     along = along / norm(along)
     return min(directions(problem, orbit), key=lambda way: abs(float(way @ along)), default=None)
 
 
-def branch_point(problem: Problem, near: Orbit) -> Orbit | None:
+def branch_point(problem: Problem, near: SpaceOrbit) -> SpaceOrbit | None:
     """The branch point near an orbit, to rounding; None if it is not found."""
     # With w orthogonal to all derivatives, F + m w = 0, F' w = 0, |w| = 1 are solved for the
     # unknowns, w and m: a regular system at a simple branch point, where m = 0.
@@ -323,7 +325,9 @@ def branch_point(problem: Problem, near: Orbit) -> Orbit | None:
     return problem.moved(near, found.x[:columns])
 
 
-def _noise(problem: Problem, orbit: Orbit, matrix: Floats, rounding: float = ROUNDED) -> Floats:
+def _noise(
+    problem: Problem, orbit: SpaceOrbit, matrix: Floats, rounding: float = ROUNDED
+) -> Floats:
     """What rounding may leave of the residuals."""
     unknowns = np.abs(orbit.unknowns / problem.scale(orbit))
     unknowns[:-1] = np.maximum(unknowns[:-1], 1.0)
@@ -331,12 +335,12 @@ def _noise(problem: Problem, orbit: Orbit, matrix: Floats, rounding: float = ROU
     return found
 
 
-def uncertainty(problem: Problem, orbit: Orbit) -> float:
+def uncertainty(problem: Problem, orbit: SpaceOrbit) -> float:
     """How far the first free parameter of a solution may be off, by rounding of the map."""
     return float(uncertainties(problem, orbit)[0])
 
 
-def uncertainties(problem: Problem, orbit: Orbit) -> Floats:
+def uncertainties(problem: Problem, orbit: SpaceOrbit) -> Floats:
     """The rounding error of each free parameter; infinite where derivatives do not tell."""
     matrix, first, count = problem.matrix(orbit), orbit.x.size, len(problem.free)
     noise = _noise(problem, orbit, matrix, BLUR)

@@ -16,7 +16,7 @@ from typing import Protocol
 import numpy as np
 
 from woodpecker.base.arrays import STEP, Complexes, Floats
-from woodpecker.engine.maps import Chain, Image, Piece, chained
+from woodpecker.engine.maps import Chain, SpaceImage, SpacePiece, chained
 
 INSIDE = 2.0**-50  # of the size of a point: rounding may put one on a border beyond it
 CLEAR = 2.0**-10  # of the distance from a border: over that a difference is taken beside a root
@@ -24,14 +24,14 @@ SHORTEST = 2.0**-40  # of such a difference: rounding of an orbit is some 2**-50
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Orbit:
+class SpaceOrbit:
     """Points of a map, each with its image under a piece."""
 
     x: Floats  # (n, d) points
     p: Floats  # (k,) parameters
     share: float  # s of the outer limit in a jump crossing; 0 for a cycle
-    images: tuple[Image, ...]  # of the points, n of them
-    outer: Image | None = None  # image of the last point beyond the border; None for a cycle
+    images: tuple[SpaceImage, ...]  # of the points, n of them
+    outer: SpaceImage | None = None  # image of the last point beyond the border; None for a cycle
 
     @property
     def unknowns(self) -> Floats:
@@ -39,7 +39,7 @@ class Orbit:
         return np.concatenate((self.x.ravel(), self.p, (self.share,)))
 
     @property
-    def taken(self) -> tuple[Image, ...]:
+    def taken(self) -> tuple[SpaceImage, ...]:
         """All images, the outer one at last."""
         return self.images if self.outer is None else (*self.images, self.outer)
 
@@ -102,28 +102,32 @@ class Orbit:
         found: Complexes = np.linalg.eigvals(self.monodromy).astype(complex)
         return found[np.argsort(-np.abs(found), kind="stable")]
 
-    def rotated(self, first: int) -> Orbit:
+    def rotated(self, first: int) -> SpaceOrbit:
         """The same cycle from another of its points."""
         images = (*self.images[first:], *self.images[:first])
         return replace(self, x=np.roll(self.x, -first, axis=0), images=images)
 
 
 def orbit_of(
-    pieces: Sequence[Piece], x: Floats, p: Floats, share: float = 0.0, outer: Piece | None = None
-) -> Orbit:
+    pieces: Sequence[SpacePiece],
+    x: Floats,
+    p: Floats,
+    share: float = 0.0,
+    outer: SpacePiece | None = None,
+) -> SpaceOrbit:
     """The images of points (n, d) under given pieces."""
     x, p = np.asarray(x, dtype=float), np.asarray(p, dtype=float)
     images = tuple(piece.at(point, p) for piece, point in zip(pieces, x, strict=True))
-    return Orbit(x, p, share, images, None if outer is None else outer.at(x[-1], p))
+    return SpaceOrbit(x, p, share, images, None if outer is None else outer.at(x[-1], p))
 
 
 class Condition(Protocol):
     """Equations that an orbit is to obey."""
 
-    def residual(self, orbit: Orbit) -> Floats:
+    def residual(self, orbit: SpaceOrbit) -> Floats:
         """(m,) numbers that are zero if it does."""
 
-    def rows(self, orbit: Orbit) -> Floats:
+    def rows(self, orbit: SpaceOrbit) -> Floats:
         """(m, n d + k + 1), their derivatives in all unknowns of the orbit."""
 
 
@@ -131,7 +135,7 @@ class Condition(Protocol):
 class Closed:
     """Each image is the next point, and the last one, or what is mixed of two, the first point."""
 
-    def residual(self, orbit: Orbit) -> Floats:
+    def residual(self, orbit: SpaceOrbit) -> Floats:
         """(n d,) images less points."""
         if len(orbit.images) == 1 and orbit.outer is None:  # most of the work of most curves
             return np.asarray(orbit.images[0].value - orbit.x[0])
@@ -142,7 +146,7 @@ class Closed:
         values[-1] -= orbit.x[0]
         return values.ravel()
 
-    def rows(self, orbit: Orbit) -> Floats:
+    def rows(self, orbit: SpaceOrbit) -> Floats:
         """Their derivatives."""
         (n, d), k = orbit.x.shape, len(orbit.p)
         rows: Floats = _less_next(n, d, k).copy()
@@ -172,11 +176,11 @@ def _less_next(n: int, d: int, k: int) -> Floats:
 class Chained:
     """Each image but the last is the next point."""
 
-    def residual(self, orbit: Orbit) -> Floats:
+    def residual(self, orbit: SpaceOrbit) -> Floats:
         """((n - 1) d,) images less points."""
         return Closed().residual(orbit)[: -orbit.x.shape[1]]
 
-    def rows(self, orbit: Orbit) -> Floats:
+    def rows(self, orbit: SpaceOrbit) -> Floats:
         """Their derivatives."""
         return Closed().rows(orbit)[: -orbit.x.shape[1]]
 
@@ -189,15 +193,15 @@ class OnBorder:
     code: int  # which of its margins
     value: float = 0.0  # of the margin: right beside a border a little more than zero
 
-    def residual(self, orbit: Orbit) -> Floats:
+    def residual(self, orbit: SpaceOrbit) -> Floats:
         """(1,) the margin less that; nan if the piece does not have it here."""
         return np.array([orbit.margin(self.image, self.code) - self.value])
 
-    def rows(self, orbit: Orbit) -> Floats:
+    def rows(self, orbit: SpaceOrbit) -> Floats:
         """(1, ...) its derivatives."""
         return orbit.gradient(self.image, self.code)[None]
 
-    def is_met(self, orbit: Orbit) -> bool:
+    def is_met(self, orbit: SpaceOrbit) -> bool:
         """Whether the margin vanishes but for rounding, as :meth:`Image.tied` has it."""
         image, x = orbit.taken[self.image], orbit.x[orbit.place(self.image)]
         k = image.place(self.code)
@@ -210,11 +214,11 @@ class AtLimit:
 
     outer: bool  # at the outer limit, s = 1
 
-    def residual(self, orbit: Orbit) -> Floats:
+    def residual(self, orbit: SpaceOrbit) -> Floats:
         """(1,) the limit less the point."""
         return np.asarray(orbit.taken[-1 if self.outer else -2].value - orbit.x[0])
 
-    def rows(self, orbit: Orbit) -> Floats:
+    def rows(self, orbit: SpaceOrbit) -> Floats:
         """(1, ...) its derivatives."""
         image = orbit.taken[-1 if self.outer else -2]
         row = orbit.columns(len(orbit.x) - 1, image.jacobian)
@@ -229,11 +233,11 @@ class Held:
     column: int  # of :attr:`Orbit.unknowns`
     value: float
 
-    def residual(self, orbit: Orbit) -> Floats:
+    def residual(self, orbit: SpaceOrbit) -> Floats:
         """(1,) the excess of the unknown."""
         return np.array([orbit.unknowns[self.column] - self.value])
 
-    def rows(self, orbit: Orbit) -> Floats:
+    def rows(self, orbit: SpaceOrbit) -> Floats:
         """(1, ...) a unit vector."""
         row = np.zeros((1, len(orbit.unknowns)))
         row[0, self.column] = 1.0
@@ -248,7 +252,7 @@ class Multiplier:
     # d + k lengths of a point and the parameters; by default their size, at least 1
     scale: tuple[float, ...] = ()
 
-    def value(self, orbit: Orbit) -> float:
+    def value(self, orbit: SpaceOrbit) -> float:
         """det(M - 1), det(M + 1), or the product of mu_i mu_j - 1 over all pairs i < j."""
         monodromy = orbit.monodromy
         d = len(monodromy)
@@ -259,18 +263,18 @@ class Multiplier:
             return float(monodromy[0, 0]) + sign
         return float(np.linalg.det(monodromy + sign * np.eye(d)))
 
-    def residual(self, orbit: Orbit) -> Floats:
+    def residual(self, orbit: SpaceOrbit) -> Floats:
         """(1,) the value."""
         return np.array([self.value(orbit)])
 
-    def rows(self, orbit: Orbit) -> Floats:
+    def rows(self, orbit: SpaceOrbit) -> Floats:
         """(1, ...) its derivatives, by central differences: pieces are smooth."""
         row = np.zeros((1, len(orbit.unknowns)))
         for i in range(len(orbit.x)):
             row += orbit.columns(i, self._gradient(orbit, i))
         return row
 
-    def _gradient(self, orbit: Orbit, i: int) -> Floats:
+    def _gradient(self, orbit: SpaceOrbit, i: int) -> Floats:
         """Derivatives (d + k,) as one piece changes with its point and the parameters."""
         # Differences are taken across the nearest border and along it: beside a root slopes change
         # fast across a border, and along it only with its curvature.
@@ -293,7 +297,7 @@ class Multiplier:
             found += self._difference(orbit, i, h * way * scale) / h * way / scale
         return found
 
-    def _difference(self, orbit: Orbit, i: int, step: Floats) -> float:
+    def _difference(self, orbit: SpaceOrbit, i: int, step: Floats) -> float:
         """Its change as a piece takes a step (d + k,); the step is reversed if the piece ends."""
         image, at = orbit.images[i], np.concatenate((orbit.x[i], orbit.p))
         d = orbit.x.shape[1]
@@ -322,7 +326,7 @@ def _pairs(matrix: Floats) -> Floats:
     return np.asarray(a - b)
 
 
-def pulled_inside(guess: Orbit, last: Orbit) -> Orbit:
+def pulled_inside(guess: SpaceOrbit, last: SpaceOrbit) -> SpaceOrbit:
     """A guess whose points without a value are moved until margins are as they were."""
     # Beside a square root a curve follows the end of its piece, and a guess may lie beyond the end.
     x, images, d = guess.x.copy(), list(guess.images), guess.x.shape[1]
@@ -337,7 +341,7 @@ def pulled_inside(guess: Orbit, last: Orbit) -> Orbit:
     return replace(guess, x=x, images=tuple(images))
 
 
-def held_at(orbit: Orbit, column: int, value: float) -> Orbit:
+def held_at(orbit: SpaceOrbit, column: int, value: float) -> SpaceOrbit:
     """An orbit one of whose unknowns is a value but for rounding, with just that value."""
     (n, d), k = orbit.x.shape, len(orbit.p)
     at = orbit.unknowns
@@ -345,27 +349,27 @@ def held_at(orbit: Orbit, column: int, value: float) -> Orbit:
     return replace(orbit, x=at[: n * d].reshape(n, d), p=at[n * d : n * d + k], share=float(at[-1]))
 
 
-def placed(orbit: Orbit, unknowns: Floats) -> Orbit:
+def placed(orbit: SpaceOrbit, unknowns: Floats) -> SpaceOrbit:
     """The orbit with other unknowns, under the same pieces."""
     (n, d), k = orbit.x.shape, len(orbit.p)
     x, p, share = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k], float(unknowns[-1])
     images = [image.piece.at(point, p) for image, point in zip(orbit.images, x, strict=True)]
     if orbit.outer is None:
-        return Orbit(x, p, share, tuple(images))
+        return SpaceOrbit(x, p, share, tuple(images))
     images[-1] = _inside(orbit.images[-1], images[-1], orbit, x[-1], p)
     outer = _inside(orbit.outer, orbit.outer.piece.at(x[-1], p), orbit, x[-1], p)
     if d == 1:
         share = _share(float(x[0, 0]), images[-1], outer, share)
-    return Orbit(x, p, share, tuple(images), outer)
+    return SpaceOrbit(x, p, share, tuple(images), outer)
 
 
-def _share(x: float, inner: Image, outer: Image, otherwise: float) -> float:
+def _share(x: float, inner: SpaceImage, outer: SpaceImage, otherwise: float) -> float:
     """Where a point of the line lies between two limits, as a share of the second."""
     jump = float(outer.value[0] - inner.value[0])
     return (x - float(inner.value[0])) / jump if jump else otherwise
 
 
-def head_of(crossing: Orbit, unknowns: Floats) -> Orbit:
+def head_of(crossing: SpaceOrbit, unknowns: Floats) -> SpaceOrbit:
     """The points of a jump crossing up to the border, moved, without what they lead to."""
     (n, d), k = crossing.x.shape, len(crossing.p)
     x, p = unknowns[: n * d].reshape(n, d), unknowns[n * d : n * d + k]
@@ -375,7 +379,7 @@ def head_of(crossing: Orbit, unknowns: Floats) -> Orbit:
     return orbit_of(pieces, x, p)
 
 
-def completed(head: Orbit, crossing: Orbit) -> Orbit:
+def completed(head: SpaceOrbit, crossing: SpaceOrbit) -> SpaceOrbit:
     """A jump crossing in R^1 from its points up to the border, with the pieces of another one."""
     assert crossing.outer is not None
     x, p = head.x[-1], head.p
@@ -387,10 +391,12 @@ def completed(head: Orbit, crossing: Orbit) -> Orbit:
         images = [*images[: len(head.x) - 1], chained(images[len(head.x) - 1 :])]
     outer = _inside(crossing.outer, crossing.outer.piece.at(x, p), crossing, x, p)
     share = _share(float(head.x[0, 0]), images[-1], outer, crossing.share)
-    return Orbit(head.x, p, share, tuple(images), outer)
+    return SpaceOrbit(head.x, p, share, tuple(images), outer)
 
 
-def _inside(before: Image, image: Image, orbit: Orbit, x: Floats, p: Floats) -> Image:
+def _inside(
+    before: SpaceImage, image: SpaceImage, orbit: SpaceOrbit, x: Floats, p: Floats
+) -> SpaceImage:
     """An image of a border point; from just inside if its piece has no value or slopes there."""
     if not image.reason and np.isfinite(image.jacobian).all():
         return image

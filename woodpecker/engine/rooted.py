@@ -13,16 +13,16 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve, Stop
-from woodpecker.engine.maps import ACCUMULATE, Image, limit
+from woodpecker.engine.maps import ACCUMULATE, SpaceImage, limit
 from woodpecker.engine.newton import BLUR, STEEP, newton_step, solve
-from woodpecker.engine.orbits import OnBorder, Orbit
+from woodpecker.engine.orbits import OnBorder, SpaceOrbit
 
 ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
 HUGGED = 2.0**-10  # scaled: how far a branch hugs a border at most before it meets it
 NEAR_INSIDE = 2.0**-22  # scaled: how far inside a piece is looked at that ends at a border
 
 
-def settled(arc: Arc) -> tuple[Arc, Image | None]:
+def settled(arc: Arc) -> tuple[Arc, SpaceImage | None]:
     """An arc with its end as both sides of the border say; for cycles, also the image beyond it."""
     if arc.stop is not Stop.BORDER or arc.samples[-1].orbit.outer is not None:
         return arc, None
@@ -62,7 +62,7 @@ def sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
     return replace(arc, samples=(*arc.samples[:-1], last))
 
 
-def _from_inside(curve: SolutionCurve, orbit: Orbit, i: int, inward: Floats) -> Image:
+def _from_inside(curve: SolutionCurve, orbit: SpaceOrbit, i: int, inward: Floats) -> SpaceImage:
     """An image of a point at a border as the limit of its own piece from inside."""
     x, d = orbit.x[i], orbit.x.shape[1]
     unit = inward / np.abs(inward / curve.problem.lengths).max()
@@ -71,14 +71,14 @@ def _from_inside(curve: SolutionCurve, orbit: Orbit, i: int, inward: Floats) -> 
     return near if near.reason else limit(near, x, orbit.p, unit)
 
 
-def _is_steep(inner: Image, outer: Image) -> bool:
+def _is_steep(inner: SpaceImage, outer: SpaceImage) -> bool:
     """Whether a piece has the slopes of a root's end, and another image has not."""
     d = len(inner.value)
     one, other = (float(np.abs(each.jacobian[:, :d]).max()) for each in (inner, outer))
     return one > ROOTED * max(1.0, other)
 
 
-def _moved_to(arc: Arc, i: int, outer: Image) -> tuple[Arc, Image]:
+def _moved_to(arc: Arc, i: int, outer: SpaceImage) -> tuple[Arc, SpaceImage]:
     """An arc that ends at a root, with its end as the piece beyond locates it, and that piece."""
     # The piece beyond is less steep, and the map is continuous there: its rounding is smaller.
     end, problem = arc.samples[-1], arc.curve.problem
@@ -121,7 +121,7 @@ def _at_limit(arc: Arc, i: int, code: int) -> Arc:
     return replace(arc, samples=(*arc.samples[:-1], last))
 
 
-def _hugs(end: Orbit, there: Orbit, i: int) -> bool:
+def _hugs(end: SpaceOrbit, there: SpaceOrbit, i: int) -> bool:
     """Whether a root is all rounding from one point on its border to another, and between them."""
     # A branch may be closer to a border than doubles tell, long before it meets it.
     x, p = 0.5 * (end.x[i] + there.x[i]), 0.5 * (end.p + there.p)

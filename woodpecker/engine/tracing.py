@@ -36,10 +36,10 @@ from woodpecker.engine.germs import (
     joined,
     once,
 )
-from woodpecker.engine.maps import ACCUMULATE, Image, links
+from woodpecker.engine.maps import ACCUMULATE, SpaceImage, links
 from woodpecker.engine.needles import rounded
 from woodpecker.engine.newton import solve, uncertainty
-from woodpecker.engine.orbits import Multiplier, OnBorder, Orbit, placed
+from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit, placed
 from woodpecker.engine.rooted import settled
 
 DOUBLED = 1e-7  # scaled: points that merge at a flip are known to the root of their rounding
@@ -133,7 +133,7 @@ def _length(arc: Arc) -> float:
 
 
 def _met(
-    begin: Beginning, arc: Arc, outer: Image | None, orders: Sequence[int], *, dense: bool
+    begin: Beginning, arc: Arc, outer: SpaceImage | None, orders: Sequence[int], *, dense: bool
 ) -> Arrival | Onward:
     """What an arc comes to; or where it goes on, and why its word changes, if that is all."""
     flip = _at_flip(begin, arc)
@@ -185,7 +185,7 @@ def _at_flip(begin: Beginning, arc: Arc) -> Arrival | None:
 # --- Cycles at borders ----------------------------------------------------------------------------
 
 
-def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
+def _at_border(begin: Beginning, arc: Arc, outer: SpaceImage) -> Arrival | Onward:
     """What cycles come to at a border; ``outer`` is the image that the map has beyond it."""
     orbit, curve = arc.samples[-1].orbit, begin.curve
     cause = cause_of(arc)
@@ -230,7 +230,9 @@ def _at_border(begin: Beginning, arc: Arc, outer: Image) -> Arrival | Onward:
     return there, cause, smooth
 
 
-def _straight_on(begin: Beginning, arc: Arc, outer: Image, *, smooth: bool) -> Beginning | None:
+def _straight_on(
+    begin: Beginning, arc: Arc, outer: SpaceImage, *, smooth: bool
+) -> Beginning | None:
     """The cycles beyond a border where the map is continuous; None if none leave it there."""
     # They lead to where the margin on this side is negative; where slopes are the same on both
     # sides, on as they came.
@@ -250,7 +252,7 @@ def _straight_on(begin: Beginning, arc: Arc, outer: Image, *, smooth: bool) -> B
     return Beginning(begin.order, curve, sample if smooth or out > 0.0 else sample.turned)
 
 
-def _hugging(begin: Beginning, arc: Arc, outer: Image) -> Beginning | None:
+def _hugging(begin: Beginning, arc: Arc, outer: SpaceImage) -> Beginning | None:
     """The cycles beyond a border, from right beside it on; None if none are found there."""
     # A piece that begins with a root holds them close to the border: only its margin tells how far.
     assert arc.border is not None
@@ -267,7 +269,7 @@ def _hugging(begin: Beginning, arc: Arc, outer: Image) -> Beginning | None:
 
 
 def _off_border(
-    curve: SolutionCurve, at: Orbit, i: int, code: int, distance: float
+    curve: SolutionCurve, at: SpaceOrbit, i: int, code: int, distance: float
 ) -> Sample | None:
     """The cycle with the margin of a point at a scaled distance from the border; None if none."""
     problem, d = curve.problem, at.x.shape[1]
@@ -409,7 +411,7 @@ def _one_side_beyond(begin: Beginning, arc: Arc) -> Beginning | None:
 
 
 def _arriving(
-    curve: SolutionCurve, sample: Sample, before: Sequence[Image]
+    curve: SolutionCurve, sample: Sample, before: Sequence[SpaceImage]
 ) -> tuple[Floats, Floats]:
     """The point that a limit comes to after some images, and its motion along the curve."""
     orbit = sample.orbit

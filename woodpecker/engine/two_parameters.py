@@ -11,9 +11,9 @@ from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve, Stop
 from woodpecker.engine.following import follow
-from woodpecker.engine.maps import PiecewiseMap
+from woodpecker.engine.maps import SpaceMap
 from woodpecker.engine.newton import Problem, cycles, solve
-from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, Orbit
+from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,8 +44,8 @@ class SpecialCurve:
 
 
 def special_curve(
-    map_: PiecewiseMap,
-    orbit: Orbit, kind: PointKind, free: tuple[int, int], settings: CurveSettings, *,
+    map_: SpaceMap,
+    orbit: SpaceOrbit, kind: PointKind, free: tuple[int, int], settings: CurveSettings, *,
     x_scale: Sequence[float] | None = None, p_scale: Sequence[float] | None = None,
 ) -> SpecialCurve:  # fmt: skip
     """The curve of a fold, flip, Neimark-Sacker point or border collision in two parameters.
@@ -114,7 +114,7 @@ def special_curve(
     )  # fmt: skip
 
 
-def _condition(orbit: Orbit, kind: PointKind) -> tuple[Condition, frozenset[tuple[int, int]]]:
+def _condition(orbit: SpaceOrbit, kind: PointKind) -> tuple[Condition, frozenset[tuple[int, int]]]:
     """What makes a cycle a special one, and the margins that vanish with it."""
     if kind in (PointKind.LP, PointKind.PD, PointKind.NS):
         return Multiplier(kind.value), frozenset()

@@ -11,7 +11,7 @@ import numpy as np
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.engine.line import LinePiece
-from woodpecker.engine.maps import Image, proposed
+from woodpecker.engine.maps import SpaceImage, proposed
 from woodpecker.engine.newton import Problem, cycles
 from woodpecker.maps import pieces
 from woodpecker.plane.families import Family, Pair
@@ -33,7 +33,7 @@ class FamilyPiece(NamedTuple):
         """That of the piece."""
         return self.own.word
 
-    def at(self, x: Floats, p: Floats) -> Image:
+    def at(self, x: Floats, p: Floats) -> SpaceImage:
         """Its image of a point, also where the map takes another piece."""
         return _both(self.family, self.over_first(float(x[0]), pair(p)), float(x[0]), pair(p))
 
@@ -68,13 +68,13 @@ class Plane:
         one, other = self.settings
         return one.x_scale, one.p_scale, other.p_scale
 
-    def at(self, x: Floats, p: Floats) -> Image:
+    def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The image of a point under the piece that the map takes there."""
         values = pair(p)
         first = self.family.over(0, values).at(float(x[0]), values[0])
         return _both(self.family, first, float(x[0]), values)
 
-    def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
+    def beside(self, x: Floats, p: Floats, direction: Floats) -> SpaceImage:
         """The image of a point under the piece that the map takes infinitesimally beside it."""
         return proposed(self, x, p, direction, self.scale)
 
@@ -89,7 +89,7 @@ def pair(p: Floats) -> Pair:
     return first, second
 
 
-def _both(family: Family, first: pieces.Image, x: float, values: Pair) -> Image:
+def _both(family: Family, first: pieces.Image, x: float, values: Pair) -> SpaceImage:
     """An image over the first parameter, with the derivatives in the second one.
 
     Rounding decides whether a view has a margin that begins right there: its derivative in the
@@ -101,17 +101,17 @@ def _both(family: Family, first: pieces.Image, x: float, values: Pair) -> Image:
     piece = FamilyPiece(family, second.piece)
     if second.reason:
         nothing = np.full((1, 3), np.nan), np.empty(0), np.empty((0, 3)), np.empty(0, dtype=int)
-        return Image(np.full(1, np.nan), *nothing, piece, second.reason)
+        return SpaceImage(np.full(1, np.nan), *nothing, piece, second.reason)
     rates = second.gradients[:, 1]
     if not np.array_equal(first.causes, second.causes):
         rates = np.array([second.gradient(code)[1] for code in first.causes.tolist()])
-    return Image(
+    return SpaceImage(
         np.array([first.value]), np.array([[first.slope, first.d_parameter, second.d_parameter]]),
         first.margins, np.column_stack([first.gradients, rates]), first.causes, piece,
     )  # fmt: skip
 
 
-def over_first(image: Image) -> pieces.Image:
+def over_first(image: SpaceImage) -> pieces.Image:
     """An image as one of the line over the first parameter; nan if it has no value."""
     piece = image.piece
     assert isinstance(piece, FamilyPiece | LinePiece)

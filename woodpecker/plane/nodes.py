@@ -13,7 +13,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import CurveSettings, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.line import LineMap
-from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, Orbit
+from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit
 from woodpecker.maps.pieces import Image
 from woodpecker.plane.maps import FamilyPiece, Plane, over_first, pair
 from woodpecker.slices.borders import Border, BorderKind
@@ -32,24 +32,24 @@ APART = 2.0**-5  # and part of the distance from the nearest border at most, whe
 PARALLEL = 1e-3  # sine of an angle between gradients of margins of one border
 
 
-def inside(orbit: Orbit) -> float:
+def inside(orbit: SpaceOrbit) -> float:
     """The multiplier of a cycle; nan where it ends in a root, and is infinite."""
     steep = any(abs(image.jacobian[0, 0]) >= STEEP for image in orbit.images)
     return math.nan if steep else float(orbit.monodromy[0, 0])
 
 
-def beyond(orbit: Orbit, on: OnBorder, border: Border) -> float:
+def beyond(orbit: SpaceOrbit, on: OnBorder, border: Border) -> float:
     """The multiplier of a cycle with the piece beyond a border in place of the one inside."""
     rest = (image.jacobian[0, 0] for k, image in enumerate(orbit.images) if k != on.image)
     return border.outer.slope * math.prod(map(float, rest))
 
 
-def border_of(plane: Plane, orbit: Orbit, on: OnBorder) -> tuple[Border, float]:
+def border_of(plane: Plane, orbit: SpaceOrbit, on: OnBorder) -> tuple[Border, float]:
     """The border on which a cycle lies, and the limit of P_n beyond it less that inside.
 
     The gap is nan if there is no limit. It is looked at once for each cycle.
     """
-    known: dict[tuple[Orbit, OnBorder], tuple[Border, float]] = plane.known
+    known: dict[tuple[SpaceOrbit, OnBorder], tuple[Border, float]] = plane.known
     if (orbit, on) not in known:
         x, values = orbit.x[on.image], pair(orbit.p)
         image, map_ = over_first(orbit.images[on.image]), plane.family.over(0, values)
@@ -61,7 +61,7 @@ def border_of(plane: Plane, orbit: Orbit, on: OnBorder) -> tuple[Border, float]:
     return known[orbit, on]
 
 
-def border_between(orbit: Orbit, on: OnBorder, outer: Image) -> Border:
+def border_between(orbit: SpaceOrbit, on: OnBorder, outer: Image) -> Border:
     """A border on which a cycle lies, over the first parameter, with the image beyond it."""
     x, image = orbit.x[on.image], over_first(orbit.images[on.image])
     side = image.onward(on.code)
@@ -93,7 +93,7 @@ def is_steep(curve: SolutionCurve) -> bool:
     return isinstance(condition_of(curve), Multiplier)
 
 
-def curve_of(plane: Plane, condition: Condition, orbit: Orbit) -> SolutionCurve:
+def curve_of(plane: Plane, condition: Condition, orbit: SpaceOrbit) -> SolutionCurve:
     """The curve of cycles that obey a condition, with what is looked at along it.
 
     Along a border margins vanish that say the same: their gradients are parallel there.
@@ -130,14 +130,16 @@ def tests_of(plane: Plane, condition: Condition, n: int) -> tuple[TestFunction, 
     """What may happen along a curve of cycles of n points."""
     settings = plane.first
 
-    def test(kind: PlaneKind, value: Callable[[Orbit], float], noise: float = 0.0) -> TestFunction:
+    def test(
+        kind: PlaneKind, value: Callable[[SpaceOrbit], float], noise: float = 0.0
+    ) -> TestFunction:
         return TestFunction(
             Stop.SPECIAL, lambda sample: value(sample.orbit), name=kind, noise=noise
         )
 
     if isinstance(condition, OnBorder):
 
-        def kinked(orbit: Orbit) -> float:
+        def kinked(orbit: SpaceOrbit) -> float:
             border, _ = border_of(plane, orbit, condition)
             kinks = border.kind(settings) is BorderKind.KINK
             return beyond(orbit, condition, border) if kinks else math.nan
@@ -166,7 +168,7 @@ def tests_of(plane: Plane, condition: Condition, n: int) -> tuple[TestFunction, 
     return tuple(found)
 
 
-def bend(orbit: Orbit, settings: Settings) -> float:
+def bend(orbit: SpaceOrbit, settings: Settings) -> float:
     """Second derivative of the iterate in the first point of a cycle.
 
     A central difference of exact slopes: its relative error is the square of ``SECOND``.
@@ -175,7 +177,7 @@ def bend(orbit: Orbit, settings: Settings) -> float:
     return (_slope_from(orbit, h) - _slope_from(orbit, -h)) / (2.0 * h)
 
 
-def cubic(orbit: Orbit, settings: Settings) -> float:
+def cubic(orbit: SpaceOrbit, settings: Settings) -> float:
     """The cubic coefficient of a flip: f''^2/2 + f'''/3; positive if the doubled cycle attracts."""
     h = _distance(orbit, THIRD, settings)
     low, here, high = (_slope_from(orbit, shift) for shift in (-h, 0.0, h))
@@ -183,7 +185,7 @@ def cubic(orbit: Orbit, settings: Settings) -> float:
     return 0.5 * second * second + third / 3.0
 
 
-def _distance(orbit: Orbit, part: float, settings: Settings) -> float:
+def _distance(orbit: SpaceOrbit, part: float, settings: Settings) -> float:
     """Over which slopes are compared: a part of the unit of x, less beside a border.
 
     It is nan where that is so near that rounding decides.
@@ -193,7 +195,7 @@ def _distance(orbit: Orbit, part: float, settings: Settings) -> float:
     return h if h >= LEAST * settings.x_scale else math.nan
 
 
-def _slope_from(orbit: Orbit, shift: float) -> float:
+def _slope_from(orbit: SpaceOrbit, shift: float) -> float:
     """Slope of the iterate, under the pieces of a cycle, at a distance from its first point."""
     x, slope, values = float(orbit.x[0, 0]) + shift, 1.0, pair(orbit.p)
     for image in orbit.images:
@@ -203,7 +205,7 @@ def _slope_from(orbit: Orbit, shift: float) -> float:
     return slope
 
 
-def code_of(plane: Plane, curve: SolutionCurve, orbit: Orbit) -> tuple[PointKind, str]:
+def code_of(plane: Plane, curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[PointKind, str]:
     """The code of a cycle over one parameter, and what it leaves open; see `collision`.
 
     A fixed point inside a border lives where the limit there lies on one side of the diagonal, and

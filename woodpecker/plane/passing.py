@@ -13,9 +13,9 @@ from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.germs import SAME, is_inside
-from woodpecker.engine.maps import ACCUMULATE, Image
+from woodpecker.engine.maps import ACCUMULATE, SpaceImage
 from woodpecker.engine.newton import Problem, Solution, across, solve, tangent
-from woodpecker.engine.orbits import OnBorder, Orbit
+from woodpecker.engine.orbits import OnBorder, SpaceOrbit
 from woodpecker.engine.rooted import sharpened as sharpened_inside
 from woodpecker.plane.maps import Plane, over_first, pair
 from woodpecker.plane.nodes import (
@@ -123,28 +123,28 @@ def _round_corner(plane: Plane, arc: Arc, i: int, code: int) -> Passed:
     return _onward(curve, there, arc, i, [shared], None if smooth else meeting)
 
 
-def _beyond(plane: Plane, orbit: Orbit, i: int, code: int) -> Image:
+def _beyond(plane: Plane, orbit: SpaceOrbit, i: int, code: int) -> SpaceImage:
     """The image beyond a border."""
     image = orbit.images[i]
     return plane.beside(orbit.x[i], orbit.p, -image.gradients[image.place(code)])
 
 
-def _with(orbit: Orbit, i: int, image: Image) -> Orbit:
+def _with(orbit: SpaceOrbit, i: int, image: SpaceImage) -> SpaceOrbit:
     """A cycle with another piece at one of its points."""
     return replace(orbit, images=(*orbit.images[:i], image, *orbit.images[i + 1 :]))
 
 
-def _normal(plane: Plane, image: Image, code: int) -> Floats:
+def _normal(plane: Plane, image: SpaceImage, code: int) -> Floats:
     """The unit vector in scaled unknowns along which a margin grows."""
     return np.asarray(units(image.gradients[[image.place(code)]] * plane.scale)[0])
 
 
-def _lost(outer: Image, meeting: PlaneKind) -> Passed:
+def _lost(outer: SpaceImage, meeting: PlaneKind) -> Passed:
     """The end of a curve beyond which the map has no image, or no piece infinitesimally near."""
     return meeting if outer.reason == ACCUMULATE else PlaneKind.DOMAIN, outer.reason, None
 
 
-def _agree(plane: Plane, orbit: Orbit, i: int, outer: Image, way: Floats) -> bool:
+def _agree(plane: Plane, orbit: SpaceOrbit, i: int, outer: SpaceImage, way: Floats) -> bool:
     """Whether two pieces have the same slope at their border: closer to it they differ by less."""
     settings, inner = plane.first, orbit.images[i]
     at, off = np.append(orbit.x[i], orbit.p), list[float]()
@@ -211,7 +211,7 @@ def _mirrored(plane: Plane, arc: Arc) -> Passed | None:
     return None
 
 
-def _distances(problem: Problem, image: Image) -> Floats:
+def _distances(problem: Problem, image: SpaceImage) -> Floats:
     """How far away the borders of a piece are, to first order, in scaled unknowns."""
     size = np.linalg.norm(image.gradients * problem.lengths, axis=1)
     away: Floats = np.full(len(size), math.inf)
@@ -219,7 +219,7 @@ def _distances(problem: Problem, image: Image) -> Floats:
     return away
 
 
-def _nearest(problem: Problem, orbit: Orbit) -> tuple[float, int, int]:
+def _nearest(problem: Problem, orbit: SpaceOrbit) -> tuple[float, int, int]:
     """The margin nearest to vanishing: how far away that is, its image, and its code."""
     every = ((i, image, _distances(problem, image)) for i, image in enumerate(orbit.images))
     return min(
@@ -238,7 +238,7 @@ def _opposite(curve: SolutionCurve, at: Sample, length: float, margin: OnBorder)
     problem, ahead = curve.problem, across(curve.problem, at.orbit, at.tangent, length)
     closes, multiplier = problem.conditions
 
-    def held(root: float, near: Orbit) -> Solution:
+    def held(root: float, near: SpaceOrbit) -> Solution:
         on = replace(margin, value=root**3 * margin.value)
         return solve(replace(problem, conditions=(closes, on, ahead)), near)
 
@@ -262,7 +262,12 @@ def _opposite(curve: SolutionCurve, at: Sample, length: float, margin: OnBorder)
 
 
 def _onward(
-    curve: SolutionCurve, there: Orbit, arc: Arc, i: int, codes: list[int], kind: PlaneKind | None
+    curve: SolutionCurve,
+    there: SpaceOrbit,
+    arc: Arc,
+    i: int,
+    codes: list[int],
+    kind: PlaneKind | None,
 ) -> Passed:
     """The first sample beyond a border, right at it or beside it.
 

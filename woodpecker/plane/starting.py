@@ -13,7 +13,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Arc, Sample
 from woodpecker.engine.germs import once, paths
 from woodpecker.engine.newton import solve
-from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, Orbit
+from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, SpaceOrbit
 from woodpecker.plane.maps import Plane
 from woodpecker.plane.nodes import border_in, border_of, curve_of, inside
 from woodpecker.slices.borders import BorderKind
@@ -25,7 +25,7 @@ AT_EDGE = "end of the window"
 PREFERRED = (BorderKind.JUMP, BorderKind.KINK, BorderKind.GRAZING, BorderKind.LOST,
              BorderKind.SMOOTH)  # fmt: skip
 RETURNS = 1e-3  # scaled: an orbit through a cycle comes back that close, where slopes are steep
-Found = tuple[Orbit, Condition]
+Found = tuple[SpaceOrbit, Condition]
 Seed = tuple[Condition, Sample]
 """What the cycles of another curve obey, and its first sample, turned forward."""
 
@@ -75,11 +75,11 @@ def _guesses(plane: Plane, point: SpecialPoint, p: Floats) -> Iterator[Found]:
     for order in range(shortest, point.order + 1):
         for path in paths(plane, x, p, order, problem):
             if problem.same(path.end, x, RETURNS):
-                orbit = Orbit(path.x, p, 0.0, path.images)
+                orbit = SpaceOrbit(path.x, p, 0.0, path.images)
                 yield from ((orbit, each) for each in _conditions(plane, point, orbit))
 
 
-def _conditions(plane: Plane, point: SpecialPoint, orbit: Orbit) -> list[Condition]:
+def _conditions(plane: Plane, point: SpecialPoint, orbit: SpaceOrbit) -> list[Condition]:
     """What the cycle of a special point may obey: on a border, any margin that vanishes."""
     if point.kind in MULTIPLIERS:
         return [Multiplier(point.kind.value, plane.scale)]
@@ -94,7 +94,9 @@ def _conditions(plane: Plane, point: SpecialPoint, orbit: Orbit) -> list[Conditi
     ]
 
 
-def _rank(plane: Plane, point: SpecialPoint, orbit: Orbit, on: Condition) -> tuple[int, int, float]:
+def _rank(
+    plane: Plane, point: SpecialPoint, orbit: SpaceOrbit, on: Condition
+) -> tuple[int, int, float]:
     """Which of several cycles is rather that of a collision: as the diagram names it."""
     if not isinstance(on, OnBorder):
         return 0, 0, 0.0
@@ -103,7 +105,7 @@ def _rank(plane: Plane, point: SpecialPoint, orbit: Orbit, on: Condition) -> tup
     return border.cause != point.cause, PREFERRED.index(kind), abs(border.inner.slope)
 
 
-def _solved(plane: Plane, guess: Orbit, condition: Condition, axis: int) -> Orbit | None:
+def _solved(plane: Plane, guess: SpaceOrbit, condition: Condition, axis: int) -> SpaceOrbit | None:
     """The cycle near a guess that obeys a condition, with its minimal period; None if none."""
     problem = plane.cycles(axis).with_(condition)
     solution = solve(problem, guess)
@@ -134,7 +136,7 @@ def seeds_at(plane: Plane, arc: Arc) -> tuple[Seed, ...]:
 
 
 def _seeds(
-    plane: Plane, orbit: Orbit, condition: Condition, into: OnBorder | None
+    plane: Plane, orbit: SpaceOrbit, condition: Condition, into: OnBorder | None
 ) -> tuple[Seed, ...]:
     """The curve from a cycle, into the side on which a margin is positive, or both ways."""
     curve = curve_of(plane, condition, orbit)

@@ -12,7 +12,7 @@ from pwmap.diagrams.diagram import PointKind, PointStatus
 from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.engine.line import LinePiece
-from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, Orbit, orbit_of
+from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit, orbit_of
 from woodpecker.robustness.changes import FARTHEST, Space
 from woodpecker.robustness.found import Effect
 from woodpecker.robustness.lines import ToyLine
@@ -38,7 +38,7 @@ class MetOnLine:
     kind: str
     cause: str
     u: Floats  # the change
-    orbit: Orbit  # the cycle there, with the pieces before it, seen along the line
+    orbit: SpaceOrbit  # the cycle there, with the pieces before it, seen along the line
     condition: Condition | None  # what vanishes there; None where nothing is known that does
     stable: bool = True  # whether the motion is stable up to there
 
@@ -159,7 +159,7 @@ def _effect(end: End, *, goes_on: bool) -> Effect | None:
     return Effect.DESTABILISED if unstable else Effect.DESTROYED
 
 
-def _condition(orbit: Orbit, kind: str, cause: str, settings: Settings) -> Condition | None:
+def _condition(orbit: SpaceOrbit, kind: str, cause: str, settings: Settings) -> Condition | None:
     """What vanishes at a special point."""
     if kind in (PointKind.LP.value, PointKind.PD.value):
         size = float(orbit.p[0]) or 1.0  # derivatives are differences over parts of a change

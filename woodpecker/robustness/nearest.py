@@ -16,7 +16,7 @@ from scipy.optimize import Bounds, minimize
 
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.line import LinePiece
-from woodpecker.engine.orbits import Closed, Condition, Multiplier, OnBorder, Orbit, orbit_of
+from woodpecker.engine.orbits import Closed, Condition, Multiplier, OnBorder, SpaceOrbit, orbit_of
 from woodpecker.robustness.changes import FARTHEST, Space
 from woodpecker.robustness.meeting import SPIKE, Key, MetOnLine, cycle_on, met_along
 from woodpecker.slices.orbits import first_piece, to_engine
@@ -31,7 +31,7 @@ PAST = 4.0  # times the longest spike: how far a line leads beyond what it is to
 LEVEL = 1e-10  # relative: changes are as small as each other, to what rounding leaves of a place
 
 
-def _gradient(space: Space, u: Floats, orbit: Orbit, condition: Condition) -> Floats:
+def _gradient(space: Space, u: Floats, orbit: SpaceOrbit, condition: Condition) -> Floats:
     """Gradient of a condition along the cycles, scaled; its length counts for nothing."""
     # Cycle and condition are n + 1 equations for n points: the combination of them that does not
     # depend on the points is one for the parameters alone. It is regular at a fold too.
@@ -105,7 +105,7 @@ def _polished(space: Space, here: MetOnLine) -> Floats | None:
     return u if np.isfinite(u).all() and u.any() else None
 
 
-def _along_axes(space: Space, u: Floats, x: Floats, like: Orbit) -> Iterator[Orbit]:
+def _along_axes(space: Space, u: Floats, x: Floats, like: SpaceOrbit) -> Iterator[SpaceOrbit]:
     """Points at a change with the pieces of a cycle, seen along one parameter after the other."""
     for axis in np.eye(len(u)):
         line = space.line(u, axis)
@@ -113,7 +113,7 @@ def _along_axes(space: Space, u: Floats, x: Floats, like: Orbit) -> Iterator[Orb
         yield orbit_of(pieces, x.reshape(-1, 1), np.zeros(1))
 
 
-def _jacobian(orbit: Orbit, *conditions: Condition) -> Floats:
+def _jacobian(orbit: SpaceOrbit, *conditions: Condition) -> Floats:
     """Derivatives (n + m, n + 1) of a cycle's equations, and of m conditions, in points and p."""
     rows: Floats = np.concatenate([each.rows(orbit) for each in (Closed(), *conditions)])
     return rows[:, :-1]
@@ -187,7 +187,7 @@ def first_guesses(space: Space) -> list[Floats]:
     return list(ways.values())
 
 
-def _rows(space: Space, u: Floats, orbit: Orbit, conditions: Sequence[Condition]) -> Floats:
+def _rows(space: Space, u: Floats, orbit: SpaceOrbit, conditions: Sequence[Condition]) -> Floats:
     """Gradients (m, k) of conditions along the cycles that hang on the parameters smoothly."""
     n, columns = len(orbit.x), []
     for there in _along_axes(space, u, orbit.x, orbit):

@@ -54,7 +54,7 @@ def curve_of(
     )  # fmt: skip
 
 
-def closing_of(curve: SolutionCurve, orbit: orbits.Orbit) -> tuple[orbits.Condition, ...]:
+def closing_of(curve: SolutionCurve, orbit: orbits.SpaceOrbit) -> tuple[orbits.Condition, ...]:
     """The conditions of a cycle, or of the points of a crossing up to the border."""
     if orbit.outer is None:
         return CYCLE
@@ -63,7 +63,7 @@ def closing_of(curve: SolutionCurve, orbit: orbits.Orbit) -> tuple[orbits.Condit
     return ending_at(len(orbit.x), border.code // length)
 
 
-def keys_of(orbit: orbits.Orbit, problem: Problem) -> curves.Keys:
+def keys_of(orbit: orbits.SpaceOrbit, problem: Problem) -> curves.Keys:
     """The pieces of an orbit, see :class:`woodpecker.search.curves.Word`."""
     if orbit.outer is None:
         return orbit.keys
@@ -75,7 +75,7 @@ def keys_of(orbit: orbits.Orbit, problem: Problem) -> curves.Keys:
     return *(image.piece.key for image in orbit.images[:-1]), frozenset(sides)
 
 
-def text_of(orbit: orbits.Orbit) -> str:
+def text_of(orbit: orbits.SpaceOrbit) -> str:
     """The words of a cycle; of a crossing those of the limits, from the left and from the right."""
     if orbit.outer is None:
         return orbit.word
@@ -86,7 +86,7 @@ def text_of(orbit: orbits.Orbit) -> str:
     return f"{outer} / {inner}" if _inner_side(orbit) > 0 else f"{inner} / {outer}"
 
 
-def _inner_side(orbit: orbits.Orbit) -> int:
+def _inner_side(orbit: orbits.SpaceOrbit) -> int:
     """On which side of the first point the inner limit is."""
     last = orbit.images[-1]
     zero = np.flatnonzero(last.tied(orbit.x[-1], orbit.p))
@@ -96,7 +96,7 @@ def _inner_side(orbit: orbits.Orbit) -> int:
     return int(side)
 
 
-def end_of(arrival: Arrival, base: SolutionCurve, orbit: orbits.Orbit) -> End:
+def end_of(arrival: Arrival, base: SolutionCurve, orbit: orbits.SpaceOrbit) -> End:
     """What a branch comes to, seen from the first point of its last orbit."""
     p, x = float(arrival.orbit.p[0]), orbit.x[:, 0]
     if arrival.kind is PointKind.PD:  # one that is half as long, where a doubled cycle ends

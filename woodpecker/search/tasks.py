@@ -164,10 +164,10 @@ class Tasks:
         found = ((each.arrival.onward, end) for each, end in traces)
         return tuple(BranchStart(onward, end) for onward, end in found if onward is not None)
 
-    def _cycle_at(self, x: Floats, p: Floats) -> orbits.Orbit | None:
+    def _cycle_at(self, x: Floats, p: Floats) -> orbits.SpaceOrbit | None:
         """The cycle with some points (n,); None where the map has no value."""
         found = tuple(self.base.map.at(each, p) for each in x[:, None])
-        cycle = orbits.Orbit(x[:, None], p, 0.0, found)
+        cycle = orbits.SpaceOrbit(x[:, None], p, 0.0, found)
         return cycle if cycle.is_defined else None
 
     def _others(self, end: End, orders: Sequence[int]) -> Iterator[Beginning]:
@@ -191,7 +191,7 @@ class Tasks:
         elif not {n, 2 * n} <= set(orders):
             return
         elif len(x) == n:
-            twice = orbits.Orbit(np.tile(cycle.x, (2, 1)), p, 0.0, cycle.images * 2)
+            twice = orbits.SpaceOrbit(np.tile(cycle.x, (2, 1)), p, 0.0, cycle.images * 2)
             along = base.start(cycle).tangent
             doubled = np.append(np.tile(along[:-1], 2), along[-1:])
             across = other_direction(base.problem, twice, doubled)

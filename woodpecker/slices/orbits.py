@@ -123,13 +123,13 @@ def orbit_of(pieces: Sequence[Piece], x: Floats, p: float) -> Orbit:
     return Orbit(np.asarray(x, dtype=float), float(p), images)
 
 
-def to_engine(orbit: Orbit) -> orbits.Orbit:
+def to_engine(orbit: Orbit) -> orbits.SpaceOrbit:
     """An orbit as one of R^1."""
     images = tuple(map(image_of, orbit.images))
-    return orbits.Orbit(orbit.x[:, None], np.array([orbit.p]), 0.0, images)
+    return orbits.SpaceOrbit(orbit.x[:, None], np.array([orbit.p]), 0.0, images)
 
 
-def of_engine(orbit: orbits.Orbit) -> Orbit:
+def of_engine(orbit: orbits.SpaceOrbit) -> Orbit:
     """A cycle of R^1 as one of the line; of a jump crossing the points up to the border."""
     p = float(orbit.p[0])
     images = [_image(image) for image in orbit.images[: len(orbit.x)]]
@@ -138,7 +138,7 @@ def of_engine(orbit: orbits.Orbit) -> Orbit:
     return Orbit(orbit.x[:, 0], p, tuple(images))
 
 
-def _image(image: maps.Image) -> Image:
+def _image(image: maps.SpaceImage) -> Image:
     slope, rate = image.jacobian[0].tolist()
     return Image(
         float(image.value[0]), slope, rate, image.margins, image.gradients, image.codes,
@@ -146,7 +146,7 @@ def _image(image: maps.Image) -> Image:
     )  # fmt: skip
 
 
-def first_piece(image: maps.Image) -> Piece:
+def first_piece(image: maps.SpaceImage) -> Piece:
     """The piece of the line that an image takes first."""
     piece = image.piece.pieces[0] if isinstance(image.piece, maps.Chain) else image.piece
     assert isinstance(piece, LinePiece)

@@ -14,11 +14,10 @@ from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, interval, positive, real_array, whole
 from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import CurveSettings
-from woodpecker.engine.maps import Image, PiecewiseMap
-from woodpecker.engine.maps import Piece as EnginePiece
+from woodpecker.engine.maps import SpaceImage, SpaceMap, SpacePiece
 from woodpecker.engine.network import Connected
 from woodpecker.engine.two_parameters import SpecialCurve, special_curve
-from woodpecker.maps.pieces import Image as LineImage
+from woodpecker.maps.pieces import Image
 from woodpecker.search.diagrams import whole_diagram
 from woodpecker.search.search import Search
 from woodpecker.systems.returns import SystemMap
@@ -73,7 +72,7 @@ class LineOfSystem:
         """Of which map."""
         return f"LineOfSystem({self.map!r})"
 
-    def at(self, x: float, p: float) -> LineImage:
+    def at(self, x: float, p: float) -> Image:
         """The image of a point under the piece that the map takes there.
 
         Parameters
@@ -91,7 +90,7 @@ class LineOfSystem:
 
 @dataclass(frozen=True, slots=True)
 class _PieceOnLine:
-    own: EnginePiece
+    own: SpacePiece
 
     @property
     def key(self) -> Hashable:
@@ -101,16 +100,16 @@ class _PieceOnLine:
     def word(self) -> str:
         return self.own.word
 
-    def at(self, x: float, p: float) -> LineImage:
+    def at(self, x: float, p: float) -> Image:
         return _of_line(self.own.at(np.array([x]), np.array([p])))
 
     def cause(self, code: int) -> str:
         return self.own.cause(code)
 
 
-def _of_line(image: Image) -> LineImage:
+def _of_line(image: SpaceImage) -> Image:
     slope, d_parameter = image.jacobian[0].tolist()
-    return LineImage(
+    return Image(
         float(image.value[0]), slope, d_parameter, image.margins, image.gradients, image.codes,
         _PieceOnLine(image.piece), image.reason,
     )  # fmt: skip
@@ -370,7 +369,7 @@ def curve_in_two(
         window=tuple(interval("window", each) for each in window), min_step=min_step,
         max_step=max_step, max_samples=whole("max_samples", max_samples),
     )  # fmt: skip
-    own: PiecewiseMap = map_
+    own: SpaceMap = map_
     return special_curve(
         own, found.orbits[point], known[point].kind, (0, 1), settings, x_scale=map_.x_scale,
         p_scale=map_.p_scale,

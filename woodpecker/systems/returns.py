@@ -12,7 +12,7 @@ from pwmap.algebra.arguments import explained_fields
 from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance
-from woodpecker.engine.maps import Image, proposed
+from woodpecker.engine.maps import SpaceImage, proposed
 from woodpecker.systems.causes import cause_of
 from woodpecker.systems.flows import LostError
 from woodpecker.systems.model import ContactSystem
@@ -119,7 +119,7 @@ class SystemMap:
         values = self.values(p)
         return self.embedding.point(run.z, values, self.embedding.turns(run.z, values))
 
-    def at(self, x: Floats, p: Floats) -> Image:
+    def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The return from a point (d,) of the section along the path that the system takes."""
         run = self.search(x, p)
         if not run.status.success:
@@ -128,11 +128,11 @@ class SystemMap:
         path, times = path_of(run, turns)
         return SystemPiece(self, path, times).at(x, p)
 
-    def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
+    def beside(self, x: Floats, p: Floats, direction: Floats) -> SpaceImage:
         """The return along the path that the system takes infinitesimally beside a point."""
         return proposed(self, x, p, direction, (*self.x_scale, *self.p_scale))
 
-    def _nowhere(self, reason: str) -> Image:
+    def _nowhere(self, reason: str) -> SpaceImage:
         return undefined(SystemPiece(self, MotionPath((), None, 0, reason), np.zeros(0)), reason)
 
 
@@ -164,7 +164,7 @@ class SystemPiece:
             return None
         return found if np.isfinite(found.jacobian).all() else None
 
-    def at(self, x: Floats, p: Floats) -> Image:
+    def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The return along this path, also where the system takes another one."""
         if not self.path.legs:
             return undefined(self, self.path.word)
@@ -172,18 +172,20 @@ class SystemPiece:
         if found is None:
             return undefined(self, TOO_FAR)
         here = SystemPiece(self.whole, self.path, found.times)
-        return Image(found.value, found.jacobian, found.margins, found.gradients, found.codes, here)
+        return SpaceImage(
+            found.value, found.jacobian, found.margins, found.gradients, found.codes, here
+        )
 
     def cause(self, code: int) -> str:
         """A sentence on what happens where a margin vanishes."""
         return cause_of(self.path.legs, code, self.whole.names)
 
 
-def undefined(piece: SystemPiece, reason: str) -> Image:
+def undefined(piece: SystemPiece, reason: str) -> SpaceImage:
     """An image without a value."""
     d, columns = piece.whole.d, piece.whole.d + piece.whole.k
     none: Ints = np.zeros(0, dtype=np.int64)
-    return Image(
+    return SpaceImage(
         np.full(d, np.nan), np.full((d, columns), np.nan), np.zeros(0), np.zeros((0, columns)),
         none, piece, reason,
     )  # fmt: skip

@@ -17,7 +17,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, iterates, number, positive, real_array, whole
 from woodpecker.base.shown import shown
 from woodpecker.engine.curves import CurveSettings
-from woodpecker.engine.maps import Image, chained
+from woodpecker.engine.maps import SpaceImage, chained
 from woodpecker.engine.network import Connected, connected
 from woodpecker.systems.flows import Step
 from woodpecker.systems.model import ContactSystem
@@ -379,9 +379,9 @@ def window_of(
     return tuple(interval("window", each) for each in window)
 
 
-def _images(map_: SystemMap, x: Floats, p: Floats, order: int) -> list[Image] | None:
+def _images(map_: SystemMap, x: Floats, p: Floats, order: int) -> list[SpaceImage] | None:
     """The images in turn; None if one has no value."""
-    found = list[Image]()
+    found = list[SpaceImage]()
     for _ in range(order):
         found.append(map_.at(found[-1].value if found else x, p))
         if found[-1].reason:
@@ -391,7 +391,7 @@ def _images(map_: SystemMap, x: Floats, p: Floats, order: int) -> list[Image] | 
 
 def _damped(
     map_: SystemMap, x: Floats, p: Floats, order: int, step: Floats, before: float
-) -> tuple[Floats, list[Image]] | None:
+) -> tuple[Floats, list[SpaceImage]] | None:
     """A step of Newton's method, halved until the residual falls; the first that returns else."""
     first = None
     for k in range(HALVINGS_MOST):
@@ -406,7 +406,7 @@ def _damped(
 
 
 def _cycle(
-    map_: SystemMap, x: Floats, p: Floats, images: Sequence[Image], status: CycleStatus
+    map_: SystemMap, x: Floats, p: Floats, images: Sequence[SpaceImage], status: CycleStatus
 ) -> SystemCycle:
     if not images:
         none = np.full(map_.d, np.nan, dtype=complex)

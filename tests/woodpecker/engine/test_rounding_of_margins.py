@@ -12,7 +12,7 @@ from pwmap.diagrams.diagram import BranchKind, PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import CurveSettings
 from woodpecker.engine.formulas import ExpressionMap, ExpressionPiece, expression_map
-from woodpecker.engine.maps import Image
+from woodpecker.engine.maps import SpaceImage
 from woodpecker.engine.network import connected
 
 NOISE = 1e-12  # some 2**12 spacings; margins of a system's motion of nine phases carry 2**8
@@ -30,14 +30,14 @@ class Blurred:
 
     word = key
 
-    def at(self, x: Floats, p: Floats) -> Image:
+    def at(self, x: Floats, p: Floats) -> SpaceImage:
         return blurred(self.own.at(x, p), x, p)
 
     def cause(self, code: int) -> str:
         return self.own.cause(code)
 
 
-def blurred(image: Image, x: Floats, p: Floats) -> Image:
+def blurred(image: SpaceImage, x: Floats, p: Floats) -> SpaceImage:
     assert isinstance(image.piece, ExpressionPiece)
     noise = NOISE * np.sin(1e17 * (x[0] + 3.0 * p[0]))
     return image._replace(margins=image.margins + noise, piece=Blurred(image.piece))
@@ -47,10 +47,10 @@ def blurred(image: Image, x: Floats, p: Floats) -> Image:
 class BlurredMap:
     own: ExpressionMap
 
-    def at(self, x: Floats, p: Floats) -> Image:
+    def at(self, x: Floats, p: Floats) -> SpaceImage:
         return blurred(self.own.at(x, p), x, p)
 
-    def beside(self, x: Floats, p: Floats, direction: Floats) -> Image:
+    def beside(self, x: Floats, p: Floats, direction: Floats) -> SpaceImage:
         return blurred(self.own.beside(x, p, direction), x, p)
 
 

@@ -12,14 +12,14 @@ from studies.systems.oscillator import impacts, strobed
 from studies.systems.toy import map_of
 from woodpecker import Toy, ToyPieces
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.maps import Image
+from woodpecker.engine.maps import SpaceImage
 from woodpecker.systems import Contact, ContactSystem, Section, SystemMap
 
 CLOSE = 1e-9
 BACKENDS = [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"]
 
 
-def margins_by_differences(image: Image, x: Floats, p: Floats, h: float) -> Floats:
+def margins_by_differences(image: SpaceImage, x: Floats, p: Floats, h: float) -> Floats:
     """(m, d + k) of the margins that the piece has here; nan of those that it has not beside it."""
     found, at = [], np.concatenate([x, p])
     for step in h * np.eye(len(at)):

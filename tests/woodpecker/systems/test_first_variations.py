@@ -17,7 +17,7 @@ from needs import NEEDS_HEYOKA
 from studies.systems import den_hartog, oscillator, rimless_wheel, rocking_block, toy
 from woodpecker import Toy
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.maps import Image
+from woodpecker.engine.maps import SpaceImage
 from woodpecker.systems import SystemMap
 
 pytestmark = [NEEDS_HEYOKA, pytest.mark.slow]
@@ -37,7 +37,7 @@ def with_all(map_of: Callable[..., SystemMap]) -> SystemMap:
     return map_of(*map(str, map_of().system.parameters))
 
 
-def off(image: Image, x: Floats, p: Floats, h: float) -> float:
+def off(image: SpaceImage, x: Floats, p: Floats, h: float) -> float:
     """How far the Jacobian of an image is from differences along its piece."""
     at = np.concatenate([x, p])
     sizes = np.where(at == 0.0, ABSENT, np.abs(at))
