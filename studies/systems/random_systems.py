@@ -23,8 +23,8 @@ import sympy
 from studies.common.record import Results, command
 from woodpecker.base.arrays import Floats
 from woodpecker.systems import Contact, ContactSystem, MotionStatus
-from woodpecker.systems.modes import Touch
-from woodpecker.systems.motion import Machine, MotionSearch, Run
+from woodpecker.systems.mechanics.modes import Touch
+from woodpecker.systems.simulation.motion import Machine, MotionSearch, Run
 
 SHAPES = [(n, m) for n in (2, 3, 4) for m in (1, 2, 3)]  # coordinates, contacts
 T_END, EVENTS_MOST = 4.0, 300

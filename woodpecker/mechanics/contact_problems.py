@@ -15,7 +15,8 @@ missing solution or a second one is seen. :mod:`woodpecker.mechanics.lcp` is the
 On a boundary several combinations give one motion. The first that holds but for the rounding of
 few operations (EXACT) counts, in the order of their numbers: a contact rests before it leaves, and
 holds before it slides. Where none does it is the one with the least violation, of SLACK at most.
-:mod:`woodpecker.systems.impacts` has the same rule, so that words do not hang on rounding.
+The same rule stands in :mod:`woodpecker.systems.mechanics.impacts`, so that words do not hang on
+rounding.
 """
 
 from __future__ import annotations

@@ -31,7 +31,7 @@ from woodpecker.plot.motions import (
 )
 from woodpecker.simulation.words import EventKind
 from woodpecker.systems.diagrams import basins
-from woodpecker.systems.model import ContactSystem
+from woodpecker.systems.mechanics.model import ContactSystem
 from woodpecker.systems.returns import SystemMap
 from woodpecker.systems.verbs import Motion, SystemCycle, return_map
 

@@ -13,12 +13,25 @@ from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance
 from woodpecker.engine.maps import SpaceImage, proposed
-from woodpecker.systems.causes import cause_of
-from woodpecker.systems.flows import LostError
-from woodpecker.systems.model import ContactSystem
-from woodpecker.systems.motion import EVENTS_MOST, Backend, Machine, MotionSearch, MotionStatus, Run
-from woodpecker.systems.paths import FollowedPath, Following, MotionPath, NoRootError, path_of
-from woodpecker.systems.sections import Embedding, Section
+from woodpecker.systems.mechanics.model import ContactSystem
+from woodpecker.systems.simulation.causes import cause_of
+from woodpecker.systems.simulation.flows import LostError
+from woodpecker.systems.simulation.motion import (
+    EVENTS_MOST,
+    Backend,
+    Machine,
+    MotionSearch,
+    MotionStatus,
+    Run,
+)
+from woodpecker.systems.simulation.paths import (
+    FollowedPath,
+    Following,
+    MotionPath,
+    NoRootError,
+    path_of,
+)
+from woodpecker.systems.simulation.sections import Embedding, Section
 
 TOO_FAR = "the path does not reach so far"
 

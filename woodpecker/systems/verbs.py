@@ -19,17 +19,17 @@ from woodpecker.base.shown import shown
 from woodpecker.engine.curves import CurveSettings
 from woodpecker.engine.maps import SpaceImage, chained
 from woodpecker.engine.network import Connected, connected
-from woodpecker.systems.flows import Step
-from woodpecker.systems.model import ContactSystem
-from woodpecker.systems.motion import (
+from woodpecker.systems.mechanics.model import ContactSystem
+from woodpecker.systems.returns import SystemMap
+from woodpecker.systems.simulation.flows import Step
+from woodpecker.systems.simulation.motion import (
     Backend,
     Machine,
     MotionEvent,
     MotionSearch,
     MotionStatus,
 )
-from woodpecker.systems.returns import SystemMap
-from woodpecker.systems.sections import touching
+from woodpecker.systems.simulation.sections import touching
 
 SAMPLES = 1001  # of a motion unless a caller says otherwise
 ROUNDING = 1e-12  # gaps and rates [m, m/s] of a start that are smaller are zero

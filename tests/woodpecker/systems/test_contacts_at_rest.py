@@ -10,8 +10,8 @@ from needs import NEEDS_HEYOKA
 from studies.systems.toy import system_of
 from woodpecker import Toy
 from woodpecker.systems import Contact, ContactSystem, simulate
-from woodpecker.systems.equations import Equations
-from woodpecker.systems.impacts import decide
+from woodpecker.systems.mechanics.equations import Equations
+from woodpecker.systems.mechanics.impacts import decide
 
 ROUNDING = 1e-13  # of a velocity of 1, after some thousand operations
 EPS, MU = 0.5, 0.1

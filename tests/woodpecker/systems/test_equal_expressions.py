@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 import sympy
 
-from woodpecker.systems.model import are_equal
+from woodpecker.systems.mechanics.model import are_equal
 
 X, Y, V = sympy.symbols("x y v")
 LENGTH = sympy.Symbol("length", positive=True)

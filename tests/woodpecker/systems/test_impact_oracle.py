@@ -11,7 +11,7 @@ from lcp_oracles import matrices
 
 from woodpecker.base.arrays import Floats
 from woodpecker.mechanics.lcp import lemke
-from woodpecker.systems.impacts import ImpactPhase, Outcome, solutions
+from woodpecker.systems.mechanics.impacts import ImpactPhase, Outcome, solutions
 
 oracle = pytest.importorskip("quantecon.optimize").lcp_lemke
 

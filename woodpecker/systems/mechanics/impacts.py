@@ -40,8 +40,8 @@ from woodpecker.mechanics.cases import (
 )
 from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.mechanics.one_contact import NO_SOLUTION, SOLVED, given, one_contact, stated
-from woodpecker.systems.equations import Equations, Terms
-from woodpecker.systems.model import FrictionBound, ImpactLaw
+from woodpecker.systems.mechanics.equations import Equations, Terms
+from woodpecker.systems.mechanics.model import FrictionBound, ImpactLaw
 
 ENUMERATED = 3  # contacts of an impact of which all 216 cases are tried
 

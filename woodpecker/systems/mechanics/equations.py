@@ -13,7 +13,7 @@ import numpy as np
 import sympy
 
 from woodpecker.base.arrays import Bools, Floats
-from woodpecker.systems.model import ContactSystem, are_equal
+from woodpecker.systems.mechanics.model import ContactSystem, are_equal
 
 Parts = tuple[tuple[int, int, tuple[int, ...]], ...]
 """Where arrays begin and end in a row of numbers, and their shapes."""
@@ -147,7 +147,7 @@ class Equations:
         with u' and Lambda fixed.
     jets
         Makes of a mode a compiled function of state and parameters, see
-        :func:`woodpecker.systems.taylor.jets`; None without a compiler.
+        :func:`woodpecker.systems.simulation.taylor.jets`; None without a compiler.
     compiled
         A compiled function of state and parameters for the terms; None without a compiler.
     """

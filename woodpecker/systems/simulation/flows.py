@@ -10,8 +10,8 @@ import numpy as np
 from scipy.integrate import DOP853
 
 from woodpecker.base.arrays import Floats
-from woodpecker.systems.equations import Equations
-from woodpecker.systems.modes import Local, Mode
+from woodpecker.systems.mechanics.equations import Equations
+from woodpecker.systems.mechanics.modes import Local, Mode
 
 RELATIVE, ABSOLUTE = 1e-13, 1e-16  # tolerances of DOP853, near what its step control can resolve
 STEPS_MOST = 100_000  # of one phase

@@ -23,8 +23,8 @@ from scipy.optimize import linprog
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.mechanics.lcp import solve_contact_lcp
-from woodpecker.systems.equations import Equations, Terms
-from woodpecker.systems.impacts import Outcome, solved
+from woodpecker.systems.mechanics.equations import Equations, Terms
+from woodpecker.systems.mechanics.impacts import Outcome, solved
 
 OPEN, STICK, SLIDE_UP, SLIDE_DOWN = range(4)  # states of a contact; SLIDE_UP: its slip is positive
 GAP, NORMAL, CONE_UP, CONE_DOWN, SLIP = range(5)  # kinds of guards: kind * m + contact

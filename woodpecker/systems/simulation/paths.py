@@ -15,8 +15,17 @@ from typing import NamedTuple
 import numpy as np
 
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.systems.accumulation import after, implied, tail_of
-from woodpecker.systems.causes import (
+from woodpecker.systems.mechanics.impacts import ALONG, Impact, carry_out, total
+from woodpecker.systems.mechanics.modes import (
+    GAP,
+    NORMAL,
+    SECTION,
+    SLIP,
+    Local,
+    guards_of,
+)
+from woodpecker.systems.simulation.accumulation import after, implied, tail_of
+from woodpecker.systems.simulation.causes import (
     BOUNCES,
     DIP,
     EARLY,
@@ -29,8 +38,8 @@ from woodpecker.systems.causes import (
     SPEED,
     START,
 )
-from woodpecker.systems.flows import KeptSteps
-from woodpecker.systems.guards import (
+from woodpecker.systems.simulation.flows import KeptSteps
+from woodpecker.systems.simulation.guards import (
     GuardStart,
     Least,
     Polynomials,
@@ -40,17 +49,8 @@ from woodpecker.systems.guards import (
     starts_of,
     watching,
 )
-from woodpecker.systems.impacts import ALONG, Impact, carry_out, total
-from woodpecker.systems.modes import (
-    GAP,
-    NORMAL,
-    SECTION,
-    SLIP,
-    Local,
-    guards_of,
-)
-from woodpecker.systems.motion import Leg, Machine, Run
-from woodpecker.systems.sections import Embedding
+from woodpecker.systems.simulation.motion import Leg, Machine, Run
+from woodpecker.systems.simulation.sections import Embedding
 
 NEWTON_MOST = 12  # iterations of an event time; more say that there is no root nearby
 SETTLED = 2.0**-50  # relative: an event time that moves by less has converged

@@ -16,9 +16,8 @@ import sympy
 
 from woodpecker.base.arrays import Floats
 from woodpecker.base.polynomials import evaluated
-from woodpecker.systems.equations import Equations
-from woodpecker.systems.flows import STEPS_MOST, LostError, Step
-from woodpecker.systems.modes import (
+from woodpecker.systems.mechanics.equations import Equations
+from woodpecker.systems.mechanics.modes import (
     CONE_UP,
     GAP,
     KNOWN,
@@ -31,6 +30,7 @@ from woodpecker.systems.modes import (
     guards_of,
     team_of,
 )
+from woodpecker.systems.simulation.flows import STEPS_MOST, LostError, Step
 
 TOLERANCE = 2.0**-53  # of the Taylor series: the rounding of doubles
 SUCCESS, TIME_LIMIT = hy.taylor_outcome.success, hy.taylor_outcome.time_limit
@@ -152,7 +152,8 @@ def jets(eq: Equations, mode: Mode) -> Callable[[Floats, Floats], Floats]:
     """A compiled function of state and parameters.
 
     It gives accelerations (n,), and forces lambda_N and lambda_T (m,); then for each guard of the
-    mode its value and its derivatives in time, as many as :data:`woodpecker.systems.modes.KNOWN`.
+    mode its value and its derivatives in time, ``KNOWN`` of them
+    (:mod:`woodpecker.systems.mechanics.modes`).
     """
     terms = _Expressions(eq, mode)
     found = [*terms.a, *terms.l_n, *terms.l_t]
@@ -218,7 +219,7 @@ class _Expressions:
         return [[_converted(entry, self._names) for entry in row] for row in matrix.tolist()]
 
     def _balance(self) -> None:
-        """The linear system of :func:`woodpecker.systems.modes.balance`, eliminated."""
+        """The linear system of :func:`woodpecker.systems.mechanics.modes.balance`, eliminated."""
         eq, mode, n = self._eq, self._mode, self._eq.n
         mass, force, w_n, w_t, bar_n, bar_t, mu = self._terms
         closed = [i for i, state in enumerate(mode) if state != OPEN]

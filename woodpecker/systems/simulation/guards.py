@@ -19,9 +19,8 @@ from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.polynomials import HALVINGS, WHOLE, bernstein, fall, first_fall, roots, scaled
-from woodpecker.systems.equations import Equations
-from woodpecker.systems.flows import Flow, Step
-from woodpecker.systems.modes import (
+from woodpecker.systems.mechanics.equations import Equations
+from woodpecker.systems.mechanics.modes import (
     SECTION,
     Local,
     Mode,
@@ -31,6 +30,7 @@ from woodpecker.systems.modes import (
     guards_in,
     guards_of,
 )
+from woodpecker.systems.simulation.flows import Flow, Step
 
 NODES = 24  # of an interpolant: a Taylor step of order 20, and guards that are no polynomials
 CHOPPED = 2.0**-52  # relative: coefficients that are smaller are rounding

@@ -19,13 +19,10 @@ import numpy as np
 from woodpecker.base.arrays import Floats
 from woodpecker.base.compiled import announce
 from woodpecker.mechanics.one_contact import stated
-from woodpecker.systems.accumulation import TOGETHER, Tail, after, implied, tail_of
-from woodpecker.systems.equations import Equations
-from woodpecker.systems.flows import Flow, LostError, RungeFlow, Step
-from woodpecker.systems.guards import TIME, Phase
-from woodpecker.systems.impacts import Impact, Outcome, decide
-from woodpecker.systems.model import ContactSystem
-from woodpecker.systems.modes import (
+from woodpecker.systems.mechanics.equations import Equations
+from woodpecker.systems.mechanics.impacts import Impact, Outcome, decide
+from woodpecker.systems.mechanics.model import ContactSystem
+from woodpecker.systems.mechanics.modes import (
     CONE_UP,
     GAP,
     OPEN,
@@ -41,7 +38,10 @@ from woodpecker.systems.modes import (
     settle,
     team_of,
 )
-from woodpecker.systems.sections import Embedding
+from woodpecker.systems.simulation.accumulation import TOGETHER, Tail, after, implied, tail_of
+from woodpecker.systems.simulation.flows import Flow, LostError, RungeFlow, Step
+from woodpecker.systems.simulation.guards import TIME, Phase
+from woodpecker.systems.simulation.sections import Embedding
 
 EVENTS_MOST = 2000  # of one return, unless a caller says otherwise
 STEPS_MOST = 20_000  # of one phase of one return
@@ -156,7 +156,7 @@ class Machine:
         self.is_autonomous = not any(part.has(time) for part in parts)
 
         if self.backend is Backend.TAYLOR:
-            from woodpecker.systems.taylor import jets, terms_function
+            from woodpecker.systems.simulation.taylor import jets, terms_function
 
             self.eq.jets, self.eq.compiled = cache(partial(jets, self.eq)), terms_function(self.eq)
 
@@ -167,7 +167,7 @@ class Machine:
         key = mode, varies, section
         if key not in self._flows:
             if self.backend is Backend.TAYLOR:
-                from woodpecker.systems.taylor import TaylorFlow
+                from woodpecker.systems.simulation.taylor import TaylorFlow
 
                 when = None if section is None else section.when
                 self._flows[key] = TaylorFlow(self.eq, mode, varies=varies, when=when)

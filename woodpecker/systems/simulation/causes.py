@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from woodpecker.systems.impacts import ALONG, NORMAL_SIDE
-from woodpecker.systems.modes import CONE_UP, GAP, NORMAL, SECTION, SLIP
-from woodpecker.systems.motion import Leg
+from woodpecker.systems.mechanics.impacts import ALONG, NORMAL_SIDE
+from woodpecker.systems.mechanics.modes import CONE_UP, GAP, NORMAL, SECTION, SLIP
+from woodpecker.systems.simulation.motion import Leg
 
 # Kinds of margins, in the order in which a phase meets them.
 SLACK, BOUNCES, START, EARLY, SPEED, MEETING, DIP, PHASE, SETTLES = range(9)

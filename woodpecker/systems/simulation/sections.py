@@ -12,9 +12,9 @@ import sympy
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import number, positive
 from woodpecker.base.shown import shown
-from woodpecker.systems.equations import Equations, Function
-from woodpecker.systems.model import ContactSystem, expression, names, vanishes
-from woodpecker.systems.modes import STICK, SectionGuard, Touch
+from woodpecker.systems.mechanics.equations import Equations, Function
+from woodpecker.systems.mechanics.model import ContactSystem, expression, names, vanishes
+from woodpecker.systems.mechanics.modes import STICK, SectionGuard, Touch
 
 HORIZON = 1e4  # of one return [s] unless a section says otherwise
 

@@ -1,0 +1,1 @@
+"""From event to event: flows, guards, sections, motions, and the paths that they take."""
