@@ -108,7 +108,9 @@ def samples(
             for key, value in named_values("sample", chosen).items()
         }
         if set(values) != others:
-            raise ValueError(f"a sample must give values to {sorted(others)}, got {sorted(values)}")
+            alone = "" if others else f": {name} is the only parameter"
+            wanted = f"{sorted(others)}, got {sorted(values)}{alone}"
+            raise ValueError(f"a sample must give values to {wanted}")
         broken = map_.definition.region.contains(values)
         if broken is not None:
             raise ValueError(f"the sample {dict(chosen)} contradicts the assumption {broken}")
