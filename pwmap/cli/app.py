@@ -16,7 +16,15 @@ from pwmap.cli.certificates import check_files, prove_map
 from pwmap.cli.explore import explore
 from pwmap.cli.options import Formula, Given, Orders, Out, Values, Variable
 from pwmap.cli.plane import draw_plane
-from pwmap.cli.reading import assignments, exact, exact_span, map_of, orders_of, varied
+from pwmap.cli.reading import (
+    assignments,
+    check_unset,
+    exact,
+    exact_span,
+    map_of,
+    orders_of,
+    varied,
+)
 from pwmap.cli.screen import (
     INTERRUPTED,
     Formats,
@@ -113,7 +121,9 @@ def analyse(
         from pwmap.diagrams.record import keep_record
 
         form = picture_format(picture)
-        map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
+        fixed = assignments(set_ or ())
+        check_unset(fixed, parameter)
+        map_ = map_of(formula, variable, given or (), fixed)
         listed = orders_of(orders)
         values = assignments(sample, "--sample") if sample else None
         span = exact_span(span)

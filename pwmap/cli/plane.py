@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from pwmap.cli.options import Formula, Given, Orders, Out, Values, Variable
-from pwmap.cli.reading import assignments, exact_span, map_of, orders_of
+from pwmap.cli.reading import assignments, check_unset, exact_span, map_of, orders_of
 from pwmap.cli.screen import (
     INTERRUPTED,
     Formats,
@@ -79,6 +79,7 @@ def draw_plane(
     --across-span 1/10 11/10 --along-span -5 -1/2 --orders 1,2,3 --colours bands
     """
     from pwmap.diagrams.record import keep_record, record_of
+    from pwmap.plane.plane import checked_axes
 
     asked: dict[str, object] = {
         "map": formula, "variable": variable, "across": across, "along": along,
@@ -89,8 +90,11 @@ def draw_plane(
     names, interrupts = [*TABLES], list[bool]()
     with told(lambda: "there is nothing to keep yet"):
         (file,) = in_format((PICTURE,), picture_format(picture))
-        map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
+        fixed = assignments(set_ or ())
+        check_unset(fixed, across, along)
+        map_ = map_of(formula, variable, given or (), fixed)
         axes = (across, along, exact_span(across_span), exact_span(along_span), orders_of(orders))
+        checked_axes(map_, across, along)
         seen_on = None if colours is None else raster
         tell_replaced(out, "plane")
         with (

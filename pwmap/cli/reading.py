@@ -25,12 +25,20 @@ def map_of(
     """
     from pwmap import PiecewiseLinearMap
     from pwmap.algebra.parsing import term_of
+    from pwmap.algebra.terms import own_name
 
     try:
         term_of(formula)
     except ValueError as error:
         raise ValueError(f"{error}; {AS_TEXT}") from None
     map_ = PiecewiseLinearMap.from_sympy(formula, variable, given)
+    names = [str(symbol) for symbol in map_.parameters]
+    for condition in given:
+        for name in term_of(condition).names():
+            if own_name(name, map_.parameters) not in names:
+                raise ValueError(
+                    f"--given {condition}: {name} is no parameter of this map, it has {names}"
+                )
     return map_.at(values) if values else map_
 
 
@@ -52,24 +60,47 @@ def exact(text: str) -> str:
 
 
 def exact_span(span: tuple[str, str] | None) -> tuple[str, str] | None:
-    """Both ends of an interval so."""
-    return None if span is None else (exact(span[0]), exact(span[1]))
+    """Both ends of an interval so; ValueError if they are none."""
+    from pwmap.parameters.cells import checked_span
+
+    if span is None:
+        return None
+    low, high = exact(span[0]), exact(span[1])
+    checked_span((low, high))
+    return low, high
 
 
 def assignments(texts: Iterable[str], option: str = "--set") -> dict[str, str]:
     """Values of parameters from texts such as a=5/4 or a=1.25; ValueError if a text is none."""
+    from pwmap.algebra.arithmetic import rational
+
     found = dict[str, str]()
     for text in texts:
         name, equals, value = (part.strip() for part in text.partition("="))
         if not (name and equals and value):
             raise ValueError(f"{option} needs name=value, such as a=5/4, got {text!r}")
         found[name] = exact(value)
+        try:
+            rational(found[name])
+        except ValueError as error:
+            raise ValueError(f"{option} {text}: {error}") from None
     return found
+
+
+def check_unset(values: Mapping[str, str], *names: str) -> None:
+    """ValueError if a parameter that is to vary has a value by ``--set``."""
+    for name in names:
+        if name in values:
+            raise ValueError(f"{name} is to vary, and cannot be set to {values[name]} too")
 
 
 def orders_of(text: str) -> list[int]:
     """Orders from a text such as 1,2,3; ValueError if it has something else than integers."""
+    from pwmap.parameters.cells import checked_orders
+
     try:
-        return [int(part) for part in text.split(",")]
+        listed = [int(part) for part in text.split(",")]
     except ValueError:
         raise ValueError(f"--orders needs integers such as 1,2,3, got {text!r}") from None
+    checked_orders(listed)
+    return listed

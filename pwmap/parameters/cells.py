@@ -465,7 +465,11 @@ def only_axis(
     name = str(own_name(parameter, map_.parameters))
     names = [str(symbol) for symbol in map_.parameters]
     if names != [name]:
-        raise ValueError(f"expected a map of {name} alone, this one has {names or 'no parameters'}")
+        others = ", ".join(other for other in names if other != name)
+        rest = f": {others} must be set to a value" if name in names else ""
+        raise ValueError(
+            f"expected a map of {name} alone, this one has {names or 'no parameters'}{rest}"
+        )
     if map_.order > 1:
         raise ValueError(f"expected the map itself, got an iterate of order {map_.order}")
     ends = checked_span(span)

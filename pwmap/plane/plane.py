@@ -162,17 +162,13 @@ def parameter_plane(
     cycle LR through -2/7
     """
     check_map(map_)
-    across, along = (own_name(name, map_.parameters) for name in (across, along))
-    names = {str(symbol): symbol for symbol in map_.parameters}
-    if str(across) == str(along):
-        raise ValueError(f"expected two different parameters, got {across} twice")
-    if set(names) != {str(across), str(along)} or len(names) != 2:
-        raise ValueError(f"expected a map of {across} and {along}, this one has {list(names)}")
+    axes = checked_axes(map_, across, along)
+    across, along = map(str, axes)
     meter = metered(budget)
     rectangle = Rectangle(
         map=map_,
-        across=str(across),
-        along=str(along),
+        across=across,
+        along=along,
         orders=checked_orders(orders, meter.budget),
         across_span=checked_span(across_span),
         along_span=checked_span(along_span),
@@ -189,8 +185,8 @@ def parameter_plane(
     curves, points = network(rectangle, strips)
     return ParameterPlane(
         map=map_,
-        across=names[str(across)],
-        along=names[str(along)],
+        across=axes[0],
+        along=axes[1],
         across_span=rectangle.across_span,
         along_span=rectangle.along_span,
         strips=tuple(strips),
@@ -198,3 +194,20 @@ def parameter_plane(
         points=points,
         left_out=left_out,
     )
+
+
+def checked_axes(
+    map_: PiecewiseLinearMap, across: object, along: object
+) -> tuple[sympy.Symbol, sympy.Symbol]:
+    """Both parameters of a map, by their names; ValueError unless it has these two alone."""
+    across, along = (str(own_name(name, map_.parameters)) for name in (across, along))
+    names = {str(symbol): symbol for symbol in map_.parameters}
+    if across == along:
+        raise ValueError(f"expected two different parameters, got {across} twice")
+    if names.keys() != {across, along}:
+        others = ", ".join(name for name in names if name not in (across, along))
+        rest = f": {others} must be set to a value" if others else ""
+        raise ValueError(
+            f"expected a map of {across} and {along}, this one has {list(names)}{rest}"
+        )
+    return names[across], names[along]

@@ -17,6 +17,7 @@ from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import bounds, spread
 from pwmap.diagrams.data import FloatArray
 from pwmap.plane.colours import Colours
+from pwmap.plane.network import PlaneCurve
 from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.rasters import PlaneRaster, arc_arrays, root_array
 from pwmap.plane.regions import attracting
@@ -94,10 +95,8 @@ def plot_plane(
     step = (high - low) / samples
     shown: Artists = {}
     for curve in plane.curves:
-        for arc in curve.arcs:
-            line = ax.plot(*arc_arrays(arc, step), **LINES[curve.kind], zorder=3,
-                           path_effects=HALO)  # fmt: skip
-            add(shown, {curve.kind.label: line})
+        line = ax.plot(*_joined(curve, step), **LINES[curve.kind], zorder=3, path_effects=HALO)
+        add(shown, {curve.kind.label: line})
     for point in plane.points:
         mark = ax.plot(*doubles(point), "o", markersize=4.0, color="black", linestyle="none",
                        markerfacecolor="white", markeredgewidth=0.9, zorder=4)  # fmt: skip
@@ -116,6 +115,20 @@ def plot_plane(
         ax.legend(handles, labels, fontsize=7, ncols=2, title=title if patches else None,
                   title_fontsize=7, frameon=False, **below(ax))  # fmt: skip
     return Drawn((ax,), shown)
+
+
+def _joined(curve: PlaneCurve, step: float) -> FloatArray:
+    """A curve as one line, nan where an arc does not go on from the last: dashes run through."""
+    line = np.empty((2, 0))
+    for arc in curve.arcs:
+        new = np.array(arc_arrays(arc, step))
+        if not line.size or np.array_equal(line[:, -1], new[:, 0]):
+            line = np.hstack([line, new])
+        elif np.array_equal(line[:, 0], new[:, -1]):
+            line = np.hstack([new, line])
+        else:
+            line = np.hstack([line, np.full((2, 1), np.nan), new])
+    return line
 
 
 def _named(ax: Axes, plane: ParameterPlane, step: float) -> Labels:

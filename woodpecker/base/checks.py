@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import numbers
 import operator
+import sys
 from collections.abc import Sequence
 from decimal import Decimal
 from typing import Any
@@ -29,9 +30,15 @@ def number(name: str, value: Any) -> float:
 def instance(name: str, value: Any, kind: type) -> None:
     """TypeError unless a value is of a kind."""
     if not isinstance(value, kind):
-        raise TypeError(
-            f"{name} must be {kind.__module__.split('.')[0]}.{kind.__name__}, got {shown(value)}"
-        )
+        raise TypeError(f"{name} must be {_imported(kind)}, got {shown(value)}")
+
+
+def _imported(kind: type) -> str:
+    """A type by the name under which a caller imports it: that of the first package with it."""
+    parts = kind.__module__.split(".")
+    packages = [".".join(parts[:depth]) for depth in range(1, len(parts) + 1)]
+    found = next(p for p in packages if getattr(sys.modules[p], kind.__name__, None) is kind)
+    return f"{found}.{kind.__name__}"
 
 
 def function(name: str, value: Any) -> None:

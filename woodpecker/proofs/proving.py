@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 PAPER = Toy()
 MAPS = "certificate of a piecewise-linear map"
-MISSING = "prove needs ball arithmetic: pip install woodpecker-toy[proof]"
+MISSING = 'prove needs ball arithmetic: pip install "woodpecker-toy[proof]"'
 
 
 def prove(

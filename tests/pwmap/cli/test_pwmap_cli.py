@@ -135,6 +135,13 @@ def test_a_span_can_leave_a_parameter_one_value(tmp_path: Path) -> None:
     [
         ((P1L, "--parameter", "b"), "b is no parameter of this map, it has ['a', 'r']"),
         ((P1L, "--parameter", "r", "--set", "a"), "--set needs name=value, such as a=5/4, got 'a'"),
+        ((P1L, "--parameter", "r", "--set", "a=half"), "--set a=half: expected a rational number"),
+        ((P1L, "--parameter", "r", "--set", "r=1"), "r is to vary, and cannot be set to 1 too"),
+        ((P1L, "--parameter", "r", "--given", "a > b"), "--given a > b: b is no parameter of this"),
+        (
+            (P1L, "--parameter", "r", "--set", "a=5/4", "--sample", "a=1"),
+            "a sample must give values to [], got ['a']: r is the only parameter",
+        ),
         (("r - 1.25*x", "--parameter", "r"), "write the rational 5/4 instead"),
         ((P1L, "--parameter", "r", "--set", "a=5/4", "--orders", "1;2"), "got '1;2'"),
         ((P1L, "--parameter", "r", "--set", "a=5/4", "--orders", "0"), "got 0"),
@@ -267,5 +274,8 @@ def test_a_plane_of_other_parameters_is_refused(tmp_path: Path) -> None:
     spans = ("--across-span", "0", "1", "--along-span", "-5", "-1")
     code, text = run_plane("--across", "a", "--along", "c", *spans, out=tmp_path)
     assert code == 2
-    assert "expected a map of a and c, this one has ['a', 'b']" in text
+    assert "expected a map of a and c, this one has ['a', 'b']: b must be set to a value" in text
+    code, text = run_plane("--across", "a", "--along", "b", "--set", "b=-2", *spans, out=tmp_path)
+    assert code == 2
+    assert "b is to vary, and cannot be set to -2 too" in text
     assert not list(tmp_path.iterdir())

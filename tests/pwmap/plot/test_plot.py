@@ -147,6 +147,17 @@ def test_names_are_written_and_words_marked_on_request() -> None:
     assert written(plot_diagram(small_diagram(), labels=False)) == []
 
 
+def test_a_curve_of_a_plane_is_one_line_through_its_arcs() -> None:
+    """Arcs are cut at strips; drawn one by one their edges would cover the ends of the others."""
+    skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"), orders=(1, 2, 3))
+    drawn = plot_plane(plane)
+    lines = [line for line in drawn.ax.lines if line.get_marker() in ("", "None")]
+    assert len(lines) == len(plane.curves)
+    assert any(len(curve.arcs) > 1 for curve in plane.curves)
+    assert all(np.isfinite(line.get_xydata()).all() for line in lines)
+
+
 def paper_diagram(*orders: int) -> Diagram:
     return bifurcation_diagram(P1L.at({"a": Rational(5, 4)}), "r", (-1, 6), orders=orders)
 

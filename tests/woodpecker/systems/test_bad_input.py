@@ -133,12 +133,12 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: simulate(BALL, {"y": -1.0}, 1.0), "the start penetrates 'floor': its gap is -1"),
     (lambda: simulate(BALL, {"y": 1.0}, -1.0), "t_end must lie after the start"),
     (lambda: simulate(BALL, {"y": 1.0}, 1.0, samples=1), "samples must be a whole number"),
-    (lambda: simulate(SECTION, {"y": 1.0}, 1.0), "system must be woodpecker.ContactSystem"),  # type: ignore[arg-type]
+    (lambda: simulate(SECTION, {"y": 1.0}, 1.0), "system must be woodpecker.systems.ContactSystem"),  # type: ignore[arg-type]
     (lambda: return_map(map_of(), [1.0, 2.0, 3.0]), r"x must have shape \(s, 2\)"),
     (lambda: return_map(map_of(), [[1.0, 2.0]], order=0), "order must be a whole number"),
     (lambda: return_map(map_of(), [[1.0, 2.0]], p=[1.0, 2.0]), r"p must have shape \(1,\)"),
     (lambda: shoot(map_of(), [1.0]), r"guess must have shape \(2,\), got \(1,\)"),
-    (lambda: shoot(BALL, [1.0, 2.0]), "map_ must be woodpecker.SystemMap"),  # type: ignore[arg-type]
+    (lambda: shoot(BALL, [1.0, 2.0]), "map_ must be woodpecker.systems.SystemMap"),  # type: ignore[arg-type]
     (lambda: continuation(map_of(), no_cycle(), (0, 1), [(0, 1)] * 2), "there is no cycle"),
 ]  # fmt: skip
 
