@@ -29,6 +29,7 @@ from pwmap.cli.screen import (
     INTERRUPTED,
     Formats,
     bar_on,
+    check_folder,
     command_line,
     complain,
     in_paragraphs,
@@ -120,6 +121,7 @@ def analyse(
         from pwmap.cli.longrun import LongRun
         from pwmap.diagrams.record import keep_record
 
+        check_folder(out)
         form = picture_format(picture)
         fixed = assignments(set_ or ())
         check_unset(fixed, parameter)

@@ -16,6 +16,7 @@ from pwmap.cli.screen import (
     Formats,
     bar_on,
     budget_on,
+    check_folder,
     complain,
     picture_format,
     say,
@@ -89,6 +90,7 @@ def draw_plane(
     }  # fmt: skip
     names, interrupts = [*TABLES], list[bool]()
     with told(lambda: "there is nothing to keep yet"):
+        check_folder(out)
         (file,) = in_format((PICTURE,), picture_format(picture))
         fixed = assignments(set_ or ())
         check_unset(fixed, across, along)

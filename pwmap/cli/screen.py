@@ -30,6 +30,7 @@ if TYPE_CHECKING:
 
 INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C has ended
 WIDE = 100_000  # characters of a line that nothing breaks
+FILES = {".png", ".pdf", ".svg", ".gif", ".mp4", ".avi", ".mov", ".csv", ".json", ".txt"}
 COLUMNS = "COLUMNS"  # the variable of an environment that says how wide lines are
 
 
@@ -156,6 +157,14 @@ def in_words(error: Exception) -> str:
     if isinstance(error, OSError) and error.strerror and error.filename is not None:
         return f"{error.filename}: {error.strerror}"
     return str(error)
+
+
+def check_folder(folder: Path) -> None:
+    """ValueError if ``--out`` is a file, or is named as one: it is a folder, of several files."""
+    if folder.is_file():
+        raise ValueError(f"{folder}: --out is a folder, and this is a file")
+    if folder.suffix.lower() in FILES and not folder.exists():
+        raise ValueError(f"{folder}: --out is a folder, and this is the name of a file")
 
 
 def tell_replaced(folder: Path, command: str, *files: str, kept: Sequence[str] = ()) -> None:

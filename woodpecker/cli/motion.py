@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from pwmap.cli.screen import Formats, picture_format, say, show
 from pwmap.diagrams.files import in_format
+from woodpecker.base.checks import positive
 from woodpecker.cli.help import option
 from woodpecker.cli.options import (
     GUESS,
@@ -47,6 +48,7 @@ def simulate(
     from woodpecker.plot.motions import plot_phase_portraits, plot_time_history
 
     pictures = in_format(PICTURES, picture_format(picture))
+    _check(toy, phi_s, t_end)
     with results_in(out) as results:
         start, finish = _start_and_end(toy, phi_s, t_end, periods=2.0)
         trajectory = run_simulation(toy, start, finish, samples=samples)
@@ -76,7 +78,8 @@ def animate(
 
     if Path(file).name != file:
         raise ValueError(f"file must be a name without folders, got {file!r}")
-    drawing.film_writer(Path(file), slow, fps)  # refuse before anything is replaced
+    drawing.film_writer(Path(file), slow, fps)
+    _check(toy, phi_s, t_end)
     with results_in(out, file) as results:
         start, finish = _start_and_end(toy, phi_s, t_end, periods=1.0)
         trajectory = run_simulation(toy, start, finish)
@@ -89,6 +92,16 @@ def animate(
         results.names.append(file)
         say(f"{trajectory.status.value}; fell {in_metres(trajectory.drop)}")
     _complete(trajectory)
+
+
+def _check(toy: Toy, phi_s: float | None, t_end: float | None) -> None:
+    """ValueError for a start or an end that cannot be, before a command says what it replaces."""
+    from woodpecker.simulation.returns import checked_starts
+
+    if phi_s is not None:
+        checked_starts(toy, phi_s)
+    if t_end is not None:
+        positive("t_end", t_end)
 
 
 def _start_and_end(

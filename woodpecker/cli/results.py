@@ -14,7 +14,7 @@ from typing import Any
 
 import typer
 
-from pwmap.cli.screen import complain, tell_replaced, tell_written
+from pwmap.cli.screen import check_folder, complain, tell_replaced, tell_written
 from woodpecker.cli.interrupts import finished, heard, held
 
 INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C or SIGTERM has ended
@@ -70,6 +70,7 @@ def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Res
     The command writes ``files``, besides those its record names, and goes on with those ``kept`` of
     an earlier run. Where it ends before it has written anything, a folder it made is gone again.
     """
+    check_folder(out)
     missing = [each for each in (out, *out.parents) if not each.exists()]
     out.mkdir(parents=True, exist_ok=True)
     tell_replaced(out, _asked.get()[0], *files, kept=kept)

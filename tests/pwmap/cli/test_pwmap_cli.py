@@ -20,9 +20,10 @@ P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
 def test_a_refused_run_does_not_say_that_it_replaces_files(tmp_path: Path) -> None:
     (tmp_path / "points.csv").write_text("kept")
     keep_record(tmp_path, "analyse", ["points.csv"], {})
-    code, text = run(P1L, "--parameter", "b", out=tmp_path)
-    assert code == 2
-    assert "replaces" not in text
+    for wrong in (("b",), ("r", "--span", "3", "0"), ("r", "--orders", "0")):
+        code, text = run(P1L, "--parameter", *wrong, out=tmp_path)
+        assert code == 2
+        assert "replaces" not in text
 
 
 def test_a_certificate_of_a_map_without_values_says_how_to_give_them(tmp_path: Path) -> None:

@@ -183,7 +183,7 @@ def unframed(text: str) -> str:
         (["diagram", "--also", "2", "--orders", "1"], "take one of them"),
         (["animate", "--t-end", "0.1", "--file", "toy.bmp"], ".gif"),
         (["simulate", "--samples", "-5"], "--samples"),
-        (["simulate", "--phi-s", "0.2", "--t-end", "1"], "the start penetrates contact 1"),
+        (["simulate", "--phi-s", "0.2", "--t-end", "1"], "below 0.12, where the beak touches the"),
         (["simulate", "--phi-s", "-0.5", "--t-end", "-1"], "t_end must be positive"),
     ],
 )

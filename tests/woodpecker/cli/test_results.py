@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 
 from pwmap.cli import app as pwmap_cli
 from pwmap.diagrams import files
+from pwmap.diagrams.record import keep_record
 from woodpecker import Toy, return_map
 from woodpecker.cli.app import app
 
@@ -72,6 +73,26 @@ def test_a_rerun_says_first_what_it_replaces(tmp_path: Path) -> None:
         assert first.startswith(begin)
         assert COMMANDS[name][2] in first.removeprefix(begin).split(", ")
         assert "own.csv" not in first
+
+
+@pytest.mark.parametrize("wrong", [("--phi-s", "3"), ("--t-end", "-1")])
+def test_a_start_that_cannot_be_replaces_nothing(tmp_path: Path, wrong: tuple[str, str]) -> None:
+    (tmp_path / "events.csv").write_text("kept")
+    keep_record(tmp_path, "simulate", ["events.csv"], {})
+    found = invoked(app, "simulate", *wrong, "--out", str(tmp_path))
+    assert found.exit_code == 2
+    assert "replaces" not in found.output
+    assert (tmp_path / "events.csv").read_text() == "kept"
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_out_is_a_folder_and_no_file(name: str, tmp_path: Path) -> None:
+    (tmp_path / "there").write_text("mine")
+    for file, what in (("film.gif", "the name of a file"), ("there", "a file")):
+        found = run(name, "--out", str(tmp_path / file))
+        assert found.exit_code == 2
+        assert f"{tmp_path / file}: --out is a folder, and this is {what}" in found.output
+    assert [path.name for path in tmp_path.iterdir()] == ["there"]
 
 
 # --- Tables for programs --------------------------------------------------------------------------
