@@ -33,7 +33,7 @@ KINDS: dict[str, tuple[Callable[[], object], str]] = {
                        r"parameter must be what its axis is called, got \(0, 1\)"),
     "shot": (lambda: API.shoot(lambda x, p: x, 0.0, p=0.0), "source must be"),
     "curve": (lambda: API.curve_in_two(LINES, "LP1", ("a", "b"), (PAIR, PAIR)),
-              "needs a toy, an exact map of two parameters or a family"),
+              "expected a toy, an exact map of two parameters or a family"),
     "slices": (lambda: API.slices_at(LINES, 0.5, (1,), PAIR), "settings must be"),
     "borders": (lambda: API.slices.borders_in(LINES, 0.5, (-1, 1), PAIR), "settings must be"),
     "local": (lambda: API.local_model(LINES, 0.0, 0.0, settings=PAIR), "settings must be"),

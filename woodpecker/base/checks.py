@@ -34,10 +34,10 @@ def instance(name: str, value: Any, kind: type) -> None:
 
 
 def _imported(kind: type) -> str:
-    """A type by the name under which a caller imports it: that of the first package with it."""
+    """A type by the name under which a caller imports it: that of the first package that has it."""
     parts = kind.__module__.split(".")
     packages = [".".join(parts[:depth]) for depth in range(1, len(parts) + 1)]
-    found = next(p for p in packages if getattr(sys.modules[p], kind.__name__, None) is kind)
+    found = next(p for p in packages if kind.__name__ in dir(sys.modules[p]))
     return f"{found}.{kind.__name__}"
 
 

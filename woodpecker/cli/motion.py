@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 
 from pwmap.cli.screen import Formats, picture_format, say, show
 from pwmap.diagrams.files import in_format
-from woodpecker.base.checks import positive
 from woodpecker.cli.help import option
 from woodpecker.cli.options import (
     GUESS,
@@ -96,6 +95,7 @@ def animate(
 
 def _check(toy: Toy, phi_s: float | None, t_end: float | None) -> None:
     """ValueError for a start or an end that cannot be, before a command says what it replaces."""
+    from woodpecker.base.checks import positive
     from woodpecker.simulation.returns import checked_starts
 
     if phi_s is not None:

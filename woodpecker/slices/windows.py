@@ -51,9 +51,9 @@ def borders_in(
     >>> from woodpecker import Toy, ToyPieces
     >>> from woodpecker.slices import borders_in
     >>> for border in borders_in(ToyPieces(Toy(), "eps_n1"), 0.15, (-0.9, -0.88)):
-    ...     print(f"{border.x:.9f} {border.jump:+.6f} {border.cause}")
-    -0.884773344 +0.305658 the beak and the upper sleeve strike at once
-    -0.882395391 -0.000000 the upper sleeve only just sticks in the compression
+    ...     print(f"{border.x:.9f} {abs(border.jump):.6f} {border.cause}")
+    -0.884773344 0.305658 the beak and the upper sleeve strike at once
+    -0.882395391 0.000000 the upper sleeve only just sticks in the compression
     """
     ends = interval("window", window, finite=True)
     chosen = settings if settings is not None else Settings(window=ends)
