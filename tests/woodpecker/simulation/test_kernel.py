@@ -389,7 +389,7 @@ def test_ends_of_the_range_of_endless_grazing() -> None:
     assert row[ALPHA] == 0.0
     lower = -TOY.phi_m_max
     upper = lower + TOY.phi_m_max * float(-row[KAPPA] / row[B + 1])
-    assert upper == pytest.approx(0.01, abs=5e-4)  # DESIGN: about 0.01
+    assert upper == pytest.approx(0.01, abs=5e-4)
     for edge, inside in ((lower, 1e-12), (upper, -1e-12)):
         assert first_return(TOY, edge + inside).status is Status.FREE_FALL
         assert first_return(TOY, edge - inside).word != "D2"

@@ -61,7 +61,7 @@ def test_a_thousand_random_returns(law: str) -> None:
 @NEEDS_HEYOKA
 @pytest.mark.slow
 def test_the_toy_shoots_its_stable_motion() -> None:
-    """The table of DESIGN's section 4, computed in quadruple precision."""
+    """Figures that were computed in quadruple precision."""
     cycle = shoot(map_of(Toy(eps_n1=0.5)), [-0.53])
     assert cycle.success
     assert cycle.x[0, 0] == pytest.approx(-0.52947197, abs=5e-9)
