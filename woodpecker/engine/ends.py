@@ -326,6 +326,8 @@ def _solved(
         return None
     found = solve(curve.problem.with_(test.condition), _guess(curve, a, b, test))
     if not found.converged:
+        if step > COARSE * curve.settings.min_step:
+            raise UnclearError
         return None
     orbit = found.orbit
     if isinstance(test.condition, Held):

@@ -198,7 +198,7 @@ def solve(problem: Problem, start: SpaceOrbit) -> Solution:
         ):  # at a branch point, which may solve them all the same
             return Solution(orbit, _is_met(problem, orbit, matrix, residual), count - 1)
         size = _largest(step)
-        if not size <= max(LARGE, LEAD_AWAY * before):
+        if not size <= max(LARGE, LEAD_AWAY * before) or (count > 2 and not size <= before):
             return Solution(orbit, False, count)
         orbit, shortened = _towards(problem, orbit, step)
         residual = problem.residual(orbit)
