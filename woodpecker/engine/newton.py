@@ -16,8 +16,8 @@ from woodpecker.engine.orbits import Closed, Condition, OnBorder, SpaceOrbit, pl
 
 MERGED = 1e-9  # scaled: points of a cycle that are closer are one
 STEPS = 12  # of Newton's method: it converges in four or five, or it does not
-LARGE = 0.5  # scaled steps that grow from more than this lead away
-LEAD_AWAY = 2.0  # times a step that the next may have
+import os
+CONTRACTS = float(os.environ.get('CON','1'))
 ROUNDED = 2.0**-46  # steps this short, in scaled unknowns, are made of rounding
 SOLVED = 2.0**-52  # a next step that would be shorter is not worth its evaluation
 SHARE = 16.0  # of a jump crossing: it counts for less than the place where it is
@@ -185,33 +185,35 @@ def solve(problem: Problem, start: SpaceOrbit) -> Solution:
     """Newton's method from an orbit, with its pieces, in at most ``STEPS`` steps.
 
     It has converged if the next step would be as short as rounding, or steps stop becoming shorter
-    below the square root of that, and nothing but rounding is left of the equations.
+    below the square root of that, and nothing but rounding is left of the equations. It is given up
+    where the next step would not be shorter (Deuflhard's natural monotonicity test).
     """
+    if not start.is_defined:
+        return Solution(start, False, 0)
     orbit, residual, before = start, problem.residual(start), math.inf
+    far = max(1.0, _largest(start.unknowns / problem.scale(start)))
     for count in range(1, STEPS + 1):
-        if not orbit.is_defined:
-            return Solution(orbit, False, count - 1)
         matrix = problem.matrix(orbit)
         factors, swaps, step, _ = dgesv(matrix, -residual)
-        if (
-            0.0 in factors.diagonal().tolist()
-        ):  # at a branch point, which may solve them all the same
+        if 0.0 in factors.diagonal().tolist():  # a branch point may solve them all the same
             return Solution(orbit, _is_met(problem, orbit, matrix, residual), count - 1)
         size = _largest(step)
-        if not size <= max(LARGE, LEAD_AWAY * before) or (count > 2 and not size <= before):
-            return Solution(orbit, False, count)
+        if not size < CONTRACTS * before:
+            solved = before <= STALLED and _is_met(problem, orbit, matrix, residual)
+            return Solution(orbit, solved, count - 1)
         orbit, shortened = _towards(problem, orbit, step)
+        if not orbit.is_defined:
+            break
         residual = problem.residual(orbit)
         if shortened:
             before = math.inf
             continue
-        far = max(1.0, _largest(orbit.unknowns / problem.scale(orbit)))
         ahead = _largest(dgetrs(factors, swaps, residual)[0])
-        stalled = before <= STALLED and size >= 0.5 * before
-        if size <= ROUNDED * far or ahead <= SOLVED * far or stalled:
-            return Solution(orbit, _is_met(problem, orbit, matrix, residual), count)
+        if size <= ROUNDED * far or ahead <= SOLVED * far:
+            solved = ahead <= ROUNDED or _is_met(problem, orbit, matrix, residual)
+            return Solution(orbit, solved, count)
         before = size
-    return Solution(orbit, False, STEPS)
+    return Solution(orbit, False, count)
 
 
 def _largest(values: Floats) -> float:
