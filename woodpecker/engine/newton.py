@@ -16,8 +16,7 @@ from woodpecker.engine.orbits import Closed, Condition, OnBorder, SpaceOrbit, pl
 
 MERGED = 1e-9  # scaled: points of a cycle that are closer are one
 STEPS = 12  # of Newton's method: it converges in four or five, or it does not
-import os
-CONTRACTS = float(os.environ.get('CON','1'))
+CONTRACTS = 1.0  # times the step before, a step of Newton's method is at most, or it leads away
 ROUNDED = 2.0**-46  # steps this short, in scaled unknowns, are made of rounding
 SOLVED = 2.0**-52  # a next step that would be shorter is not worth its evaluation
 SHARE = 16.0  # of a jump crossing: it counts for less than the place where it is

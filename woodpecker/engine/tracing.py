@@ -23,7 +23,7 @@ from woodpecker.engine.arrivals import (
     round_corner,
 )
 from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve, Stop
-from woodpecker.engine.following import Halt, follow, leaves
+from woodpecker.engine.following import KEPT_TURN, Halt, follow, leaves
 from woodpecker.engine.germs import (
     SAME,
     SLOW,
@@ -90,7 +90,7 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
     """
     samples = [] if begin.before is None else [begin.before]
     samples.append(begin.sample)
-    changes, at, step, short = list[Change](), begin, math.inf, 0
+    changes, at, step, short = list[Change](), begin, _bent(begin), 0
     for _ in range(MOST_ARCS):
         arc = follow(at.curve, at.sample, step, halt)
         is_stuck = arc.stop in (Stop.SHORT, Stop.BORDER) and len(arc.samples) == 1
@@ -125,6 +125,18 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
         passed = given_up(at, arc)
     arrived = replace(at, sample=samples[-1], before=None)
     return Trace(begin, tuple(samples), tuple(changes), passed, arc.stop, arrived)
+
+
+def _bent(begin: Beginning) -> float:
+    """The first step of a curve as long as its bend from its point to the first sample allows."""
+    if begin.before is None or not np.isfinite(begin.before.tangent).all():
+        return math.inf
+    one, other = begin.before, begin.sample
+    if len(one.tangent) != len(other.tangent):
+        return math.inf
+    turn = math.acos(min(1.0, abs(float(one.tangent @ other.tangent))))
+    length = norm(begin.curve.problem.step_between(one.orbit, other.orbit))
+    return KEPT_TURN * begin.curve.settings.max_turn * length / turn if turn else math.inf
 
 
 def _length(arc: Arc) -> float:
