@@ -249,19 +249,26 @@ class SolutionCurve:
 
     def motion(self, sample: Sample, i: int) -> Floats:
         """Derivatives (d + k,) of a point of an orbit and the parameters along the curve."""
-        (n, d), k = sample.orbit.x.shape, len(sample.orbit.p)
-        wide = self.wide(sample)
-        return np.concatenate((wide[i * d : i * d + d], wide[n * d : n * d + k]))
+        return self._motions(sample)[i]
 
-    def rates(self, sample: Sample, i: int) -> Floats:
-        """Derivatives of all margins of an image along the curve."""
-        orbit = sample.orbit
-        found: Floats = orbit.taken[i].gradients @ self.motion(sample, orbit.place(i))
-        return found
+    def rates(self, sample: Sample) -> list[Floats]:
+        """Derivatives of all margins of each image along the curve."""
+        orbit, motions = sample.orbit, self._motions(sample)
+        return [image.gradients @ motions[orbit.place(i)] for i, image in enumerate(orbit.taken)]
 
     def rate(self, sample: Sample, i: int, code: int) -> float:
         """The derivative of a margin along the curve."""
-        return float(self.rates(sample, i)[sample.orbit.taken[i].place(code)])
+        image = sample.orbit.taken[i]
+        motion = self.motion(sample, sample.orbit.place(i))
+        return float(image.gradients[image.place(code)] @ motion)
+
+    def _motions(self, sample: Sample) -> Floats:
+        """(n, d + k) derivatives of each point of an orbit and the parameters along the curve."""
+        (n, d), k = sample.orbit.x.shape, len(sample.orbit.p)
+        wide, found = self.wide(sample), np.empty((n, d + k))
+        found[:, :d] = wide[: n * d].reshape(n, d)
+        found[:, d:] = wide[n * d : n * d + k]
+        return found
 
     def rate_of_share(self, sample: Sample) -> float:
         """The derivative of the share of a jump crossing along the curve."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from typing import NamedTuple
 
 import numpy as np
@@ -123,15 +123,25 @@ def _multipliers(
 def _special(curve: SolutionCurve, orbit: SpaceOrbit) -> Iterator[TestFunction]:
     """Folds, flips, pairs on the unit circle, branch points, and functions of its own."""
     yield from curve.own
-    one = len(curve.problem.free) == 1
+    turns = len(curve.problem.free) == 1
     for stop in curve.tests:
-        condition = Multiplier(stop.name) if orbit.outer is None else None
-        if stop is Stop.LP and one:
-            yield TestFunction(stop, lambda sample: sample.ahead, condition)
-        elif stop is Stop.BP:
+        if stop is Stop.BP:
             yield TestFunction(stop, partial(_bordered, curve))
-        elif condition is not None and (stop is Stop.PD or orbit.x.shape[1] > 1):
-            yield TestFunction(stop, _of_condition(condition), condition)
+        else:
+            test = _of_multiplier(stop, orbit.outer is None, orbit.x.shape[1] > 1, turns)
+            if test is not None:
+                yield test
+
+
+@lru_cache
+def _of_multiplier(stop: Stop, of_cycles: bool, in_space: bool, turns: bool) -> TestFunction | None:
+    """The test of a multiplier; of folds, where a curve in one parameter turns round."""
+    condition = Multiplier(stop.name) if of_cycles else None
+    if stop is Stop.LP and turns:
+        return TestFunction(stop, lambda sample: sample.ahead, condition)
+    if condition is not None and (stop is Stop.PD or in_space):
+        return TestFunction(stop, _of_condition(condition), condition)
+    return None
 
 
 def _bordered(curve: SolutionCurve, sample: Sample) -> float:
@@ -249,8 +259,10 @@ def _look_for_dips(
     if step < COARSE * curve.settings.min_step:
         return
     dips = dict[float, list[tuple[int, int, float]]]()
-    for i, (one, other) in enumerate(zip(a.orbit.taken, b.orbit.taken, strict=True)):
-        falls, rises = step * curve.rates(a, i), step * curve.rates(b, i)
+    rates_of = zip(curve.rates(a), curve.rates(b), strict=True)
+    images = zip(a.orbit.taken, b.orbit.taken, rates_of, strict=True)
+    for i, (one, other, (rates_before, rates_after)) in enumerate(images):
+        falls, rises = step * rates_before, step * rates_after
         for k in np.flatnonzero(0.5 * one.margins + falls < 0.0).tolist():
             code = int(one.codes[k])
             if (i, code) in curve.ignored or not one.margins[k] > 0.0:

@@ -184,10 +184,7 @@ def _comes_together(curve: SolutionCurve, a: Floats, b: Floats) -> bool:
     """Whether points (n, d) of a cycle that are apart at one sample are one at the next."""
     n, apart = len(a), curve.problem.apart
     divisors = [k for k in range(1, n) if n % k == 0]
-    return any(
-        apart(b, np.roll(b, k, axis=0)) < TOGETHER * apart(a, np.roll(a, k, axis=0))
-        for k in divisors
-    )
+    return any(apart(b[k:], b[:-k]) < TOGETHER * apart(a[k:], a[:-k]) for k in divisors)
 
 
 def _differs_between(curve: SolutionCurve, a: Sample, b: Sample) -> bool:

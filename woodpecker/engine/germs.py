@@ -211,8 +211,7 @@ def _cycles(
         ]
         order = len(steps)
         goes_round = any(
-            steps[d:] + steps[:d] == steps
-            and base.problem.same(np.roll(path.x, -d, axis=0), path.x, SAME)
+            steps[d:] + steps[:d] == steps and base.problem.same(path.x[d:], path.x[:-d], SAME)
             for d in range(1, order)
             if order % d == 0
         )

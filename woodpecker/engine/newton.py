@@ -16,7 +16,6 @@ from woodpecker.engine.orbits import Closed, Condition, OnBorder, SpaceOrbit, pl
 
 MERGED = 1e-9  # scaled: points of a cycle that are closer are one
 STEPS = 12  # of Newton's method: it converges in four or five, or it does not
-CONTRACTS = 1.0  # times the step before, a step of Newton's method is at most, or it leads away
 ROUNDED = 2.0**-46  # steps this short, in scaled unknowns, are made of rounding
 SOLVED = 2.0**-52  # a next step that would be shorter is not worth its evaluation
 SHARE = 16.0  # of a jump crossing: it counts for less than the place where it is
@@ -90,7 +89,7 @@ class Problem:
 
     def stepped(self, orbit: SpaceOrbit, step: Floats) -> Floats:
         """The unknowns of an orbit after a step in scaled ones."""
-        to, (columns, lengths) = orbit.unknowns, self.moving(orbit)
+        to, (columns, lengths) = orbit.unknowns.copy(), self.moving(orbit)
         to[columns] += step * lengths
         return to
 
@@ -108,7 +107,7 @@ class Problem:
         """After how many points those of a cycle (n, d) repeat, within a distance."""
         n = len(x)
         divisors = (k for k in range(1, n) if n % k == 0)
-        return next((k for k in divisors if self.same(np.roll(x, -k, axis=0), x, within)), n)
+        return next((k for k in divisors if self.same(x[k:], x[:-k], within)), n)
 
     def same(self, one: Floats, other: Floats, within: float) -> bool:
         """Whether points (..., d) are equal, within a distance in scaled units."""
@@ -185,7 +184,7 @@ def solve(problem: Problem, start: SpaceOrbit) -> Solution:
 
     It has converged if the next step would be as short as rounding, or steps stop becoming shorter
     below the square root of that, and nothing but rounding is left of the equations. It is given up
-    where the next step would not be shorter (Deuflhard's natural monotonicity test).
+    before that where a step is not shorter than the last one.
     """
     if not start.is_defined:
         return Solution(start, False, 0)
@@ -197,9 +196,8 @@ def solve(problem: Problem, start: SpaceOrbit) -> Solution:
         if 0.0 in factors.diagonal().tolist():  # a branch point may solve them all the same
             return Solution(orbit, _is_met(problem, orbit, matrix, residual), count - 1)
         size = _largest(step)
-        if not size < CONTRACTS * before:
-            solved = before <= STALLED and _is_met(problem, orbit, matrix, residual)
-            return Solution(orbit, solved, count - 1)
+        if not size < max(before, STALLED):
+            return Solution(orbit, False, count - 1)
         orbit, shortened = _towards(problem, orbit, step)
         if not orbit.is_defined:
             break
@@ -208,7 +206,8 @@ def solve(problem: Problem, start: SpaceOrbit) -> Solution:
             before = math.inf
             continue
         ahead = _largest(dgetrs(factors, swaps, residual)[0])
-        if size <= ROUNDED * far or ahead <= SOLVED * far:
+        stalled = before <= STALLED and size >= 0.5 * before
+        if size <= ROUNDED * far or ahead <= SOLVED * far or stalled:
             solved = ahead <= ROUNDED or _is_met(problem, orbit, matrix, residual)
             return Solution(orbit, solved, count)
         before = size

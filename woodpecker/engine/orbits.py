@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import lru_cache
 from typing import Protocol
 
@@ -32,11 +32,11 @@ class SpaceOrbit:
     share: float  # s of the outer limit in a jump crossing; 0 for a cycle
     images: tuple[SpaceImage, ...]  # of the points, n of them
     outer: SpaceImage | None = None  # image of the last point beyond the border; None for a cycle
+    unknowns: Floats = field(init=False)  # (n d + k + 1,) all points, the parameters, the share
 
-    @property
-    def unknowns(self) -> Floats:
-        """(n d + k + 1,) all points, the parameters, the share."""
-        return np.concatenate((self.x.ravel(), self.p, (self.share,)))
+    def __post_init__(self) -> None:
+        unknowns = np.concatenate((self.x.ravel(), self.p, (self.share,)))
+        object.__setattr__(self, "unknowns", unknowns)
 
     @property
     def taken(self) -> tuple[SpaceImage, ...]:
@@ -344,7 +344,7 @@ def pulled_inside(guess: SpaceOrbit, last: SpaceOrbit) -> SpaceOrbit:
 def held_at(orbit: SpaceOrbit, column: int, value: float) -> SpaceOrbit:
     """An orbit one of whose unknowns is a value but for rounding, with just that value."""
     (n, d), k = orbit.x.shape, len(orbit.p)
-    at = orbit.unknowns
+    at = orbit.unknowns.copy()
     at[column] = value
     return replace(orbit, x=at[: n * d].reshape(n, d), p=at[n * d : n * d + k], share=float(at[-1]))
 
