@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import Image
 from woodpecker.slices.borders import is_square_root, limit, moved, strays
-from woodpecker.slices.margins import IN_X, depth, first_part, is_within, lowest_dip, reach
+from woodpecker.slices.margins import depth, first_part, is_within, lowest_dip, reach
 
 MOST_SAMPLES = 10_000  # samples of a piece: some tens are usual
 AHEAD = 1.1  # part of the way to a border that a step over it has: to first order it lies there
@@ -79,7 +79,7 @@ def _followed(here: Knot, to: float, p: float, settings: Settings, missing: Miss
         if there is None:
             break
         way = there.x - here.x
-        dip = lowest_dip(here.image, there.image, way, IN_X, IN_X)
+        dip = lowest_dip(here.image, there.image, way)
         if dip is None or not least < dip * abs(way) < abs(way) - least:
             dip = missing(here, there)
         if len(todo) + len(found) < MOST_SAMPLES and least < dip * abs(way) < abs(way) - least:
