@@ -13,9 +13,9 @@ from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import Image
 from woodpecker.slices.bracketing import bracketed
-from woodpecker.slices.extents import Knot
+from woodpecker.slices.extents import Knot, PieceExtent
 from woodpecker.slices.margins import is_within
-from woodpecker.slices.partition import Partition, PieceExtent
+from woodpecker.slices.partition import Partition
 
 DEEPEST = 60  # samples about a turning point, so many that they never end; a handful is usual
 TURNED = 1e-7  # part of the window: a rise so small from a turning point is none
@@ -137,11 +137,10 @@ def branches_of(partition: Partition, settings: Settings) -> Branches:
 
 def _parts(cylinder: PieceExtent, turned: float, p: float) -> Iterator[list[Knot]]:
     """Samples of the parts of a piece between its turning points, values ascending."""
-    if len(cylinder.x) < 2:
+    if cylinder[0].x == cylinder[-1].x:
         return
-    ends = [Knot(*each) for each in zip(cylinder.x, cylinder.images, strict=True)]
-    samples = [ends[0]]
-    for a, b in pairwise(ends):
+    samples = [cylinder[0]]
+    for a, b in pairwise(cylinder):
         samples += [*_about_turn(a, b, turned, p), b]
     rises = np.diff([sample.image.value for sample in samples])
     turns = (np.flatnonzero(rises[1:] * rises[:-1] < 0.0) + 1).tolist()
