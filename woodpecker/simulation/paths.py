@@ -17,6 +17,7 @@ from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import word
 
 PHASES = 12  # of one return that count as an evaluation: one of twice as many counts as two
+DERIVATIVES = slice(margins.PER_START, margins.PER_PARAMETER + 1)  # rows of the notes
 NAMES = ("the beak", "the lower sleeve", "the upper sleeve")  # contacts 1, 2, 3
 
 
@@ -151,7 +152,7 @@ class Follower:
             self._phases, self._steps, self._times, calls.NO_EVENTS, calls.NO_NOTES, self._work,
         )  # fmt: skip
         symbols, phases, _ = counts.tolist()
-        self.evaluations += max(1, phases // PHASES)
+        self.evaluations += phases // PHASES or 1
         codes = self._words[0, :symbols]
         text = self._texts.get(key := codes.tobytes())
         if text is None:
@@ -161,10 +162,11 @@ class Follower:
 
     def follow(self, path: Path, phi_s: float, times: Floats | None = None) -> Along | None:
         """The return from phi_S [rad] along a path, or None; ``times`` are those of a neighbour."""
-        self.evaluations += max(1, len(path.steps) // PHASES)
+        phases = len(path.steps)
+        self.evaluations += phases // PHASES or 1
         times = (path.times if times is None else times).copy()
-        if self._notes.shape[1] < margins.MOST * len(times):
-            self._notes = np.zeros((margins.NOTES, margins.MOST * len(times)))
+        if self._notes.shape[1] < margins.MOST * phases:
+            self._notes = np.zeros((margins.NOTES, margins.MOST * phases))
         code = calls.follow(
             self.numbers, self.change, path.steps, times, phi_s, self._notes, self._work
         )
@@ -174,8 +176,7 @@ class Follower:
         fall, _, end, _, _, _, period = self._end.tolist()
         slope, d_parameter = self._slopes.tolist()
         return Along(
-            end, period, -fall, slope, d_parameter, notes[margins.MARGIN],
-            notes[margins.PER_START : margins.PER_PARAMETER + 1].T,
+            end, period, -fall, slope, d_parameter, notes[margins.MARGIN], notes[DERIVATIVES].T,
             notes[margins.CAUSE].astype(np.int64), times,
         )  # fmt: skip
 

@@ -71,7 +71,8 @@ def reach_of(
         found = _followed(samples[-1], to, p, least, settings, missing)
         samples += found
         code = found[-1].code if found else NO_VALUE
-    samples[-1] = samples[-1]._replace(code=max(code, WITHIN))
+    x, image, _ = samples[-1]
+    samples[-1] = Knot(x, image, max(code, WITHIN))
     return samples
 
 
@@ -120,7 +121,7 @@ def _next(here: Knot, to: float, p: float, least: float, settings: Settings) -> 
         if root is not None and root.code == WITHIN:
             return root
         if root is not None:  # a piece that was met at a grazing may be continued the wrong way
-            return root._replace(image=root.image._replace(piece=here.image.piece))
+            return Knot(root.x, root.image._replace(piece=here.image.piece), root.code)
         to = here.x + RETRY * (to - here.x)
         if abs(to - here.x) < least:
             return None

@@ -135,6 +135,7 @@ class _Finder:
         self.pieces: list[PieceExtent] = []
         self.gaps: list[tuple[float, float]] = []
         scale = settings.x_scale
+        self._window, self._diagonal = settings.window, tuple(orders) == (1,)
         self._near, self._even = ASTRAY * scale, EVEN * scale
         self._nearest = settings.nearest * scale
         self._thin = THIN * settings.beside * scale
@@ -225,14 +226,14 @@ class _Finder:
 
     def _side(self, x: float, value: float) -> int:
         """On which side of all that is looked for a value lies; 0 if near."""
-        if math.isnan(value):
-            return NOWHERE
-        low, high = self.settings.window
-        if tuple(self.orders) == (1,):
-            low, high = x - self._near, x + self._near
-        return int(value > high) - int(value < low)
+        low, high = (x - self._near, x + self._near) if self._diagonal else self._window
+        if low <= value <= high:
+            return 0
+        return NOWHERE if math.isnan(value) else 1 if value > high else -1
 
     def _missing(self, here: Knot, there: Knot) -> float:
         """Where samples of a piece do not tell what lies between them, if it matters."""
-        sides = [self._side(each.x, each.image.value) for each in (here, there)]
-        return 0.0 if 0 != sides[0] == sides[1] else uneven(here, there, self._even)
+        side = self._side(here.x, here.image.value)
+        if side != 0 and side == self._side(there.x, there.image.value):
+            return 0.0
+        return uneven(here, there, self._even)
