@@ -153,7 +153,7 @@ class ToyMap:
         if not status.success:
             nowhere = ToyPiece(self, Path(status.value, NO_PATH, NO_TIMES))
             return _undefined(nowhere, status.value)
-        return _image(ToyPiece(self, path), follower, x, p)
+        return _image(self, path, follower, x, p)
 
     def ready(self, x: float, p: float) -> tuple[Follower, str]:
         """The follower, with the numbers of p; why the toy cannot start from there, or nothing."""
@@ -284,7 +284,7 @@ class ToyPiece(NamedTuple):
         follower, obstacle = self.whole.ready(x, p)
         if obstacle or not len(self.path.steps):
             return _undefined(self, obstacle or self.word)
-        return _image(self, follower, x, p)
+        return _image(self.whole, self.path, follower, x, p)
 
     def cause(self, code: int) -> str:
         """A sentence on what happens where a margin vanishes."""
@@ -302,18 +302,18 @@ def _undefined(piece: ToyPiece, reason: str) -> Image:
     return Image(math.nan, math.nan, math.nan, NO_MARGINS, NO_GRADIENTS, NO_CAUSES, piece, reason)
 
 
-def _image(piece: ToyPiece, follower: Follower, x: float, p: float) -> Image:
-    """The return along a piece with the numbers of p, which the follower has now."""
-    found = follower.follow(piece.path, x)
+def _image(map_: ToyMap, path: Path, follower: Follower, x: float, p: float) -> Image:
+    """The return along a path with the numbers of p, which the follower has now."""
+    found = follower.follow(path, x)
     if found is None or not math.isfinite(found.phi_s):
-        return _undefined(piece, TOO_FAR)
-    here = ToyPiece(piece.whole, Path(piece.path.word, piece.path.steps, found.times))
+        return _undefined(ToyPiece(map_, path), TOO_FAR)
     rate = found.d_parameter
     if p == 0.0 and math.isnan(rate):  # contacts that rest here bounce at any larger restitution
-        rate = _rate_from_above(piece.whole, x, found.phi_s)
+        rate = _rate_from_above(map_, x, found.phi_s)
+    piece = ToyPiece(map_, Path(path.word, path.steps, found.times))
     return Image(
-        found.phi_s, found.slope, rate, found.margins, found.gradients, found.causes, here
-    )  # fmt: skip
+        found.phi_s, found.slope, rate, found.margins, found.gradients, found.causes, piece
+    )
 
 
 def _rate_from_above(map_: ToyMap, x: float, value: float) -> float:

@@ -96,7 +96,7 @@ def main(fast: bool = False, out: Path | None = None) -> Results:
         "dips": [each._asdict() for each in dips],
         "ends": rims._asdict(),
         "mirror_error": float(np.max(np.abs(return_map(toy, swing).phi_s - mirror))),
-        "pieces": sum(piece.high - piece.low > WIDE for piece in pieces),
+        "pieces": sum(piece[-1].x - piece[0].x > WIDE for piece in pieces),
     }
 
 

@@ -32,7 +32,8 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.maps import Iterate
 from woodpecker.slices import Border, BorderKind, borders_in, crosses
-from woodpecker.slices.partition import Partition, PieceExtent, partition
+from woodpecker.slices.extents import PieceExtent
+from woodpecker.slices.partition import Partition, partition
 from woodpecker.slices.slices import slices_at
 
 POINT_A = (0.1119709145, -0.8847733440)  # eps_N1, phi_S [rad], with the sum
@@ -219,9 +220,9 @@ def panel(each: Scene, ax: Axes) -> None:
 
 def drawn(piece: PieceExtent, p: float) -> tuple[Floats, list[float]]:
     """A piece as a line: its samples are too far apart to be joined, so it is asked again."""
-    x = np.linspace(piece.low, piece.high, POINTS)
-    near = np.searchsorted(piece.x, x).clip(max=len(piece.x) - 1)
-    images = (piece.images[k].piece.at(a, p) for k, a in zip(near, x.tolist(), strict=True))
+    x = np.linspace(piece[0].x, piece[-1].x, POINTS)
+    near = np.searchsorted([knot.x for knot in piece], x).clip(max=len(piece) - 1)
+    images = (piece[k].image.piece.at(a, p) for k, a in zip(near, x.tolist(), strict=True))
     return x, [image.value for image in images]
 
 

@@ -53,7 +53,8 @@ def compute(
     The task is SEARCH (:func:`run`), FOLLOW (:func:`follow`) or SWEEP (:func:`sweep`); ``number``
     is the time to stop at, phi_S, or the order. ``starts`` of a sweep are (n, START_COLUMNS):
     start, five results, status and length of the word; ``words`` (n, event limit), of a search one
-    row; ``work`` (1,) a WORK. What a task does not take has length 0.
+    row; ``times`` takes the durations of the phases of a search; ``work`` (1,) a WORK. What a task
+    does not take has length 0.
     """
     return _carry_out(
         task, model, change, to_section, number, starts, words, phases, path, times, events, notes,
@@ -69,7 +70,9 @@ def _carry_out(
 ) -> int:  # fmt: skip
     """The same as a part: what only parts call is compiled once."""
     if task == SEARCH:
-        return search(model, to_section, number, words[0], phases, path, events, room)
+        status = search(model, to_section, number, words[0], phases, path, events, room)
+        _find_durations(phases, room, times)
+        return status
     if task == FOLLOW:
         return follow_path(model, change, path, times, number, notes, route)
     for n in range(len(starts)):
@@ -101,10 +104,8 @@ def _iterate(
         if status != RETURNED:
             slope = along = math.nan
             break
-        n = counts[1]
-        for k in range(n):
-            times[k] = (phases[k + 1, 6] if k + 1 < n else z[6]) - phases[k, 6]
-        taken = follow_path(model, change, path[:n], times, start, notes, route)
+        _find_durations(phases, room, times)
+        taken = follow_path(model, change, path[: counts[1]], times, start, notes, route)
         rate = route.tangents[0, 2] if taken == RETURNED else math.nan
         along = rate * along + route.tangents[1, 2]
         slope *= rate
@@ -113,6 +114,14 @@ def _iterate(
     row[OUT], row[OUT + 1], row[OUT + 2] = z[2], z[6], 0.0 - z[0]
     row[OUT + 3], row[OUT + 4] = slope, along
     row[STATUS], row[LENGTH] = status, min(counts[0], len(word))
+
+
+@part
+def _find_durations(phases: Floats, room: np.record, times: Floats) -> None:
+    """Durations of the phases of a search, as many as there is room for."""
+    n = room.counts[1]
+    for k in range(min(n, len(times))):
+        times[k] = (phases[k + 1, 6] if k + 1 < n else room.z[6]) - phases[k, 6]
 
 
 def make_work() -> Work:

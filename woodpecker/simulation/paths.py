@@ -17,6 +17,7 @@ from woodpecker.simulation.status import Status, status
 from woodpecker.simulation.words import word
 
 PHASES = 12  # of one return that count as an evaluation: one of twice as many counts as two
+DERIVATIVES = slice(margins.PER_START, margins.PER_PARAMETER + 1)  # rows of the notes
 NAMES = ("the beak", "the lower sleeve", "the upper sleeve")  # contacts 1, 2, 3
 
 
@@ -129,6 +130,7 @@ class Follower:
         self._words: Codes = np.zeros((1, EVENT_LIMIT), dtype=np.int16)
         self._phases = np.zeros((EVENT_LIMIT + 1, PHASE_COLUMNS))
         self._steps = np.zeros((EVENT_LIMIT + 1, STEP_COLUMNS), dtype=np.int64)
+        self._times = np.zeros(EVENT_LIMIT + 1)
         self._work = calls.make_work()
         room, route = self._work["room"], self._work["route"]
         self._z, self._states, self._counts = room["z"][0], room["states"][0], room["counts"][0]
@@ -147,27 +149,24 @@ class Follower:
         z[1], z[2] = -self.numbers[CONTACT + 1, LIMIT], phi_s
         code = calls.compute(
             calls.SEARCH, self.numbers, self.change, True, math.inf, calls.NO_STARTS, self._words,
-            self._phases, self._steps, calls.NO_TIMES, calls.NO_EVENTS, calls.NO_NOTES, self._work,
+            self._phases, self._steps, self._times, calls.NO_EVENTS, calls.NO_NOTES, self._work,
         )  # fmt: skip
         symbols, phases, _ = counts.tolist()
-        self.evaluations += max(1, phases // PHASES)
-        times, starts = np.empty(phases), self._phases[:phases, 6]
-        if phases:  # none if it is not decided how the first one begins
-            times[:-1] = starts[1:] - starts[:-1]
-            times[-1] = z[6] - starts[-1]
+        self.evaluations += phases // PHASES or 1
         codes = self._words[0, :symbols]
         text = self._texts.get(key := codes.tobytes())
         if text is None:
             text = self._texts[key] = word(codes.tolist())
-        path = _shortened(Path(text, self._steps[:phases].copy(), times))
+        path = _shortened(Path(text, self._steps[:phases].copy(), self._times[:phases].copy()))
         return status(code), path, float(z[2]) if code == RETURNED else math.nan
 
     def follow(self, path: Path, phi_s: float, times: Floats | None = None) -> Along | None:
         """The return from phi_S [rad] along a path, or None; ``times`` are those of a neighbour."""
-        self.evaluations += max(1, len(path.steps) // PHASES)
+        phases = len(path.steps)
+        self.evaluations += phases // PHASES or 1
         times = (path.times if times is None else times).copy()
-        if self._notes.shape[1] < margins.MOST * len(times):
-            self._notes = np.zeros((margins.NOTES, margins.MOST * len(times)))
+        if self._notes.shape[1] < margins.MOST * phases:
+            self._notes = np.zeros((margins.NOTES, margins.MOST * phases))
         code = calls.follow(
             self.numbers, self.change, path.steps, times, phi_s, self._notes, self._work
         )
@@ -177,8 +176,7 @@ class Follower:
         fall, _, end, _, _, _, period = self._end.tolist()
         slope, d_parameter = self._slopes.tolist()
         return Along(
-            end, period, -fall, slope, d_parameter, notes[margins.MARGIN],
-            notes[margins.PER_START : margins.PER_PARAMETER + 1].T,
+            end, period, -fall, slope, d_parameter, notes[margins.MARGIN], notes[DERIVATIVES].T,
             notes[margins.CAUSE].astype(np.int64), times,
         )  # fmt: skip
 
@@ -186,12 +184,14 @@ class Follower:
 def _shortened(path: Path) -> Path:
     """A path with only the first of equal bounces that accumulate, however many."""
     steps = path.steps
+    last = [k - 1 for k in steps[:, CLOSED].nonzero()[0].tolist()]
+    last = [k for k in last if following.bounce_repeats(steps, k)]
+    if not last:
+        return path
     kept = np.ones(len(steps), dtype=bool)
     same = (steps[1:] == steps[:-1]).all(axis=1)
-    for last in (np.flatnonzero(steps[:, CLOSED]) - 1).tolist():
-        if following.bounce_repeats(steps, last):
-            k = last
-            while k > 0 and same[k - 1]:
-                kept[k] = False
-                k -= 1
-    return Path(path.word, steps[kept], path.times[kept]) if not kept.all() else path
+    for k in last:
+        while k > 0 and same[k - 1]:
+            kept[k] = False
+            k -= 1
+    return Path(path.word, steps[kept], path.times[kept])

@@ -4,12 +4,19 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import Image
 from woodpecker.slices.borders import is_square_root, limit, moved, strays
-from woodpecker.slices.margins import IN_X, depth, first_part, is_within, lowest_dip, reach
+from woodpecker.slices.margins import (
+    depth,
+    first_part,
+    is_within,
+    lowest_dip,
+    margin_in_x,
+    reach,
+)
 
 MOST_SAMPLES = 10_000  # samples of a piece: some tens are usual
 AHEAD = 1.1  # part of the way to a border that a step over it has: to first order it lies there
@@ -27,8 +34,7 @@ OTHER_WAY = "the piece goes another way"
 WITHIN, NO_VALUE = -1, -2  # instead of a margin that vanishes
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Knot:
+class Knot(NamedTuple):
     """A point at which a piece was evaluated; between such points it is interpolated.
 
     ``code`` is the margin that vanishes there, or WITHIN, or NO_VALUE beyond it.
@@ -38,6 +44,9 @@ class Knot:
     image: Image
     code: int = WITHIN
 
+
+PieceExtent = tuple[Knot, ...]
+"""Samples of a piece in ascending order, from end to end: their codes say why it ends there."""
 
 Missing = Callable[[Knot, Knot], float]
 
@@ -51,40 +60,43 @@ def reach_of(
     The last one has the code of the margin; -1 at the limit, or if there is no value further on.
     ``missing`` says where a sample is missing between two, as a part of the way; 0 if none is.
     """
-    samples, code = [Knot(x, image)], WITHIN
-    longest = settings.max_step * settings.x_scale
-    least = settings.nearest * settings.x_scale
+    samples, code, scale = [Knot(x, image)], WITHIN, settings.x_scale
+    longest, least = settings.max_step * scale, settings.nearest * scale
     while samples[-1].x != limit and code == WITHIN and len(samples) < MOST_SAMPLES:
         ahead, code = reach(samples[-1].image, side)
         if ahead <= 0.0:
             break
         to = samples[-1].x + side * min(longest, AHEAD * ahead + least)
         to = limit if side * (to - limit) >= 0.0 else to
-        found = _followed(samples[-1], to, p, settings, missing)
+        found = _followed(samples[-1], to, p, least, settings, missing)
         samples += found
         code = found[-1].code if found else NO_VALUE
-    samples[-1] = Knot(samples[-1].x, samples[-1].image, max(code, WITHIN))
+    x, image, _ = samples[-1]
+    samples[-1] = Knot(x, image, max(code, WITHIN))
     return samples
 
 
-def _followed(here: Knot, to: float, p: float, settings: Settings, missing: Missing) -> list[Knot]:
+def _followed(
+    here: Knot, to: float, p: float, least: float, settings: Settings, missing: Missing
+) -> list[Knot]:
     """Samples from a point on, to another or to where the first margin vanishes; none if lost.
 
     Where a margin may dip to zero between two of them there is another one.
     """
-    found, least = list[Knot](), settings.nearest * settings.x_scale
-    todo = [_next(here, to, p, settings)]  # the farthest first
+    found = list[Knot]()
+    todo = [_next(here, to, p, least, settings)]  # the farthest first
     while todo:  # each pass keeps a sample or puts one before it, of so many
         there = todo[-1]
         if there is None:
             break
         way = there.x - here.x
-        dip = lowest_dip(here.image, there.image, way, IN_X, IN_X)
-        if dip is None or not least < dip * abs(way) < abs(way) - least:
+        longest = abs(way) - least
+        dip = lowest_dip(here.image, there.image, way)
+        if dip is None or not least < dip * abs(way) < longest:
             dip = missing(here, there)
-        if len(todo) + len(found) < MOST_SAMPLES and least < dip * abs(way) < abs(way) - least:
+        if least < dip * abs(way) < longest and len(todo) + len(found) < MOST_SAMPLES:
             at = here.x + dip * way
-            between = _next(here, at, p, settings)
+            between = _next(here, at, p, least, settings)
             if between is None or between.x != at or between.code != WITHIN:
                 todo.clear()
             todo.append(between)
@@ -95,38 +107,43 @@ def _followed(here: Knot, to: float, p: float, settings: Settings, missing: Miss
     return found
 
 
-def _next(here: Knot, to: float, p: float, settings: Settings) -> Knot | None:
+def _next(here: Knot, to: float, p: float, least: float, settings: Settings) -> Knot | None:
     """The sample at a point if the piece reaches it, or where it ends before; None if it is lost.
 
     Where it ends may not be clear at once; a shorter step is taken then.
     """
-    while True:  # the step becomes shorter, down to ``nearest``
+    while True:  # the step becomes shorter, down to the least
         there = Knot(to, here.image.piece.at(to, p))
         if is_within(there.image):
             return there
-        root = _first_root(here, _continued(here, to, p, settings, there.image), p, settings)
+        there = _unless_astray(here, there, settings)
+        root = _first_root(here, there, p, least, settings)
         if root is not None and root.code == WITHIN:
             return root
         if root is not None:  # a piece that was met at a grazing may be continued the wrong way
-            return replace(root, image=root.image._replace(piece=here.image.piece))
+            return Knot(root.x, root.image._replace(piece=here.image.piece), root.code)
         to = here.x + RETRY * (to - here.x)
-        if abs(to - here.x) < settings.nearest * settings.x_scale:
+        if abs(to - here.x) < least:
             return None
 
 
-def _continued(
-    here: Knot, x: float, p: float, settings: Settings, image: Image | None = None
-) -> Knot:
-    """A piece at another point, or its image there; it has no value if it went another way."""
-    there = here.image.piece.at(x, p) if image is None else image
-    other = not there.reason and strays(here.image, there, x - here.x, settings)
-    return Knot(x, there._replace(reason=OTHER_WAY) if other else there)
+def _continued(here: Knot, x: float, p: float, settings: Settings) -> Knot:
+    """A piece at another point; it has no value if it went another way."""
+    return _unless_astray(here, Knot(x, here.image.piece.at(x, p)), settings)
+
+
+def _unless_astray(here: Knot, there: Knot, settings: Settings) -> Knot:
+    if there.image.reason or not strays(here.image, there.image, there.x - here.x, settings):
+        return there
+    return Knot(there.x, there.image._replace(reason=OTHER_WAY))
 
 
 # --- Where a margin vanishes ----------------------------------------------------------------------
 
 
-def _first_root(low: Knot, high: Knot, p: float, settings: Settings) -> Knot | None:
+def _first_root(
+    low: Knot, high: Knot, p: float, tolerance: float, settings: Settings
+) -> Knot | None:
     """Where between two points the first margin vanishes, or as far as none does; None if unclear.
 
     Each margin that is negative at the far end is a cubic in between; the point where the first of
@@ -134,7 +151,6 @@ def _first_root(low: Knot, high: Knot, p: float, settings: Settings) -> Knot | N
     is approached from inside.
     """
     before, left, inside = low, 1.0, 0
-    tolerance = settings.nearest * settings.x_scale
     for k in range(ROOT_STEPS):
         way = high.x - low.x
         ahead, code = reach(low.image, math.copysign(1.0, way))
@@ -151,18 +167,18 @@ def _first_root(low: Knot, high: Knot, p: float, settings: Settings) -> Knot | N
         if lost and ahead >= 1.0:
             part = 0.5 if k > 0 else SPLIT
         elif lost:
-            part = _short_of(before, low, code, way, left, settings)
+            part = _short_of(before, low, code, way, left, tolerance)
         else:
             part, first = first_part(low.image, high.image, way)
             if first < 0:
                 return None
-            if ahead < SPLIT or (ahead < 1.0 and not high.image.margin(code) < 0.0):
+            if ahead < SPLIT or (ahead < 1.0 and not margin_in_x(high.image, code)[0] < 0.0):
                 part = ahead
             else:
                 code = first
         trial = low.x + (part if k < STRAYED or k % 3 < 2 else 0.5) * way
         for end in (high, low):
-            if abs(trial - end.x) <= tolerance and not math.isnan(end.image.margin(code)):
+            if abs(trial - end.x) <= tolerance and not math.isnan(margin_in_x(end.image, code)[0]):
                 if math.isnan(end.image.value):
                     continue  # it is approached from inside
                 if depth(end.image, code) >= -BOTH * tolerance:
@@ -196,7 +212,7 @@ def _at_end(before: Knot, low: Knot, way: float, code: int) -> Knot:
 
 
 def _short_of(
-    before: Knot, low: Knot, code: int, way: float, left: float, settings: Settings
+    before: Knot, low: Knot, code: int, way: float, left: float, tolerance: float
 ) -> float:
     """A point short of the one where a margin vanishes and the piece is lost, as a part of the way.
 
@@ -204,18 +220,18 @@ def _short_of(
     straight line says how much of the way is left.
     """
     side = math.copysign(1.0, way)
-    h, slope = low.image.margin(code), side * float(low.image.gradient(code)[0])
+    h, rate = margin_in_x(low.image, code)
+    slope = side * rate
     straight = distance = -h / slope
     short = SHORT
     run = side * (low.x - before.x)
-    slope_before = side * float(before.image.gradient(code)[0])
+    slope_before = side * margin_in_x(before.image, code)[1]
     if run > 0.0 and math.isfinite(slope_before):
         square = slope * slope - 2.0 * h * (slope - slope_before) / run
         if square > 0.0:
             distance = 2.0 * h / (math.sqrt(square) - slope)
             short = min(short, SAFETY * (distance / straight - 1.0) ** 2)
-    least = settings.nearest * settings.x_scale / SAFETY
-    short = min(0.5, left * max(short, least / distance))
+    short = min(0.5, left * max(short, tolerance / (SAFETY * distance)))
     return min(0.5 if distance >= abs(way) else 1.0, distance / abs(way)) * (1.0 - short)
 
 

@@ -39,6 +39,9 @@ BISECTIONS = 24
 INTERIOR, ZOOMS = 16, 4
 
 
+Guess = tuple[Ints, Floats]
+"""Branches (n,) and points (n,) of a cycle."""
+
 Wanted = Callable[[Border, int, float], bool]
 """Whether an orbit matters that leads to a border, of so many points, and starts about at one."""
 
@@ -61,6 +64,17 @@ class _Cylinders:
         )  # fmt: skip
 
 
+def _by_cycle(guesses: list[Guess]) -> Iterator[list[list[Guess]]]:
+    """Guesses whose branches follow each other in the same circle: by those they begin with."""
+    circles: dict[tuple[int, ...], dict[tuple[int, ...], list[Guess]]] = {}
+    for guess in guesses:
+        key = tuple(guess[0].tolist())
+        circle = min(key[k:] + key[:k] for k in range(len(key)))
+        circles.setdefault(circle, {}).setdefault(key, []).append(guess)
+    for each in circles.values():
+        yield sorted(each.values(), key=len, reverse=True)
+
+
 class Itineraries:
     """Orbits of P_1 at one parameter that stay in the window of a partition.
 
@@ -75,16 +89,27 @@ class Itineraries:
         self._cylinders = [self._first()]
 
     def cycles(self, order: int) -> list[Orbit]:
-        """Cycles of P_order, those of lower periods among them, one for each of their points."""
+        """Cycles of P_order, those of lower periods among them; some from several points."""
         if not len(self.branches):  # no orbit stays in the window
             return []
         found = list[Orbit]()
-        for branches, x in [*self._sure(order), *self._perhaps(order)]:
+        for guesses in _by_cycle([*self._sure(order), *self._perhaps(order)]):
+            for same in guesses:  # each cycle is guessed from all of its points: one will do
+                orbits = self._different(same)
+                found += orbits
+                if len(orbits) == len(same):
+                    break
+        return found
+
+    def _different(self, guesses: list[Guess]) -> list[Orbit]:
+        """Cycles to which guesses lead, each once."""
+        found, same = list[Orbit](), self.settings.same * self.settings.x_scale
+        for branches, x in guesses:
             if self._allowed.spent:
                 self.left = True
                 break
             orbit = self._solved(branches, x)
-            if orbit is not None:
+            if orbit is not None and all(np.abs(orbit.x - e.x).max() > same for e in found):
                 found.append(orbit)
         return found
 
@@ -161,7 +186,7 @@ class Itineraries:
 
     # --- Guesses ----------------------------------------------------------------------------------
 
-    def _sure(self, order: int) -> Iterator[tuple[Ints, Floats]]:
+    def _sure(self, order: int) -> Iterator[Guess]:
         """Where P_order changes its side of the diagonal."""
         found = self._of(order)
         rising = found.at_high > found.at_low
@@ -172,7 +197,7 @@ class Itineraries:
         yield from self._roots(parts)
         yield from beside
 
-    def _perhaps(self, order: int) -> Iterator[tuple[Ints, Floats]]:
+    def _perhaps(self, order: int) -> Iterator[Guess]:
         """Where more cycles may be: right beside a piece, whose ends are interpolated."""
         found = self._of(order)
         gaps = found.at_low - found.low, found.at_high - found.high
@@ -239,7 +264,7 @@ class Itineraries:
             y = points[:, i] = self.branches.inverse(branches[:, i], y)
         return points
 
-    def _roots(self, found: _Cylinders) -> Iterator[tuple[Ints, Floats]]:
+    def _roots(self, found: _Cylinders) -> Iterator[Guess]:
         """Cycles in cylinders at whose ends P_j lies on different sides of the diagonal."""
         a, b = found.at_low.copy(), found.at_high.copy()  # values between which the cycle lies
         below = found.low < found.at_low
@@ -259,7 +284,7 @@ class Itineraries:
             if np.isfinite(orbit).all():
                 yield found.branches[k], orbit
 
-    def _halves(self, found: _Cylinders) -> tuple[_Cylinders, list[tuple[Ints, Floats]]]:
+    def _halves(self, found: _Cylinders) -> tuple[_Cylinders, list[Guess]]:
         """Parts of increasing cylinders between which P_j changes its side of the diagonal.
 
         Where none shows, the neighbourhood of the point nearest to the diagonal is looked at. If it

@@ -15,7 +15,8 @@ from woodpecker.base.compiled import jit, part
 from woodpecker.engine.ends import WORTH
 from woodpecker.maps.pieces import Image
 
-REACH, NEAREST, DEPTH, DIP, FIRST = range(5)  # tasks
+REACH, NEAREST, DEPTH = range(3)  # which margin of an image is asked for
+DIP, FIRST = range(2)  # and which of two
 FAR = 2.0**52  # a distance that is infinite for all purposes: added to one of 1, that is lost
 FLAT = 1e-200  # a slope of a margin that is zero for all purposes: what divides by it is infinite
 CUBIC_STEPS = 60  # of Newton's method: a handful, or halvings down to rounding
@@ -23,7 +24,6 @@ ROUNDED_PART = 1e-15  # a place in (0, 1) is not known better
 # Times a margin's change over a step and its slope at the other end: a larger slope at one end is
 # that beside a square root.
 BESIDE_ROOT = 10.0
-IN_X = np.array([1.0, 0.0])  # the direction of x, in (x, p)
 
 
 def reach(image: Image, side: float) -> tuple[float, int]:
@@ -45,103 +45,58 @@ def depth(image: Image, ignored: int = -1) -> float:
     return _of_one(DEPTH, image, 1.0, ignored)[0]
 
 
+def margin_in_x(image: Image, code: int) -> tuple[float, float]:
+    """The margin of a code and its slope in x; nan if the image has none."""
+    return _margin(code, image.margins, np.asfortranarray(image.gradients), image.causes)
+
+
 def is_within(image: Image) -> bool:
     """Whether there is a value, and no margin is negative."""
     margins = image.margins
     return not image.reason and (not len(margins) or bool(margins[margins.argmin()] >= 0.0))
 
 
-def lowest_dip(
-    here: Image, there: Image, step: float, along: Floats, along_there: Floats
-) -> float | None:
+def lowest_dip(here: Image, there: Image, way: float) -> float | None:
     """Where between two points inside a margin may come closest to zero, as a part of the way.
 
     A margin that falls at the first and rises at the second is a cubic, or, beside a square root, a
     parabola in the root of the distance; so is the middle looked at if a margin that only one of
     them has leads below zero.
     """
-    part, found = _of_two(DIP, here, there, step, along, along_there)
+    part, found = _of_two(DIP, here, there, way)
     return part if found >= 0 else None
 
 
-def first_part(here: Image, there: Image, step: float) -> tuple[float, int]:
+def first_part(here: Image, there: Image, way: float) -> tuple[float, int]:
     """Where, as a part of the way, the first margin vanishes that is negative at the second point.
 
     And which one it is; -1 if none is clear.
     """
-    return _of_two(FIRST, here, there, step, IN_X, IN_X)
+    return _of_two(FIRST, here, there, way)
 
 
 def _of_one(task: int, image: Image, side: float, ignored: int = -1) -> tuple[float, int]:
-    found = np.empty(1)
-    a, g, c = image.margins, np.asfortranarray(image.gradients), image.causes
-    code = _margins(task, ignored, side, a, g, c, a, g, c, IN_X, IN_X, found, WORTH, BESIDE_ROOT)
-    return found.item(), code
+    slopes = np.asfortranarray(image.gradients)
+    return _nearest(task, ignored, side, image.margins, slopes, image.causes)
 
 
-def _of_two(
-    task: int, here: Image, there: Image, step: float, along: Floats, along_there: Floats
-) -> tuple[float, int]:
-    found = np.empty(1)
-    code = _margins(
-        task, -1, step, here.margins, np.asfortranarray(here.gradients), here.causes,
-        there.margins, np.asfortranarray(there.gradients), there.causes, along, along_there, found,
-        WORTH, BESIDE_ROOT,
+def _of_two(task: int, here: Image, there: Image, way: float) -> tuple[float, int]:
+    return _between(
+        task, way, here.margins, np.asfortranarray(here.gradients), here.causes,
+        there.margins, np.asfortranarray(there.gradients), there.causes,
     )  # fmt: skip
-    return found.item(), code
 
 
 @jit
-def _margins(
-    task: int, code: int, step: float, a: Floats, slopes: Floats, causes: Ints, b: Floats,
-    slopes_there: Floats, causes_there: Ints, along: Floats, along_there: Floats, found: Floats,
-    worth: float, bent: float,
-) -> int:  # fmt: skip
-    """Go through the margins of one image, or of two: which one it is about; -1 if there is none.
-
-    REACH, NEAREST, DEPTH (but for the margin ``code``) are of the first image, to the side
-    ``step``; DIP, FIRST of both, ``step`` apart along (x, p). Margins (m,) and (m, 2) gradients
-    have ascending codes ``causes``; ``found`` (1,) takes the distance, or the part of the way.
-    ``worth``, ``bent`` are WORTH and BESIDE_ROOT: arguments, for code cached on disk has old ones.
-    """
-    if task <= DEPTH:
-        return _nearest(task, code, step, a, slopes, causes, found)
-    i, j, best, which = 0, 0, 1.0 if task == FIRST else 0.0, -1
-    while i < len(a) or j < len(b):
-        here = i < len(a) and (j >= len(b) or causes[i] <= causes_there[j])
-        there = j < len(b) and (i >= len(a) or causes_there[j] <= causes[i])
-        x, y, dx, dy, cause = math.nan, math.nan, math.nan, math.nan, -1
-        if here:
-            x, cause = a[i], causes[i]
-            dx = step * (slopes[i, 0] * along[0] + slopes[i, 1] * along[1])
-            i += 1
-        if there:
-            y, cause = b[j], causes_there[j]
-            dy = step * (slopes_there[j, 0] * along_there[0] + slopes_there[j, 1] * along_there[1])
-            j += 1
-        if task == FIRST:
-            s = _vanishes(x, dx, y, dy) if there and y < 0.0 else 2.0
-            if s <= best:
-                best, which = s, cause
-        elif here and there:
-            s, below = _dip(x, dx, y, dy, worth, bent)
-            if below < best:
-                best, which, found[0] = below, cause, s
-        elif (here and x > 0.0 and x + dx < 0.0) or (there and y > 0.0 and y - dy < 0.0):
-            found[0] = 0.5
-            return cause
-    if task == FIRST:
-        found[0] = best
-    return which
-
-
-@part
 def _nearest(
-    task: int, ignored: int, side: float, margins: Floats, slopes: Floats, causes: Ints,
-    found: Floats,
-) -> int:  # fmt: skip
-    """The margin that vanishes nearest to a point, to first order."""
-    found[0], which = math.inf, -1
+    task: int, ignored: int, side: float, margins: Floats, slopes: Floats, causes: Ints
+) -> tuple[float, int]:
+    """How far the margin is that vanishes nearest to a point, to first order, and which; or -1.
+
+    REACH and NEAREST are of margins (m,) that fall to the side, DEPTH is of all but one. They have
+    gradients (m, 2) in x and the parameter, and codes (m,).
+    """
+    nearest, which = math.inf, -1
     for k in range(len(margins)):
         rate = side * slopes[k, 0]
         away = math.inf
@@ -154,9 +109,50 @@ def _nearest(
                 away = -math.inf
         elif rate < -FLAT:
             away = abs(margins[k] / rate) if task == NEAREST else -margins[k] / rate
-        if away < found[0]:
-            found[0], which = away, causes[k]
-    return which
+        if away < nearest:
+            nearest, which = away, causes[k]
+    return nearest, which
+
+
+@jit
+def _margin(code: int, margins: Floats, slopes: Floats, causes: Ints) -> tuple[float, float]:
+    for k in range(len(margins)):
+        if causes[k] == code:
+            return margins[k], slopes[k, 0]
+    return math.nan, math.nan
+
+
+@jit
+def _between(
+    task: int, way: float, a: Floats, slopes: Floats, causes: Ints, b: Floats,
+    slopes_there: Floats, causes_there: Ints,
+) -> tuple[float, int]:  # fmt: skip
+    """Where between two points a margin dips or vanishes, as a part of the way, and which; or -1.
+
+    Margins (m,) and gradients (m, 2) have ascending codes (m,).
+    """
+    i, j, best, part, which = 0, 0, 1.0 if task == FIRST else 0.0, 1.0, -1
+    while i < len(a) or j < len(b):
+        here = i < len(a) and (j >= len(b) or causes[i] <= causes_there[j])
+        there = j < len(b) and (i >= len(a) or causes_there[j] <= causes[i])
+        x, y, dx, dy, cause = math.nan, math.nan, math.nan, math.nan, -1
+        if here:
+            x, dx, cause = a[i], way * slopes[i, 0], causes[i]
+            i += 1
+        if there:
+            y, dy, cause = b[j], way * slopes_there[j, 0], causes_there[j]
+            j += 1
+        if task == FIRST:
+            s = _vanishes(x, dx, y, dy) if there and y < 0.0 else 2.0
+            if s <= best:
+                best, part, which = s, s, cause
+        elif here and there:
+            s, below = _dip(x, dx, y, dy)
+            if below < best:
+                best, part, which = below, s, cause
+        elif (here and x > 0.0 and x + dx < 0.0) or (there and y > 0.0 and y - dy < 0.0):
+            return 0.5, cause
+    return part, which
 
 
 @part
@@ -188,14 +184,12 @@ def _vanishes(a: float, da: float, b: float, db: float) -> float:
 
 
 @part
-def _dip(
-    a: float, da: float, b: float, db: float, worth: float, bent: float
-) -> tuple[float, float]:
+def _dip(a: float, da: float, b: float, db: float) -> tuple[float, float]:
     """Where on the way a margin is least, and how far below what is worth a look."""
-    worth *= min(a, b)
+    worth = WORTH * min(a, b)
     c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
     slow, fast = min(abs(da), abs(db)), max(abs(da), abs(db))
-    if fast > bent * (abs(b - a) + slow):  # that of a square root: a parabola in its argument
+    if fast > BESIDE_ROOT * (abs(b - a) + slow):  # a square root: a parabola in it
         near, rate, far = (a, 2.0 * da, b) if fast == abs(db) else (b, -2.0 * db, a)
         bend = far - near - rate
         u = min(1.0, -rate / (2.0 * bend)) if bend > 0.0 > rate else 1.0

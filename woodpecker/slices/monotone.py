@@ -3,21 +3,23 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
-from woodpecker.base.arrays import Bools, Floats, Ints
+from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.compiled import jit, part
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import Image
 from woodpecker.slices.bracketing import bracketed
-from woodpecker.slices.extents import Knot
+from woodpecker.slices.extents import Knot, PieceExtent
 from woodpecker.slices.margins import is_within
-from woodpecker.slices.partition import Partition, PieceExtent
+from woodpecker.slices.partition import Partition
 
 DEEPEST = 60  # samples about a turning point, so many that they never end; a handful is usual
+FORWARD, INVERSE = range(2)  # what is asked of a branch
 TURNED = 1e-7  # part of the window: a rise so small from a turning point is none
 
 
@@ -48,54 +50,33 @@ class Branches:
         """Largest values (n,)."""
         return self.y[self.last]
 
-    def below(self, k: Ints, y: Floats) -> Ints:
-        """The last samples of branches k (n,) whose values are at most y (n,)."""
-        return self._found(k, lambda middle: self.y[middle] <= y)
-
     def inverse(self, k: Ints, y: Floats) -> Floats:
         """Where branches k (n,) take values y (n,)."""
-        low = self.below(k, y)
-        y0, y1, x0, x1 = self.y[low], self.y[low + 1], self.x[low], self.x[low + 1]
-        run = y1 - y0
-        with np.errstate(divide="ignore", invalid="ignore"):
-            s = np.clip((y - y0) / run, 0.0, 1.0)
-            straight = x0 + s * (x1 - x0)
-            rates = run / self.slope[low], run / self.slope[low + 1]
-            bent = _cubic(s, x0, x1, *rates)
-        inside = (np.minimum(x0, x1) <= bent) & (bent <= np.maximum(x0, x1))
-        found: Floats = np.where(inside, bent, np.where(run > 0.0, straight, 0.5 * (x0 + x1)))
-        return found
+        return self._interpolated(INVERSE, k, y)
 
     def forward(self, k: Ints, x: Floats) -> Floats:
         """Values of branches k (n,) at x (n,)."""
-        rising = self.x[self.last[k]] > self.x[self.first[k]]
-        low = self._found(k, lambda i: np.where(rising, self.x[i] <= x, self.x[i] >= x))
-        x0, run = self.x[low], self.x[low + 1] - self.x[low]
-        y0, y1 = self.y[low], self.y[low + 1]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            s = np.where(run != 0.0, np.clip((x - x0) / run, 0.0, 1.0), 0.0)
-            rates = run * self.slope[low], run * self.slope[low + 1]
-            found: Floats = _cubic(s, y0, y1, *rates)
-            found = np.where(np.isinf(rates[0]), _root(s, y0, y1, rates[1]), found)
-            found = np.where(np.isinf(rates[1]), _root(1.0 - s, y1, y0, -rates[0]), found)
-            return np.where(np.isnan(found), y0 + s * (y1 - y0), found)
+        return self._interpolated(FORWARD, k, x)
 
-    def _found(self, k: Ints, is_before: Callable[[Ints], Bools]) -> Ints:
-        """The last samples of branches k (n,), but for the very last, that lie before something."""
-        low, high = self.first[k], self.last[k] - 1
-        while (low < high).any():
-            middle = (low + high + 1) // 2
-            before = is_before(middle)
-            low, high = np.where(before, middle, low), np.where(before, high, middle - 1)
-        return low
+    def _interpolated(self, task: int, k: Ints, at: Floats) -> Floats:
+        found = np.empty(len(k))
+        _interpolate(task, self.first, self.last, self.x, self.y, self.slope, k, at, found)
+        return found
+
+    def _below(self, k: int, y: float) -> int:
+        """The last sample of a branch, but for the very last, whose value is at most y."""
+        first, last = int(self.first[k]), int(self.last[k])
+        return min(
+            max(first + int(self.y[first : last + 1].searchsorted(y, "right")) - 1, first), last - 1
+        )
 
     def image(self, k: int, y: float) -> Image:
         """The sample of a branch nearest below a value."""
-        return self.images[int(self.below(np.array([k]), np.array([y]))[0])]
+        return self.images[self._below(k, y)]
 
     def exact(self, k: int, y: float, p: float) -> tuple[float, Image] | None:
         """Where the branch itself takes a value."""
-        i = int(self.below(np.array([k]), np.array([y]))[0])
+        i = self._below(k, y)
         if not self.y[i] <= y <= self.y[i + 1]:
             i = i if y < self.y[i] else i + 1
             return float(self.x[i]), self.images[i]
@@ -106,22 +87,69 @@ class Branches:
         )  # fmt: skip
 
 
-def _cubic(s: Floats, y0: Floats, y1: Floats, rate0: Floats, rate1: Floats) -> Floats:
-    """Cubics with given values and slopes at 0 and 1."""
+@jit
+def _interpolate(
+    task: int, first: Ints, last: Ints, xs: Floats, ys: Floats, slopes: Floats, k: Ints,
+    at: Floats, found: Floats,
+) -> None:  # fmt: skip
+    """Values of branches k (n,) at some points (n,), or, INVERSE, where they take values."""
+    for n in range(len(k)):
+        low, high, rising = first[k[n]], last[k[n]] - 1, xs[last[k[n]]] > xs[first[k[n]]]
+        while low < high:
+            middle = (low + high + 1) // 2
+            if task == INVERSE:
+                before = ys[middle] <= at[n]
+            else:
+                before = xs[middle] <= at[n] if rising else xs[middle] >= at[n]
+            low, high = (middle, high) if before else (low, middle - 1)
+        x, run, y, rise = xs[low], xs[low + 1] - xs[low], ys[low], ys[low + 1] - ys[low]
+        if task == INVERSE:
+            found[n] = _x_of(at[n], x, run, y, rise, slopes[low], slopes[low + 1])
+        else:
+            found[n] = _y_of(at[n], x, run, y, rise, slopes[low], slopes[low + 1])
+
+
+@part
+def _x_of(
+    at: float, x: float, run: float, y: float, rise: float, slope: float, slope_there: float
+) -> float:
+    """Where the interpolant from (x, y) to (x + run, y + rise) takes a value."""
+    if not rise > 0.0:
+        return x + 0.5 * run
+    s = min(max((at - y) / rise, 0.0), 1.0)
+    bent = _cubic(s, x, x + run, rise / slope, rise / slope_there)
+    return bent if min(x, x + run) <= bent <= max(x, x + run) else x + s * run
+
+
+@part
+def _y_of(
+    at: float, x: float, run: float, y: float, rise: float, slope: float, slope_there: float
+) -> float:
+    """Its value at a point."""
+    s = min(max((at - x) / run, 0.0), 1.0) if run != 0.0 else 0.0
+    rate, rate_there = run * slope, run * slope_there
+    if math.isinf(rate_there):
+        found = _root(1.0 - s, y + rise, y, -rate)
+    elif math.isinf(rate):
+        found = _root(s, y, y + rise, rate_there)
+    else:
+        found = _cubic(s, y, y + rise, rate, rate_there)
+    return y + s * rise if math.isnan(found) else found
+
+
+@part
+def _cubic(s: float, y0: float, y1: float, rate0: float, rate1: float) -> float:
+    """The cubic with given values and slopes at 0 and 1."""
     t = 1.0 - s
-    found: Floats = (
-        (1.0 + 2.0 * s) * t * t * y0 + s * s * (3.0 - 2.0 * s) * y1
-        + s * t * (t * rate0 - s * rate1)
-    )  # fmt: skip
-    return found
+    ends = (1.0 + 2.0 * s) * t * t * y0 + s * s * (3.0 - 2.0 * s) * y1
+    return ends + s * t * (t * rate0 - s * rate1)
 
 
-def _root(s: Floats, y0: Floats, y1: Floats, rate1: Floats) -> Floats:
-    """Parabolas in the root of s, from a square root at 0 to a value and a slope at 1."""
-    bend = 2.0 * rate1 - (y1 - y0)
-    u = np.sqrt(s)
-    found: Floats = y0 + u * ((y1 - y0 - bend) + bend * u)
-    return found
+@part
+def _root(s: float, y0: float, y1: float, rate1: float) -> float:
+    """The parabola in the root of s, from a square root at 0 to a value and a slope at 1."""
+    bend, u = 2.0 * rate1 - (y1 - y0), math.sqrt(s)
+    return y0 + u * ((y1 - y0 - bend) + bend * u)
 
 
 # --- Samples --------------------------------------------------------------------------------------
@@ -137,14 +165,15 @@ def branches_of(partition: Partition, settings: Settings) -> Branches:
 
 def _parts(cylinder: PieceExtent, turned: float, p: float) -> Iterator[list[Knot]]:
     """Samples of the parts of a piece between its turning points, values ascending."""
-    if len(cylinder.x) < 2:
+    if cylinder[0].x == cylinder[-1].x:
         return
-    ends = [Knot(*each) for each in zip(cylinder.x, cylinder.images, strict=True)]
-    samples = [ends[0]]
-    for a, b in pairwise(ends):
-        samples += [*_about_turn(a, b, turned, p), b]
-    rises = np.diff([sample.image.value for sample in samples])
-    turns = (np.flatnonzero(rises[1:] * rises[:-1] < 0.0) + 1).tolist()
+    samples = [cylinder[0]]
+    for a, b in pairwise(cylinder):
+        if a.image.slope * b.image.slope < 0.0:
+            samples += _about_turn(a, b, turned, p)
+        samples.append(b)
+    rises = [b.image.value - a.image.value for a, b in pairwise(samples)]
+    turns = [k for k, (a, b) in enumerate(pairwise(rises), start=1) if a * b < 0.0]
     for first, last in zip([0, *turns], [*turns, len(samples) - 1], strict=True):
         part = samples[first : last + 1]
         yield part if part[-1].image.value >= part[0].image.value else part[::-1]

@@ -21,7 +21,7 @@ from woodpecker.base.settings import Settings
 from woodpecker.maps.counting import Allowance, as_counting
 from woodpecker.maps.pieces import Image, PiecewiseMap
 from woodpecker.slices.borders import THIN, Border
-from woodpecker.slices.extents import BOTH, Knot, reach_of, uneven
+from woodpecker.slices.extents import BOTH, Knot, PieceExtent, reach_of, uneven
 from woodpecker.slices.margins import depth, nearest_code, reach
 
 # Part of the window: by how much values in a gap may differ from those beside it, for neighbouring
@@ -34,29 +34,6 @@ EVEN = 5e-4
 # How often a gap that is shorter than the cut-off is halved all the same: where borders meet as a
 # parameter varies a few thin pieces lie beside each other.
 FEW = 3
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class PieceExtent:
-    """A piece of the map between two points: samples in ascending order, from end to end.
-
-    ``codes`` are the margins that vanish at the ends; -1 at an end of the window or of what is
-    resolved.
-    """
-
-    x: tuple[float, ...]
-    images: tuple[Image, ...]
-    codes: tuple[int, int]
-
-    @property
-    def low(self) -> float:
-        """Where it begins."""
-        return self.x[0]
-
-    @property
-    def high(self) -> float:
-        """Where it ends."""
-        return self.x[-1]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,14 +58,15 @@ class Partition:
 
         Where a gap is left between two that is shorter than the cut-off, both its ends.
         """
+        longest = settings.finest * settings.x_scale
         for left, right in pairwise(self.cylinders):
-            if right.low - left.high > settings.finest * settings.x_scale:
+            one, other = left[-1], right[0]
+            if other.x - one.x > longest:
                 continue
-            one, other = (left.images[-1], left.codes[1]), (right.images[0], right.codes[0])
-            if left.codes[1] >= 0:
-                yield Border(left.high, self.p, *one, 1, *other)
-            if right.codes[0] >= 0 and (right.low > left.high or left.codes[1] < 0):
-                yield Border(right.low, self.p, *other, -1, *one)
+            if one.code >= 0:
+                yield Border(one.x, self.p, one.image, one.code, 1, other.image, other.code)
+            if other.code >= 0 and (other.x > one.x or one.code < 0):
+                yield Border(other.x, self.p, other.image, other.code, -1, one.image, one.code)
 
 
 def partition(
@@ -113,7 +91,7 @@ def partition(
         else:
             for each in finder.crossed(gap):
                 heapq.heappush(todo, each)
-    pieces = sorted(finder.pieces, key=lambda piece: piece.low)
+    pieces = sorted(finder.pieces, key=lambda piece: piece[0].x)
     return Partition(p, window, tuple(pieces), _merged(sorted(finder.gaps)))
 
 
@@ -157,6 +135,7 @@ class _Finder:
         self.pieces: list[PieceExtent] = []
         self.gaps: list[tuple[float, float]] = []
         scale = settings.x_scale
+        self._window, self._diagonal = settings.window, tuple(orders) == (1,)
         self._near, self._even = ASTRAY * scale, EVEN * scale
         self._nearest = settings.nearest * scale
         self._thin = THIN * settings.beside * scale
@@ -195,8 +174,7 @@ class _Finder:
     def _image(self, low: float, high: float) -> tuple[float, float]:
         """Between which values the map leads from an interval, by the samples in and beside it."""
         if self._samples is None:
-            both = (zip(piece.x, piece.images, strict=True) for piece in self.pieces)
-            found = sorted((x, image.value) for one in both for x, image in one)
+            found = sorted((knot.x, knot.image.value) for piece in self.pieces for knot in piece)
             self._samples = np.array(found).reshape(-1, 2).T
         x, value = self._samples
         first, last = np.searchsorted(x, (low, high))
@@ -215,7 +193,7 @@ class _Finder:
             if not passed or reach(image, -1.0)[0] + reach(image, 1.0)[0] > self._short:
                 back = self._reach(image, x, -1, gap.low)
                 ahead = self._reach(image, x, 1, gap.high)
-                self.pieces.append(_joined(back, ahead))
+                self.pieces.append((*reversed(back), *(ahead[1:] or ahead)))
                 low, high = back[-1].x, ahead[-1].x
                 ends = back[-1].image.value, ahead[-1].image.value
         yield from self._open(_Gap(gap.low - low, gap.low, low, gap.below, ends[0], gap.left))
@@ -248,21 +226,14 @@ class _Finder:
 
     def _side(self, x: float, value: float) -> int:
         """On which side of all that is looked for a value lies; 0 if near."""
-        if math.isnan(value):
-            return NOWHERE
-        low, high = self.settings.window
-        if tuple(self.orders) == (1,):
-            low, high = x - self._near, x + self._near
-        return int(value > high) - int(value < low)
+        low, high = (x - self._near, x + self._near) if self._diagonal else self._window
+        if low <= value <= high:
+            return 0
+        return NOWHERE if math.isnan(value) else 1 if value > high else -1
 
     def _missing(self, here: Knot, there: Knot) -> float:
         """Where samples of a piece do not tell what lies between them, if it matters."""
-        sides = [self._side(each.x, each.image.value) for each in (here, there)]
-        return 0.0 if 0 != sides[0] == sides[1] else uneven(here, there, self._even)
-
-
-def _joined(back: list[Knot], ahead: list[Knot]) -> PieceExtent:
-    """A piece from its samples to both sides of a point."""
-    knots = [*back[:0:-1], *ahead]
-    codes = back[-1].code, ahead[-1].code
-    return PieceExtent(tuple(each.x for each in knots), tuple(each.image for each in knots), codes)
+        side = self._side(here.x, here.image.value)
+        if side != 0 and side == self._side(there.x, there.image.value):
+            return 0.0
+        return uneven(here, there, self._even)

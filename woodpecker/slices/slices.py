@@ -15,7 +15,7 @@ from woodpecker.maps.counting import Allowance, as_counting
 from woodpecker.maps.pieces import Image, PiecewiseMap, map_of_pieces
 from woodpecker.slices.borders import Border, BorderKind
 from woodpecker.slices.bracketing import bracketed
-from woodpecker.slices.extents import Knot
+from woodpecker.slices.extents import Knot, PieceExtent
 from woodpecker.slices.itineraries import Itineraries, Wanted
 from woodpecker.slices.jumps import Jump, jump_of, limit_of
 from woodpecker.slices.margins import depth
@@ -30,7 +30,6 @@ from woodpecker.slices.orbits import (
 from woodpecker.slices.partition import (
     ASTRAY,
     Partition,
-    PieceExtent,
     partition,
 )
 
@@ -212,8 +211,7 @@ def _fixed_points(pieces: Partition, settings: Settings) -> Iterator[Orbit]:
 
 def _parts(cylinder: PieceExtent, p: float) -> Iterator[tuple[Knot, Knot]]:
     """Neighbouring samples, with more of them where P(x) - x may turn round beyond the diagonal."""
-    points = [Knot(x, image) for x, image in zip(cylinder.x, cylinder.images, strict=True)]
-    for pair in pairwise(points):
+    for pair in pairwise(cylinder):
         todo, left = [pair], MOST_ADDED
         while todo:
             a, b = todo.pop()

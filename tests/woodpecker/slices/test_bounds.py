@@ -115,7 +115,7 @@ def test_pieces_are_bounded_and_what_is_left_is_reported() -> None:
     steps, settings = 40, Settings(window=(0.0, 1.0), max_pieces=10)
     found = partition(many_pieces(steps), 0.1, settings.window, settings)
     assert len(found.cylinders) == 10
-    covered = sum(each.high - each.low for each in found.cylinders)
+    covered = sum(each[-1].x - each[0].x for each in found.cylinders)
     assert covered == pytest.approx(0.25)  # 10 steps of 40
     assert found.unresolved == pytest.approx(0.75)
     every = partition(many_pieces(steps), 0.1, settings.window, Settings(window=(0.0, 1.0)))
@@ -159,7 +159,7 @@ def test_the_largest_gaps_are_crossed_first() -> None:
     map_ = as_counting(from_sympy(formula, X, P, words=["wild", "A", "B"]))
     settings = Settings(window=(-0.1, 1.0))
     found = partition(map_, 0.1, settings.window, settings, (), Allowance(map_, 60))
-    assert {each.images[0].piece.word for each in found.cylinders} >= {"A", "B"}
+    assert {each[0].image.piece.word for each in found.cylinders} >= {"A", "B"}
 
 
 def test_pieces_of_an_iterate_are_bounded() -> None:

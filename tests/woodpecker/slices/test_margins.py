@@ -9,7 +9,6 @@ import pytest
 
 from woodpecker.maps.pieces import Image, Piece
 from woodpecker.slices.margins import (
-    IN_X,
     depth,
     first_part,
     is_within,
@@ -53,19 +52,19 @@ def test_the_minimum_of_a_cubic_is_met() -> None:
     def h(s: float) -> tuple[float, float]:
         return (s - 0.25) ** 2 * (2.0 - s) + 0.01, (s - 0.25) * (4.0 - 2.0 * s - (s - 0.25))
 
-    where = lowest_dip(image({4: h(0.0)}), image({4: h(1.0)}), 1.0, IN_X, IN_X)
+    where = lowest_dip(image({4: h(0.0)}), image({4: h(1.0)}), 1.0)
     assert where == pytest.approx(0.25, abs=NEAR)
 
 
 def test_a_minimum_that_takes_little_away_is_none() -> None:
     """1 + s (s - 1) has its minimum of 3/4 in the middle."""
-    assert lowest_dip(image({4: (1.0, -1.0)}), image({4: (1.0, 1.0)}), 1.0, IN_X, IN_X) is None
+    assert lowest_dip(image({4: (1.0, -1.0)}), image({4: (1.0, 1.0)}), 1.0) is None
 
 
 def test_a_margin_that_falls_and_rises_and_falls() -> None:
     """1/2 - 5 s + 11 s^2 - 6 s^3 falls at both ends; its minimum is -0.17 at 0.31."""
     ends = image({4: (0.5, -5.0)}), image({4: (0.5, -1.0)})
-    where = lowest_dip(*ends, 1.0, IN_X, IN_X)
+    where = lowest_dip(*ends, 1.0)
     assert where == pytest.approx((11.0 - 31.0**0.5) / 18.0, abs=NEAR)
 
 
@@ -80,14 +79,14 @@ def test_a_dip_beside_a_square_root() -> None:
 
     value, _ = h(0.0 + 1e-5)
     here, there = image({4: h(1.0)}), image({4: (value, h(1e-5)[1])}, slope=1e5)
-    where = lowest_dip(here, there, 1.0, IN_X, IN_X)
+    where = lowest_dip(here, there, 1.0)
     assert where == pytest.approx(1.0 - (4.0 / 8.4) ** 2, abs=1e-4)  # 1e-5 of the way is missing
 
 
 def test_a_margin_that_only_one_point_has() -> None:
     one, other = image({2: (1.0, 0.0), 4: (0.5, -1.0)}), image({2: (1.0, 0.0), 5: (0.5, 0.1)})
-    assert lowest_dip(one, other, 1.0, IN_X, IN_X) == 0.5
-    assert lowest_dip(one, other, 0.4, IN_X, IN_X) is None
+    assert lowest_dip(one, other, 1.0) == 0.5
+    assert lowest_dip(one, other, 0.4) is None
 
 
 def test_the_first_of_two_margins_to_vanish() -> None:

@@ -235,7 +235,7 @@ def test_infinitely_many_pieces_are_reported(finest: float) -> None:
     """All above the cut-off are found; what is left is about as long as it."""
     settings = Settings(window=(-0.5, 0.9), finest=finest)
     found = partition(Sevenths(), 0.0, settings.window, settings)
-    words = {cylinder.images[0].piece.word for cylinder in found.cylinders}
+    words = {cylinder[0].image.piece.word for cylinder in found.cylinders}
     length, n = finest * settings.x_scale, 0
     while 7.0**-n - 7.0 ** -(n + 1) > length:
         assert str(n) in words
@@ -250,10 +250,10 @@ def test_infinitely_many_pieces_are_reported(finest: float) -> None:
 
 def test_cylinders_cover_the_window() -> None:
     found = partition(steps(), 0.25, (-1.5, 2.5), WIDE)
-    assert [s.images[0].piece.word for s in found.cylinders] == ["-2", "-1", "0", "1", "2"]
-    assert (found.cylinders[0].low, found.cylinders[-1].high) == (-1.5, 2.5)
+    assert [s[0].image.piece.word for s in found.cylinders] == ["-2", "-1", "0", "1", "2"]
+    assert (found.cylinders[0][0].x, found.cylinders[-1][-1].x) == (-1.5, 2.5)
     for left, right in itertools.pairwise(found.cylinders):
-        assert left.high == right.low
+        assert left[-1].x == right[0].x
     assert found.gaps == ()
 
 
