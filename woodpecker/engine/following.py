@@ -104,7 +104,7 @@ def _step(
     found = to_end or curve.advance(last, step, before)
     turn, most = math.inf, curve.settings.max_turn
     if found is not None and not _strays(curve, last, found, bent):
-        turn = _angle(last, found)
+        turn = angle(last, found)
     if found is None or turn > most:
         raise _TooLongError(max(0.25, min(0.5, KEPT_TURN * most / turn)))
     try:
@@ -177,7 +177,7 @@ def _strays(curve: SolutionCurve, a: Sample, b: Sample, bent: float) -> bool:
     if length == 0.0:
         return True  # rounding lets it come no farther
     off = norm(chord / length - mean / norm(mean))
-    return off > 0.5 * max(_angle(a, b), bent) + STRAIGHT + ROUNDED_OFF / length
+    return off > 0.5 * max(angle(a, b), bent) + STRAIGHT + ROUNDED_OFF / length
 
 
 def _comes_together(curve: SolutionCurve, a: Floats, b: Floats) -> bool:
@@ -218,5 +218,6 @@ def _closes(curve: SolutionCurve, start: Sample, a: Sample, b: Sample, step: flo
     )
 
 
-def _angle(a: Sample, b: Sample) -> float:
-    return math.acos(min(1.0, float(a.tangent @ b.tangent)))
+def angle(a: Sample, b: Sample) -> float:
+    """By how much a curve turns from one sample to another [rad]; 0 if a tangent is not known."""
+    return math.acos(max(-1.0, min(1.0, float(a.tangent @ b.tangent))))

@@ -18,7 +18,7 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Sample, SolutionCurve
-from woodpecker.engine.maps import ACCUMULATE, TIE, Chain, SpaceImage, SpaceMap, chained
+from woodpecker.engine.maps import ACCUMULATE, TIE, Chain, SpaceImage, SpaceMap, chained, image_at
 from woodpecker.engine.newton import MERGED, Problem
 from woodpecker.engine.orbits import Chained, Closed, OnBorder, SpaceOrbit, orbit_of
 
@@ -119,15 +119,15 @@ def sides(map_: SpaceMap, x: Floats, p: Floats, lengths: Floats) -> list[SpaceIm
 def lost_beyond(map_: SpaceMap, x: Floats, p: Floats, returns: int) -> str:
     """Why an orbit from one of the sides of a border point is lost; empty if none is."""
     found = list[SpaceImage]()
-    first = map_.at(x, p)
+    first = image_at(map_, x, p)
     if first.reason:
-        return first.reason
+        return "" if first.reason == ACCUMULATE else first.reason
     for code in first.codes[first.tied(x, p)].tolist():
         for direction in (1.0, -1.0):
             gradient = first.gradients[first.place(code)]
             found.append(map_.beside(x, p, direction * gradient))
     for _ in range(returns):
-        found = [each if each.reason else map_.at(each.value, p) for each in found]
+        found = [each if each.reason else image_at(map_, each.value, p) for each in found]
     return next((each.reason for each in found if each.reason not in ("", ACCUMULATE)), "")
 
 

@@ -106,6 +106,17 @@ def taken(map_: SpaceMap, x: Floats, p: Floats) -> tuple[Hashable, Floats]:
     return found
 
 
+def image_at(map_: SpaceMap, x: Floats, p: Floats) -> SpaceImage:
+    """The image that a map takes at a point, or the reason why it has none.
+
+    Where the map has a value, and only the path of its own piece is lost, borders accumulate.
+    """
+    image = map_.at(x, p)
+    if image.reason and not np.isnan(taken(map_, x, p)[1]).any():
+        return image._replace(reason=ACCUMULATE)
+    return image
+
+
 def margins_decide(map_: SpaceMap) -> bool:
     """Whether a map is sure that it takes a piece just where all of its margins are positive."""
     return getattr(map_, "margins_decide", False)
@@ -125,7 +136,7 @@ def proposed(
     unit, seen = direction / length, set[Hashable]()
     lost, around = "", None
     for distance in DISTANCES:
-        proposal = map_.at(x + distance * unit[:d], p + distance * unit[d:])
+        proposal = image_at(map_, x + distance * unit[:d], p + distance * unit[d:])
         if distance == NEAREST:
             lost = proposal.reason
         if proposal.reason or proposal.piece.key in seen:

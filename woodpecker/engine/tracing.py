@@ -23,7 +23,7 @@ from woodpecker.engine.arrivals import (
     round_corner,
 )
 from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve, Stop
-from woodpecker.engine.following import KEPT_TURN, Halt, follow, leaves
+from woodpecker.engine.following import KEPT_TURN, Halt, angle, follow, leaves
 from woodpecker.engine.germs import (
     SAME,
     SLOW,
@@ -90,7 +90,7 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
     """
     samples = [] if begin.before is None else [begin.before]
     samples.append(begin.sample)
-    changes, at, step, short = list[Change](), begin, _bent(begin), 0
+    changes, at, step, short = list[Change](), begin, _first_step(begin), 0
     for _ in range(MOST_ARCS):
         arc = follow(at.curve, at.sample, step, halt)
         is_stuck = arc.stop in (Stop.SHORT, Stop.BORDER) and len(arc.samples) == 1
@@ -127,16 +127,14 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
     return Trace(begin, tuple(samples), tuple(changes), passed, arc.stop, arrived)
 
 
-def _bent(begin: Beginning) -> float:
-    """The first step of a curve as long as its bend from its point to the first sample allows."""
-    if begin.before is None or not np.isfinite(begin.before.tangent).all():
+def _first_step(begin: Beginning) -> float:
+    """As long as a curve may go on if it bends as it does from its point to its first sample."""
+    point, first = begin.before, begin.sample
+    if point is None or point.tangent.shape != first.tangent.shape:
         return math.inf
-    one, other = begin.before, begin.sample
-    if len(one.tangent) != len(other.tangent):
-        return math.inf
-    turn = math.acos(min(1.0, abs(float(one.tangent @ other.tangent))))
-    length = norm(begin.curve.problem.step_between(one.orbit, other.orbit))
-    return KEPT_TURN * begin.curve.settings.max_turn * length / turn if turn else math.inf
+    turn = angle(point, first)
+    length = norm(begin.curve.problem.step_between(point.orbit, first.orbit))
+    return KEPT_TURN * begin.curve.settings.max_turn * length / turn if turn > 0.0 else math.inf
 
 
 def _length(arc: Arc) -> float:

@@ -12,8 +12,9 @@ from needs import NEEDS_NUMBA
 
 from pwmap.diagrams.diagram import BranchKind, PointStatus
 from woodpecker import Settings, ToyPieces, continuation, shoot
+from woodpecker.engine.germs import lost_beyond
 from woodpecker.engine.line import LineMap
-from woodpecker.engine.maps import taken
+from woodpecker.engine.maps import ACCUMULATE, image_at, taken
 from woodpecker.maps import Image
 from woodpecker.mechanics.toy import Toy
 
@@ -92,3 +93,27 @@ def test_the_word_is_that_of_the_image(x: float, p: float) -> None:
         key, value = taken(LineMap(own), np.array([x]), np.array([p]))
         assert key == image.piece.key
         assert value == pytest.approx(image.value, rel=1e-13)
+
+
+class Rounded(NamedTuple):
+    """The strips with a value at every point, though rounding loses the paths of the thin ones."""
+
+    falls: bool  # whether the map has none there either
+
+    def at(self, x: float, p: float) -> Image:
+        image = Strips(0.0).at(x, p)
+        return image._replace(reason="the path is lost") if 0.0 < p < 2.0**-8 else image
+
+    def taken(self, x: float, p: float) -> tuple[Hashable, float]:
+        image = self.at(x, p)
+        return image.piece.key, math.nan if image.reason and self.falls else image.value
+
+
+@pytest.mark.parametrize(("falls", "reason"), [(True, "the path is lost"), (False, ACCUMULATE)])
+def test_what_rounding_loses_is_no_fall(falls: bool, reason: str) -> None:
+    """A piece that cannot be followed to its end says nothing of a map that returns."""
+    map_ = LineMap(Rounded(falls))
+    x, p, onward = np.array([0.0]), np.array([0.0]), np.array([0.0, 1.0])
+    assert image_at(map_, x, p + 2.0**-9).reason == reason
+    assert map_.beside(x, p, onward).reason == reason
+    assert lost_beyond(map_, x, p, 1) == ("the path is lost" if falls else "")
