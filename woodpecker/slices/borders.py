@@ -262,6 +262,8 @@ def strays(here: Image, there: Image, way: float, settings: Settings) -> bool:
     steepest = max(abs(here.slope), abs(there.slope))
     if math.isnan(there.slope):  # at the end of a root there is none
         return False
+    change, allowed = abs(there.value - here.value), steepest * abs(way)
+    if change <= TOO_FAR * allowed:
+        return False
     rounding = max(1.0, steepest) * max(math.ulp(here.value), math.ulp(way))
-    allowed = steepest * abs(way) + settings.spacings * rounding
-    return abs(there.value - here.value) > TOO_FAR * allowed
+    return change > TOO_FAR * (allowed + settings.spacings * rounding)

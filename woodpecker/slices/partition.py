@@ -139,7 +139,8 @@ class _Finder:
         self._near, self._even = ASTRAY * scale, EVEN * scale
         self._nearest = settings.nearest * scale
         self._thin = THIN * settings.beside * scale
-        self._short = settings.coarse * scale
+        self._short, self._finest = settings.coarse * scale, settings.finest * scale
+        self._longest = settings.max_step * scale
         self._samples: Floats | None = None
 
     def matters(self, gap: _Gap) -> bool:
@@ -152,24 +153,20 @@ class _Finder:
             return True
         if self._is_aside(gap):
             return False
-        around = min(gap.below, gap.above), max(gap.below, gap.above)
         if not self.orders or math.isnan(gap.below + gap.above):  # the end of a map is closed in on
             return True
+        low, high = min(gap.below, gap.above), max(gap.below, gap.above)
         for order in range(1, max(self.orders) + 1):
-            around = around[0] - self._near, around[1] + self._near
-            if order in self.orders and self._meets(around, (gap.low, gap.high)):
+            low, high = low - self._near, high + self._near
+            if order in self.orders and low <= gap.high and gap.low <= high:
                 return True
             if order < max(self.orders):
-                around = self._image(*around)
+                low, high = self._image(low, high)
         return False
 
     def _is_aside(self, gap: _Gap) -> bool:
         """Whether the pieces beside a gap lead to one side of all that is looked for."""
         return 0 != self._side(gap.low, gap.below) == self._side(gap.high, gap.above)
-
-    @staticmethod
-    def _meets(one: tuple[float, float], other: tuple[float, float]) -> bool:
-        return one[0] <= other[1] and other[0] <= one[1]
 
     def _image(self, low: float, high: float) -> tuple[float, float]:
         """Between which values the map leads from an interval, by the samples in and beside it."""
@@ -201,7 +198,7 @@ class _Finder:
 
     def _open(self, gap: _Gap) -> Iterator[_Gap]:
         """A gap unless it is too short to be crossed."""
-        if -gap.size > self.settings.finest * self.settings.x_scale:
+        if -gap.size > self._finest:
             yield gap
         elif gap.left > 0 and -gap.size > self._thin:
             yield gap._replace(left=gap.left - 1)
@@ -219,8 +216,7 @@ class _Finder:
 
     def _leads(self, image: Image, x: float) -> int:
         """Where a piece leads from end to end, to first order; 0 if not to one side."""
-        longest = self.settings.max_step * self.settings.x_scale
-        ways = [side * min(reach(image, side)[0], longest) for side in (-1.0, 1.0)]
+        ways = [side * min(reach(image, side)[0], self._longest) for side in (-1.0, 1.0)]
         sides = {self._side(x + way, image.value + way * image.slope) for way in (0.0, *ways)}
         return sides.pop() if len(sides) == 1 else 0
 

@@ -33,6 +33,9 @@ from woodpecker.slices.partition import (
     partition,
 )
 
+# Part of the window: by how much a point that leads to a border may be off. Cubics between samples
+# are good to a few 1e-5 of their values, and in flat pieces points a hundred times less.
+INTERPOLATED = 0.02
 MOST_ADDED = 1000  # samples between two: none or a few are usual
 # Part of an interval: where a turning point seems to lie closer to an end it is halved instead.
 EDGE = 0.02
@@ -124,7 +127,7 @@ def slices_at(
             assert orbits is not None
             cycles = orbits.cycles(order)
         kept = tuple(_distinct(cycles, order, settings))
-        jumps = tuple(_jumps(map_, borders, orbits, order, settings))
+        jumps = tuple(_jumps(map_, pieces, borders, orbits, order, settings))
         all_seen = orbits is None or not orbits.left
         found.append(Slice(p, order, kept, jumps, pieces.unresolved if all_seen else whole))
     return found
@@ -152,10 +155,10 @@ def _on_border(orbit: Orbit, settings: Settings) -> bool:
 
 
 def _jumps(
-    map_: PiecewiseMap, borders: Sequence[Border], orbits: Itineraries | None, order: int,
-    settings: Settings,
+    map_: PiecewiseMap, pieces: Partition, borders: Sequence[Border], orbits: Itineraries | None,
+    order: int, settings: Settings,
 ) -> Iterator[Jump]:  # fmt: skip
-    wanted = _crossing(map_, order, settings)
+    wanted = _crossing(map_, pieces, order, settings)
     if orbits is None:
         heads: Iterator[tuple[Orbit, Border]] = (
             (Orbit(np.array([b.x]), b.p, (b.inner,)), b) for b in borders if wanted(b, 1, b.x)
@@ -170,22 +173,29 @@ def _jumps(
                 yield jump
 
 
-def _crossing(map_: PiecewiseMap, order: int, settings: Settings) -> Wanted:
+def _crossing(map_: PiecewiseMap, pieces: Partition, order: int, settings: Settings) -> Wanted:
     """Whether a jump of P_order may cross the diagonal at a point that is known roughly.
 
     Its limits depend on the border and on the returns that follow, and not on what leads to it.
+    Beside a gap one of them is that of another piece than the one right beyond.
     """
-    slack = ASTRAY * settings.x_scale
-    known: dict[tuple[int, int], list[float]] = {}
+    known: dict[tuple[int, int], tuple[float, float]] = {}
+
+    def between(border: Border, returns: int) -> tuple[float, float]:
+        ends = [
+            limit_of(map_, border.x, image, returns, border.p).value
+            for image in (border.inner, border.outer)
+        ]
+        at_gap = any(low <= border.x <= high for low, high in pieces.gaps)
+        slack = (ASTRAY if at_gap else INTERPOLATED) * settings.x_scale
+        return min(ends) - slack, max(ends) + slack
 
     def crosses(border: Border, length: int, x: float) -> bool:
         key = id(border), order - length
         if key not in known:
-            known[key] = [
-                limit_of(map_, border.x, image, key[1], border.p).value
-                for image in (border.inner, border.outer)
-            ]
-        return min(known[key]) - slack <= x <= max(known[key]) + slack
+            known[key] = between(border, order - length)
+        low, high = known[key]
+        return low <= x <= high
 
     return crosses
 
