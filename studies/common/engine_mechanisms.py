@@ -52,7 +52,6 @@ MECHANISMS: Final = (
     Mechanism("engine.newton", "STALLED", 0.0, "stop at what rounding leaves of steep maps"),
     Mechanism("engine.newton", "SOLVED", 0.0, "leave out a last step that changes nothing"),
     Mechanism("engine.newton", "_is_met", gives(True), "see that steps ended without an orbit"),
-    Mechanism("engine.newton", "LARGE", math.inf, "give up steps that grow"),
     Mechanism("engine.newton", "branch_point", gives(None), "locate a branch point"),
     # --- From arc to arc
     Mechanism("engine.tracing", "_at_nearest", argument(0), "end at a border within rounding"),
@@ -77,6 +76,7 @@ MECHANISMS: Final = (
     Mechanism("engine.tracing", "rounded", gives(None), "round bends sharper than any step"),
     Mechanism("engine.tracing", "_at_flip", gives(None), "end doubled cycles at the single flip"),
     Mechanism("engine.tracing", "AGAIN", 0.0, "a least first step beyond a border"),
+    Mechanism("engine.tracing", "_first_step", gives(math.inf), "a first step as bends allow"),
     # --- What starts at a point
     Mechanism("engine.germs", "TILT", 0.0, "lead beyond where borders cross"),
     Mechanism("engine.germs", "_locates_less", gives(False), "locate a root from its other side"),

@@ -249,7 +249,8 @@ class SolutionCurve:
 
     def motion(self, sample: Sample, i: int) -> Floats:
         """Derivatives (d + k,) of a point of an orbit and the parameters along the curve."""
-        return self._motions(sample)[i]
+        motion: Floats = self._motions(sample)[i]
+        return motion
 
     def rates(self, sample: Sample) -> list[Floats]:
         """Derivatives of all margins of each image along the curve."""
