@@ -218,6 +218,6 @@ def _joined(parts: list[list[Knot]]) -> Branches:
     last = np.cumsum(counts) - 1
     samples = [sample for part in parts for sample in part]
     images = tuple(sample.image for sample in samples)
-    x = np.array([sample.x for sample in samples])
-    y, slope = (np.array([each[k] for each in images]) for k in range(2))
+    x = np.array([sample.x for sample in samples], dtype=float)
+    y, slope = (np.array([each[k] for each in images], dtype=float) for k in range(2))
     return Branches(last - counts + 1, last, x, y, slope, images)
