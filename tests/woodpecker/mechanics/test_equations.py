@@ -1,7 +1,5 @@
 """Equations 6-10 rederived from the geometry with sympy; the numbers the paper prints."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 
@@ -79,15 +77,10 @@ def assert_same(one: object, other: object) -> None:
     assert (sp.Matrix(one) - sp.Matrix(other)).expand().is_zero_matrix
 
 
-def test_gaps_are_the_distances_of_the_points_from_the_pole() -> None:
+def test_gaps_and_their_directions_are_those_of_the_points() -> None:
+    """Distances from the pole and their gradients; tangential ones are gradients of heights."""
     assert_same(mechanics.gap_offsets(P), [point[0].subs(STRAIGHT) - P.r_0 for point in POINTS])
-
-
-def test_normal_directions_are_gradients_of_the_gaps() -> None:
     assert_same(mechanics.normal_directions(P), [gradient(point[0] - P.r_0) for point in POINTS])
-
-
-def test_tangential_directions_are_gradients_of_the_heights() -> None:
     assert_same(mechanics.tangential_directions(P), [gradient(point[1]) for point in POINTS])
 
 
@@ -199,19 +192,15 @@ def test_eigenfrequency_is_the_only_one() -> None:
         np.testing.assert_allclose(np.sort(every.real) / omega**2, [0.0, 0.0, 1.0], atol=1e-9)
 
 
-def test_equilibrium() -> None:
-    """phi_M = -0.1034 and phi_S = -0.2216 as printed."""
-    rest = mechanics.equilibrium(Toy())
-    assert rest.phi_m == -Toy().phi_m_max
-    assert rest.phi_s == pytest.approx(-0.221694, abs=5e-7)  # printed digits
-
-
 def test_torques_balance_at_the_equilibrium() -> None:
+    """phi_M = -0.1034 and phi_S = -0.2216 as printed."""
     for toy in [Toy(), *random_toys(5, 20)]:
         phi_m, phi_s = mechanics.equilibrium(toy)
+        assert phi_m == -toy.phi_m_max
         weight = mechanics.force_at_rest(toy)[2]
         torque = weight + mechanics.force_per_stretch(toy)[2] * (phi_s - phi_m)
         assert abs(torque) <= EXACT * abs(weight) * max(1.0, abs(phi_m / (phi_s - phi_m)))
+    assert mechanics.equilibrium(Toy()).phi_s == pytest.approx(-0.221694, abs=5e-7)  # printed
 
 
 def test_jam_limit() -> None:
