@@ -1,7 +1,5 @@
 """What hangs together with the toy's stable motion: the paper's points, words, refusals, runs."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace

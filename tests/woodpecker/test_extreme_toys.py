@@ -5,8 +5,6 @@ two. Every public call that takes a toy is made: it raises nothing but the Value
 doubles do not hold the toy, and what has a good status is finite.
 """
 
-from __future__ import annotations
-
 import math
 import random
 from collections import Counter

@@ -1,7 +1,5 @@
 """Maps of the toy and maps of formulas can be sent, copied and shared between threads."""
 
-from __future__ import annotations
-
 import copy
 from concurrent.futures import ThreadPoolExecutor
 

@@ -1,7 +1,5 @@
 """Periodic solutions of the toy, and its return map as a map of one parameter."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The toy as a piecewise-smooth map: values, gradients, and pieces that are not fooled."""
 
-from __future__ import annotations
-
 import math
 import pickle
 from concurrent.futures import ThreadPoolExecutor

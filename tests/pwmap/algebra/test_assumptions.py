@@ -1,7 +1,5 @@
 """What follows from assumptions: linear programs, signs, samples, and the cells they admit."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Diagrams saved and loaded: the same in all they hold; files that are none are refused."""
 
-from __future__ import annotations
-
 import dataclasses
 import gzip
 import json

@@ -1,7 +1,5 @@
 """Attractors of P1^L with a slope on the left, checked by orbits and images of fractions alone."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Intervals on which the entropy is constant: closed forms, and other proofs at random places."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Callable, Iterator
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """The long run of maps at one place: closed forms, and brute force with exact numbers."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Maps and their iterates: properties of random rational maps, and what is refused."""
 
-from __future__ import annotations
-
 import re
 from fractions import Fraction
 from typing import Any

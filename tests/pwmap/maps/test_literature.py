@@ -3,8 +3,6 @@
 Every closed form is derived in the docstring of its test; brute force in fractions checks it too.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from fractions import Fraction
 from functools import cache

@@ -1,7 +1,5 @@
 """Diagrams and cells of certain families against brute force, and with symbolic parameters."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 from fractions import Fraction

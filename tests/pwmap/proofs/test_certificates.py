@@ -1,7 +1,5 @@
 """Certificates of maps: what they prove is true, and nothing else passes the checker."""
 
-from __future__ import annotations
-
 import ast
 import json
 import random

@@ -1,7 +1,5 @@
 """Organising centres: where they are, and what brute force finds on small curves around them."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from fractions import Fraction

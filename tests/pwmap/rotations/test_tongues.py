@@ -1,7 +1,5 @@
 """Rotational words, tongues and rotation numbers, against closed formulas and brute force."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterator
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Files that grow line by line: locks, what is kept of an older run, what is no such file."""
 
-from __future__ import annotations
-
 import json
 import math
 import multiprocessing

@@ -1,7 +1,5 @@
 """The command ``woodpecker curves``."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The command ``woodpecker regions``, and its picture."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

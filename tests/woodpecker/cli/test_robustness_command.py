@@ -1,7 +1,5 @@
 """The command ``woodpecker robustness``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

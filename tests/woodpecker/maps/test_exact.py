@@ -1,7 +1,5 @@
 """The comparison of computed diagrams with proved ones sees what differs, and nothing else."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from random import Random

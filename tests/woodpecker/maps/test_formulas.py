@@ -1,7 +1,5 @@
 """Maps written by hand, from sympy and from pwmap: values, derivatives, margins and refusals."""
 
-from __future__ import annotations
-
 import math
 import operator
 import pickle

@@ -1,7 +1,5 @@
 """Stumpff's functions and first roots of guards against mpmath and dense sampling."""
 
-from __future__ import annotations
-
 import math
 
 import hypothesis.strategies as st

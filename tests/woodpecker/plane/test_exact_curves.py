@@ -1,7 +1,5 @@
 """Curves over two parameters of piecewise-linear maps, whose formulas are known."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from fractions import Fraction
 

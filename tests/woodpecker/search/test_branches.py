@@ -1,7 +1,5 @@
 """Branches of cycles: steps, folds, flips, ends, and what a collision with a jump is."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from itertools import pairwise

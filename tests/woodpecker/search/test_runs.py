@@ -1,7 +1,5 @@
 """A search that is interrupted anywhere goes on to the same result; workers do not change it."""
 
-from __future__ import annotations
-
 import copy
 import json
 import math

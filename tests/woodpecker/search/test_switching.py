@@ -1,7 +1,5 @@
 """Branch points, and the branches that start at them and at flips."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What hangs on the toy's stable cycle: the published points, each with its cause."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from needs import NEEDS_NUMBA

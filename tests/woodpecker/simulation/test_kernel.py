@@ -1,7 +1,5 @@
 """The event loop on the hard scenes: boundaries, near coincidences, chatter, falling for ever."""
 
-from __future__ import annotations
-
 import json
 import math
 

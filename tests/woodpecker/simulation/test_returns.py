@@ -1,7 +1,5 @@
 """The return map: the numbers of the stated model, derivatives by differences, executors."""
 
-from __future__ import annotations
-
 import math
 import multiprocessing
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """What is no system, no section or no call is refused in one sentence."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

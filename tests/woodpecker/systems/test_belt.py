@@ -1,7 +1,5 @@
 """The stick-slip oscillator on a belt against its closed form."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

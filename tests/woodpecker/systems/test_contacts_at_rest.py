@@ -1,7 +1,5 @@
 """An impact at one contact where another is closed: its word does not hang on rounding."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy

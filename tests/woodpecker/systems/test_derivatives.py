@@ -1,7 +1,5 @@
 """First variations of returns against central differences of order four, the word prescribed."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy

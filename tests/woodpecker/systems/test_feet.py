@@ -1,7 +1,5 @@
 """A body on two feet: they have one slip, stick and slide together, and it may tip."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -6,8 +6,6 @@ times h**4/30; where that is large a shorter step is given, down to 1e-5, with w
 to 1e-9.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

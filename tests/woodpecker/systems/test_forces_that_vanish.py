@@ -1,7 +1,5 @@
 """Forces that are powers of what is exactly zero at a start: no backend makes a nan of them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy

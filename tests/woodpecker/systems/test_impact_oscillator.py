@@ -1,7 +1,5 @@
 """The impact oscillator against its closed form: orbits, folds, flips, and what grazing does."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from needs import NEEDS_HEYOKA

@@ -1,7 +1,5 @@
 """Impacts that accumulate at two contacts in turns: where and when they end, what they leave."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest

@@ -1,7 +1,5 @@
 """Instances against closed forms and against the closed-form kernel of the toy."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 
 import numpy as np

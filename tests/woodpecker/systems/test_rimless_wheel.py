@@ -1,7 +1,5 @@
 """The rimless wheel against its closed form, and where its foot slips against forces by hand."""
 
-from __future__ import annotations
-
 import ast
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Hogan's rocking block against the closed form of its symmetric motions."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """A section that counts only while a contact sticks, reached just as it begins to."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -6,8 +6,6 @@ rounding of the start changes their slopes of 5e3 and 7e5 by 2e-10 and 5e-10, so
 roundings may come together before the grazing. If closed contacts drift, there are a hundred.
 """
 
-from __future__ import annotations
-
 from dataclasses import asdict
 
 import numpy as np

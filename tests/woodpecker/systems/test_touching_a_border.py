@@ -10,8 +10,6 @@ later is
 and both are the same at u_0 = 1 - a sin t* - mu t*.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

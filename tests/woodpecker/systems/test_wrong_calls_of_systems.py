@@ -1,7 +1,5 @@
 """Calls of the verbs of systems that do not fit: a sentence that names the value."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 
