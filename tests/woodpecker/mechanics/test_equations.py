@@ -77,10 +77,15 @@ def assert_same(one: object, other: object) -> None:
     assert (sp.Matrix(one) - sp.Matrix(other)).expand().is_zero_matrix
 
 
-def test_gaps_and_their_directions_are_those_of_the_points() -> None:
-    """Distances from the pole and their gradients; tangential ones are gradients of heights."""
+def test_gaps_are_the_distances_of_the_points_from_the_pole() -> None:
     assert_same(mechanics.gap_offsets(P), [point[0].subs(STRAIGHT) - P.r_0 for point in POINTS])
+
+
+def test_normal_directions_are_gradients_of_the_gaps() -> None:
     assert_same(mechanics.normal_directions(P), [gradient(point[0] - P.r_0) for point in POINTS])
+
+
+def test_tangential_directions_are_gradients_of_the_heights() -> None:
     assert_same(mechanics.tangential_directions(P), [gradient(point[1]) for point in POINTS])
 
 

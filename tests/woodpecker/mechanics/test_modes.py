@@ -140,7 +140,7 @@ def test_equations_of_motion(toy: Toy, states: States) -> None:
 
 @toys
 @moving
-def test_laws_of_closed_contacts(toy: Toy, states: States) -> None:
+def test_constraints_of_closed_contacts(toy: Toy, states: States) -> None:
     """A closed gap does not accelerate, exactly; a sticking point does not either [Eq. 3].
 
     lambda_T = -mu lambda_N in slip +, +mu lambda_N in slip -.
