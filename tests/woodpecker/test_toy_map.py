@@ -1,8 +1,6 @@
 """The toy as a piecewise-smooth map: values, gradients, and pieces that are not fooled."""
 
 import math
-import pickle
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -90,14 +88,3 @@ def test_maps_that_share_tables_keep_their_own_values(held: dict[str, float]) ->
     assert np.array_equal([there.value, there.slope], [alone.value, alone.slope], equal_nan=True)
     assert there.reason == alone.reason
     assert (again.value, again.slope) == (before.value, before.slope)
-
-
-def test_pieces_pickle_and_threads_share_them() -> None:
-    whole = pickle.loads(pickle.dumps(ToyPieces(Toy(), "mu_2")))
-    image = whole.at(-0.6, 0.3)
-    piece = pickle.loads(pickle.dumps(image.piece))
-    assert piece.at(-0.6, 0.3).value == image.piece.at(-0.6, 0.3).value
-    places = [(x, p) for x in (-0.61, -0.6, -0.59) for p in (0.29, 0.3, 0.31)] * 20
-    with ThreadPoolExecutor(4) as pool:
-        shared = list(pool.map(lambda at: piece.at(*at).value, places))
-    assert shared == [piece.at(*at).value for at in places]

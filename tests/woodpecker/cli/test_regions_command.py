@@ -35,14 +35,6 @@ def test_the_flip_cuts_the_plane_in_two(tmp_path: Path) -> None:
     assert "all of 10 random places agree" in " ".join(found.output.split())
 
 
-def test_wrong_parameters_are_refused(tmp_path: Path) -> None:
-    target = tmp_path / "out"
-    found = CliRunner().invoke(app, ["regions", "--parameters", "eps_n1", "--out", str(target)])
-    assert found.exit_code != 0
-    assert "two different names" in " ".join(found.output.split())
-    assert not target.exists()
-
-
 def test_colours_say_what_is_stable() -> None:
     """The colour of the shortest stable period, darker where more unstable cycles live."""
     none, one, two = (Count(1, 0, 1),), (Count(1, 1, 0),), (Count(1, 0, 1), Count(2, 1, 0))
