@@ -1,7 +1,5 @@
 """What tests of the engine ask of diagrams: graphs, places, branches without gaps."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import networkx as nx

@@ -1,7 +1,5 @@
 """Derivatives of a piece of a map by differences."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from woodpecker.base.arrays import Floats

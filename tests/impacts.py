@@ -1,7 +1,5 @@
 """Impacts of the toy: scenes, random states, and the blow the kernel makes of them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ What :mod:`woodpecker.mechanics.lcp` finds is compared with these; :func:`contac
 no complementarity problem.
 """
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

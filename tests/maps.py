@@ -4,8 +4,6 @@ Each docstring gives the solution. Two pieces are named "L" (left of the border)
 it), and on the border itself R holds; a single piece is named "S". All of them pickle.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

@@ -8,3 +8,6 @@ from woodpecker.base.compiled import COMPILED
 
 NEEDS_NUMBA = pytest.mark.skipif(not COMPILED, reason="takes minutes without numba")
 NEEDS_HEYOKA = pytest.mark.skipif(find_spec("heyoka") is None, reason="needs heyoka")
+EACH_BACKEND = pytest.mark.parametrize(
+    "backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"]
+)

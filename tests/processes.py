@@ -1,7 +1,5 @@
 """Commands as real processes, and when to send them a signal."""
 
-from __future__ import annotations
-
 import os
 import signal
 import subprocess

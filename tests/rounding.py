@@ -5,8 +5,6 @@ do, some compilers let them, and the last bit of nearly every number changes. RO
 for it, in a cache of its own; the mathematical library (glibc, x86-64) is asked not to.
 """
 
-from __future__ import annotations
-
 import functools
 import os
 

@@ -1,7 +1,5 @@
 """Whether two records hold the same: exact values as formulas, floats to the last bit."""
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """What several tests of the toy need: plain words, runs of the kernel, other processes."""
 
-from __future__ import annotations
-
 import math
 import os
 import re

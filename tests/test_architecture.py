@@ -2,6 +2,7 @@
 
 import ast
 import re
+import sys
 from collections import Counter
 from dataclasses import fields
 from functools import cache
@@ -107,6 +108,18 @@ def test_maps_know_nothing_of_the_toy() -> None:
         if folder_of(module) in floors and target.startswith("woodpecker"):
             below = floors[: floors.index(folder_of(module)) + 1]
             assert folder_of(target) in below, (module, target)
+
+
+@pytest.mark.parametrize(("package", "others"), [("pwmap", set[str]()), ("woodpecker", {"mpmath"})])
+def test_checkers_stand_alone(package: str, others: set[str]) -> None:
+    """On the standard library; of those who prove only the verbs of both sides import them."""
+    checker = f"{package}.checking"
+    for source, target in imports(package).edges:
+        top, _, _ = target.partition(".")
+        if source.startswith(checker):
+            assert target.startswith(checker) or top in sys.stdlib_module_names | others
+        if source.startswith("woodpecker.proofs") and source != "woodpecker.proofs.proving":
+            assert "checking" not in target.split(".")
 
 
 def test_mechanics_knows_no_map() -> None:

@@ -1,7 +1,5 @@
 """How many examples property tests draw."""
 
-from __future__ import annotations
-
 from hypothesis import HealthCheck, settings
 
 USUAL = 100  # examples of a test that asks for nothing, in the profile of every day

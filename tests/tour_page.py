@@ -5,8 +5,6 @@ made small enough for a page by ``python tests/tour_page.py``, which also record
 the page in ``docs/_static/tour`` shows.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from woodpecker.explore.state import to_query

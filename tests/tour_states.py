@@ -4,8 +4,6 @@
 a page may load from anywhere; ``toy.js`` beside them is that of the explorer.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Iterator
 from dataclasses import replace

@@ -8,8 +8,6 @@ The whole takes eleven minutes, of which ten are random use; ``--memory`` measur
 No test asserts times.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import random

@@ -1,7 +1,5 @@
 """All three explorers on a tablet, held upright and across, with fingers in place of a mouse."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Iterator
 from contextlib import ExitStack

@@ -1,7 +1,5 @@
 """The tour without a server, from a file: steps, events, the toy in motion, and a tablet."""
 
-from __future__ import annotations
-
 import io
 from collections.abc import Iterator
 from typing import Any

@@ -3,8 +3,6 @@
 ``python tests/tour_page.py`` records it anew.
 """
 
-from __future__ import annotations
-
 import json
 from typing import Any
 

@@ -3,8 +3,6 @@
 Nothing of pwmap is used. The letter of a piece is the character of its index, from left to right.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Cells of a parameter and compositions: every piece and what lies on the diagonal."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 from fractions import Fraction

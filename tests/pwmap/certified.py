@@ -1,7 +1,5 @@
 """Maps for tests of certificates, brute force in the words of a certificate, and tampering."""
 
-from __future__ import annotations
-
 import copy
 import json
 import random

@@ -4,8 +4,6 @@
 at more where their edges are many: on every edge, beside it on both sides, and elsewhere.
 """
 
-from __future__ import annotations
-
 import random
 import sys
 import time

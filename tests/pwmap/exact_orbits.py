@@ -3,8 +3,6 @@
 Nothing here knows the package: pieces are tried one after the other, orbits are of fractions.
 """
 
-from __future__ import annotations
-
 import random
 from dataclasses import dataclass
 from enum import Enum

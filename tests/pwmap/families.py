@@ -1,7 +1,5 @@
 """Random families of maps over one parameter, with polynomials of it as coefficients and breaks."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 from dataclasses import dataclass

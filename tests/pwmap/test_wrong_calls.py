@@ -1,7 +1,5 @@
 """Verbs that are called wrongly: one sentence that names the value and what was expected."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from functools import cache
 

@@ -1,7 +1,5 @@
 """The fold-flip of a pushed oscillator on a belt, against DOP853 and the tent map."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from needs import NEEDS_HEYOKA

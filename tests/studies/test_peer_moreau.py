@@ -235,12 +235,9 @@ def test_newton_and_poisson_differ_where_the_beak_begins_to_stick() -> None:
         assert once.phi_s - image == pytest.approx(6.87e-3, abs=2.0 * PER_STEP * step)
 
 
-def test_friction_bounded_by_a_sum_is_refused() -> None:
+def test_what_cannot_be_followed_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ValueError, match="expansion_friction='separate', got 'summed'"):
         first_return_moreau(Toy(), PHI_S)
-
-
-def test_what_cannot_be_followed_is_said(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(ValueError, match=r"below 0\.12"):
         first_return_moreau(TOY, 1.0)
     with pytest.raises(ValueError, match="step must be positive"):

@@ -1,7 +1,5 @@
 """Random systems keep what they must, and both backends say the same words."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """What was measured is drawn once more from the numbers that are kept."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import matplotlib as mpl

@@ -1,7 +1,5 @@
 """Ways to follow a machine with impacts: what each of them converges to."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

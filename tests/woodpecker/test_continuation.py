@@ -1,7 +1,5 @@
 """What hangs together with the toy's stable motion: the paper's points, words, refusals, runs."""
 
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace
@@ -26,7 +24,7 @@ from woodpecker.shooting import PeriodicOrbit, shoot
 from woodpecker.simulation.returns import first_return
 
 FIXED, JUMP = BranchKind.FIXED_POINT, BranchKind.JUMP
-PRINTED = 5.1e-5  # reference values are known to four decimals
+DIGITS = 1e-10  # of the reference values; points are located to 1e-13
 AT_ONCE = "the beak and the upper sleeve strike at once"
 
 
@@ -54,8 +52,8 @@ def near(diagram: Diagram, kind: PointKind, parameter: float, x: float = math.na
         point
         for point in diagram.points
         if point.kind is kind
-        and abs(point.parameter - parameter) <= PRINTED
-        and (math.isnan(x) or abs(point.x - x) <= PRINTED)
+        and abs(point.parameter - parameter) <= DIGITS
+        and (math.isnan(x) or abs(point.x - x) <= DIGITS)
     ]
     assert len(found) == 1, found
     return found[0]
@@ -65,18 +63,20 @@ def branches_at(diagram: Diagram, point: SpecialPoint) -> list[str]:
     return sorted(diagram.branch(name).kind.value for name in point.branches)
 
 
+UPPER, LOWER = -0.7577872573, -0.8847733440  # the jumps of P_1, which eps_n1 does not move
+FLIP = 0.6485492002
 SPECIAL = {  # C, the other end of C's jump, A, B: as (kind, eps_n1, phi_s)
     "toy_diagram": [
-        (PointKind.BC, 0.1851, -0.7578),
-        (PointKind.FF, 0.1882, -0.7578),
-        (PointKind.FF, 0.1120, -0.8848),
-        (PointKind.BC, 0.2915, -0.8848),
+        (PointKind.BC, 0.1851269509, UPPER),
+        (PointKind.FF, 0.1881586209, UPPER),
+        (PointKind.FF, 0.1119709145, LOWER),
+        (PointKind.BC, 0.2915217119, LOWER),
     ],
     "separate_diagram": [
-        (PointKind.BC, 0.1851, -0.7578),
-        (PointKind.BC, 0.0698, -0.7578),
-        (PointKind.FF, 0.0422, -0.8848),
-        (PointKind.BC, 0.3210, -0.8848),
+        (PointKind.BC, 0.1851269509, UPPER),
+        (PointKind.BC, 0.0698178163, UPPER),
+        (PointKind.FF, 0.0421643309, LOWER),
+        (PointKind.BC, 0.3210361465, LOWER),
     ],
 }
 both_laws = pytest.mark.parametrize("law", SPECIAL)
@@ -96,17 +96,20 @@ def test_special_points(law: str, request: pytest.FixtureRequest) -> None:
         assert point.interval is not None
         assert point.interval[0] < point.parameter < point.interval[1]
         assert point.precision < 1e-12
-    flip = near(diagram, PointKind.PD, 0.6485)
+    flip = near(diagram, PointKind.PD, FLIP)
     assert branches_at(diagram, flip) == ["fixed-point"] * 2
     assert flip.cause == "the multiplier is -1"
     ends = [point for point in diagram.points if point.kind is PointKind.EP]
     at_ends = {point.parameter for point in ends if point.note == "end of the parameter span"}
     assert at_ends == ({1.0, 0.0} if law == "toy_diagram" else {1.0})
     assert {p.precision for p in ends if p.parameter in at_ends} == {0.0}
-    assert c.x == pytest.approx(-0.757787, abs=5.1e-7)
-    assert a.x == pytest.approx(-0.884773, abs=5.1e-7)
-    assert b.x == pytest.approx(a.x, abs=1e-12)  # the same jump of P1, which eps_n1 does not move
+    assert b.x == pytest.approx(a.x, abs=1e-12)
     assert other.x == pytest.approx(c.x, abs=1e-12)
+    if law == "toy_diagram":
+        assert {point.note for point in (a, b, c, other)} == {"fold"}
+        for parameter in (0.0123065177, 0.0453257415, 0.7911249391):
+            end = near(diagram, PointKind.BC, parameter)
+            assert (end.note, end.cause) == ("persistence", AT_ONCE)
 
 
 @NEEDS_NUMBA
@@ -167,7 +170,7 @@ def test_branches_keep_to_span_and_window(law: str, request: pytest.FixtureReque
 def test_from_c_to_b(law: str, request: pytest.FixtureRequest) -> None:
     """The stable branch, C, a jump, a fixed point, A, a jump, B: in this order, one branch each."""
     diagram: Diagram = request.getfixturevalue(law)
-    flip = near(diagram, PointKind.PD, 0.6485).id
+    flip = near(diagram, PointKind.PD, FLIP).id
     c, other, a, b = (near(diagram, *place).id for place in SPECIAL[law])
     for first, last, kind in (
         (flip, c, FIXED), (c, other, JUMP), (other, a, FIXED), (a, b, JUMP),
@@ -226,7 +229,7 @@ def test_flips_have_their_multiplier_and_change_stability(toy_diagram: Diagram) 
     before, beyond = (
         toy_diagram.branch(name)
         for name in sorted(
-            near(toy_diagram, PointKind.PD, 0.6485).branches,
+            near(toy_diagram, PointKind.PD, FLIP).branches,
             key=lambda name: float(toy_diagram.branch(name).parameter.mean()),
         )
     )
@@ -240,7 +243,7 @@ def test_c_does_not_depend_on_the_span(motion: PeriodicOrbit) -> None:
     """Other steps meet the borders before C in other ways; one of these appears on the way only."""
     for span in ((0.0, 0.5), (0.15, 0.6), (0.1, 0.9)):
         found = continuation(Toy(), motion, span=span)
-        c = near(found, PointKind.BC, 0.1851, -0.7578)
+        c = near(found, PointKind.BC, 0.1851269509, UPPER)
         assert c.parameter == pytest.approx(0.1851269509309, abs=1e-12)
         assert c.note == "fold"
 

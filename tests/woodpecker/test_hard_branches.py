@@ -1,7 +1,5 @@
 """Branches of the toy through accumulating borders, round corners of borders, to square roots."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from needs import NEEDS_NUMBA

@@ -1,7 +1,5 @@
 """Period, drop and functions of the user along branches."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Arguments that make no sense: one sentence that names the value and what was expected."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from decimal import Decimal
 from fractions import Fraction

@@ -105,14 +105,6 @@ def test_limits_are_those_of_the_toy(name: str) -> None:
             Toy(**{name: high + 1e-9})
 
 
-def test_a_value_that_the_toy_cannot_have_is_not_defined() -> None:
-    beyond = ToyPieces(Toy(), "r_m").at(-0.53, 0.002)
-    assert math.isnan(beyond.value)
-    assert beyond.reason.startswith("r_m must exceed r_0 = 0.0025")
-    longer = ToyPieces(Toy(), "l_s").at(0.119, 0.0202)
-    assert longer.reason == "the beak touches the pole"
-
-
 @pytest.mark.slow
 def test_diagrams_say_how_derivatives_were_found() -> None:
     found = continuation(Toy(), shoot(Toy(), -0.53), "c_phi", (0.0055, 0.0057))

@@ -1,7 +1,5 @@
 """Maps of the toy and maps of formulas can be sent, copied and shared between threads."""
 
-from __future__ import annotations
-
 import copy
 from concurrent.futures import ThreadPoolExecutor
 
@@ -95,10 +93,11 @@ def test_local_models(way: Way) -> None:
 
 def test_a_map_that_threads_share_gives_each_its_own_answer() -> None:
     map_, points = ToyPieces(Toy()), [(float(x), p) for p in (0.1, 0.4, 0.7) for x in X] * 4
-    expected = [repr(map_.at(x, p)[:3]) for x, p in points]
-    with ThreadPoolExecutor(4) as threads:
-        found = list(threads.map(lambda point: repr(map_.at(*point)[:3]), points))
-    assert found == expected
+    for shared in (map_, map_.at(-0.6, 0.5).piece):
+        expected = [repr(shared.at(x, p)[:3]) for x, p in points]
+        with ThreadPoolExecutor(4) as threads:
+            found = list(threads.map(lambda point, to=shared: repr(to.at(*point)[:3]), points))
+        assert found == expected
 
 
 def test_maps_are_equal_if_their_toys_and_parameters_are() -> None:

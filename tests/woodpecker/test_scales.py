@@ -7,8 +7,6 @@ stiffness goes with m l^2. Angles, friction and restitution have no unit: phi_S,
 parameters over their own scale must be the same.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Solutions between the samples of a diagram, to the last digits."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from needs import NEEDS_NUMBA

@@ -1,7 +1,5 @@
 """Branches that end where a rule of the user says."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -4,8 +4,6 @@ Both laws of friction in the expansion at two contacts; the digits are those tha
 on both sides of jump and parameter gives (test_returns).
 """
 
-from __future__ import annotations
-
 import networkx as nx
 import numpy as np
 import pytest

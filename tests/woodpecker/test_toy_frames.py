@@ -1,7 +1,5 @@
 """Results of the toy as dataframes, and what a newcomer does with them in a few lines."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

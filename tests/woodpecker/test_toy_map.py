@@ -1,10 +1,6 @@
 """The toy as a piecewise-smooth map: values, gradients, and pieces that are not fooled."""
 
-from __future__ import annotations
-
 import math
-import pickle
-from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -72,15 +68,11 @@ def test_a_piece_is_never_fooled(parameter: str) -> None:
 
 
 def test_where_there_is_no_image_the_reason_is_in_words() -> None:
-    whole = ToyPieces(Toy())
-    assert whole.at(0.2, 0.5).reason == "the beak touches the pole"
-    assert whole.at(math.nan, 0.5).reason == "phi_s must be finite, got nan"
-    assert "eps_n1" in whole.at(-0.5, 1.5).reason
     lost = ToyPieces(Toy(mu_2=0.2)).at(-0.5, 0.5)
     assert lost.reason == first_return(Toy(mu_2=0.2), -0.5).status.value
     assert math.isnan(lost.value)
     assert lost.piece.at(-0.5, 0.5).reason == lost.reason
-    far = whole.at(-0.55, 0.5).piece.at(-2.4, 0.5)
+    far = ToyPieces(Toy()).at(-0.55, 0.5).piece.at(-2.4, 0.5)
     assert far.reason == TOO_FAR
     assert len(far.margins) == 0
     assert far.gradients.shape == (0, 2)
@@ -96,14 +88,3 @@ def test_maps_that_share_tables_keep_their_own_values(held: dict[str, float]) ->
     assert np.array_equal([there.value, there.slope], [alone.value, alone.slope], equal_nan=True)
     assert there.reason == alone.reason
     assert (again.value, again.slope) == (before.value, before.slope)
-
-
-def test_pieces_pickle_and_threads_share_them() -> None:
-    whole = pickle.loads(pickle.dumps(ToyPieces(Toy(), "mu_2")))
-    image = whole.at(-0.6, 0.3)
-    piece = pickle.loads(pickle.dumps(image.piece))
-    assert piece.at(-0.6, 0.3).value == image.piece.at(-0.6, 0.3).value
-    places = [(x, p) for x in (-0.61, -0.6, -0.59) for p in (0.29, 0.3, 0.31)] * 20
-    with ThreadPoolExecutor(4) as pool:
-        shared = list(pool.map(lambda at: piece.at(*at).value, places))
-    assert shared == [piece.at(*at).value for at in places]

@@ -1,7 +1,5 @@
 """Reprs of results of the toy and of maps of one's own: a line or two."""
 
-from __future__ import annotations
-
 import math
 
 from maps import everything

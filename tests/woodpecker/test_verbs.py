@@ -1,7 +1,5 @@
 """The same verbs take the toy and any map, and give the same types; old ones name the new call."""
 
-from __future__ import annotations
-
 import math
 import warnings
 from pathlib import Path

@@ -1,7 +1,5 @@
 """What is of another kind than a function takes: a sentence, no AttributeError from within."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Whatever sympy takes for its rationals (its ground types), the answers are the same."""
 
-from __future__ import annotations
-
 import os
 import pickle
 import subprocess

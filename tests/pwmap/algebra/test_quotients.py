@@ -1,7 +1,5 @@
 """Coefficients that are quotients: values put in first or afterwards give the same."""
 
-from __future__ import annotations
-
 import pickle
 
 import pytest

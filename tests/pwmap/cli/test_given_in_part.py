@@ -1,7 +1,5 @@
 """Answers that hold in a part of what was assumed: the command says so before anything else."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

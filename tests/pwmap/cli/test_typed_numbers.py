@@ -1,7 +1,5 @@
 """Numbers that are typed at a command are what they say: 1.25 is 5/4."""
 
-from __future__ import annotations
-
 import pytest
 
 from pwmap.cli.reading import assignments, exact, exact_span

@@ -1,7 +1,5 @@
 """Diagrams, branches and maps as dataframes: rows, names of columns, and values."""
 
-from __future__ import annotations
-
 import math
 import sys
 from dataclasses import replace

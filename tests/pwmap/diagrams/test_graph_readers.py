@@ -1,7 +1,5 @@
 """Files that are no graph of ours: one sentence, soon, whatever is in them."""
 
-from __future__ import annotations
-
 import contextlib
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Diagrams saved and loaded: the same in all they hold; files that are none are refused."""
 
-from __future__ import annotations
-
 import dataclasses
 import gzip
 import json
@@ -94,27 +92,6 @@ def test_what_is_loaded_is_what_was_saved(
     for branch in loaded.branches:
         assert not branch.x.flags.writeable
         assert branch.stable.tolist() == diagram.branch(branch.id).stable.tolist()
-
-
-def test_exact_values_stay_exact(tmp_path: Path) -> None:
-    loaded = load_diagram(symbolic().save(tmp_path / "symbolic.json"))
-    (fold_flip,) = (p for p in loaded.points if p.kind is PointKind.FF)
-    assert fold_flip.exact == {"parameter": 0, "x": 0}
-    assert loaded.given == ("a > 1",)
-    assert loaded.sample == {"a": 2}
-    half = Rational(1, 2)
-    assert [hit.exact["x"] for hit in loaded.at("1/2") if hit.branch.order <= 2] == [
-        -3 * half, 0, half / (A + 1), half / A,
-    ]  # fmt: skip
-    (unstable,) = (hit for hit in loaded.at("1/2") if hit.exact.get("multiplier") == -A)
-    assert unstable.branch.exact["x"] == R / (A + 1)
-
-
-def test_a_merging_crisis_stays_at_a_root(tmp_path: Path) -> None:
-    loaded = load_diagram(with_bands().save(tmp_path / "tent.json"))
-    assert loaded.point("MC1").exact["parameter"] == sqrt(2)
-    (last,) = (b for b in loaded.branches if b.kind is BranchKind.BAND and b.order == 1)
-    assert set(last.columns) == {"low", "high"}
 
 
 def test_the_file_is_plain_json(tmp_path: Path) -> None:

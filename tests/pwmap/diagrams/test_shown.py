@@ -1,7 +1,5 @@
 """Reprs of a line or a few, and small tables for notebooks."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import sympy

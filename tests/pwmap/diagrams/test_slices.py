@@ -1,7 +1,5 @@
 """Slices of exact diagrams are exact: between, at and beside the ends of branches."""
 
-from __future__ import annotations
-
 import math
 import pickle
 from fractions import Fraction

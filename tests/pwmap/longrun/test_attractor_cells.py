@@ -1,7 +1,5 @@
 """Cells of attracting cycles over a parameter, against inequalities, exact orbits and samples."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Iterator
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Attractors of P1^L with a slope on the left, checked by orbits and images of fractions alone."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from dataclasses import dataclass
 from fractions import Fraction
@@ -29,25 +27,6 @@ class Paper:
 
     def __call__(self, x: Fraction) -> Fraction:
         return self.b * x + self.r - 2 if x <= 0 else self.r - self.a * x
-
-    def image(self, parts: list[Part]) -> list[Part]:
-        """The closures of the images of intervals, cut at the break, joined where they touch."""
-        found = list[Part]()
-        for low, high in parts:
-            if low < 0:
-                left = [self.b * x + self.r - 2 for x in (low, min(high, Fraction(0)))]
-                found.append((min(left), max(left)))
-            if high > 0:
-                right = [self.r - self.a * x for x in (max(low, Fraction(0)), high)]
-                found.append((min(right), max(right)))
-        found.sort()
-        whole = found[:1]
-        for low, high in found[1:]:
-            if low <= whole[-1][1]:
-                whole[-1] = whole[-1][0], max(whole[-1][1], high)
-            else:
-                whole.append((low, high))
-        return whole
 
 
 @cache
@@ -109,13 +88,6 @@ def test_points_of_cycles_solve_their_words_and_come_back() -> None:
             assert x == start
             assert points == [fraction(point) for point in each.core.points]
             assert len(set(points)) == len(points)
-
-
-@pytest.mark.slow
-def test_bands_are_mapped_onto_themselves() -> None:
-    for map_, each in chaotic():
-        bands = bands_of(each)
-        assert map_.image(bands) == bands, map_
 
 
 @pytest.mark.slow

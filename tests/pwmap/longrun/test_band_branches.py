@@ -1,7 +1,5 @@
 """Bands as branches of a diagram and crises as its points, for maps whose bands are known."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

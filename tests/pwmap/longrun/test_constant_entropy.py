@@ -1,9 +1,7 @@
 """Intervals on which the entropy is constant: closed forms, and other proofs at random places."""
 
-from __future__ import annotations
-
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import pairwise
 
 import pytest
@@ -14,7 +12,6 @@ from sympy.polys.rings import PolyElement
 from pwmap import Budget, PiecewiseLinearMap, constant_entropy, dynamics
 from pwmap.algebra.roots import Real, most_roots, real_to_sympy, simplest_between
 from pwmap.longrun import ConstantEntropy, EntropyIntervals, GapCause
-from pwmap.longrun.entropy import constant
 from pwmap.longrun.entropy.entropies import lap_numbers
 from pwmap.longrun.entropy.itineraries import growth_at, itinerary_of
 from pwmap.longrun.entropy.kneading import RING, T, growth_by_kneading
@@ -29,7 +26,7 @@ from pwmap.longrun.entropy.matching import (
 from pwmap.longrun.fates import Fate
 from pwmap.longrun.line import MapLine, line_of
 from pwmap.maps.budget import Meter
-from pwmap.maps.words import CriticalOrbit, Decision, MultiplierSign, OrbitReturn, Orbits
+from pwmap.maps.words import CriticalOrbit, OrbitReturn, Orbits
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
 SKEW = PiecewiseLinearMap.from_sympy("Piecewise((x/2 + 1, x <= 0), (b*x + 1, True))")
@@ -361,50 +358,13 @@ def test_at_fifty_places_inside_it_is_the_same(
     assert open_ <= 25 * len(found.intervals)  # others are exact in half of the places at least
 
 
-def forget(monkeypatch: pytest.MonkeyPatch, left_out: Callable[[Decision], bool]) -> None:
-    """Leave some decisions out of all proofs."""
-    whole = constant._Study.proof
-
-    def proof(self: constant._Study, line: MapLine) -> constant.Proof | GapCause:
-        found = whole(self, line)
-        if isinstance(found, GapCause):
-            return found
-        kept = tuple(each for each in found.decisions if not left_out(each))
-        return constant.Proof(found.growth, kept)
-
-    monkeypatch.setattr(constant._Study, "proof", proof)
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("left_out", "map_", "name", "span"),
-    [
-        (lambda d: isinstance(d, OrbitReturn), THREE, "c", (-3, 3)),
-        (lambda d: isinstance(d, CriticalOrbit), SKEW, "b", (-6, -1)),
-        (lambda d: isinstance(d, CriticalOrbit) and d.k == d.l, THREE, "c", (-3, 3)),
-    ],
-    ids=["return", "orbit", "fixed point"],
-)
-def test_a_decision_that_is_forgotten_shows(
-    left_out: Callable[[Decision], bool], map_: PiecewiseLinearMap, name: str,
-    span: tuple[int, int], monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
-    """Intervals are too long then, and at places inside the entropy is another one."""
-    assert disagreements(map_, constant_entropy(map_, name, span, samples=40), 10)[0] == 0
-    forget(monkeypatch, left_out)
-    assert disagreements(map_, constant_entropy(map_, name, span, samples=40), 10)[0] > 0
-
-
-@pytest.mark.slow
-def test_a_multiplier_that_is_forgotten_shows(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_cycle_that_repels_ends_the_interval() -> None:
     """Over the slope -a the cycle R repels from a = 1 on, and there is chaos around it."""
     map_ = PAPER.at({"r": 3, "b": "1/2"})
     (only,) = constant_entropy(map_, "a", ("1/2", 4), samples=40).intervals
     assert (only.lower, only.upper, only.entropy.value) == (Rational(1, 2), 1, 0)
     assert dynamics(map_, {"a": "7/5"}, orders=(48,)).entropy.low > 0.1
-    forget(monkeypatch, lambda d: isinstance(d, MultiplierSign))
-    found = constant_entropy(map_, "a", ("1/2", 4), samples=40).intervals
-    assert max(each.upper for each in found if each.entropy.value == 0) == Rational(3, 2)
 
 
 @pytest.mark.slow

@@ -1,7 +1,5 @@
 """Attractors over a parameter, and their crises."""
 
-from __future__ import annotations
-
 import pytest
 import sympy
 from sympy import Rational, root, sqrt

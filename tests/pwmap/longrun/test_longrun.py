@@ -1,7 +1,5 @@
 """The long run of maps at one place: closed forms, and brute force with exact numbers."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from fractions import Fraction
@@ -17,8 +15,8 @@ from sympy import QQ, Interval, Rational, log, sqrt
 from pwmap import Budget, PiecewiseLinearMap, RealRoot, dynamics
 from pwmap.algebra.exact import pair
 from pwmap.algebra.roots import algebraic
-from pwmap.longrun import Attractor, Extremum
-from pwmap.longrun.line import AffinePiece, MapLine, line_of
+from pwmap.longrun import Extremum
+from pwmap.longrun.line import AffinePiece, MapLine
 from pwmap.longrun.numbers import Element, Exact, exact_to_sympy, in_order, to_double
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
@@ -79,49 +77,6 @@ def test_what_escapes_has_no_attractor() -> None:
     assert found.attractors == ()
     assert found.absorbing is None
     assert found.entropy.value == log(2)  # of what stays, a Cantor set
-
-
-@pytest.mark.nightly
-@pytest.mark.slow
-def test_orbits_settle_where_attractors_are() -> None:
-    """Random maps P1^L with a slope on the left: exact orbits end up in the attractors found."""
-    rng = np.random.default_rng(3)
-    for _ in range(100):
-        r, a, b = (Fraction(int(rng.integers(*ends)), 64)
-                   for ends in ((130, 400), (66, 180), (-120, 120)))  # fmt: skip
-        line = line_of(PAPER, {"r": r, "a": a, "b": b})
-        found = dynamics(PAPER, {"r": r, "a": a, "b": b})
-        if found.open:
-            continue
-        places = _settled(line, rng)
-        slack = 1e-9
-        for x in places:
-            assert any(_holds(each, x, slack) for each in found.attractors), (r, a, b, x)
-
-
-LATE = 20_000  # steps: at r = 53/16, a = 81/32, b = 1/4 one orbit in 40 is not drawn in after 4000
-
-
-def _settled(line: MapLine, rng: np.random.Generator) -> list[float]:
-    """Where orbits of doubles are after many steps; those that run away are left out."""
-    slopes, shifts = (np.array([to_double(b[k]) for b in line.branches]) for k in (0, 1))
-    breaks = np.array([to_double(x) for x in line.breaks])
-    x = rng.uniform(-3.0, 6.0, 40)
-    for _ in range(LATE):
-        k = np.searchsorted(breaks, x)
-        x = slopes[k] * x + shifts[k]
-        x = x[np.abs(x) < 1e6]
-    return [float(each) for each in x]
-
-
-def _holds(attractor: Attractor, x: float, slack: float) -> bool:
-    """Whether a point lies in bands, or as close to a cycle as so many steps bring it at least."""
-    if attractor.is_chaotic:
-        bands = [(float(each.start), float(each.end)) for each in attractor.bands]
-        return any(low - slack <= x <= high + slack for low, high in bands)
-    rounds = LATE // attractor.period
-    close = slack + 10.0 * abs(float(attractor.multiplier or 0)) ** rounds
-    return any(abs(x - float(point)) <= close for point in attractor.points)
 
 
 def test_a_word_of_slope_minus_one_makes_a_neutral_interval() -> None:

@@ -4,8 +4,6 @@ Orbits are followed by :mod:`exact_orbits`, which knows nothing of the package. 
 attractors, basins and bands must be what they do; nothing is compared by doubles.
 """
 
-from __future__ import annotations
-
 import random
 from collections import Counter
 from collections.abc import Iterator

@@ -1,7 +1,5 @@
 """What is too large is refused at once, and what is left out is said."""
 
-from __future__ import annotations
-
 import time
 
 import pytest

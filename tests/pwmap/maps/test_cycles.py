@@ -1,7 +1,5 @@
 """Cycles by words, against composition, brute force with fractions and numbers of necklaces."""
 
-from __future__ import annotations
-
 import random
 from fractions import Fraction
 from itertools import product

@@ -4,8 +4,6 @@ Most are made by the grammar of formulas, with what it lacks mixed in; the other
 just any characters.
 """
 
-from __future__ import annotations
-
 import signal
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager

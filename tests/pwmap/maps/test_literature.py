@@ -3,12 +3,9 @@
 Every closed form is derived in the docstring of its test; brute force in fractions checks it too.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from fractions import Fraction
 from functools import cache
-from itertools import pairwise
 from math import gcd
 
 import brute
@@ -386,18 +383,10 @@ def rotation_diagram() -> Diagram:
     return bifurcation_diagram(ROTATION, "d", (HALF, 1), orders=range(1, 9))
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("p", "q", "low", "high"),
-    [(1, 2, "2/3", "5/6"), (1, 3, "4/7", "9/14"), (2, 3, "6/7", "13/14"), (2, 5, "20/31", "41/62")],
-)
-def test_low_locking_intervals(p: int, q: int, low: str, high: str) -> None:
-    """1/2: 2/3 = 2/(4-1), 5/6; 2/5: ceilings 1 0 1 0 0 make 20/31, floors 0 0 1 0 1 make 5/31.
-
-    [Bugeaud1993, Laurent2018]; see the test below for the formula.
-    """
-    assert locked(p, q) == Interval.Ropen(Rational(low), Rational(high))
-    assert existence(rotation_diagram())[christoffel(p, q)] == locked(p, q)
+LOW_INTERVALS = {  # 1/2: 2/3 = 2/(4-1), 5/6; 2/5: ceilings 1 0 1 0 0 make 20/31, floors 5/31
+    (1, 2): ("2/3", "5/6"), (1, 3): ("4/7", "9/14"), (2, 3): ("6/7", "13/14"),
+    (2, 5): ("20/31", "41/62"),
+}  # fmt: skip
 
 
 @pytest.mark.slow
@@ -419,6 +408,8 @@ def test_locking_intervals_of_contracted_rotations() -> None:
     rationals = fractions_up_to(8)
     assert len(rationals) == 21
     assert found == {christoffel(p, q): locked(p, q) for p, q in rationals}
+    for (p, q), ends in LOW_INTERVALS.items():
+        assert locked(p, q) == Interval.Ropen(*map(Rational, ends))
     for p, q in rationals:
         interval = locked(p, q)
         assert interval.measure == Rational(1, 2 * (2**q - 1))
@@ -428,31 +419,6 @@ def test_locking_intervals_of_contracted_rotations() -> None:
             assert brute_cycles(lines, q).keys() == (
                 set() if d == interval.end else {christoffel(p, q)}
             )
-
-
-@pytest.mark.slow
-def test_locking_intervals_are_disjoint_and_add_like_farey() -> None:
-    """The words of Farey neighbours, joined, are the word of their mediant, which lies between.
-
-    The first word of a cycle is the lower Christoffel word; for p s - q r = -1 the one of
-    (p + r)/(q + s) is that of p/q followed by that of r/s [Granados2017, Berstel2008].
-    """
-    found = existence(rotation_diagram())
-    for (p, q), (r, s) in pairwise(fractions_up_to(8)):
-        left, right = found[christoffel(p, q)], found[christoffel(r, s)]
-        assert left.end < right.start  # more and more on the right
-        assert right.start - left.end > 0
-        assert left.intersect(right) == sympy.EmptySet
-    mediants = 0
-    for p, q in fractions_up_to(8):
-        for r, s in fractions_up_to(8 - q):
-            if p * s - q * r == -1:
-                mediants += 1
-                words = [christoffel(*pair) for pair in ((p, q), (p + r, q + s), (r, s))]
-                assert words[0] + words[2] == words[1]
-                assert found[words[0]].end < found[words[1]].start
-                assert found[words[1]].end < found[words[2]].start
-    assert mediants > 5
 
 
 @pytest.mark.slow

@@ -1,7 +1,5 @@
 """Budgets: counts end a call where they are reached, what is finished is kept, the rest is said."""
 
-from __future__ import annotations
-
 import signal
 import sys
 import time

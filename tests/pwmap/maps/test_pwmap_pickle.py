@@ -1,7 +1,5 @@
 """Maps and what is found of them can be sent and copied, and behave as before."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 import subprocess

@@ -1,7 +1,5 @@
 """Text and expressions as maps: what is read, what is refused, and that none of it is executed."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Diagrams and cells of certain families against brute force, and with symbolic parameters."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Sequence
 from fractions import Fraction
@@ -207,25 +205,15 @@ def test_composition_with_a_line_is_the_map_on_other_coordinates() -> None:
     plain = PiecewiseLinearMap([("r - 2", "x <= -1/2"), ("r - 5/4*(2*x + 1)", "x > -1/2")])
     names = ("x", "interval", "multiplier", "left", "right")
     diagrams = [bifurcation_diagram(m, "r", (-3, 8), orders=(1, 2, 3)) for m in (both, plain)]
-    branches, points = (
-        [
-            sorted(
-                (
-                    str(b.kind),
-                    b.order,
-                    *(str(sympy.factor(b.exact[n])) for n in names if n in b.exact),
-                )
-                for b in diagram.branches
-            )
-            for diagram in diagrams
-        ],
-        [
-            sorted((str(p.kind), p.order, *map(str, p.exact.values())) for p in diagram.points)
-            for diagram in diagrams
-        ],
-    )
-    assert branches[0] == branches[1]
-    assert points[0] == points[1]
+    shown = []
+    for diagram in diagrams:
+        branches = []
+        for b in diagram.branches:
+            formulas = [str(sympy.factor(b.exact[n])) for n in names if n in b.exact]
+            branches.append((str(b.kind), b.order, *formulas))
+        points = [(str(p.kind), p.order, *map(str, p.exact.values())) for p in diagram.points]
+        shown.append((sorted(branches), sorted(points)))
+    assert shown[0] == shown[1]
 
 
 # --- Other parameters symbolic --------------------------------------------------------------------
@@ -247,17 +235,8 @@ def substituted(
             (str(kinds[e].kind), *(shown(v) for v in kinds[e].exact.values())) for e in branch.ends
         ]
         names = [name for name in ("x", "multiplier", "left", "right") if name in exact]
-        interval = exact["interval"].subs(values)
-        branches.append(
-            (
-                str(branch.kind),
-                branch.order,
-                branch.word,
-                *(shown(exact[name]) for name in names),
-                str(interval),
-                *ends,
-            )
-        )
+        formulas = [*(shown(exact[name]) for name in names), str(exact["interval"].subs(values))]
+        branches.append((str(branch.kind), branch.order, branch.word, *formulas, *ends))
     points = [
         (str(p.kind), p.order, p.note, *(shown(v) for v in p.exact.values()), len(p.branches))
         for p in diagram.points

@@ -1,7 +1,5 @@
 """The map of a cell answers for its cell: what holds throughout, or one sentence that refuses."""
 
-from __future__ import annotations
-
 import copy
 import pickle
 

@@ -1,7 +1,5 @@
 """Random families of maps over one parameter against brute force that shares nothing with them."""
 
-from __future__ import annotations
-
 import random
 from fractions import Fraction
 

@@ -1,7 +1,5 @@
 """What is kept along an axis, against what an oracle says at each place alone."""
 
-from __future__ import annotations
-
 import random
 from collections.abc import Iterator
 

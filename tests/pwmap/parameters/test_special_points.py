@@ -1,7 +1,5 @@
 """What a special point is follows from the branches that meet there; degenerate cases by hand."""
 
-from __future__ import annotations
-
 import random
 from collections import Counter
 from fractions import Fraction

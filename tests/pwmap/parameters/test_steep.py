@@ -4,8 +4,6 @@ Slopes reach from 10**-5 to 10**6 and breaks are as close as 10**-18, so that a 
 neither the edges nor the points of a diagram apart.
 """
 
-from __future__ import annotations
-
 import pickle
 import random
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """Where only jumps meet a branch goes on with another word: a mark, and no special point."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any

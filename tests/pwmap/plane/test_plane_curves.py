@@ -1,7 +1,5 @@
 """Bifurcation curves of two parameters, against diagrams over one and against closed forms."""
 
-from __future__ import annotations
-
 import pickle
 import time
 from fractions import Fraction

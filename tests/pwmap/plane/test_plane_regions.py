@@ -1,7 +1,5 @@
 """Regions of the plane with exact borders: closed forms of the skew tent map, and its raster."""
 
-from __future__ import annotations
-
 import pytest
 import sympy
 

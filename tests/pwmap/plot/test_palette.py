@@ -1,7 +1,5 @@
 """Colours of periods are told apart in grey print, and by eyes that lack one kind of cone."""
 
-from __future__ import annotations
-
 from itertools import combinations
 
 import numpy as np

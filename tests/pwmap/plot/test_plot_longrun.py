@@ -1,7 +1,5 @@
 """Pictures of the long run: what is drawn, read back from the axes."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from matplotlib.axes import Axes

@@ -1,8 +1,5 @@
 """Certificates of maps: what they prove is true, and nothing else passes the checker."""
 
-from __future__ import annotations
-
-import ast
 import json
 import random
 import shutil
@@ -466,20 +463,6 @@ def test_an_iterate_is_certified_as_one() -> None:
 
 
 # --- The checker by itself ------------------------------------------------------------------------
-
-
-def test_the_checker_imports_the_standard_library_only() -> None:
-    for path in CHECKER.glob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-            names = []
-            if isinstance(node, ast.Import):
-                names = [alias.name for alias in node.names]
-            elif isinstance(node, ast.ImportFrom):
-                assert node.level == 0
-                names = [node.module or ""]
-            for name in names:
-                own = name == "pwmap.checking" or name.startswith("pwmap.checking.")
-                assert own or name.partition(".")[0] in sys.stdlib_module_names, (path.name, name)
 
 
 @pytest.mark.slow

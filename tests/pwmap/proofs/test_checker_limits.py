@@ -1,7 +1,5 @@
 """What a file of a certificate may cost: time and memory are bounded by one count of work."""
 
-from __future__ import annotations
-
 import json
 import random
 import time

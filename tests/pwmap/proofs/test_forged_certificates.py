@@ -1,7 +1,5 @@
 """Forged certificates: true ones with claims that are wrong are refused for these claims."""
 
-from __future__ import annotations
-
 import copy
 import os
 from fractions import Fraction

@@ -1,9 +1,6 @@
 """Organising centres: where they are, and what brute force finds on small curves around them."""
 
-from __future__ import annotations
-
 import re
-from collections.abc import Callable
 from fractions import Fraction
 from itertools import pairwise
 from typing import NamedTuple
@@ -261,30 +258,20 @@ def test_rational_centres_of_curved_equations_and_what_lives_there() -> None:
 
 
 def test_algebraic_centres() -> None:
-    map_ = PiecewiseLinearMap([("x/2 + u**2 - 2", "x < 0"), ("x/3 - v + u", "x >= 0")])
-    assert [c.values for c in organising_centres(map_, U, V)] == [
-        (-sqrt(2), -sqrt(2)),
-        (sqrt(2), sqrt(2)),
-    ]
-    assert [c.values for c in organising_centres(map_, V, U)] == [
-        (-sqrt(2), -sqrt(2)),
-        (sqrt(2), sqrt(2)),
-    ]
-    half = PiecewiseLinearMap(
-        [("x/2 + u**2 - 2", "x < 0"), ("x/3 - v + u", "x >= 0")], given=["u > 0"]
-    )
-    assert organising_centre(half, U, V).values == (sqrt(2), sqrt(2))
+    pieces = [("x/2 + u**2 - 2", "x < 0"), ("x/3 - v + u", "x >= 0")]
+    low, high = (-sqrt(2), -sqrt(2)), (sqrt(2), sqrt(2))
+    for over in ((U, V), (V, U)):
+        found = organising_centres(PiecewiseLinearMap(pieces), *over)
+        assert [centre.values for centre in found] == [low, high]
+    half = PiecewiseLinearMap(pieces, given=["u > 0"])
+    assert organising_centre(half, U, V).values == high
     circle = PiecewiseLinearMap(
         [("x/2 + u**2 + v**2 - 1", "x < 0"), ("v*x + v**2 - 1/4", "x >= 0")]
     )
-    found = {c.values: c.kind for c in organising_centres(circle, U, V)}
-    assert found == {
-        (sign * sqrt(3) / 2, v): kind
-        for sign in (-1, 1)
-        for v, kind in (
-            (Rational(1, 2), CentreKind.ADDING),
-            (-Rational(1, 2), CentreKind.INCREMENTING),
-        )
+    u, v = sqrt(3) / 2, Rational(1, 2)
+    assert {centre.values: centre.kind for centre in organising_centres(circle, U, V)} == {
+        **dict.fromkeys([(-u, v), (u, v)], CentreKind.ADDING),
+        **dict.fromkeys([(-u, -v), (u, -v)], CentreKind.INCREMENTING),
     }
 
 
@@ -304,41 +291,32 @@ def test_centres_above_one_another_are_told_apart() -> None:
     assert found == {(u, v) for u in (-1, 0, 1) for v in (-2, 0, 2)}
 
 
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda: organising_centre(normal_form(1, 1), U, "w"), "w is no parameter of this map"),
-        (lambda: organising_centre(normal_form(1, 1), U, "u"), "different parameters, got u twice"),
-        (
-            lambda: organising_centre(
-                PiecewiseLinearMap([("v*x + u", "x < 0"), ("x/3 + u + 1", "x >= 0")]), U, V
-            ),
-            "expected one organising centre in (u, v), got 0: none",
-        ),
-        (lambda: organising_centre(CURVED, U, V), "got 2: (1, 0), (3/2, 19/10)"),
-        (
-            lambda: organising_centres(
-                PiecewiseLinearMap([("x/2 + (u - v)*u", "x < 0"), ("x/3 + (u - v)*v", "x >= 0")]),
-                U,
-                V,
-            ),
-            "along a curve in (u, v), no point",
-        ),
-        (
-            lambda: organising_centres(
-                PiecewiseLinearMap([("x/2 + u**2 - p", "x < 0"), ("x/3 - v", "x >= 0")]), U, V
-            ),
-            "the other parameters, p, must have values",
-        ),
-        (
-            lambda: organising_centre(PiecewiseLinearMap([("u*x + v", "x > 0 or x <= 0")]), U, V),
-            "expected a map of two pieces",
-        ),
-    ],
-)
-def test_wrong_input_is_refused(call: Callable[[], object], message: str) -> None:
+EQUATIONS = [
+    ([("v*x + u", "x < 0"), ("x/3 + u + 1", "x >= 0")],
+     "expected one organising centre in (u, v), got 0: none"),
+    ([("u*x/2 + u**3 - v - 1", "x < v"), ("u*x/3 - v + u*v", "x >= v")],
+     "got 2: (1, 0), (3/2, 19/10)"),
+    ([("x/2 + (u - v)*u", "x < 0"), ("x/3 + (u - v)*v", "x >= 0")],
+     "along a curve in (u, v), no point"),
+    ([("x/2 + u**2 - p", "x < 0"), ("x/3 - v", "x >= 0")],
+     "the other parameters, p, must have values"),
+    ([("u*x + v", "x > 0 or x <= 0")], "expected a map of two pieces"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("pieces", "message"), EQUATIONS)
+def test_maps_without_one_centre_are_refused(pieces: list[tuple[str, str]], message: str) -> None:
     with pytest.raises(ValueError, match=re.escape(message)):
-        call()
+        organising_centre(PiecewiseLinearMap(pieces), U, V)
+
+
+@pytest.mark.parametrize(
+    ("other", "message"),
+    [("w", "w is no parameter of this map"), ("u", "different parameters, got u twice")],
+)
+def test_wrong_parameters_are_refused(other: str, message: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(message)):
+        organising_centre(normal_form(1, 1), U, other)
 
 
 def test_only_maps_are_taken() -> None:

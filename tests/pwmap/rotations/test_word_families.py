@@ -1,7 +1,5 @@
 """Families of words in n against single cycles, closed forms and random maps."""
 
-from __future__ import annotations
-
 import random
 import re
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Calls that do not fit a verb: one sentence with what it takes and what it got."""
 
-from __future__ import annotations
-
 import inspect
 import pickle
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Files that grow line by line: locks, what is kept of an older run, what is no such file."""
 
-from __future__ import annotations
-
 import json
 import math
 import multiprocessing
@@ -140,20 +138,26 @@ def lines_of(path: Path, *lines: object) -> Path:
 HEADER = {"run": ABOUT, "version": VERSION}
 
 
+NO_ENTRY = "expected an entry of a run"
+
+
 @pytest.mark.parametrize(
-    ("header", "sentence"),
+    ("lines", "sentence"),
     [
-        ({"run": ABOUT}, "in a format without a number, expected format 7: start the run anew"),
-        (HEADER | {"version": 3}, "in a format 3, expected format 7"),
-        (HEADER | {"version": "7"}, "in a format '7', expected format 7"),
-        ({"version": 7}, "its first line does not say which"),
-        (HEADER | {"run": []}, "its first line does not say which"),
-        ([], r"line 1: expected an entry of a run, got \[\]"),
-        (3, "line 1: expected an entry of a run, got 3"),
+        ([{"run": ABOUT}], "in a format without a number, expected format 7: start the run anew"),
+        ([HEADER | {"version": 3}], "in a format 3, expected format 7"),
+        ([HEADER | {"version": "7"}], "in a format '7', expected format 7"),
+        ([{"version": 7}], "its first line does not say which"),
+        ([HEADER | {"run": []}], "its first line does not say which"),
+        ([[]], rf"line 1: {NO_ENTRY}, got \[\]"),
+        ([3], f"line 1: {NO_ENTRY}, got 3"),
+        ([HEADER, ONE, {"other": 1}], f", line 3: {NO_ENTRY}"),
+        ([HEADER, ONE, {"number": "1"}], f", line 3: {NO_ENTRY}"),
+        ([HEADER, ONE, {"number": True}], f", line 3: {NO_ENTRY}"),
     ],
 )
-def test_first_lines_that_are_refused(tmp_path: Path, header: object, sentence: str) -> None:
-    path = lines_of(tmp_path / "run.jsonl", header)
+def test_lines_that_are_refused(tmp_path: Path, lines: list[object], sentence: str) -> None:
+    path = lines_of(tmp_path / "run.jsonl", *lines)
     before = path.read_bytes()
     for call in (lambda: entries(path), lambda: opened(path, resume=True)):
         with pytest.raises(ValueError, match=r"run\.jsonl.*" + sentence):
@@ -161,14 +165,12 @@ def test_first_lines_that_are_refused(tmp_path: Path, header: object, sentence: 
     assert path.read_bytes() == before
 
 
-@pytest.mark.parametrize("entry", [{"other": 1}, {"number": "1"}, {"number": True}])
-def test_entries_that_are_refused(tmp_path: Path, entry: object) -> None:
-    path = lines_of(tmp_path / "run.jsonl", HEADER, ONE, entry)
-    before = path.read_bytes()
-    for call in (lambda: entries(path), lambda: opened(path, resume=True)):
-        with pytest.raises(ValueError, match=r"run\.jsonl, line 3: expected an entry of a run"):
-            call()
-    assert path.read_bytes() == before
+@pytest.mark.parametrize("content", [b"", b"\xff\xfe\n", b"no end of the line"])
+def test_files_that_are_none(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "run.jsonl"
+    path.write_bytes(content)
+    with pytest.raises(ValueError, match=r"run\.jsonl.* not the journal of a run"):
+        entries(path)
 
 
 @pytest.mark.parametrize("entry", [{}, ONE, [], 1.0, "text", None])
@@ -228,14 +230,6 @@ def test_a_long_entry_is_shown_in_part(tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r'got \{"text": "a+\.\.\.$') as caught:
         entries(path)
     assert len(str(caught.value)) < 200 + len(str(path))
-
-
-@pytest.mark.parametrize("content", [b"", b"\xff\xfe\n", b"no end of the line"])
-def test_files_that_are_none(tmp_path: Path, content: bytes) -> None:
-    path = tmp_path / "run.jsonl"
-    path.write_bytes(content)
-    with pytest.raises(ValueError, match=r"run\.jsonl.* not the journal of a run"):
-        entries(path)
 
 
 # --- Locks ----------------------------------------------------------------------------------------

@@ -1,7 +1,5 @@
 """Wrong input: one sentence that names the value and what was expected, wherever it comes in."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import fields

@@ -1,7 +1,5 @@
 """With numba and without: which kernel runs, and who is told that it is compiled."""
 
-from __future__ import annotations
-
 import logging
 import os
 import shutil

@@ -1,7 +1,5 @@
 """Zeros of cubics that are known by values and slopes at 0 and 1."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

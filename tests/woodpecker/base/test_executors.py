@@ -1,7 +1,5 @@
 """Where the tasks of a search are carried out: the order of results, and no worker left behind."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import subprocess

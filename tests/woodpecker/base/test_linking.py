@@ -1,7 +1,5 @@
 """Parts that are compiled within what Python calls: the same numbers, and nothing left behind."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Roots of polynomials over [0, 1]: of products of known factors, and of random ones."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

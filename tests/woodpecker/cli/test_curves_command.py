@@ -1,7 +1,5 @@
 """The command ``woodpecker curves``."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 
@@ -43,18 +41,21 @@ def test_it_follows_a_and_c(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("arguments", "sentence"),
+    ("command", "parameters", "sentence"),
     [
-        (["--parameters", "eps_n1"], "--parameters needs two different names"),
-        (["--parameters", "eps_n1,mu"], "unknown parameter 'mu'"),
-        (["--parameters", "eps-n1,eps_n1"], "--parameters needs two different names"),
+        ("curves", "eps_n1", "--parameters needs two different names"),
+        ("curves", "eps_n1,mu", "unknown parameter 'mu'"),
+        ("curves", "eps-n1,eps_n1", "--parameters needs two different names"),
+        ("regions", "eps_n1", "two different names"),
+        ("robustness", "mu", "unknown parameter 'mu'"),
     ],
 )
-def test_wrong_values(arguments: list[str], sentence: str, tmp_path: Path) -> None:
-    code, output = run(*arguments, "--out", str(tmp_path / "new"))
-    assert code == 2
-    assert sentence in output
-    assert not (tmp_path / "new").exists()
+def test_wrong_parameters(command: str, parameters: str, sentence: str, tmp_path: Path) -> None:
+    target = tmp_path / "new"
+    found = invoked(app, command, "--parameters", parameters, "--out", str(target))
+    assert found.exit_code == 2
+    assert sentence in " ".join(found.output.split())
+    assert not target.exists()
 
 
 @pytest.mark.slow

@@ -3,8 +3,6 @@
 The commands run elsewhere, as real processes; they take the kernel that is cached here.
 """
 
-from __future__ import annotations
-
 import csv
 import re
 import signal

@@ -1,7 +1,5 @@
 """The command ``woodpecker regions``, and its picture."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 
@@ -35,14 +33,6 @@ def test_the_flip_cuts_the_plane_in_two(tmp_path: Path) -> None:
     assert lives == {("1", "0"), ("0", "1")}
     assert sum(float(row["share"]) for row in rows) == pytest.approx(1.0, abs=1e-9)
     assert "all of 10 random places agree" in " ".join(found.output.split())
-
-
-def test_wrong_parameters_are_refused(tmp_path: Path) -> None:
-    target = tmp_path / "out"
-    found = CliRunner().invoke(app, ["regions", "--parameters", "eps_n1", "--out", str(target)])
-    assert found.exit_code != 0
-    assert "two different names" in " ".join(found.output.split())
-    assert not target.exists()
 
 
 def test_colours_say_what_is_stable() -> None:

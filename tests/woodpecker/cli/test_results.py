@@ -1,7 +1,5 @@
 """What all commands share: tables before pictures, one end for all, tables for programs."""
 
-from __future__ import annotations
-
 import csv
 import io
 import json

@@ -1,7 +1,5 @@
 """The command ``woodpecker robustness``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
@@ -30,11 +28,3 @@ def test_tables_on_screen_and_on_disk(tmp_path: Path) -> None:
     # steps of Newton's method end at a hundred spacings of the parameter
     assert float(by_name["eps_n1", "1"]["value"]) == pytest.approx(0.64854920022763, abs=1e-12)
     assert float(by_name["eps_n1", "-1"]["value"]) == pytest.approx(0.18512695093092, abs=1e-12)
-
-
-def test_what_is_no_parameter_is_refused(tmp_path: Path) -> None:
-    target = tmp_path / "out"
-    found = CliRunner().invoke(app, ["robustness", "--parameters", "mu", "--out", str(target)])
-    assert found.exit_code != 0
-    assert "mu" in found.output
-    assert not target.exists()

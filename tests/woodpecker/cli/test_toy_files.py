@@ -1,7 +1,5 @@
 """A toy in a file: written by a command, read by all of them, changed by single options."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Random piecewise-linear maps of the line: what the engine finds is what `pwmap` proves."""
 
-from __future__ import annotations
-
 import random
 
 import networkx as nx

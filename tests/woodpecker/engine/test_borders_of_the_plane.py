@@ -1,7 +1,5 @@
 """Border collisions and jump crossings of maps of the plane, against closed forms."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy

@@ -4,8 +4,6 @@ Beyond x = c(p) a piece begins with a root: D(x) = D(c) + sqrt(x - c)/8. Where D
 b(p) the crossing leaves c: its first point goes on at c + 64 (b - D(c))^2, from where D leads to b.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy

@@ -1,7 +1,5 @@
 """Derivatives of chains, pieces beside a border, branch points, and crossings that pass corners."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy

@@ -5,8 +5,6 @@ lie on the sides that the word says. Such cycles within a short distance of a co
 parameters on both sides of it, must be those that the germ says start there, no more and no fewer.
 """
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np

@@ -4,8 +4,6 @@ With a root of height K a cycle is closer to the border than doubles tell long b
 by its margin alone the place would be known to some 1e-8 K of the parameter.
 """
 
-from __future__ import annotations
-
 import pytest
 from needs import NEEDS_NUMBA
 from sympy import Piecewise, Rational, sqrt, symbols

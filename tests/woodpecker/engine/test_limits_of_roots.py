@@ -4,8 +4,6 @@ On the side of the root a value is known to the root of what the place is: its l
 cycle meets the border.
 """
 
-from __future__ import annotations
-
 import pytest
 from scipy.optimize import brentq
 from sympy import Expr, Piecewise, Rational, sqrt, symbols, tanh

@@ -1,7 +1,5 @@
 """Where borders accumulate a branch goes on beyond them, if it is the same branch."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Hashable
 from typing import NamedTuple

@@ -1,7 +1,5 @@
 """Cycles of maps of the plane: folds, flips, pairs on the unit circle, and their curves."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy

@@ -1,7 +1,5 @@
 """Margins that carry more rounding than their own derivatives say, as those of long motions do."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -4,8 +4,6 @@ Two programs that share the map only: places agree to the 1e-8 of the span asser
 worst is a fold beside a border.
 """
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

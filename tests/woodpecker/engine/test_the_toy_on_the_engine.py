@@ -1,7 +1,5 @@
 """The toy's return map followed by the engine, against what it is known to do."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

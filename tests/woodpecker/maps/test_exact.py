@@ -1,7 +1,5 @@
 """The comparison of computed diagrams with proved ones sees what differs, and nothing else."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from random import Random
@@ -129,30 +127,6 @@ def test_what_differs_is_named(change: Change, sentences: list[str]) -> None:
     assert len(said) == len(sentences)
     for sentence, found in zip(sentences, said, strict=True):
         assert sentence in found
-
-
-def test_a_kink_without_effect_is_no_point() -> None:
-    """x/2 + p for x < 0, x/4 + p beyond: fixed points 2 p and 4 p/3, which attract all along."""
-    map_ = PiecewiseLinearMap([("x/2 + p", "x < 0"), ("x/4 + p", "x >= 0")])
-    points = (point("a", "EP", -1.0, -2.0), point("b", "EP", 1.0, 4.0 / 3.0))
-    one = branch("F", FIXED, ("a", "b"), [-1.0, 0.0, 1.0], [-2.0, 0.0, 4.0 / 3.0])
-    diagram = Diagram(parameter_name="p", x_name="x", branches=(one,), points=points)
-    known = exact_diagram(map_, "p", (-1, 1), orders=(1,))
-    assert [p.kind.value for p in known.points] == ["EP", "BC", "EP"]
-    assert same_graph(diagram, known) == []
-    assert len(same_graph(with_point(point("c", "BC", 0.0, 0.0))(diagram), known)) == 1
-
-
-def test_a_kink_where_stability_changes_stays_a_point() -> None:
-    map_ = PiecewiseLinearMap([("x/2 + p", "x < 0"), ("-3*x + p", "x >= 0")])
-    graph = essential(exact_diagram(map_, "p", (-1, 1), orders=(1,)))
-    assert sorted(node.kind.value for node in graph.nodes.values()) == ["BC", "EP", "EP"]
-
-
-def test_a_fold_at_a_kink_stays_a_point() -> None:
-    map_ = PiecewiseLinearMap([("2*x + p", "x < 0"), ("-3*x + p", "x >= 0")])
-    graph = essential(exact_diagram(map_, "p", (-1, 1), orders=(1,)))
-    assert sorted(node.kind.value for node in graph.nodes.values()) == ["BC", "EP", "EP"]
 
 
 def test_branches_of_two_orders_are_never_one() -> None:

@@ -1,10 +1,7 @@
 """Maps written by hand, from sympy and from pwmap: values, derivatives, margins and refusals."""
 
-from __future__ import annotations
-
 import math
 import operator
-import pickle
 import re
 from collections.abc import Callable
 from typing import Any
@@ -133,18 +130,6 @@ def test_strict_relations_of_sympy_are_strict() -> None:
     map_ = from_sympy(sympy.Piecewise((1, X < P), (2, X <= P), (3, True)), X, P)
     images = [map_.at(x, 1.0).value for x in (0.5, 1.0, 1.5)]
     assert images == map_.values([0.5, 1.0, 1.5], 1.0).tolist() == [1.0, 2.0, 3.0]
-
-
-@pytest.mark.parametrize("make", [by_hand, symbolic])
-def test_a_pickle_gives_the_same_images(make: Callable[[], FormulaMap]) -> None:
-    map_ = make()
-    again = pickle.loads(pickle.dumps(map_))
-    for x in (-0.7, 0.3, 1.0, 1.7):
-        one, other = map_.at(x, 1.0), again.at(x, 1.0)
-        assert np.array_equal(one[:3], other[:3], equal_nan=True)
-        assert np.array_equal(one.margins, other.margins)
-        assert np.array_equal(one.gradients, other.gradients)
-        assert one.piece.cause(0) == other.piece.cause(0)
 
 
 def test_differences_are_good_to_nine_digits() -> None:

@@ -1,7 +1,5 @@
 """Iterates of maps as maps: values and derivatives by the chain rule, borders at preimages."""
 
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -4,8 +4,6 @@ x -> 1 - p (-x)^e below x = 0, and minus that at -x above: the jump from 1 to -1
 diagonal at all p. The 2-cycle {y, -y} obeys p y^e = 1 - y, and splits where e p y^(e-1) = 1.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from sympy import Piecewise, Rational, symbols

@@ -1,7 +1,5 @@
 """What is asked of the engine at first: starts that are none, maps of one's own, settled orbits."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import networkx as nx

@@ -1,7 +1,5 @@
 """Random maps that pwmap solves: what a search computes is the proved graph."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from random import Random
 

@@ -26,8 +26,6 @@ at most e^2 Lambda_C . G Lambda_C if for all directions l_1 = (1, a), l_k = (1, 
 Then the energy changes by at most -(1 - e^2) K - D.                              (WEAKER BOUND)
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

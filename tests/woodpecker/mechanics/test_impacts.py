@@ -1,7 +1,5 @@
 """The direct contact solvers against Lemke, closed forms, linear programs and differences."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import hypothesis.strategies as st
@@ -301,24 +299,22 @@ def test_poisson_at_an_uncoupled_contact(eps: float, mu: float) -> None:
 # --- Painleve: several solutions, none ------------------------------------------------------------
 
 
-def test_a_rod_that_may_separate_slide_or_stick() -> None:
-    """G = [[1.6, -1.2], [-1.2, 3.4]], free (1, -8), mu = 2: three lawful answers, see test_lcp."""
-    delassus = np.array([[1.6, -1.2], [-1.2, 3.4]])
+@pytest.mark.parametrize(
+    ("delassus", "free", "mu", "outcome"),
+    [
+        # A rod that may separate, slide or stick, see test_lcp.
+        ([[1.6, -1.2], [-1.2, 3.4]], [1.0, -8.0], 2.0, AMBIGUOUS),
+        # A positive definite G has an answer; this one, of no body, presses against all friction.
+        ([[1.0, 2.0], [2.0, 1.0]], [-1.0, 0.0], 1.0, NO_SOLUTION),
+    ],
+)
+def test_several_answers_and_none_are_reported(
+    delassus: list[list[float]], free: list[float], mu: float, outcome: int
+) -> None:
     problem = Problem(
-        delassus=delassus, free=np.array([1.0, -8.0]), mu=np.array([2.0]), floor=np.zeros(1)
+        delassus=np.array(delassus), free=np.array(free), mu=np.array([mu]), floor=np.zeros(1)
     )
-    assert expected_outcome(problem) == AMBIGUOUS
-    assert solve(problem).outcome == AMBIGUOUS
-
-
-def test_no_solution_is_reported() -> None:
-    """A positive definite G always has one; this G, of no body, presses against every friction."""
-    delassus = np.array([[1.0, 2.0], [2.0, 1.0]])
-    problem = Problem(
-        delassus=delassus, free=np.array([-1.0, 0.0]), mu=np.ones(1), floor=np.zeros(1)
-    )
-    assert expected_outcome(problem) == NO_SOLUTION
-    assert solve(problem).outcome == NO_SOLUTION
+    assert expected_outcome(problem) == solve(problem).outcome == outcome
 
 
 def test_friction_without_stiffness_is_skipped() -> None:

@@ -1,7 +1,5 @@
 """The mode table satisfies the constrained equations of motion, row by row."""
 
-from __future__ import annotations
-
 from itertools import product
 
 import numpy as np
@@ -143,23 +141,19 @@ def test_equations_of_motion(toy: Toy, states: States) -> None:
 @toys
 @moving
 def test_constraints_of_closed_contacts(toy: Toy, states: States) -> None:
-    """A closed gap does not accelerate, exactly; a sticking point does not either [Eq. 3]."""
+    """A closed gap does not accelerate, exactly; a sticking point does not either [Eq. 3].
+
+    lambda_T = -mu lambda_N in slip +, +mu lambda_N in slip -.
+    """
     numbers, (normal, tangential) = row(toy, states), directions(toy)
     motion = np.column_stack([numbers[A : A + 3], numbers[B : B + 3]])
+    mu = (toy.mu_1, toy.mu_2, toy.mu_3)
     for i in closed(states):
         assert (normal[i] @ motion == 0.0).all()
         if states[i] == STICK:
             size = np.abs(tangential[i]) @ np.abs(motion)
             assert (np.abs(tangential[i] @ motion) <= SOLVED * size).all()
-
-
-@toys
-@moving
-def test_friction_of_sliding_contacts(toy: Toy, states: States) -> None:
-    """lambda_T = -mu lambda_N in slip +, +mu lambda_N in slip -."""
-    numbers, mu = row(toy, states), (toy.mu_1, toy.mu_2, toy.mu_3)
-    for i in closed(states):
-        if states[i] in SLIP_SIGN:
+        else:
             lambda_n, lambda_t = forces(numbers, i)
             expected = -SLIP_SIGN[states[i]] * mu[i] * lambda_n
             np.testing.assert_allclose(lambda_t, expected, rtol=SOLVED)
@@ -220,14 +214,10 @@ def test_frequencies_of_the_modes() -> None:
 
 
 def test_the_upper_sleeve_contact_sliding_up_is_hyperbolic() -> None:
-    """Friction pushes the sleeve and through it the bird; the other slip direction swings."""
-    assert row(Toy(), (OPEN, OPEN, UP))[KAPPA] == pytest.approx(532.49, abs=5e-3)  # printed digits
-    assert row(Toy(), (OPEN, OPEN, DOWN))[KAPPA] < 0.0
-    assert row(Toy(mu_3=0.0), (OPEN, OPEN, UP))[KAPPA] < 0.0
+    """Friction pushes the sleeve and through it the bird; the other slip direction swings.
 
-
-def test_kappa_of_the_sliding_upper_contact_in_closed_form() -> None:
-    """With phi_M held, the rows y and phi_S of Eq. 1 with lambda_T = -mu lambda_N [Eqs. 6-10]."""
+    Closed form: phi_M held, rows y and phi_S of Eq. 1 with lambda_T = -mu lambda_N [Eqs. 6-10].
+    """
     toy = Toy()
     # Unknowns y'', phi_S'', lambda_N per unit stretch; rows y, phi_M, phi_S.
     m, mass = toy.m_s, toy.m_s + toy.m_m
@@ -236,8 +226,11 @@ def test_kappa_of_the_sliding_upper_contact_in_closed_form() -> None:
         [m * toy.l_m, m * toy.l_m * toy.l_g, toy.h_m + toy.r_m * toy.mu_3],
         [m * toy.l_g, toy.j_s + m * toy.l_g**2, 0.0],
     ]
-    solution = np.linalg.solve(system, [0.0, toy.c_phi, -toy.c_phi])
-    np.testing.assert_allclose(row(toy, (OPEN, OPEN, UP))[KAPPA], solution[1], rtol=SOLVED)
+    _, kappa, _ = np.linalg.solve(system, [0.0, toy.c_phi, -toy.c_phi])
+    np.testing.assert_allclose(row(toy, (OPEN, OPEN, UP))[KAPPA], kappa, rtol=SOLVED)
+    assert kappa == pytest.approx(532.49, abs=5e-3)  # printed digits
+    assert row(toy, (OPEN, OPEN, DOWN))[KAPPA] < 0.0
+    assert row(Toy(mu_3=0.0), (OPEN, OPEN, UP))[KAPPA] < 0.0
 
 
 # --- What the table depends on --------------------------------------------------------------------

@@ -1,7 +1,5 @@
 """Impacts of one contact: closed forms, Lemke's path, and problems without one solution."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

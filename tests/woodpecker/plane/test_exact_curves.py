@@ -1,7 +1,5 @@
 """Curves over two parameters of piecewise-linear maps, whose formulas are known."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from fractions import Fraction
 
@@ -56,14 +54,11 @@ class TestPaper:
     family = family_from_sympy(PAPER, X, (R, A))
     span = ((-1.0, 11.0), (0.5, 3.0))
 
-    def test_a_is_at_zero(self) -> None:
+    def test_a_is_at_zero_and_a_fold_flip_where_its_slope_is_minus_one(self) -> None:
         curve = through(self.family, (1.0, 1.25), 0.0, 1, self.span)
         assert np.abs(curve.values[:, 0]).max() == 0.0
         assert np.ptp(curve.values[:, 1]) == 2.5
         assert [point.cause for point in curve.ends] == ["end of the span of a"] * 2
-
-    def test_a_becomes_a_fold_flip_where_its_slope_is_minus_one(self) -> None:
-        curve = through(self.family, (1.0, 1.25), 0.0, 1, self.span)
         (flip,) = [point for point in curve.points if point.kind is PlaneKind.FLIP_BORDER]
         assert flip.values == pytest.approx((0.0, 1.0), abs=ROUNDED)
         assert [(code, note) for code, note, _, _ in curve.stretches()] in (
@@ -77,10 +72,13 @@ class TestPaper:
         assert np.abs(curve.gaps + 2.0).max() < ROUNDED
 
     def test_b_is_at_two(self) -> None:
-        curve = through(self.family, (1.0, 1.25), 2.0, 1, self.span)
-        assert np.abs(curve.values[:, 0] - 2.0).max() < ROUNDED
-        assert set(curve.codes) == {"BC"}
-        assert set(curve.notes) == {"fold"}
+        exact = PiecewiseLinearMap.from_sympy(PAPER, X, given=[A > 1])
+        same = family_from_pwmap(exact, ("r", "a")), ((-1.0, 11.0), (1.05, 3.0))
+        for family, span in ((self.family, self.span), same):
+            curve = through(family, (1.0, 1.25), 2.0, 1, span)
+            assert np.abs(curve.values[:, 0] - 2.0).max() < ROUNDED
+            assert set(curve.codes) == {"BC"}
+            assert set(curve.notes) == {"fold"}
 
     @pytest.mark.slow
     @pytest.mark.parametrize("right", [1, 2, 3])
@@ -118,12 +116,6 @@ class TestPaper:
         )
         a, r = other.values.T
         assert np.abs(r - 2.0 * a**2 / (a**2 - a + 1.0)).max() < ROUNDED * 10
-
-    def test_the_same_map_of_pwmap(self) -> None:
-        exact = PiecewiseLinearMap.from_sympy(PAPER, X, given=[A > 1])
-        family = family_from_pwmap(exact, ("r", "a"))
-        one = through(family, (1.0, 1.25), 2.0, 1, ((-1.0, 11.0), (1.05, 3.0)))
-        assert np.abs(one.values[:, 0] - 2.0).max() < ROUNDED
 
     def test_codes_are_those_of_pwmap(self) -> None:
         """At exact rationals on both sides of a = 1 the exact diagram says the same."""
@@ -184,28 +176,17 @@ def test_tongue_of_a_contracted_rotation(first: bool) -> None:
 
 def test_big_bang() -> None:
     """x/2 + p for x < 0, q - x/2 beyond: at p = q = 0 both collisions meet, and the jump closes."""
-    map_ = sympy.Piecewise((X / 2 + P, X < 0), (Q - X / 2, True))
-    family, span = family_from_sympy(map_, X, (P, Q)), ((-1.0, 1.0), (-1.0, 1.0))
-    left = through(family, (0.0, 0.5), 0.0, 1, span)
-    (met,) = [point for point in left.points if point.kind is PlaneKind.JUMP_CLOSES]
-    assert met.values == pytest.approx((0.0, 0.0), abs=ROUNDED)
-    turned = family_from_sympy(map_, X, (Q, P))
-    right = through(turned, (0.0, -0.5), 0.0, 1, span)
-    (same,) = [point for point in right.points if point.kind is PlaneKind.JUMP_CLOSES]
-    assert same.values == pytest.approx((0.0, 0.0), abs=ROUNDED)
-
-
-def test_graph_of_curves_that_meet() -> None:
-    map_ = sympy.Piecewise((X / 2 + P, X < 0), (Q - X / 2, True))
-    family, span = family_from_sympy(map_, X, (P, Q)), ((-1.0, 1.0), (-1.0, 1.0))
-    curve = through(family, (0.0, 0.5), 0.0, 1, span)
-    graph = graph_of_curves([curve, curve])
-    kinds = sorted(kind for _, kind in graph.nodes(data="kind"))
-    assert kinds == ["EP", "EP", "JC"]
+    map_, span = sympy.Piecewise((X / 2 + P, X < 0), (Q - X / 2, True)), ((-1.0, 1.0), (-1.0, 1.0))
+    left = through(family_from_sympy(map_, X, (P, Q)), (0.0, 0.5), 0.0, 1, span)
+    right = through(family_from_sympy(map_, X, (Q, P)), (0.0, -0.5), 0.0, 1, span)
+    for curve in (left, right):
+        (met,) = [point for point in curve.points if point.kind is PlaneKind.JUMP_CLOSES]
+        assert met.values == pytest.approx((0.0, 0.0), abs=ROUNDED)
+    graph = graph_of_curves([left, left])
+    assert sorted(kind for _, kind in graph.nodes(data="kind")) == ["EP", "EP", "JC"]
     assert graph.number_of_edges() == 4
-    other = family_from_sympy(map_, X, (Q, P))
     with pytest.raises(ValueError, match="expected curves over the same parameters"):
-        graph_of_curves([curve, through(other, (0.0, -0.5), 0.0, 1, span)])
+        graph_of_curves([left, right])
 
 
 def test_a_cycle_on_the_edge_of_the_window_is_followed_through_all_words() -> None:

@@ -1,7 +1,5 @@
 """Families of maps: views along two parameters, of formulas and of the toy."""
 
-from __future__ import annotations
-
 import pickle
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Curves of folds and flips of smooth maps, with their points of codimension two."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

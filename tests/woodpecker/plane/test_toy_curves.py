@@ -1,7 +1,5 @@
 """Special points of the toy over two parameters."""
 
-from __future__ import annotations
-
 from functools import lru_cache
 
 import numpy as np

@@ -1,7 +1,5 @@
 """How a picture looks at a map: jumps told from flanks, within a budget that is kept."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

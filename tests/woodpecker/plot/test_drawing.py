@@ -58,11 +58,7 @@ def test_a_closed_contact_touches_the_pole(toy: Toy) -> None:
     lower = points(toy, (0.003, -toy.phi_m_max, -0.5)).lower[0]
     upper = points(toy, (0.003, toy.phi_m_max, -0.5)).upper[0]
     assert [beak, lower, upper] == pytest.approx([toy.r_0] * 3, rel=0.0, abs=50.0 * ROUNDING)
-
-
-def test_the_edge_across_touches_too() -> None:
-    toy = Toy()
-    _, left = points(toy, (0.0, -toy.phi_m_max, -0.5)).walls
+    _, left = points(toy, (0.0, -toy.phi_m_max, -0.5)).walls  # the edge across touches, too
     assert left[3, 0] == pytest.approx(-toy.r_0, abs=50.0 * ROUNDING)
 
 

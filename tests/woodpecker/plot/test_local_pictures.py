@@ -1,7 +1,5 @@
 """Pictures of local models: what is drawn, and that names do not overlap."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 from itertools import pairwise
 

@@ -1,7 +1,5 @@
 """Pictures of curves over two parameters: what is named, and where the toy is."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import matplotlib as mpl

@@ -1,7 +1,5 @@
 """Pictures of systems with contacts: what is drawn, read back from the axes."""
 
-from __future__ import annotations
-
 import matplotlib as mpl
 import numpy as np
 import pytest

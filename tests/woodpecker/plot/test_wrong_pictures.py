@@ -1,7 +1,5 @@
 """What cannot be drawn, or not there: a sentence that names it, no AttributeError of matplotlib."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any

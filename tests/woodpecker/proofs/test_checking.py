@@ -1,8 +1,6 @@
 """The checker: what it verifies, that it stands alone, and that it refuses what is not so."""
 
-import ast
 import json
-import sys
 from fractions import Fraction
 from pathlib import Path
 from random import Random
@@ -21,33 +19,6 @@ from woodpecker.checking.certificate import check
 from woodpecker.checking.intervals import Context, Extent, I, T, inverse, shapes, wave
 from woodpecker.checking.pieces import Rejected
 from woodpecker.cli.app import app
-
-FOLDER = Path(__file__).parents[3] / "woodpecker" / "checking"
-
-
-def test_it_imports_only_the_standard_library_and_mpmath() -> None:
-    for file in FOLDER.glob("*.py"):
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            names = []
-            if isinstance(node, ast.Import):
-                names = [alias.name for alias in node.names]
-            elif isinstance(node, ast.ImportFrom):
-                names = [node.module or ""]
-            for name in names:
-                top = name.split(".")[0]
-                own = name.startswith("woodpecker.checking")
-                assert own or top == "mpmath" or top in sys.stdlib_module_names, (file, name)
-
-
-def test_nobody_who_proves_imports_it() -> None:
-    """``proving`` has the verbs of both sides, and imports either when it is called."""
-    for file in {*(FOLDER.parent / "proofs").glob("*.py")} - {FOLDER.parent / "proofs/proving.py"}:
-        assert "checking" not in {
-            part
-            for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
-            if isinstance(node, ast.ImportFrom)
-            for part in (node.module or "").split(".")
-        }
 
 
 def test_intervals_hold_exact_results() -> None:

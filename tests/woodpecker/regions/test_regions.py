@@ -1,7 +1,5 @@
 """Regions of two parameters: against exact cells, and against counting."""
 
-from __future__ import annotations
-
 from functools import cache
 
 import numpy as np

@@ -38,7 +38,7 @@ def test_one_parameter_ends_where_its_diagram_says() -> None:
     assert values[-1] == (pytest.approx(0.18512695093092, abs=1e-11), "BC")
 
 
-def test_nearest_is_stationary() -> None:
+def test_nearest_is_a_flip_and_nearer_than_single_changes() -> None:
     nearest = of_some().nearest
     assert nearest is not None
     assert nearest.effect is Effect.DESTABILISED
@@ -46,18 +46,8 @@ def test_nearest_is_stationary() -> None:
     # derivatives of the multiplier are differences, good to some 1e-7; what it costs is the square
     assert nearest.angle < 1e-6
     assert nearest.confirmed, nearest.evidence
-
-
-def test_nearest_is_a_flip_of_the_toy_there() -> None:
-    nearest = of_some().nearest
-    assert nearest is not None
     orbit = shoot(nearest.toy, nearest.phi_s)
     assert orbit.multiplier == pytest.approx(-1.0, abs=1e-8)  # 1e-11 of change times slope of 500
-
-
-def test_single_changes_are_larger() -> None:
-    nearest = of_some().nearest
-    assert nearest is not None
     singles = [abs(each.percent) for each in of_some().limits]
     assert 100.0 * nearest.size < np.nanmin(singles)
     total = np.linalg.norm(list(nearest.changes.values()))

@@ -1,7 +1,5 @@
 """Chains of fold-flip points without end."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

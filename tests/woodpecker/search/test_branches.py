@@ -1,7 +1,5 @@
 """Branches of cycles: steps, folds, flips, ends, and what a collision with a jump is."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from itertools import pairwise
@@ -78,11 +76,16 @@ def test_the_flip_of_the_logistic_map(x: float, p: float) -> None:
 
 
 def test_a_cycle_of_period_two_ends_in_the_flip_it_comes_from() -> None:
-    """Down to p = 3 its two points meet, where the fixed point has the multiplier -1."""
+    """Down to p = 3 its two points meet, where the fixed point has the multiplier -1.
+
+    Found alone, without the fixed point: p = 3 to the precision that it states.
+    """
     settings = Settings(span=(2.5, 3.4))
     diagram = followed(logistic(), list(logistic_pair(3.2)), 3.2, settings)
     (birth,) = points_of(diagram, "PD")
     assert (birth.parameter, birth.x) == pytest.approx((3.0, 2.0 / 3.0), abs=LOCATED)
+    assert birth.precision < 1e-12
+    assert abs(birth.parameter - 3.0) <= birth.precision
     assert len(birth.branches) == 2
     assert {diagram.branch(name).order for name in birth.branches} == {2}
 
@@ -166,19 +169,15 @@ def test_a_strip_between_two_pieces_of_one_formula_is_seen(width: float, max_ste
 # --- Ends -----------------------------------------------------------------------------------------
 
 
-def test_ends_of_the_span_are_met_exactly() -> None:
-    diagram = followed(logistic(), 0.5, 2.0, Settings(span=(1.3, 2.7)))
+@pytest.mark.parametrize("span", [(1.3, 2.7), (1.5, 2.0)])  # also where it starts at an end
+def test_ends_of_the_span_are_met_exactly(span: tuple[float, float]) -> None:
+    diagram = followed(logistic(), 0.5, 2.0, Settings(span=span))
     assert_graph(diagram, chain("EP F EP"))
-    assert [point.parameter for point in points_of(diagram, "EP")] == [1.3, 2.7]
+    assert [point.parameter for point in points_of(diagram, "EP")] == list(span)
     assert notes(diagram, "EP") == ["end of the parameter span"] * 2
     (branch,) = diagram.branches
-    assert sorted(branch.parameter[[0, -1]].tolist()) == [1.3, 2.7]
+    assert sorted(branch.parameter[[0, -1]].tolist()) == list(span)
     assert_curve(branch, lambda p: 1.0 - 1.0 / p)
-
-
-def test_a_start_at_the_end_of_the_span() -> None:
-    diagram = followed(logistic(), 0.5, 2.0, Settings(span=(1.5, 2.0)))
-    assert_places(diagram, {"EP": [(1.5, 1.0 / 3.0), (2.0, 0.5)]})
 
 
 def test_the_window_ends_a_branch() -> None:

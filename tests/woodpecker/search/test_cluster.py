@@ -1,7 +1,5 @@
 """Searches on a cluster of dask, as the page has them: the diagram of one process."""
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

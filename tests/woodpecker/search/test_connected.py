@@ -1,7 +1,5 @@
 """What hangs together with one cycle, on maps that are solved by hand."""
 
-from __future__ import annotations
-
 import math
 
 import networkx as nx

@@ -1,7 +1,5 @@
 """Which orbits branches explain: those of the same pieces are asked first."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from maps import skew_tent, two_lines

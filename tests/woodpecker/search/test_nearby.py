@@ -1,7 +1,5 @@
 """Things at values of a parameter: all that are near, in the order in which they came."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from woodpecker.search.nearby import Nearby

@@ -1,7 +1,5 @@
 """Complete diagrams of maps that pwmap solves exactly: same branches, same points, same graph."""
 
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 

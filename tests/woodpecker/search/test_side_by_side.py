@@ -1,7 +1,5 @@
 """Searches of the toy side by side, in threads, processes and pools: each as if it were alone."""
 
-from __future__ import annotations
-
 import math
 import multiprocessing
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Branch points, and the branches that start at them and at flips."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -293,16 +291,6 @@ def test_branches_with_the_same_ends_are_one(length: float, short_of: float, sam
     network = Network(settings)
     network.add(between(2.5, 2.5 + length * unit))
     assert network.has(between(2.5, 2.5 + (length - short_of) * unit)) is same
-
-
-def test_a_doubled_cycle_knows_its_birth() -> None:
-    """Found alone, without the fixed point: p = 3 to the precision that it states, and 1e-12."""
-    settings = Settings(span=(2.5, 3.4))
-    diagram = continued(logistic(), list(logistic_pair(3.2)), 3.2, settings)
-    (birth,) = points_of(diagram, "PD")
-    assert birth.precision < 1e-12
-    assert abs(birth.parameter - 3.0) <= min(birth.precision, 1e-12)
-    assert birth.x == pytest.approx(2.0 / 3.0, abs=LOCATED)
 
 
 def test_a_flip_right_before_a_border() -> None:

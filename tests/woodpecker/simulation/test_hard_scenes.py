@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from woodpecker import State, Status, Toy, first_return, return_map, simulate
+from woodpecker import State, Status, Toy, return_map, simulate
 
 TOY = Toy()
 
@@ -27,34 +27,6 @@ def test_flank_of_a_dip_is_crossed_in_one_step() -> None:
     images = return_map(TOY, np.linspace(-1.2252, -1.2248, 2001))
     assert images.period.max() > 1.0
     assert max(len(word.split()) for word in images.words) < 40
-
-
-def test_slip_starts_on_the_friction_cone() -> None:
-    """The jam ends where lambda_T = mu lambda_N: slip accelerates from zero acceleration, so the
-    sleeve's fall begins with the cube of time."""
-    path = simulate(TOY, -0.53, 0.035)
-    start, end = path.events[0].time, path.events[1].time
-    assert [event.symbol for event in path.events] == ["S2", "D2"]
-    speeds = [float(path.at(start + h)[1][0]) for h in (1e-6, 2e-6, 4e-6)]
-    assert speeds[1] / speeds[0] == pytest.approx(4.0, rel=1e-3)  # d ydot ~ t^2
-    assert speeds[2] / speeds[1] == pytest.approx(4.0, rel=1e-3)
-    assert end - start == pytest.approx(0.00582, abs=1e-5)
-
-
-def test_release_at_vanishing_force() -> None:
-    """At D2 the normal force is zero, and so is the gap's acceleration: it opens with t^3."""
-    path = simulate(TOY, -0.53, 0.04)
-    leave = path.events[1].time
-    gaps = [float(path.at(leave + h)[0][1]) + TOY.phi_m_max for h in (1e-5, 2e-5, 4e-5)]
-    assert gaps[1] / gaps[0] == pytest.approx(8.0, rel=1e-2)
-    assert gaps[2] / gaps[1] == pytest.approx(8.0, rel=1e-2)
-
-
-def test_hyperbolic_mode_is_passed() -> None:
-    """Upper contact sliding up: kappa = +532 (word with R3 in mid-flight)."""
-    once = first_return(Toy(eps_n1=0.3), -0.53)
-    assert "R3" in once.word.split()
-    assert once.status is Status.RETURNED
 
 
 def test_rest_and_no_return() -> None:

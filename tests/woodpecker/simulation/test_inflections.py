@@ -1,7 +1,5 @@
 """Where a gap hardly falls when it closes three of its roots meet: roots and margins stay exact."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The event loop on the hard scenes: boundaries, near coincidences, chatter, falling for ever."""
 
-from __future__ import annotations
-
 import json
 import math
 
@@ -139,7 +137,9 @@ def test_events_of_the_cycle_lie_on_their_boundaries() -> None:
     """Slip starts on the cone, sliding contacts open at a relaxed spring, jamming at dy = 0."""
     trajectory = simulate(TOY, -0.52947197, 0.14)
     assert plain(trajectory.word) == "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2"
-    q, u = trajectory.at([event.time for event in trajectory.events], left=True)
+    times = [event.time for event in trajectory.events]
+    assert times[1] - times[0] == pytest.approx(0.00582, abs=1e-5)  # of the slide
+    q, u = trajectory.at(times, left=True)
     stretch, dy = q[:, 2] - q[:, 1], u[:, 0]
     assert stretch[0] == pytest.approx(stretch_on_cone(CONE_POSITIVE), rel=EXACT)  # S2
     # D2 and the second D3: roundings of the angles, of order 0.1.
@@ -340,7 +340,9 @@ def test_bounces_that_accumulate_are_summed(eps_n1: float, phi_s: float) -> None
     assert plain(result.word).endswith(" C1 D1 R3 D3 I2 J2")
     assert result.status is Status.RETURNED
     assert abs(result.phi_s - CHATTER_IMAGE) < 1e-14  # roundings
-    assert abs(result.slope) < 1e-9  # the angles forget the start; roundings through the bounces
+    # the angles forget the start and the bounces; roundings through the bounces
+    assert abs(result.slope) < 1e-9
+    assert abs(result.d_eps_n1) < 1e-9
 
 
 @pytest.mark.parametrize(("law", "part"), [("separate", 1.0), ("summed", 0.382421470)])

@@ -1,7 +1,5 @@
 """Returns along a prescribed path: the kernel's own values, beyond their borders too."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

@@ -1,7 +1,5 @@
 """One answer whatever rounding decides: whole graphs from two processes that round differently."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,6 +1,6 @@
-"""First variations of returns against central differences of order four, the word prescribed."""
+"""First variations of returns, against differences and the kernel, the word prescribed."""
 
-from __future__ import annotations
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -8,15 +8,15 @@ import sympy
 from differences import differences
 from needs import NEEDS_HEYOKA
 
-from studies.systems.oscillator import impacts, strobed
+from studies.systems import den_hartog, oscillator, rimless_wheel, rocking_block, toy
+from studies.systems.oscillator import strobed
 from studies.systems.toy import map_of
 from woodpecker import Toy, ToyPieces
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.maps import SpaceImage
 from woodpecker.systems import Contact, ContactSystem, Section, SystemMap
 
-CLOSE = 1e-9
-BACKENDS = [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"]
+# --- Of single systems ----------------------------------------------------------------------------
 
 
 def margins_by_differences(image: SpaceImage, x: Floats, p: Floats, h: float) -> Floats:
@@ -28,29 +28,6 @@ def margins_by_differences(image: SpaceImage, x: Floats, p: Floats, h: float) ->
         both = [[each.get(c, np.nan) for c in image.codes.tolist()] for each in known]
         found.append(np.subtract(both[1], both[0]) / (2 * h))
     return np.array(found).T
-
-
-@pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.parametrize("parameters", [("F", "w"), ("eps", "sigma"), ("zeta",)])
-@pytest.mark.slow
-def test_impact_oscillator(backend: str, parameters: tuple[str, ...]) -> None:
-    map_ = impacts(*parameters, backend=backend)
-    x, p = np.array([-0.7, 0.6]), map_.p
-    image = map_.at(x, p)
-    away = image.jacobian - differences(image, x, p, 1e-3)
-    assert np.abs(away).max() < CLOSE * max(1.0, np.abs(image.jacobian).max())
-
-
-@pytest.mark.parametrize("backend", BACKENDS)
-@pytest.mark.slow
-def test_stroboscopic_section(backend: str) -> None:
-    """Impacts within a period, which a parameter makes longer."""
-    map_ = strobed("w", "F", backend=backend).holding(F=6.0)
-    x, p = np.array([-0.4, 1.5]), np.array([2.8, 6.0])
-    image = map_.at(x, p)
-    assert "I1" in image.piece.word
-    away = image.jacobian - differences(image, x, p, 1e-3)
-    assert np.abs(away).max() < CLOSE * max(1.0, np.abs(image.jacobian).max())
 
 
 @NEEDS_HEYOKA
@@ -138,3 +115,95 @@ def test_backends_agree() -> None:
         assert images[0].value == pytest.approx(images[1].value, abs=1e-9)
         scale = np.abs(images[0].jacobian).max()
         assert images[0].jacobian == pytest.approx(images[1].jacobian, abs=1e-8 * scale)
+
+
+# --- In state and all parameters ------------------------------------------------------------------
+
+# Against central differences of order four in units of the sizes of coordinates and parameters.
+# With values known to some 1e-14 and steps of 1e-3 these are known to 1e-11, but for the fifth
+# derivative times h**4/30; where that is large a shorter step is given, down to 1e-5, with which
+# they are known to 1e-9.
+
+CLOSE = 1e-9  # of the largest derivative, at least of 1
+ABSENT = 0.1  # the size of a parameter that is zero, such as a restitution
+
+Variables = tuple[list[float], dict[str, float]]  # of a start: coordinates, and parameters
+
+
+def toy_with_all() -> SystemMap:
+    return toy.map_of(Toy(eps_n1=0.5), *map(str, toy.map_of(Toy()).system.parameters))
+
+
+def with_all(map_of: Callable[..., SystemMap], backend: str = "heyoka") -> SystemMap:
+    """The map of an instance with all of its parameters free."""
+    return map_of(*map(str, map_of().system.parameters), backend=backend)
+
+
+def off(image: SpaceImage, x: Floats, p: Floats, h: float) -> float:
+    """How far the Jacobian of an image is from differences along its piece."""
+    at = np.concatenate([x, p])
+    sizes = np.where(at == 0.0, ABSENT, np.abs(at))
+    found = []
+    for step in h * np.diag(sizes):
+        values = [image.piece.at(*np.split(at + k * step, [len(x)])).value for k in (-2, -1, 1, 2)]
+        found.append((values[0] - 8 * values[1] + 8 * values[2] - values[3]) / (12 * h))
+    known = image.jacobian * sizes
+    assert np.isfinite(known).all()
+    return float(np.abs(known - np.transpose(found)).max() / max(1.0, np.abs(known).max()))
+
+
+IMPACTS, STROBED = ([-0.7, 0.6], {}, "I1", 1e-3), ([-0.4, 1.5], {"F": 6.0}, "I1", 1e-3)
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("map_", "x", "values", "word", "h"),
+    [
+        (lambda: with_all(oscillator.impacts), *IMPACTS),
+        (lambda: with_all(oscillator.impacts, "scipy"), *IMPACTS),
+        (lambda: with_all(oscillator.strobed), *STROBED),
+        (lambda: with_all(oscillator.strobed, "scipy"), *STROBED),
+        (lambda: with_all(rocking_block.map_of), [-1.3, 0.3], {}, "I1+2f D2 I1f+2", 1e-4),
+        (lambda: with_all(rimless_wheel.map_of), [0.5], {}, "I1f+2s", 1e-3),
+        (lambda: with_all(den_hartog.map_of), [0.7, 0.9], {"f": 0.8}, "J1 S1 J1 S1", 1e-3),
+        (toy_with_all, [-0.53], {}, "S2 D2 I3 D3 I1 I3 D3 I2 D2 I2 J2", 5e-5),
+    ],
+    ids=["impacts", "scipy", "strobed", "strobed scipy", "block", "wheel", "friction", "toy"],
+)
+def test_in_state_and_all_parameters(
+    map_: Callable[[], SystemMap], x: list[float], values: dict[str, float], word: str, h: float
+) -> None:
+    one = map_().holding(**values)
+    image = one.at(np.array(x), one.p)
+    assert image.piece.word == word
+    assert off(image, np.array(x), one.p, h) < CLOSE
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("map_", "inside", "beyond", "h"),
+    [
+        (lambda: with_all(oscillator.impacts), ([-0.7, 0.6], {}), ([-0.3, 2.0], {}), 5e-4),
+        (lambda: with_all(rimless_wheel.map_of),
+         ([0.8], {"gamma": 0.1}), ([0.8], {"gamma": 0.1, "mu": 0.2}), 1e-3),
+        (lambda: with_all(den_hartog.map_of),
+         ([1.3, 0.5], {"f": 0.5}), ([1.3, 0.5], {"f": 0.55}), 2e-4),
+        (toy_with_all, ([-0.7577], {}), ([-0.7579], {}), 1e-5),
+    ],
+    ids=["impacts", "wheel", "friction", "toy"],
+)  # fmt: skip
+def test_beyond_a_border(
+    map_: Callable[[], SystemMap], inside: Variables, beyond: Variables, h: float
+) -> None:
+    """A return along the word of another start, which the system does not take here."""
+    one = map_()
+    there, here = (one.holding(**values) for _, values in (inside, beyond))
+    piece = there.at(np.array(inside[0]), there.p).piece
+    x = np.array(beyond[0])
+    own = here.at(x, here.p)
+    assert own.piece.key != piece.key
+    image = piece.at(x, here.p)
+    assert image.margins.min() < 0.0
+    assert off(image, x, here.p, h) < CLOSE

@@ -1,7 +1,5 @@
 """Verbs that show all of a return map: diagrams, curves in two parameters, attractors, basins."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy

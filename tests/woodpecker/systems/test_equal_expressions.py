@@ -1,7 +1,5 @@
 """Expressions that are the same function, and some that are nearly so."""
 
-from __future__ import annotations
-
 import pytest
 import sympy
 

@@ -3,8 +3,6 @@
 The equations are the paper's, from contact_lcp; the path, its ties and tolerances are another's.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from lcp_oracles import matrices

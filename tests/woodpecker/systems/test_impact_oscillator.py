@@ -1,10 +1,8 @@
 """The impact oscillator against its closed form: orbits, folds, flips, and what grazing does."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
-from needs import NEEDS_HEYOKA
+from needs import EACH_BACKEND, NEEDS_HEYOKA
 
 from pwmap import PointKind
 from studies.systems.oscillator import (
@@ -25,7 +23,7 @@ from woodpecker.systems import continuation, shoot
 CLOSE = 1e-10  # orbits are conditioned to some 1e3, and so are slopes at slow impacts
 
 
-@pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
+@EACH_BACKEND
 @pytest.mark.slow
 def test_folds_and_flips_are_those_of_the_closed_form(backend: str) -> None:
     rng, map_ = np.random.default_rng(3), impacts("F", backend=backend)

@@ -1,19 +1,16 @@
 """Impacts that accumulate at two contacts in turns: where and when they end, what they leave."""
 
-from __future__ import annotations
-
 import mpmath
 import numpy as np
 import pytest
 import sympy
 from differences import differences
-from needs import NEEDS_HEYOKA
+from needs import EACH_BACKEND
 from scipy.optimize import fsolve
 
 from woodpecker.base.arrays import Floats
 from woodpecker.systems import Contact, ContactSystem, MotionStatus, Section, SystemMap, simulate
 
-BACKENDS = [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"]
 EPS, INERTIA, DRIFT = 0.2, 0.2, 2.0
 
 
@@ -58,7 +55,7 @@ def in_proportion() -> tuple[Floats, Floats]:
     return np.array([b, h]), np.array([t, r])
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
+@EACH_BACKEND
 def test_a_beam_comes_to_rest_on_its_ends(backend: str) -> None:
     """Times of impacts are a geometric series: all of them take t / (1 - r)."""
     (b, h), (t, r) = in_proportion()
@@ -80,7 +77,7 @@ def wedge() -> ContactSystem:
     return ContactSystem([x, y, s], sympy.diag(1, 1, 1), [0, 0, 0], faces, {eps: 0.05})
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
+@EACH_BACKEND
 def test_a_mass_is_caught_in_a_wedge(backend: str) -> None:
     """Speeds shrink by another ratio than times; what is left is what no face can take."""
     start = {"x": 0.1, "y": 0.5, "u_x": 0.4, "u_y": -1.0, "u_s": DRIFT}

@@ -1,13 +1,11 @@
 """Instances against closed forms and against the closed-form kernel of the toy."""
 
-from __future__ import annotations
-
 from dataclasses import asdict
 
 import numpy as np
 import pytest
 import sympy
-from needs import NEEDS_HEYOKA, NEEDS_NUMBA
+from needs import EACH_BACKEND, NEEDS_HEYOKA, NEEDS_NUMBA
 
 from pwmap import PointKind
 from studies.common.random_toys import random_toy
@@ -43,19 +41,11 @@ def compare(law: str, numbers: range, *, equal: bool = False) -> None:
 @NEEDS_NUMBA
 @pytest.mark.slow
 @pytest.mark.parametrize("law", ["summed", "separate"])
-def test_random_returns_of_random_toys(law: str) -> None:
+@pytest.mark.parametrize("numbers", [21, pytest.param(200, marks=pytest.mark.nightly)])
+def test_random_returns_of_random_toys(numbers: int, law: str) -> None:
     """Number 18 and 20 have an indeterminate impact, of which both ends are named."""
-    compare(law, range(21))
+    compare(law, range(numbers))
     compare(law, range(21, 27), equal=True)
-
-
-@pytest.mark.nightly
-@NEEDS_HEYOKA
-@NEEDS_NUMBA
-@pytest.mark.slow
-@pytest.mark.parametrize("law", ["summed", "separate"])
-def test_a_thousand_random_returns(law: str) -> None:
-    compare(law, range(200))
 
 
 @NEEDS_HEYOKA
@@ -79,7 +69,7 @@ def test_a_toy_that_cannot_jam_does_not_return() -> None:
 
 
 @pytest.mark.parametrize("eps", [0.2, 0.5, 0.8])
-@pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
+@EACH_BACKEND
 def test_ball_on_a_table_folds_and_flips(eps: float, backend: str) -> None:
     """A multiplier is -1 at the flip, and the orbit closes between fold and flip."""
     map_, (low, high) = table.map_of("Gamma", backend=backend).holding(eps=eps), table.limits(eps)
@@ -112,7 +102,7 @@ def test_continuation_of_the_ball_finds_fold_and_flip() -> None:
         assert points[kind] == pytest.approx(exact, abs=1e-10)
 
 
-@pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
+@EACH_BACKEND
 @pytest.mark.parametrize(("w", "f"), [(0.6, 0.2), (1.4, 0.3), (2.2, 0.05)])
 @pytest.mark.slow
 def test_den_hartog_without_stops(w: float, f: float, backend: str) -> None:
@@ -122,7 +112,7 @@ def test_den_hartog_without_stops(w: float, f: float, backend: str) -> None:
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
+@EACH_BACKEND
 @pytest.mark.parametrize(("w", "f"), [(0.6, 0.54), (0.6, 0.8), (0.7, 0.75)])
 @pytest.mark.slow
 def test_den_hartog_with_stops(w: float, f: float, backend: str) -> None:
@@ -143,7 +133,7 @@ def test_stops_of_den_hartog_begin_where_the_closed_form_says() -> None:
     assert "the edge of its friction cone" in cause
 
 
-@pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
+@EACH_BACKEND
 @pytest.mark.parametrize("w", [0.6, 0.7])
 @pytest.mark.slow
 def test_stops_of_den_hartog_begin_smoothly(w: float, backend: str) -> None:
@@ -165,7 +155,7 @@ def test_stops_of_den_hartog_begin_smoothly(w: float, backend: str) -> None:
 
 
 @pytest.mark.parametrize("eps", [0.1, 0.5, 0.9])
-@pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
+@EACH_BACKEND
 def test_a_bouncing_ball_comes_to_rest(eps: float, backend: str) -> None:
     """After 1 s, and 2 eps/(1 - eps) s more."""
     y, g = sympy.symbols("y g")
@@ -177,7 +167,7 @@ def test_a_bouncing_ball_comes_to_rest(eps: float, backend: str) -> None:
     assert motion.events[-1].time == pytest.approx(1.0 + 2.0 * eps / (1.0 - eps), rel=1e-11)
 
 
-@pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
+@EACH_BACKEND
 def test_a_brick_slides_sticks_and_is_carried(backend: str) -> None:
     """On a belt: it sticks as its speed reaches v, and slips where the spring equals friction."""
     x, z, ux, v = sympy.symbols("x z u_x v")

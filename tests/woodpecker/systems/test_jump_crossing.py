@@ -1,7 +1,5 @@
 """A jump crossing in two dimensions, from two impacts that change their order."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from needs import NEEDS_HEYOKA

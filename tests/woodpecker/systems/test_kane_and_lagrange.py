@@ -1,7 +1,5 @@
 """Systems of ``sympy.physics.mechanics`` are read, and say what the same system by hand says."""
 
-from __future__ import annotations
-
 import pytest
 import sympy
 from sympy.physics.mechanics import LagrangesMethod, dynamicsymbols

@@ -1,7 +1,5 @@
 """Random systems: no hang, no silent nan, no gain of energy, no contact passed."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy

@@ -1,13 +1,11 @@
 """The rimless wheel against its closed form, and where its foot slips against forces by hand."""
 
-from __future__ import annotations
-
 import ast
 import math
 from pathlib import Path
 
 import pytest
-from needs import NEEDS_HEYOKA
+from needs import EACH_BACKEND, NEEDS_HEYOKA
 from scipy.optimize import brentq
 
 from pwmap import PointKind
@@ -17,7 +15,7 @@ from studies.systems.rimless_wheel import ALPHA, MU, VALUES, J, map_of, walking
 from woodpecker.systems import continuation, return_map, shoot
 
 
-@pytest.mark.parametrize("backend", [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"])
+@EACH_BACKEND
 @pytest.mark.parametrize("j", [1.0, 0.01])
 @pytest.mark.slow
 def test_walk_and_multiplier_are_those_of_the_closed_form(j: float, backend: str) -> None:

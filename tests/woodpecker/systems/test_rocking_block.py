@@ -1,18 +1,15 @@
 """Hogan's rocking block against the closed form of its symmetric motions."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 
 import numpy as np
 import pytest
-from needs import NEEDS_HEYOKA
+from needs import EACH_BACKEND, NEEDS_HEYOKA
 
 from studies.systems import rocking_block
 from studies.systems.rocking_block import Symmetric, map_of
 
-BACKENDS = [pytest.param("heyoka", marks=NEEDS_HEYOKA), "scipy"]
 CLOSE = 1e-10  # multipliers of a half motion grow like exp(pi/w): up to 5 here
 
 
@@ -28,7 +25,7 @@ def test_the_closed_form_is_one() -> None:
     assert 1.0 + trace + det == pytest.approx(0.0, abs=1e-13)
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
+@EACH_BACKEND
 @pytest.mark.slow
 def test_random_blocks_rock_as_the_closed_form_says(backend: str) -> None:
     """Points and multipliers of both halves, at the fold, at the pitchfork and between."""

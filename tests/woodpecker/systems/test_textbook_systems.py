@@ -1,7 +1,5 @@
 """Machines of textbooks, by the public names only, as somebody brings them in."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import sympy

@@ -3,8 +3,6 @@
 Numbers of the toy are those of the closed-form kernel, which has a margin of its own for this.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from needs import NEEDS_HEYOKA

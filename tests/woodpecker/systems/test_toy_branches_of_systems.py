@@ -5,8 +5,6 @@ README), with which the general method shares no code. Both know a special point
 gives three digits.
 """
 
-from __future__ import annotations
-
 import pytest
 from needs import NEEDS_HEYOKA
 

@@ -1,35 +1,172 @@
-"""Calls of the verbs of systems that do not fit: a sentence that names the value."""
-
-from __future__ import annotations
+"""What is no system, no section or no call is refused in one sentence; what a prompt shows."""
 
 import math
 from collections.abc import Callable
+from typing import Any
 
+import numpy as np
 import pytest
-from sympy import symbols
+import sympy
+from sympy.physics.mechanics import KanesMethod, Particle, Point, ReferenceFrame, dynamicsymbols
 
 from woodpecker import Search, Settings, slices_at
 from woodpecker.slices import nearest_border
 from woodpecker.systems import (
     Contact,
     ContactSystem,
+    CycleStatus,
+    LineOfSystem,
     Section,
+    SystemCycle,
     SystemMap,
     continuation,
+    from_kane,
     orbit_diagram,
     return_map,
     shoot,
     simulate,
 )
 
-Y, G = symbols("y g")
-BALL = ContactSystem([Y], [[1]], [-G], [Contact(name="floor", gap=Y, eps_n=0.5)], {G: 10.0})
+# --- What is no system, no section or no call -----------------------------------------------------
+
+x, y, v, w, t, g, mu = sympy.symbols("x y u_x u_y t g mu")
+FLOOR = Contact(name="floor", gap=y, slip=v, mu=mu, eps_n=0.5)
+GOOD = {
+    "q": [x, y], "M": [[1, 0], [0, 1]], "h": [0, -g], "contacts": [FLOOR],
+    "parameters": {g: 9.81, mu: 0.3},
+}  # fmt: skip
+BALL = ContactSystem(**GOOD)
+SECTION = Section(when="floor", free=[v, w])
+
+
+def system(**changes: Any) -> ContactSystem:
+    return ContactSystem(**(GOOD | changes))
+
+
+def contact(**changes: Any) -> Contact:
+    return Contact(**({"name": "floor", "gap": y} | changes))
+
+
+def section(**changes: Any) -> SystemMap:
+    return SystemMap(
+        BALL, Section(**({"when": "floor", "free": [v, w]} | changes)), backend="scipy"
+    )
+
+
+def map_of() -> SystemMap:
+    return SystemMap(BALL, SECTION, ["g"], backend="scipy")
+
+
+def no_cycle() -> SystemCycle:
+    return SystemCycle(
+        x=np.zeros((1, 2)), p=np.zeros(1), multipliers=np.zeros(2, dtype=complex), word="",
+        residual=np.nan, status=CycleStatus.LOST,
+    )  # fmt: skip
+
+
+def kane(rate: int = 1) -> KanesMethod:
+    q, u = dynamicsymbols("q u")
+    frame, point = ReferenceFrame("N"), Point("P")
+    point.set_vel(frame, rate * u * frame.x)
+    method = KanesMethod(frame, q_ind=[q], u_ind=[u], kd_eqs=[q.diff() - rate * u])
+    method.kanes_equations([Particle("p", point, 1)], [(point, -q * frame.x)])
+    return method
+
+
+CASES: list[tuple[Callable[[], object], str]] = [
+    (lambda: contact(name=""), "a contact needs a name"),
+    (lambda: contact(name=3), "a contact needs a name, got 3"),
+    (lambda: contact(gap="y +"), "gap of 'floor' must be an expression"),
+    (lambda: contact(gap=sympy.nan), "gap of 'floor' must be finite"),
+    (lambda: contact(gap=[y]), "gap of 'floor' must be an expression"),
+    (lambda: contact(slip=v, mu=-0.1), "mu of 'floor' must be >= 0"),
+    (lambda: contact(slip=v, mu=sympy.I), "mu of 'floor' must be a real number"),
+    (lambda: contact(mu=0.3), "'floor' has friction, and needs a slip"),
+    (lambda: contact(eps_n=1.5), r"eps_n of 'floor' must be in \[0, 1\], got 1.5"),
+    (lambda: contact(eps_n=-0.5), r"eps_n of 'floor' must be in \[0, 1\]"),
+    (lambda: system(q="x y"), "q must be a list of symbols"),
+    (lambda: system(q=[]), "q must not be empty"),
+    (lambda: system(q=[x, 1]), "q must be symbols, got 1"),
+    (lambda: system(q=[x, dynamicsymbols("z")]), "q must be symbols, got .*from_kane"),
+    (lambda: system(q=[x, x]), "x is used twice"),
+    (lambda: system(u=[v]), "u must have 2 velocities"),
+    (lambda: system(u=[v, x]), "x is used twice"),
+    (lambda: system(M=[[1, 0]]), r"M must have the shape \(2, 2\), got \(1, 2\)"),
+    (lambda: system(M="unit"), "M must be a matrix of expressions"),
+    (lambda: system(M=[[1, 2], [3, 9]]), "M must be symmetric"),
+    (lambda: system(M=[[1, 1], [1, 1]]), "M is singular"),
+    (lambda: system(M=[[v, 0], [0, 1]]), "M must not depend on the velocity u_x"),
+    (lambda: system(h=[0]), r"h must have the shape \(2,\), got \(1, 1\)"),
+    (lambda: system(h=[0, -sympy.Symbol("G")]), "h has the unknown symbol G"),
+    (lambda: system(contacts=[]), "a system has 1 to 30 contacts, got 0"),
+    (lambda: system(contacts=FLOOR), "contacts must be a list of Contact"),
+    (lambda: system(contacts=[y]), "contacts must be Contact, got y"),
+    (lambda: system(contacts=[FLOOR, FLOOR]), "contacts need different names"),
+    (lambda: system(contacts=[contact(gap=y - v)]), "must not depend on the velocity u_x"),
+    (lambda: system(contacts=[contact(gap=t - 1)]), "is one that no coordinate moves"),
+    (lambda: system(contacts=[contact(gap=sympy.Symbol("z"))]), "has the unknown symbol z"),
+    (lambda: system(contacts=[contact(slip=v**2, mu=mu)]), "must be linear in the velocities"),
+    (lambda: system(contacts=[contact(slip=x, mu=mu)]), "is one that no velocity moves"),
+    (lambda: system(contacts=[contact(slip=v, mu=x)]), "mu of 'floor' has the unknown symbol x"),
+    (lambda: system(contacts=[contact(eps_n=y)]), "eps_n of 'floor' has the unknown symbol y"),
+    (lambda: system(parameters=[g]), "parameters must be a mapping"),
+    (lambda: system(parameters={g: np.inf, mu: 0.3}), "parameter g must be finite"),
+    (lambda: system(parameters={g: "9", mu: 0.3}), "parameter g must be one real number"),
+    (lambda: system(parameters={g: 9.81}), "has the unknown symbol mu"),
+    (lambda: system(law="moreau"), "law must be 'poisson' or 'newton', got 'moreau'"),
+    (lambda: system(expansion_friction="no"), "must be 'separate' or 'summed'"),
+    (lambda: BALL.replace(k=1.0), "unknown parameter 'k'"),
+    (lambda: from_kane(3, [FLOOR], {}), "expected a KanesMethod or LagrangesMethod, got 3"),
+    (lambda: from_kane(kane(2), [FLOOR], {}), "must be the rate of"),
+    (lambda: section(when="wall"), "'wall' is no contact, the system has"),
+    (lambda: section(when=sympy.Symbol("k")), "when has the unknown symbol k"),
+    (lambda: section(free=["k"]), "free has k, which is no symbol of the state"),
+    (lambda: section(at={v: 0}), "at has u_x, which is free or no symbol of the state"),
+    (lambda: section(at={x: y}), "at x has y, which is neither free nor a parameter"),
+    (lambda: section(at=[x]), "at must be a mapping"),
+    (lambda: section(sticking="floor"), "sticking must be a list of names"),
+    (lambda: section(sticking=["wall"]), "'wall' is no contact"),
+    (lambda: section(period=1), "a period is needed just if time is free"),
+    (lambda: section(free=[v, t]), "a period is needed just if time is free"),
+    (lambda: section(horizon=0.0), "horizon must be positive and finite"),
+    (lambda: SystemMap(BALL, SECTION, ["k"]), "unknown parameter 'k'"),
+    (lambda: SystemMap(BALL, SECTION, "g"), "parameters must be a list of names"),
+    (lambda: SystemMap(BALL, SECTION, backend="euler"), "'euler' is not a valid Backend"),
+    (lambda: simulate(BALL, [1.0], 1.0), "start must be a mapping"),
+    (lambda: simulate(BALL, {"z": 1.0}, 1.0), "start has 'z', the state has"),
+    (lambda: simulate(BALL, {"y": np.nan}, 1.0), "start must be finite"),
+    (lambda: simulate(BALL, {"y": -1.0}, 1.0), "the start penetrates 'floor': its gap is -1"),
+    (lambda: simulate(BALL, {"y": 1.0}, -1.0), "t_end must lie after the start"),
+    (lambda: simulate(BALL, {"y": 1.0}, 1.0, samples=1), "samples must be a whole number"),
+    (lambda: simulate(SECTION, {"y": 1.0}, 1.0), "system must be woodpecker.systems.ContactSystem"),  # type: ignore[arg-type]
+    (lambda: return_map(map_of(), [1.0, 2.0, 3.0]), r"x must have shape \(s, 2\)"),
+    (lambda: return_map(map_of(), [[1.0, 2.0]], order=0), "order must be a whole number"),
+    (lambda: return_map(map_of(), [[1.0, 2.0]], p=[1.0, 2.0]), r"p must have shape \(1,\)"),
+    (lambda: shoot(map_of(), [1.0]), r"guess must have shape \(2,\), got \(1,\)"),
+    (lambda: shoot(BALL, [1.0, 2.0]), "map_ must be woodpecker.systems.SystemMap"),  # type: ignore[arg-type]
+    (lambda: continuation(map_of(), no_cycle(), (0, 1), [(0, 1)] * 2), "there is no cycle"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("call", "sentence"), CASES, ids=[sentence for _, sentence in CASES])
+def test_what_is_wrong_is_said(call: Callable[[], object], sentence: str) -> None:
+    with pytest.raises((TypeError, ValueError), match=sentence):
+        call()
+
+
+def test_there_are_many() -> None:
+    assert len(CASES) >= 40
+
+
+# --- Calls that do not fit a verb -----------------------------------------------------------------
+
+FALLING = ContactSystem([y], [[1]], [-g], [Contact(name="floor", gap=y, eps_n=0.5)], {g: 10.0})
 
 
 @pytest.fixture(scope="module")
 def bounces() -> SystemMap:
     """From one impact of a ball to the next, over the weight."""
-    return SystemMap(BALL, Section(when="floor", free=["u_y"]), ("g",))
+    return SystemMap(FALLING, Section(when="floor", free=["u_y"]), ("g",))
 
 
 @pytest.mark.parametrize(
@@ -65,9 +202,9 @@ OF_A_LINE = "a map of the line is needed, such as .*got SystemMap"
             f"shoot takes map_, guess, and by name order, p, got F=7; {HELD}",
         ),
         (lambda map_: return_map(map_, [1.0], 2), "by name order, p, got 2 by place"),
-        (lambda map_: SystemMap(BALL, map_.section, order=2), "SystemMap takes .*got order=2"),
+        (lambda map_: SystemMap(FALLING, map_.section, order=2), "SystemMap takes .*got order=2"),
         (
-            lambda _: simulate(BALL, {"y": 1.0}, 1.0, g=5.0),
+            lambda _: simulate(FALLING, {"y": 1.0}, 1.0, g=5.0),
             r"simulate takes .*got g=5.0; system.replace\(...\) has other values",
         ),
         (lambda _: Search(foo=1), "Search takes by name slices, .*got foo=1"),  # type: ignore[call-arg]
@@ -84,4 +221,22 @@ def test_a_call_with_what_a_verb_does_not_take(
 
 def test_a_map_needs_a_section() -> None:
     with pytest.raises(TypeError, match="section must be"):
-        SystemMap(BALL, None)  # type: ignore[arg-type]
+        SystemMap(FALLING, None)  # type: ignore[arg-type]
+
+
+# --- What a prompt shows --------------------------------------------------------------------------
+
+
+def test_a_motion_is_shown_in_a_line() -> None:
+    motion = simulate(FALLING, {"y": 5.0}, 5.0, samples=11, backend="scipy")
+    assert repr(motion).startswith("Motion(t=0 to ")
+    assert "events 'C1'" in repr(motion)
+    assert len(repr(motion)) < 120
+
+
+def test_a_return_map_is_shown_in_a_line() -> None:
+    map_ = SystemMap(FALLING, Section(when="floor", free=["u_y"]), ("g",), backend="scipy")
+    text = "SystemMap(u_y at 'floor', of 1 coordinate and 1 contact, over g=10)"
+    assert repr(map_) == text
+    assert repr(map_.holding(g=5.0)) == text.replace("10", "5")
+    assert repr(LineOfSystem(map_)) == f"LineOfSystem({text})"

@@ -1,0 +1,106 @@
+"""Borders whose place is known in closed form: two roots of a guard meet, a section is reached."""
+
+import math
+
+import numpy as np
+import pytest
+import sympy
+from needs import EACH_BACKEND
+from scipy.optimize import brentq
+
+from woodpecker.base.arrays import Floats
+from woodpecker.systems import Contact, ContactSystem, Section, SystemMap
+
+# --- A push that just brings a mass to a stop -----------------------------------------------------
+
+# A mass slides on ground that moves with speed 1, under a cos t and friction mu. Slower than the
+# ground, its speed is u_0 + a sin t + mu t, which is greatest at t* with a cos t* = -mu. If it
+# reaches 1 before, the mass sticks until t*, and forgets where it came from. So the speed one
+# period later is
+#
+#     u_0 + 2 pi mu,  or  1 - a sin t* + mu (2 pi - t*)  where it sticks,
+#
+# and both are the same at u_0 = 1 - a sin t* - mu t*.
+
+A, MU = 2.0, 0.3
+TURN = math.acos(-MU / A)
+BORDER = 1.0 - A * math.sin(TURN) - MU * TURN
+STUCK = 1.0 - A * math.sin(TURN) + MU * (2.0 * math.pi - TURN)
+NONE: Floats = np.zeros(0)
+
+
+def pushed(backend: str) -> SystemMap:
+    x, y, v, t = sympy.symbols("x y u_x t")
+    ground = Contact(name="ground", gap=y, slip=v - 1, mu=sympy.Rational(3, 10))
+    mass = ContactSystem([x, y], sympy.eye(2), [2 * sympy.cos(t), -1], [ground], {})
+    return SystemMap(mass, Section(when=sympy.sin(t), free=[v], at={t: 0}), backend=backend)
+
+
+@EACH_BACKEND
+@pytest.mark.parametrize("away", [-1, 0, 1])
+def test_the_piece_that_sticks_has_a_value_at_its_border(backend: str, away: int) -> None:
+    """Also a spacing of doubles beyond; its margin is the square of the rate of the slip there.
+
+    That has the derivative 2 a sin t* in u_0; rounding of its time, a root, is left of others.
+    """
+    map_ = pushed(backend)
+    piece = map_.at(np.array([BORDER + 1e-3]), NONE).piece
+    assert piece.word == "J1 S1"
+    there = piece.at(np.array([BORDER + away * 2.0**-52]), NONE)
+    assert there.reason == ""
+    assert there.value == pytest.approx([STUCK], abs=1e-13)
+    assert there.jacobian == pytest.approx(np.zeros((1, 1)), abs=1e-6)
+    causes = [piece.cause(code) for code in there.codes.tolist()]
+    k = causes.index("ground stops sliding for an instant only in phase 0")
+    assert there.margins[k] == pytest.approx(0.0, abs=1e-13)
+    assert there.gradients[k] == pytest.approx([2.0 * A * math.sin(TURN)], rel=1e-6)
+
+
+@EACH_BACKEND
+@pytest.mark.parametrize(("way", "word", "slope"), [(1.0, "J1 S1", 0.0), (-1.0, "", 1.0)])
+def test_what_lies_on_both_sides(backend: str, way: float, word: str, slope: float) -> None:
+    image = pushed(backend).beside(np.array([BORDER]), NONE, np.array([way]))
+    assert image.reason == ""
+    assert image.piece.word == word
+    assert image.value == pytest.approx([STUCK], abs=1e-12)
+    assert image.jacobian == pytest.approx(np.array([[slope]]), abs=1e-6)
+
+
+# --- A section that counts only while a contact sticks, reached as it begins to -------------------
+
+X, Y, Z, T, V, W, U, F = sympy.symbols("x y z t v w u F")
+START, FRICTION = 2.5, 0.5  # phase of the section; friction over weight
+
+
+def sticking() -> SystemMap:
+    """A block that a force F sin t lets slip twice in a period; beside it y = -cos(t - 2.5)."""
+    floor = Contact(name="the floor", gap=Z, slip=V, mu=FRICTION)
+    force = [F * sympy.sin(T), -Y, -1]
+    system = ContactSystem([X, Y, Z], sympy.eye(3), force, [floor], {F: 0.6}, u=[V, W, U])
+    section = Section(when=W, free=[Y], at={T: START}, sticking=["the floor"], horizon=50.0)
+    return SystemMap(system, section, ["F"], backend="scipy")
+
+
+def stops(force: float) -> float:
+    """When the second slip of a period ends, less 2 pi: F (cos a - cos t) = mu (t - a)."""
+    a = math.asin(FRICTION / force)
+    moved = lambda t: force * (math.cos(a) - math.cos(t)) - FRICTION * (t - a)  # noqa: E731
+    return float(brentq(moved, math.pi - a, 2.0 * math.pi, xtol=1e-15))
+
+
+def test_the_border_is_where_the_block_stops_on_the_section() -> None:
+    map_ = sticking()
+    border = brentq(lambda force: stops(force) - START, 0.51, 0.8, xtol=1e-15)
+    y, near = np.array([-1.0]), 1e-7
+    image = map_.at(y, np.array([border - near]))
+    assert image.piece.word == "S1 J1 S1 J1"
+    code = int(image.codes[image.margins.argmin()])
+    assert image.piece.cause(code) == "the section is reached before phase 4 begins"
+    for force in (border - near, border + near):  # on both sides the margin is the duration
+        there = image.piece.at(y, np.array([force]))
+        margin = there.margins[there.place(code)]
+        # a slip that starts at the edge of its cone is known to the root of rounding
+        assert margin == pytest.approx(START - stops(force), abs=1e-10)
+        rate = -(stops(force + 1e-4) - stops(force - 1e-4)) / 2e-4
+        assert there.gradients[there.place(code)][1] == pytest.approx(rate, rel=1e-6)
+    assert map_.at(y, np.array([border + near])).piece.word != image.piece.word

@@ -1,0 +1,248 @@
+"""Stick and slip: on a belt, on two feet, under forces that vanish, beside another contact."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import pytest
+import sympy
+from needs import EACH_BACKEND, NEEDS_HEYOKA
+from scipy.special import ellipk
+
+from studies.systems import belt
+from studies.systems.toy import system_of
+from woodpecker import Toy
+from woodpecker.systems import (
+    Contact,
+    ContactSystem,
+    MotionStatus,
+    Section,
+    SystemMap,
+    shoot,
+    simulate,
+)
+from woodpecker.systems.mechanics.equations import Equations
+from woodpecker.systems.mechanics.impacts import decide
+
+# --- The stick-slip oscillator on a belt against its closed form ----------------------------------
+
+
+@EACH_BACKEND
+@pytest.mark.parametrize(("v", "d"), [(0.3, 0.1), (0.5, 0.4)])
+@pytest.mark.slow
+def test_stick_slip_is_that_of_the_closed_form(v: float, d: float, backend: str) -> None:
+    """From a guess that sticks, too; the belt's speed is a parameter with derivatives."""
+    map_ = belt.map_of("v", backend=backend).holding(d=d)
+    exact, slope = belt.lowest(v, 1.0, d), belt.lowest(1.0, 0.0, d)
+    cycle = shoot(map_, [exact + 0.05], p=[v])
+    assert cycle.word == "J1 S1"
+    assert cycle.x[0, 0] == pytest.approx(exact, abs=1e-10)
+    assert abs(cycle.multipliers[0]) < 1e-10  # it forgets while it sticks
+    image = map_.at(cycle.x[0], cycle.p)
+    assert image.jacobian[0, 1] == pytest.approx(slope, abs=1e-9)
+
+
+def test_without_sticking_it_spirals_off() -> None:
+    """Around the steady sliding, by exp(pi d/sqrt(1 - d**2/4)) in each turn."""
+    d = belt.VALUES[belt.D]
+    image = belt.map_of(backend="scipy").at(np.array([0.8]), np.zeros(0))
+    assert image.piece.word == ""
+    exact = math.exp(math.pi * d / math.sqrt(1.0 - 0.25 * d * d))
+    assert image.jacobian[0, 0] == pytest.approx(exact, abs=1e-10)
+    steady = 1.0 - d * belt.VALUES[belt.BELT]
+    assert image.value[0] == pytest.approx(steady + exact * (0.8 - steady), abs=1e-10)
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_the_study_of_the_belt() -> None:
+    assert max(belt.main(fast=True).values()) < 1e-10
+
+
+# --- A body on two feet: they have one slip, stick and slide together, and it may tip -------------
+
+X, Y, TURN, V, W_TURN, T = sympy.symbols("x y turn u_x u_turn t")
+G = 9.81
+Values = Mapping[sympy.Symbol, float]
+NONE: Values = {}
+
+
+def body(
+    force: sympy.Expr, height: Any, mu: Any, values: Values = NONE, other_height: Any = None
+) -> ContactSystem:
+    """One of mass 1 and inertia 0.3 on feet 1 to both sides, its centre at a height above them.
+
+    The height may be written in another way at the front foot.
+    """
+    heights = height, height if other_height is None else other_height
+    feet = [
+        Contact(name=name, gap=Y + side * TURN, slip=V + each * W_TURN, mu=mu)
+        for name, side, each in zip(("rear foot", "front foot"), (-1, 1), heights, strict=True)
+    ]
+    return ContactSystem([X, Y, TURN], sympy.diag(1, 1, 0.3), [force, -G, 0], feet, values)
+
+
+def block(force: sympy.Expr, mu: Any, values: Values = NONE) -> ContactSystem:
+    """The same without rotation, on the ground."""
+    ground = Contact(name="ground", gap=Y, slip=V, mu=mu)
+    return ContactSystem([X, Y], sympy.eye(2), [force, -G], [ground], values)
+
+
+@EACH_BACKEND
+def test_feet_slide_as_one_contact(backend: str) -> None:
+    """They slip where the push is mu g, the friction of both, and move as a block does."""
+    push = 5 * sympy.sin(3 * T)
+    motion = simulate(body(push, 0.5, 0.3), {}, 6.0, backend=backend)
+    other = simulate(block(push, 0.3), {}, 6.0, backend=backend)
+    assert motion.status is MotionStatus.TIME_REACHED
+    assert motion.word.replace(" ", "") == "".join(
+        each + each.replace("1", "2") for each in other.word.split()
+    )
+    slips = [event.time for event in motion.events if event.symbol == "S1"]
+    assert slips[0] == pytest.approx(math.asin(0.3 * G / 5) / 3, abs=1e-14)
+    assert motion.z[[0, 3]] == pytest.approx(other.z[[0, 2]], abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("height", "other"),
+    [(0.3, 3 * sympy.Float(0.1)), (1 + sympy.sqrt(2), sympy.sqrt(3 + 2 * sympy.sqrt(2)))],
+)
+def test_feet_slide_as_one_contact_however_their_slips_are_written(height: Any, other: Any) -> None:
+    push = 5 * sympy.sin(3 * T)
+    systems = body(push, height, 0.3), body(push, height, 0.3, other_height=other)
+    assert systems[1].contacts[0].slip != systems[1].contacts[1].slip
+    motions = [simulate(each, {}, 1.0, backend="scipy") for each in systems]
+    assert motions[1].status is MotionStatus.TIME_REACHED
+    assert motions[0].word == motions[1].word == "S1 S2"
+    assert motions[0].z == pytest.approx(motions[1].z, abs=1e-13)
+
+
+@EACH_BACKEND
+def test_a_high_body_tips_while_its_feet_stick(backend: str) -> None:
+    """A push R t at a height of 2 lifts the rear foot where its moment is that of the weight."""
+    rate = 4.0
+    motion = simulate(body(rate * T, 2.0, 0.6), {}, 1.5, backend=backend)
+    assert motion.word.split()[0] == "D1"
+    assert motion.events[0].time == pytest.approx(G / (2.0 * rate), abs=1e-14)
+
+
+@pytest.mark.slow
+def test_feet_have_derivatives() -> None:
+    """The return of the body is that of the block, with its first variations."""
+    force, mu = sympy.symbols("force mu")
+    images, push, values = [], force * sympy.sin(3 * T), {force: 5.0, mu: 0.3}
+    for system in (body(push, 0.5, mu, values), block(push, mu, values)):
+        section = Section(when=sympy.sin(3 * T), free=[V], at={T: 0})
+        map_ = SystemMap(system, section, ["force", "mu"])
+        images.append(map_.at(np.array([0.4]), map_.p))
+    assert images[0].value == pytest.approx(images[1].value, abs=1e-12)
+    assert images[0].jacobian == pytest.approx(images[1].jacobian, abs=1e-10)
+
+
+# --- Forces that are powers of what is exactly zero at a start: no nan of them --------------------
+
+R, U, STIFF = sympy.symbols("x u_x k")
+
+
+def spring() -> ContactSystem:
+    """A mass on a cubic spring, far from a stop."""
+    stop = Contact(name="the stop", gap=R + 10)
+    return ContactSystem([R], [[1]], [-STIFF * R**3], [stop], {STIFF: 1.0})
+
+
+@EACH_BACKEND
+def test_a_cubic_spring_from_the_middle(backend: str) -> None:
+    """From speed 1 a period takes 4 K(1/2)/a, where a = 2**(1/4) is the amplitude."""
+    section = Section(when=R, free=[U], horizon=100.0)
+    map_ = SystemMap(spring(), section, ["k"], backend=backend)
+    image = map_.at(np.array([1.0]), np.array([1.0]))
+    assert image.value == pytest.approx([1.0], abs=1e-12)  # it rises through zero once in a period
+    period = 4.0 * ellipk(0.5) / 2.0**0.25
+    motion = simulate(spring(), {"u_x": 1.0}, period, backend=backend)
+    assert motion.status is MotionStatus.TIME_REACHED
+    assert motion.z[:2] == pytest.approx([0.0, 1.0], abs=1e-12)
+
+
+@EACH_BACKEND
+def test_friction_that_varies_with_the_slip_where_it_sticks(backend: str) -> None:
+    """A mass is carried by a belt until the spring equals friction, at x = 1.5 and t = 1.5."""
+    y = sympy.Symbol("y")
+    slip = U - 1
+    belt = Contact(name="the belt", gap=y, slip=slip, mu=1.5)
+    force = [-R + 1.5 * slip - 0.45 * slip**3, -1]
+    brick = ContactSystem([R, y], [[1, 0], [0, 1]], force, [belt], {})
+    motion = simulate(brick, {"x": 0.0, "u_x": 1.0}, 2.0, backend=backend)
+    assert motion.word == "S1"
+    assert motion.events[0].time == pytest.approx(1.5, abs=1e-12)
+
+
+@EACH_BACKEND
+def test_a_motion_that_is_lost_at_once_says_so(backend: str) -> None:
+    """A force without a value at the start: a status with a sentence, and the start is kept."""
+    y = sympy.Symbol("y")
+    floor = Contact(name="floor", gap=y)
+    lost = ContactSystem([R, y], [[1, 0], [0, 1]], [1 / R, -1], [floor], {})
+    motion = simulate(lost, {"y": 1.0}, 1.0, backend=backend)
+    assert not motion.status.success
+    assert not motion.events
+    assert motion.q[0].tolist() == [0.0, 1.0]
+
+
+@EACH_BACKEND
+def test_a_restitution_that_heyoka_cannot_differentiate(backend: str) -> None:
+    """No flow needs it: it falls for 1 s, and is at rest after 1/(1 - eps) - 1 times 2 s more."""
+    eps = sympy.Symbol("eps")
+    floor = Contact(name="floor", gap=R, eps_n=sympy.Max(eps, sympy.Rational(1, 4)))
+    ball = ContactSystem([R], [[1]], [-10], [floor], {eps: 0.5})
+    motion = simulate(ball, {"x": 5.0}, 4.0, backend=backend)
+    assert motion.word == "C1"
+    assert motion.events[-1].time == pytest.approx(3.0, abs=1e-13)
+
+
+# --- An impact where another contact is closed: its word does not hang on rounding ----------------
+
+ROUNDING = 1e-13  # of a velocity of 1, after some thousand operations
+EPS, MU = 0.5, 0.1
+
+
+def two_contacts() -> Equations:
+    """A body that slides along the ground, on to a wall that leans over it."""
+    x, y, s, u, v, slip = sympy.symbols("x y s u_x u_y u_s")
+    ground = Contact(name="ground", gap=y, slip=slip, mu=MU, eps_n=EPS)
+    wall = Contact(name="wall", gap=1 - x - y / 2, eps_n=EPS)
+    mass = sympy.diag(1, 2, 1)
+    return Equations(ContactSystem([x, y, s], mass, [0, -1, 0], [ground, wall], {}, u=[u, v, slip]))
+
+
+@pytest.mark.parametrize("wrong", [-ROUNDING, 0.0, ROUNDING])
+def test_the_ground_keeps_its_case(wrong: float) -> None:
+    """With one restitution and no change of sliding the expansion is the compression times it.
+
+    So the gap rate of the ground is zero after both, and its impulse just what it has to give back:
+    it rests, and that is what the word says.
+    """
+    eq = two_contacts()
+    z = np.array([1.0, 0.0, 0.0, 1.0, wrong, 1.0, 0.0])
+    found = decide(eq, eq.terms(z, eq.p), (0, 1), z[3:6], closed={0})
+    assert found.impact is not None
+    assert found.impact.symbol == "I1-r+2"
+    assert found.impact.resting == {0}
+    # By hand, with forces (0, 1) and (-1, -1/2) of ground and wall on (x, y): x stops by the wall's
+    # impulse 1, the ground's is half of it; both come back EPS times, and friction along s.
+    assert found.impulses[:, 0] == pytest.approx(np.array([[0.5, 1.0], [0.5 * EPS, EPS]]))
+    u = [-EPS, 0.0, 1.0 - MU * 0.5 * (1.0 + EPS)]
+    assert found.u == pytest.approx(u, abs=10 * ROUNDING)
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+def test_a_closed_contact_does_not_drift() -> None:
+    """The jammed sleeve stays where it is to the last bit while the bird swings; then it slides."""
+    toy = Toy(eps_n1=0.5)
+    system, _ = system_of(toy)
+    jammed = -(toy.r_m - toy.r_0) / toy.h_m
+    motion = simulate(system, {"phi_m": jammed, "phi_s": -0.53}, 0.034)
+    assert motion.word == "S2"
+    assert (motion.q[:, 1] == jammed).all()
+    assert not motion.u[:, 1].any()
