@@ -38,6 +38,7 @@ PLACES = 8  # parts of a step: a dip is looked at where one of them ends
 STEADY = 0.5  # of the smaller rate at both ends: by how much a margin falls at least in between
 COARSE = 64.0  # least steps: a dip of a margin in a shorter step is left alone
 MOST_BOUNDS = 32  # that are passed in a step, each before the last: more are left to shorter steps
+BRACKETED = 2.0**-14  # scaled: only in shorter steps a zero is bracketed if Newton finds none
 NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is where it comes from
 
 
@@ -338,7 +339,7 @@ def _solved(
         return None
     found = solve(curve.problem.with_(test.condition), _guess(curve, a, b, test))
     if not found.converged:
-        if step > COARSE * curve.settings.min_step:
+        if step > BRACKETED:
             raise UnclearError
         return None
     orbit = found.orbit

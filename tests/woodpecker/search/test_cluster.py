@@ -70,10 +70,10 @@ def test_a_cluster_finds_the_same_diagram(client: Any, monkeypatch: pytest.Monke
         return submit(*call)
 
     monkeypatch.setattr(executor, "submit", counted)
-    found = searched(executor=executor, workers=4)
+    found = searched(executor=executor, workers=2)
     assert to_the_last_bit(found.diagram) == to_the_last_bit(alone.diagram)
     assert found.evaluations == alone.evaluations
-    assert len(sent) > 4  # the first ones, and others when these are done
+    assert len(sent) > 2  # the first ones, and others when these are done
     assert client.submit(int).result() == 0  # it was not shut down
 
 
