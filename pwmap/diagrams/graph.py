@@ -415,6 +415,8 @@ def _from_dot(content: bytes) -> nx.MultiGraph:
             if next(tokens) != "":
                 raise ValueError("it goes on after its last }")
             return graph
+        if token == "":
+            break
         name, sign = _undot(token), next(tokens)
         if sign == "=":
             _once([name] * (1 + (name in graph.graph)), "the attribute")
