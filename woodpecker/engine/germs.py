@@ -379,6 +379,16 @@ def is_inside(curve: SolutionCurve, sample: Sample) -> bool:
     return (orbit.share > 0.0 or rises > SLOW) and (orbit.share < 1.0 or rises < -SLOW)
 
 
+def seen_from(begin: Beginning, x: Floats) -> Beginning:
+    """The cycles of a beginning from that of their points which lies nearest to a point (d,)."""
+    sample, problem = begin.sample, begin.curve.problem
+    orbit, size = sample.orbit, sample.orbit.x.size
+    first = min(range(len(orbit.x)), key=lambda i: problem.apart(orbit.x[i], x))
+    rolled = np.roll(sample.tangent[:size], -first * orbit.x.shape[1])
+    tangent = np.concatenate((rolled, sample.tangent[size:]))
+    return replace(begin, sample=Sample(orbit.rotated(first), tangent, sample.bordered))
+
+
 def cycle_through(
     map_: SpaceMap, x: Floats, p: Floats, orders: Sequence[int], base: Problem
 ) -> SpaceOrbit | None:

@@ -35,6 +35,7 @@ from woodpecker.engine.germs import (
     is_inside,
     joined,
     once,
+    seen_from,
 )
 from woodpecker.engine.maps import ACCUMULATE, SpaceImage, links
 from woodpecker.engine.needles import rounded
@@ -226,7 +227,8 @@ def _at_border(begin: Beginning, arc: Arc, outer: SpaceImage) -> Arrival | Onwar
         others = [each for each in starts if each.order == begin.order and each.key != arrived]
         if len(others) > 1 or (others and others[0].is_crossing):
             return collision
-        there = others[0] if others else _hugging(begin, arc, outer) or ahead
+        found = seen_from(others[0], orbit.x[0]) if others else None
+        there = found or _hugging(begin, arc, outer) or ahead
     if there is None:
         return passed_over(begin, arc, cause, outer) or collision
     folds = there.ahead * arc.samples[-1].tangent[orbit.x.size] < 0.0

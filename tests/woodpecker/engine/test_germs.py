@@ -8,7 +8,7 @@ from pwmap.diagrams.diagram import BranchKind, PointKind, PointStatus
 from woodpecker.engine import tracing
 from woodpecker.engine.curves import CurveSettings, SolutionCurve
 from woodpecker.engine.formulas import expression_map
-from woodpecker.engine.germs import beginnings
+from woodpecker.engine.germs import Beginning, beginnings, seen_from
 from woodpecker.engine.maps import Chain
 from woodpecker.engine.network import connected
 from woodpecker.engine.newton import cycles
@@ -201,3 +201,18 @@ def test_a_branch_of_too_many_words_is_open(monkeypatch: pytest.MonkeyPatch) -> 
     left = [q for q in diagram.points if q.status is PointStatus.OPEN]
     assert [q.note for q in left] == ["as many samples as allowed"]
     assert left[0].parameter == pytest.approx(0.0, abs=1e-14)
+
+
+@pytest.mark.parametrize("first", [0, 1, 2])
+def test_cycles_are_followed_from_the_same_point(first: int) -> None:
+    """The tangent of an orbit that is seen from another of its points, against one solved anew."""
+    piece = CURVED.pieces[0]
+    points = np.array([[0.3, -0.4], [0.5, 0.2], [-0.1, 0.6]])
+    settings = CurveSettings(spans=((0.0, 1.0),), window=((-1.0, 1.0), (-1.0, 1.0)))
+    curve = SolutionCurve(CURVED, cycles((0,), (1.0, 2.0), (1.0,)), settings)
+    orbit = orbit_of([piece] * 3, points, np.array([0.7]))
+    begin = seen_from(Beginning(3, curve, curve.start(orbit)), points[first] + 1e-3)
+    assert begin.sample.orbit.x[0] == pytest.approx(points[first], abs=0.0)
+    anew = curve.start(orbit.rotated(first), begin.sample.tangent)
+    assert begin.sample.tangent == pytest.approx(anew.tangent, abs=1e-14)
+    assert begin.sample.bordered == pytest.approx(anew.bordered, rel=1e-13)
