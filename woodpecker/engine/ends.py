@@ -260,10 +260,9 @@ def _look_for_dips(
     if step < COARSE * curve.settings.min_step:
         return
     dips = dict[float, list[tuple[int, int, float]]]()
-    rates_of = zip(curve.rates(a), curve.rates(b), strict=True)
-    images = zip(a.orbit.taken, b.orbit.taken, rates_of, strict=True)
-    for i, (one, other, (rates_before, rates_after)) in enumerate(images):
-        falls, rises = step * rates_before, step * rates_after
+    both = zip(a.orbit.taken, b.orbit.taken, curve.rates(a), curve.rates(b), strict=True)
+    for i, (one, other, before, after) in enumerate(both):
+        falls, rises = step * before, step * after
         for k in np.flatnonzero(0.5 * one.margins + falls < 0.0).tolist():
             code = int(one.codes[k])
             if (i, code) in curve.ignored or not one.margins[k] > 0.0:

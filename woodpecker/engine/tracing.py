@@ -129,7 +129,7 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
 
 
 def _first_step(begin: Beginning) -> float:
-    """As long as a curve may go on if it bends as it does from its point to its first sample."""
+    """A first step as long as the bend between a point and the sample beside it allows."""
     point, first = begin.before, begin.sample
     if point is None or point.tangent.shape != first.tangent.shape:
         return math.inf
