@@ -80,11 +80,8 @@ class Branches:
         if not self.y[i] <= y <= self.y[i + 1]:
             i = i if y < self.y[i] else i + 1
             return float(self.x[i]), self.images[i]
-        x, to = float(self.x[i]), float(self.x[i + 1])
-        return bracketed(
-            {x: self.images[i], to: self.images[i + 1]}, x, to, p,
-            lambda image, _: (image.value - y, image.slope),
-        )  # fmt: skip
+        one, other = (Knot(float(self.x[j]), self.images[j]) for j in (i, i + 1))
+        return bracketed(one, other, p, lambda image, _: image.value - y)
 
 
 @jit

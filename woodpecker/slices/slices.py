@@ -208,9 +208,7 @@ def _within(orbit: Orbit, settings: Settings) -> bool:
 def _fixed_points(pieces: Partition, settings: Settings) -> Iterator[Orbit]:
     for cylinder in pieces.cylinders:
         for a, b in _parts(cylinder, pieces.p):
-            if (a.image.value - a.x) * (b.image.value - b.x) > 0.0:
-                continue
-            root = bracketed({a.x: a.image, b.x: b.image}, a.x, b.x, pieces.p, _gap)
+            root = bracketed(a, b, pieces.p, lambda image, x: image.value - x)
             if root is None:
                 continue
             start = orbit_of([root[1].piece], np.array([root[0]]), pieces.p)
