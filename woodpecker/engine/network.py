@@ -23,9 +23,9 @@ from woodpecker.engine.arrivals import Arrival
 from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve, Stop
 from woodpecker.engine.germs import Beginning, beginnings, judged
 from woodpecker.engine.maps import SpaceMap
-from woodpecker.engine.newton import Problem, cycles, directions, other_direction, solve
+from woodpecker.engine.newton import Problem, cycles, solve
 from woodpecker.engine.orbits import Held, SpaceOrbit, orbit_of
-from woodpecker.engine.tracing import APART, Trace, beside, trace
+from woodpecker.engine.tracing import Trace, switched, trace
 
 MULTIPLIERS = (PointKind.LP, PointKind.PD, PointKind.NS, PointKind.BP)
 NODE = 1e-7  # scaled: special points closer than this are one
@@ -237,35 +237,12 @@ class _Component:
         self.nodes.append(node)
         if arrival.onward is not None:
             node.waiting.append(arrival.onward)
-        for wanted, start in self._others(found, arrival, single, halved):
-            there = beside(Beginning(wanted, found.curve, start), APART)
-            if wanted in self.orders and there.before is not None:
-                node.waiting.append(there)
+        others = switched(found.curve, single, arrival.kind, begin.order)
+        if arrival.kind is PointKind.BP:  # two of the four are this branch
+            others = _most_across(others, last)
+        node.waiting += [each for each in others if each.order in self.orders]
         self.todo += [(node, each) for each in node.waiting]
         return node
-
-    @staticmethod
-    def _others(
-        found: Trace, arrival: Arrival, single: SpaceOrbit, halved: bool
-    ) -> list[tuple[int, Sample]]:
-        """Other curves through a point where a multiplier is 1 or -1: orders, and which way."""
-        sample, curve, order = found.samples[-1], found.curve, found.begin.order
-        orbit, size = sample.orbit, sample.orbit.x.size
-        if halved:
-            along = curve.start(single).tangent
-            return [(len(single.x), Sample(single, sign * along)) for sign in (1.0, -1.0)]
-        if arrival.kind is PointKind.PD and not found.begin.is_crossing:
-            pieces = [image.piece for image in orbit.images] * 2
-            twice = orbit_of(pieces, np.tile(orbit.x, (2, 1)), orbit.p)
-            along = np.append(np.tile(sample.tangent[:size], 2), sample.tangent[size:])
-            way = other_direction(curve.problem, twice, along)
-            return [] if way is None else [(2 * order, Sample(twice, way))]
-        if arrival.kind is PointKind.BP:
-            ways = directions(curve.problem, orbit)
-            across = min(ways, key=lambda way: abs(float(way @ sample.tangent)), default=None)
-            if across is not None:
-                return [(order, Sample(orbit, sign * across)) for sign in (1.0, -1.0)]
-        return []
 
     def _known(self, cycle: SpaceOrbit, kind: PointKind) -> _Vertex | None:
         scale = self.problem.scale(cycle)
@@ -377,6 +354,13 @@ def _words(found: Trace) -> list[Stretch]:
                 stretches.pop()
             stretches.append(Stretch(first, found.samples[beyond].orbit.word, change.cause))
     return stretches
+
+
+def _most_across(begins: Sequence[Beginning], last: Sample) -> list[Beginning]:
+    """Those of some curves through a branch point that another curve does not lead along."""
+    ways = [(each.before or each.sample).tangent for each in begins]
+    along = [abs(float(way @ last.tangent)) for way in ways]
+    return [each for each, cosine in zip(begins, along, strict=True) if cosine == min(along)]
 
 
 def _is_back(begin: Beginning, last: Sample) -> bool:

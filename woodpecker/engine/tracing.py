@@ -39,7 +39,7 @@ from woodpecker.engine.germs import (
 )
 from woodpecker.engine.maps import ACCUMULATE, SpaceImage, links
 from woodpecker.engine.needles import rounded
-from woodpecker.engine.newton import solve, uncertainty
+from woodpecker.engine.newton import directions, other_direction, solve, uncertainty
 from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit, placed
 from woodpecker.engine.rooted import settled
 
@@ -325,6 +325,32 @@ def beside(begin: Beginning, distances: Sequence[float] = BESIDE) -> Beginning:
                 return there
             best = there if best is begin else best
     return best
+
+
+def switched(
+    curve: SolutionCurve, point: SpaceOrbit, kind: PointKind, order: int
+) -> list[Beginning]:
+    """Curves that cross one of P_order at a flip or a branch point, each beside it.
+
+    At a flip the point is the single cycle; curves are those of its double, or both ways its own.
+    At a branch point they are all four: it is not known which of them led there.
+    """
+    ways, problem = list[Floats](), curve.problem
+    if kind is PointKind.BP:
+        ways = [sign * way for way in directions(problem, point) for sign in (1.0, -1.0)]
+    elif kind is PointKind.PD:
+        along = curve.start(point).tangent
+        doubles, order = order == len(point.x), len(point.x)
+        if doubles:
+            order = 2 * order
+            point = replace(point, x=np.tile(point.x, (2, 1)), images=point.images * 2)
+            twice = np.append(np.tile(along[:-1], 2), along[-1:])
+            across = other_direction(problem, point, twice)
+            ways = [] if across is None else [across]
+        else:
+            ways = [along, -along]
+    begins = (beside(Beginning(order, curve, Sample(point, way)), APART) for way in ways)
+    return [each for each in begins if each.before is not None]
 
 
 def _on_same_sides(one: Sample, other: Sample) -> bool:

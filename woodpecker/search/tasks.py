@@ -3,22 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from pwmap.diagrams.diagram import BranchKind, PointKind
-from woodpecker.base.arrays import Floats
 from woodpecker.base.executors import Done
 from woodpecker.base.settings import Settings
 from woodpecker.engine import orbits
 from woodpecker.engine.curves import Sample, Stop
 from woodpecker.engine.following import Halt
 from woodpecker.engine.germs import Beginning, beginnings, crossings_at
-from woodpecker.engine.newton import directions, other_direction
-from woodpecker.engine.tracing import APART, Trace, beside, trace
+from woodpecker.engine.tracing import Trace, beside, switched, trace
 from woodpecker.maps.counting import Allowance, as_counting
 from woodpecker.maps.pieces import PiecewiseMap
 from woodpecker.search.curves import BranchStart, Followed, agree, keys_of
@@ -104,8 +102,13 @@ class Tasks:
 
     def switches(self, end: End, orders: Sequence[int]) -> list[BranchStart]:
         """Branches that start at a flip or a branch point."""
-        found = [beside(each, APART) for each in self._others(end, orders)]
-        return [BranchStart(each, end) for each in found if each.before is not None]
+        n = len(end.x)
+        halves = end.kind is PointKind.PD and np.array_equal(end.x[: n // 2], end.x[n // 2 :])
+        x, p = end.x[: n // 2] if halves else end.x, np.array([end.p])  # a doubled cycle ends there
+        images = tuple(self.base.map.at(each, p) for each in x[:, None])
+        cycle = orbits.SpaceOrbit(x[:, None], p, 0.0, images)
+        found = switched(self.base, cycle, end.kind, n) if cycle.is_defined else []
+        return [BranchStart(each, end) for each in found if each.order in orders]
 
     def ahead(self, start: BranchStart) -> Followed:
         """The branch that begins, or goes on, at a special point."""
@@ -163,41 +166,3 @@ class Tasks:
     def _onward(*traces: tuple[Trace, End]) -> tuple[BranchStart, ...]:
         found = ((each.arrival.onward, end) for each, end in traces)
         return tuple(BranchStart(onward, end) for onward, end in found if onward is not None)
-
-    def _cycle_at(self, x: Floats, p: Floats) -> orbits.SpaceOrbit | None:
-        """The cycle with some points (n,); None where the map has no value."""
-        found = tuple(self.base.map.at(each, p) for each in x[:, None])
-        cycle = orbits.SpaceOrbit(x[:, None], p, 0.0, found)
-        return cycle if cycle.is_defined else None
-
-    def _others(self, end: End, orders: Sequence[int]) -> Iterator[Beginning]:
-        """At a flip of P_n the branch of P_2n, or vice versa; at a branch point both ways."""
-        # At a branch point it is not known which branch led there.
-        base, p = self.base, np.array([end.p])
-        cycle = self._cycle_at(end.x, p)
-        if cycle is None:
-            return
-        x, n = cycle.x, len(cycle.x)
-        if end.kind is PointKind.PD and float(cycle.monodromy[0, 0]) > 0.0:  # of a doubled one
-            n //= 2
-            cycle = self._cycle_at(0.5 * (end.x[:n] + end.x[n:]), p)
-            if cycle is None:
-                return
-        if end.kind is PointKind.BP:
-            if n in orders:
-                for way in directions(base.problem, cycle):
-                    for sign in (1.0, -1.0):
-                        yield Beginning(n, base, Sample(cycle, sign * way))
-        elif not {n, 2 * n} <= set(orders):
-            return
-        elif len(x) == n:
-            twice = orbits.SpaceOrbit(np.tile(cycle.x, (2, 1)), p, 0.0, cycle.images * 2)
-            along = base.start(cycle).tangent
-            doubled = np.append(np.tile(along[:-1], 2), along[-1:])
-            across = other_direction(base.problem, twice, doubled)
-            if across is not None:
-                yield Beginning(2 * n, base, Sample(twice, across))
-        else:
-            along = base.start(cycle).tangent
-            for sign in (1.0, -1.0):
-                yield Beginning(n, base, Sample(cycle, sign * along))
