@@ -17,10 +17,15 @@ from woodpecker.engine.ends import ROUNDED_OFF, ArcEnd, UnclearError, asked_befo
 from woodpecker.engine.maps import SpacePiece, margins_decide, taken
 from woodpecker.engine.newton import STEEP, solve
 from woodpecker.engine.orbits import Held, held_at
+from woodpecker.engine.rooted import at_root, is_steep
 
 STRAIGHT = 1e-4  # angle between a chord and its tangents that any smooth curve may have [rad]
 KEPT_TURN = 0.7  # of the largest turn: what the next step is to have, so that few are refused
+CLOSE = 2.0**-14  # scaled: only in shorter steps the end of a root is looked for
 LOOKED = 2.0**-14  # scaled: steps longer than that are looked at halfway
+# Times what the larger of its rates at both ends makes of it a margin changes at most in a step,
+# and besides a part of its size.
+LEAPT, LEAPT_PART = 4.0, 2.0**-20
 TOGETHER = 2.0**-8  # of how far apart points of a cycle were a step before
 
 
@@ -74,6 +79,9 @@ def follow(
         try:
             taken = _step(curve, samples, step, turn, halt)
         except _TooLongError as refused:
+            ended = at_root(Arc(tuple(samples), given_up, curve), step) if step < CLOSE else None
+            if ended is not None:
+                return ended
             step, grows, given_up = _shorter(curve, step, refused.part), False, refused.stop
             continue
         if taken.ends:
@@ -174,10 +182,26 @@ def _strays(curve: SolutionCurve, a: Sample, b: Sample, bent: float) -> bool:
         return True
     chord = curve.problem.step_between(a.orbit, b.orbit)
     length, mean = norm(chord), a.tangent + b.tangent
-    if length == 0.0:
-        return True  # rounding lets it come no farther
+    if length == 0.0 or _leaps(curve, a, b, length):
+        return True  # rounding lets it come no farther, or to another solution of a piece
     off = norm(chord / length - mean / norm(mean))
     return off > 0.5 * max(angle(a, b), bent) + STRAIGHT + ROUNDED_OFF / length
+
+
+def _leaps(curve: SolutionCurve, a: Sample, b: Sample, length: float) -> bool:
+    """Whether a margin is another one at a sample than its rates make of it in a step."""
+    # Beyond the end of a root the same events may be found at other times, with usual slopes.
+    both = zip(a.orbit.taken, b.orbit.taken, curve.rates(a), curve.rates(b), strict=True)
+    for one, other, before, after in both:
+        if not is_steep(one, other):
+            continue
+        _, i, k = np.intersect1d(one.codes, other.codes, True, return_indices=True)
+        ends = one.margins[i], other.margins[k]
+        allowed = LEAPT * length * np.maximum(np.abs(before[i]), np.abs(after[k]))
+        size = np.maximum(np.abs(ends[0]), np.abs(ends[1]))
+        if (np.abs(ends[1] - ends[0]) > allowed + LEAPT_PART * size).any():
+            return True
+    return False
 
 
 def _comes_together(curve: SolutionCurve, a: Floats, b: Floats) -> bool:

@@ -11,7 +11,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from woodpecker.base.arrays import Floats
+from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.maps import ACCUMULATE, SpaceImage, limit
 from woodpecker.engine.newton import BLUR, STEEP, newton_step, solve
@@ -20,6 +20,63 @@ from woodpecker.engine.orbits import OnBorder, SpaceOrbit
 ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
 HUGGED = 2.0**-10  # scaled: how far a branch hugs a border at most before it meets it
 NEAR_INSIDE = 2.0**-22  # scaled: how far inside a piece is looked at that ends at a border
+
+
+def at_root(arc: Arc, within: float) -> Arc | None:
+    """An arc that comes to the end of a root, as one that ends there; None if it is not so near.
+
+    Towards the end of a root steps become ever shorter: there is no map beyond it. The piece beyond
+    says where it is.
+    """
+    # Slopes grow until there, so that no cycle folds or flips in between.
+    curve, problem = arc.curve, arc.curve.problem
+    if len(arc.samples) < 2 or arc.samples[-1].orbit.outer is not None:
+        return None
+    (before, last), d = arc.samples[-2:], len(problem.x_scale)
+    away, i, code = nearest_border(curve, last.orbit)
+    if away > within or not _grows(before.orbit, last.orbit, i):
+        return None
+    orbit, image = last.orbit, last.orbit.images[i]
+    k = image.place(code)
+    inward = image.gradients[k]
+    x = orbit.x.copy()
+    x[i] -= image.margins[k] * inward[:d] / (inward[:d] @ inward[:d])
+    outer = curve.map.beside(x[i], orbit.p, -inward)
+    if outer.reason or not is_steep(image, outer):
+        return None
+    on_border = replace(last, orbit=replace(orbit, x=x))
+    ended = Arc(
+        (*arc.samples, on_border), Stop.BORDER, curve, (i, code), condition=OnBorder(i, code)
+    )
+    moved, _ = _moved_to(ended, i, outer)
+    way = problem.step_between(orbit, moved.samples[-1].orbit)
+    if moved is ended or not float(way @ last.tangent) > 0.0 or norm(way) > within:
+        return None
+    end, margins = moved.samples[-1], image.margins.copy()
+    margins[k] = 0.0
+    inner = end.orbit.images[i]._replace(margins=margins)
+    images = (*end.orbit.images[:i], inner, *end.orbit.images[i + 1 :])
+    end = replace(end, orbit=replace(end.orbit, images=images))
+    return replace(moved, samples=(*arc.samples, end))
+
+
+def nearest_border(curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[float, int, int]:
+    """The border nearest to a point of an orbit: how far away that is, its image and its code."""
+    scale = np.array(curve.problem.x_scale)
+    best = math.inf, 0, 0
+    for i, image in enumerate(orbit.taken):
+        slopes = np.linalg.norm(image.gradients[:, : len(scale)] * scale, axis=1)
+        for margin, slope, code in zip(image.margins, slopes, image.codes.tolist(), strict=True):
+            if (i, code) not in curve.ignored and slope > 0.0:
+                best = min(best, (abs(float(margin / slope)), i, code))
+    return best
+
+
+def _grows(before: SpaceOrbit, last: SpaceOrbit, i: int) -> bool:
+    """Whether the largest slope of a piece is more than 1, and grows along a curve."""
+    d = last.x.shape[1]
+    one, other = (float(np.abs(each.images[i].jacobian[:, :d]).max()) for each in (before, last))
+    return 1.0 < one < other
 
 
 def settled(arc: Arc) -> tuple[Arc, SpaceImage | None]:
@@ -36,7 +93,7 @@ def settled(arc: Arc) -> tuple[Arc, SpaceImage | None]:
     if outer.piece.key == image.piece.key and not is_reached:  # there its own piece is all there is
         outer = outer._replace(reason=outer.reason or ACCUMULATE)
     arc = sharpened(arc, i, gradient)
-    if not outer.reason and _is_steep(arc.samples[-1].orbit.images[i], outer):
+    if not outer.reason and is_steep(arc.samples[-1].orbit.images[i], outer):
         moved, there = _moved_to(arc, i, outer)
         return (_at_limit(arc, i, code), outer) if moved is arc else (moved, there)
     return arc, outer
@@ -55,7 +112,7 @@ def sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
     own = _from_inside(arc.curve, orbit, i, inward) if inward.any() else orbit.images[i]
     if own.reason:
         return arc
-    if steady and _is_steep(own, before.orbit.images[i]):
+    if steady and is_steep(own, before.orbit.images[i]):
         return arc  # a root that comes to its end
     images = (*orbit.images[:i], own, *orbit.images[i + 1 :])
     last = arc.curve.start(replace(orbit, images=images), before.tangent)
@@ -71,7 +128,7 @@ def _from_inside(curve: SolutionCurve, orbit: SpaceOrbit, i: int, inward: Floats
     return near if near.reason else limit(near, x, orbit.p, unit)
 
 
-def _is_steep(inner: SpaceImage, outer: SpaceImage) -> bool:
+def is_steep(inner: SpaceImage, outer: SpaceImage) -> bool:
     """Whether a piece has the slopes of a root's end, and another image has not."""
     d = len(inner.value)
     one, other = (float(np.abs(each.jacobian[:, :d]).max()) for each in (inner, outer))

@@ -41,7 +41,7 @@ from woodpecker.engine.maps import ACCUMULATE, SpaceImage, links
 from woodpecker.engine.needles import rounded
 from woodpecker.engine.newton import directions, other_direction, solve, uncertainty
 from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit, placed
-from woodpecker.engine.rooted import settled
+from woodpecker.engine.rooted import nearest_border, settled
 
 DOUBLED = 1e-7  # scaled: points that merge at a flip are known to the root of their rounding
 ONE = 1e-12  # the same but for rounding
@@ -366,21 +366,16 @@ def _at_nearest(arc: Arc) -> Arc:
     """An arc whose steps have become too short beside a border, as one that ends there."""
     if arc.stop not in (Stop.SHORT, Stop.OTHER_PIECE):
         return arc
-    orbit, scale = arc.samples[-1].orbit, np.array(arc.curve.problem.x_scale)
-    d, best = len(scale), (math.inf, (0, 0))
-    for i, image in enumerate(orbit.taken):
-        slopes = np.linalg.norm(image.gradients[:, :d] * scale, axis=1)
-        for margin, slope, code in zip(image.margins, slopes, image.codes.tolist(), strict=True):
-            if (i, code) not in arc.curve.ignored and slope > 0.0:
-                best = min(best, (abs(float(margin / slope)), (i, code)))
-    if best[0] > NEAR:
+    orbit, problem = arc.samples[-1].orbit, arc.curve.problem
+    away, *border = nearest_border(arc.curve, orbit)
+    if away > NEAR:
         return arc
-    on, problem = OnBorder(*best[1]), arc.curve.problem
+    on = OnBorder(*border)
     found = solve(problem.with_(on), orbit)
     samples = arc.samples
     if found.converged and np.abs(problem.step_between(orbit, found.orbit)).max() <= ASIDE:
         samples = (*samples, arc.curve.start(found.orbit, samples[-1].tangent))
-    return replace(arc, samples=samples, stop=Stop.BORDER, border=best[1], condition=on)
+    return replace(arc, samples=samples, stop=Stop.BORDER, border=(on.image, on.code), condition=on)
 
 
 # --- Crossings ------------------------------------------------------------------------------------
