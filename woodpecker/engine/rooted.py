@@ -52,12 +52,14 @@ def at_root(arc: Arc, within: float) -> Arc | None:
     way = problem.step_between(orbit, moved.samples[-1].orbit)
     if moved is ended or not float(way @ last.tangent) > 0.0 or norm(way) > within:
         return None
-    end, margins = moved.samples[-1], image.margins.copy()
+    end = moved.samples[-1].orbit
+    beyond = outer.piece.at(end.x[i], end.p)
+    if ((beyond.margins < 0.0) & ~beyond.tied(end.x[i], end.p)).any():
+        return None  # another margin has vanished before
+    margins = image.margins.copy()
     margins[k] = 0.0
-    inner = end.orbit.images[i]._replace(margins=margins)
-    images = (*end.orbit.images[:i], inner, *end.orbit.images[i + 1 :])
-    end = replace(end, orbit=replace(end.orbit, images=images))
-    return replace(moved, samples=(*arc.samples, end))
+    images = (*end.images[:i], end.images[i]._replace(margins=margins), *end.images[i + 1 :])
+    return replace(moved, samples=(*arc.samples, replace(last, orbit=replace(end, images=images))))
 
 
 def nearest_border(curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[float, int, int]:
