@@ -5,26 +5,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 from flint import arb
 
 from pwmap.diagrams.diagram import Branch, BranchKind, PointKind, SpecialPoint
-from pwmap.proofs.document import Certificate
 from woodpecker.base.executors import processes
 from woodpecker.enclosures.forms import precision
 from woodpecker.enclosures.model import rational
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.mechanics.toy import Toy
 from woodpecker.proofs import certificates
-from woodpecker.proofs.branches import (
-    PieceEnd,
-    Progress,
-    end_of,
-    joined,
-    marched,
-)
+from woodpecker.proofs.branches import PieceEnd, Progress, end_of, joined, marched
+from woodpecker.proofs.certificates import Content
 from woodpecker.proofs.pieces import Fractions, Route, Tube, curves_near, proved
 from woodpecker.proofs.points import proved_point
 from woodpecker.runs import nothing
@@ -38,7 +31,7 @@ OUTER = [Fraction(n, 10**k) for k in range(3, 20) for n in (5, 2, 1)]  # rad: bo
 AT = "eps_n1"  # the parameter that a certificate of an orbit names
 
 
-def prove_orbit(orbit: PeriodicOrbit) -> Certificate:
+def prove_orbit(orbit: PeriodicOrbit) -> Content:
     """Exactly one cycle near an orbit."""
     if not orbit.success:
         raise ValueError(f"only a periodic orbit can be proved, got one with: {orbit.message}")
@@ -60,7 +53,7 @@ def prove_orbit(orbit: PeriodicOrbit) -> Certificate:
 def prove_branch(
     branch: Branch, span: tuple[float, float] | None, toy: Toy, parameter: str,
     progress: Progress, workers: int,
-) -> Certificate:  # fmt: skip
+) -> Content:  # fmt: skip
     """A branch of fixed points over an interval, in as many parts as there are workers."""
     if branch.kind is not BranchKind.FIXED_POINT:
         raise ValueError(f"only branches of fixed points can be proved, got {branch.kind.value}")
@@ -75,14 +68,14 @@ def prove_branch(
     starts = _starts(toy, parameter, branch, [part.low for part in spans])
     tasks = [(toy, parameter, part, points) for part, points in zip(spans, starts, strict=True)]
     if workers == 1:
-        return _march(tasks[0], progress).certificate
+        return _march(tasks[0], progress)[0]
     with processes(workers) as pool:
         parts = list(map(_march, tasks) if pool is None else pool.map(_march, tasks))
-    for before, after in pairwise(parts):
-        if not joined(before.high, after.low):
-            at = f"{parameter} = {float(after.low.p):.12g}"
+    for (_, _, before), (_, after, _) in pairwise(parts):
+        if not joined(before, after):
+            at = f"{parameter} = {float(after.p):.12g}"
             raise NotProved(f"two parts may hold different cycles at {at}")
-    return certificates.merged([part.certificate for part in parts])
+    return certificates.merged([part for part, _, _ in parts])
 
 
 def parts_of(span: Fractions, count: int) -> list[Fractions]:
@@ -116,23 +109,16 @@ def _starts(
 Task = tuple[Toy, str, Fractions, tuple[float, ...]]
 
 
-class BranchPart(NamedTuple):
-    """A part of a branch from another process: balls do not travel, certificates and ends do."""
-
-    certificate: Certificate
-    low: PieceEnd
-    high: PieceEnd
-
-
-def _march(task: Task, progress: Progress = nothing) -> BranchPart:
+def _march(task: Task, progress: Progress = nothing) -> tuple[Content, PieceEnd, PieceEnd]:
+    """What is proved of a part of a branch, and its ends: balls do not travel from a process."""
     toy, parameter, span, points = task
     with precision(BITS["branch"]):
         found = marched(toy, parameter, span, points, progress)
-        certificate = certificates.of_branch(found, DIGITS["branch"])
-        return BranchPart(certificate, end_of(found.pieces[0], -1), end_of(found.pieces[-1], 1))
+        content = certificates.of_branch(found, DIGITS["branch"])
+        return content, end_of(found.pieces[0], -1), end_of(found.pieces[-1], 1)
 
 
-def prove_point(point: SpecialPoint, toy: Toy, parameter: str) -> Certificate:
+def prove_point(point: SpecialPoint, toy: Toy, parameter: str) -> Content:
     """A border collision at a jump."""
     if point.kind not in (PointKind.BC, PointKind.FF) or point.order != 1:
         raise ValueError(

@@ -24,8 +24,9 @@ from woodpecker.enclosures.plateaus import Plateau
 from woodpecker.enclosures.taylor import Frame
 from woodpecker.proofs import NotProved
 from woodpecker.proofs.branches import ProvedBranch, marched
-from woodpecker.proofs.certificates import of_branch, sealed
+from woodpecker.proofs.certificates import of_branch
 from woodpecker.proofs.pieces import Fractions
+from woodpecker.proofs.proving import sealed
 
 KAPPA, SLIDING, TURN = -209800, -57000, 31000  # 1/s^2, near those of the toy
 SIGMAS = (2e-5, 3e-4)  # s
@@ -179,7 +180,7 @@ def test_a_branch_goes_through_a_plateau_without_a_gap() -> None:
     both = [piece for piece in branch.pieces if max(map(len, piece.ways)) == 2]
     assert both
     assert all(abs(piece.multiplier) < 1 for piece in branch.pieces)
-    certificate = of_branch(branch, 35)
+    certificate = sealed(of_branch(branch, 35))
     assert "without a gap, with no flip" in check(dict(certificate.content))
 
 
@@ -187,9 +188,8 @@ def test_a_branch_goes_through_a_plateau_without_a_gap() -> None:
 @NEEDS_NUMBA
 def test_a_landing_on_the_other_side_is_refused() -> None:
     """With one of both ways left out, or a late landing called an early one."""
-    content = dict(of_branch(through_a_plateau(), 35).content)
+    content = of_branch(through_a_plateau(), 35)
     pieces = content.pop("pieces")
-    del content["seal"]
     k = next(k for k, piece in enumerate(pieces) if len(piece["points"][0]["ways"]) == 2)
     ways = pieces[k]["points"][0]["ways"]
     for tampered in (ways[:1], ways[1:], [ways[0], ways[0]]):
