@@ -10,8 +10,8 @@ from operator import gt
 from pathlib import Path
 from typing import Any
 
-from woodpecker.checking.forms import Box, F
-from woodpecker.checking.intervals import Extent, I, NotSeparated, unit
+from woodpecker.checking.forms import F
+from woodpecker.checking.intervals import Box, I, NotSeparated, unit
 from woodpecker.checking.pieces import (
     Rejected,
     ToyData,
@@ -195,7 +195,7 @@ def _point(content: Mapping[str, Any], data: ToyData) -> None:
     x, p, radius = number(centre["x"]), number(centre["p"]), number(centre["radius"])
     if radius <= 0:
         raise Rejected("a box has a positive radius")
-    box = Box(I.of(radius), Extent(radius, 2), 3)
+    box = Box(radius, 2, radius, 3)
     returns = [VerifiedReturn(data, box, [p, Fraction(1)], [x], way) for way in ways]
     check_both(returns, ("meeting",))
     image, border = returns[own].image, returns[0].forks[0].comparator

@@ -13,10 +13,10 @@ from fractions import Fraction
 from itertools import product
 from typing import Any
 
-from woodpecker.checking.forms import Box, F, constant, waves
+from woodpecker.checking.forms import F, constant, waves
 from woodpecker.checking.guards import Guard, GuardValue, named
 from woodpecker.checking.impacts import marked, rest_is_possible, slip, solve_impact, verdict
-from woodpecker.checking.intervals import I, NotSeparated
+from woodpecker.checking.intervals import Box, I, NotSeparated
 from woodpecker.checking.pausing import Flight, pause
 from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, STICK, UP, Coasting, ExactToy
 
@@ -225,7 +225,7 @@ class Tracker:
 
     def move(self, m: Coasting, kappa: I, t: F) -> None:
         """The state at the end of a phase."""
-        s = [x for x in waves(kappa, t, self.box) if isinstance(x, F)]
+        s = [x for x in waves(kappa, t) if isinstance(x, F)]
         d0, d1 = self.q[2] - self.q[1], self.u[2] - self.u[1]
         alpha, half = I.of(m.alpha), I.of(Fraction(1, 2))
         once = d0 * s[1] + d1 * s[2] + s[3] * alpha

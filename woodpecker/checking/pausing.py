@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from fractions import Fraction
 from typing import Any, NamedTuple
 
-from woodpecker.checking.forms import Box, F, chain, constant, over
+from woodpecker.checking.forms import F, chain, constant, over
 from woodpecker.checking.guards import GuardValue
 from woodpecker.checking.impacts import slip, solve_impact
-from woodpecker.checking.intervals import I, NotSeparated, T, wave
+from woodpecker.checking.intervals import Box, I, NotSeparated, T, wave
 from woodpecker.checking.plateaus import Landing
 from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, UP, Coasting, ExactToy
 
@@ -105,7 +105,7 @@ def _response(motion: Flight, i: int, direction: int) -> list[Fraction]:
 
 def _term(eta: F, value: I, slope: I) -> F:
     """A function of eta from its range on the curve and that of its derivative."""
-    zero = T(eta.box.span, [0])
+    zero = T(eta.box, [0])
     return chain(eta, zero.plus(value), zero.plus(slope), lambda: zero)
 
 

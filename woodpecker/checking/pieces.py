@@ -9,9 +9,9 @@ from fractions import Fraction
 from itertools import zip_longest
 from typing import Any
 
-from woodpecker.checking.forms import Box, F, constant
+from woodpecker.checking.forms import F, constant
 from woodpecker.checking.guards import Guard
-from woodpecker.checking.intervals import Extent, I, NotSeparated, T
+from woodpecker.checking.intervals import Box, I, NotSeparated, T
 from woodpecker.checking.motion import Choice, Tracker
 from woodpecker.checking.toy import NAMES, ExactToy
 
@@ -101,7 +101,7 @@ def _polynomial(box: Box, c: Sequence[Fraction], start: bool) -> F:
     rate = [k * c[k] for k in range(1, len(c))] or [Fraction(0)]
     bend = [k * rate[k] for k in range(1, len(rate))] or [Fraction(0)]
     parts = [c, [Fraction(int(start))], rate, [Fraction(0)], [Fraction(0)], bend]
-    return F(box, [T.of(box.span, part) for part in parts[: box.depth]])
+    return F(box, [T.of(box, part) for part in parts[: box.depth]])
 
 
 class VerifiedReturn:
@@ -161,14 +161,14 @@ class VerifiedPiece:
             raise Rejected("a piece has a line, half of its length, and a point for each return")
         self.line = [number(c) for c in piece["line"]]
         self.half, points = number(piece["half"]), piece["points"]
-        span = Extent(self.half, terms)
+        box = Box(self.half, terms)
         if self.half < 0 or not self.line or len(self.line) > 40:
             raise Rejected("a line has one to forty coefficients and a length")
         if not data.moves and (self.half != 0 or self.line != [data.values[data.parameter]]):
             raise Rejected("the parameter is not that of the toy")
         if data.moves and self.half == 0:
             raise Rejected("a piece of a branch has a length")
-        if self.half > 0 and _rising(self.line, span) is False:
+        if self.half > 0 and _rising(self.line, box) is False:
             raise NotSeparated("the parameter may turn round")
         self.curves = [[number(c) for c in point["curve"]] for point in points]
         self.radii = [number(point["radius"]) for point in points]
@@ -176,10 +176,10 @@ class VerifiedPiece:
             raise Rejected("a point has a curve, a radius and ways")
         if any(r <= 0 for r in self.radii) or any(not c or len(c) > 40 for c in self.curves):
             raise Rejected("a tube has a curve and a positive radius")
-        _apart(self.curves, self.radii, span)
+        _apart(self.curves, self.radii, box)
         misses, slopes, self.returns = [], [], []
         for k, point in enumerate(points):
-            box = Box(I.of(self.radii[k]), span, 6 if turns else 2)
+            box = Box(self.half, terms, self.radii[k], 6 if turns else 2)
             found = [
                 VerifiedReturn(data, box, self.line, self.curves[k], way) for way in point["ways"]
             ]
@@ -266,13 +266,13 @@ def _moved(texts: Sequence[str], by: Fraction) -> list[str]:
     return [str(x) for x in c]
 
 
-def _apart(curves: Sequence[Sequence[Fraction]], radii: Sequence[Fraction], span: Extent) -> None:
+def _apart(curves: Sequence[Sequence[Fraction]], radii: Sequence[Fraction], box: Box) -> None:
     """Refuse tubes in which a cycle might be a shorter one that is passed several times."""
     n = len(curves)
 
     def meet(i: int, k: int) -> bool:
         both = zip_longest(curves[i], curves[k], fillvalue=Fraction(0))
-        distance = T.of(span, [a - b for a, b in both]).range
+        distance = T.of(box, [a - b for a, b in both]).range
         wide = I.of(radii[i] + radii[k])
         return (distance - wide).sign() != 1 and (distance + wide).sign() != -1
 
@@ -281,8 +281,8 @@ def _apart(curves: Sequence[Sequence[Fraction]], radii: Sequence[Fraction], span
             raise NotSeparated(f"the cycle may be one of {period}, passed several times")
 
 
-def _rising(line: Sequence[Fraction], span: Extent) -> bool:
-    return T.of(span, [k * line[k] for k in range(1, len(line))]).range.sign() == 1
+def _rising(line: Sequence[Fraction], box: Box) -> bool:
+    return T.of(box, [k * line[k] for k in range(1, len(line))]).range.sign() == 1
 
 
 def value_at(c: Sequence[Fraction], x: Fraction) -> Fraction:
