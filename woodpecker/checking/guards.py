@@ -151,8 +151,8 @@ class GuardValue:
 
     def root(self, bracket: I) -> F:
         """The zero of what is monotone on a bracket, as a form inside it."""
-        # From a polynomial t near the zero it is at most |f(t) / f'| away, with f' over the bracket;
-        # if all places so near are in the bracket, f changes its sign between them.
+        # From a polynomial t near the zero it is at most |f(t) / f'| away, f' over the bracket; if
+        # all places so near are in the bracket, f changes its sign between them.
         box = self.box
         at: Callable[..., Any] = self.at
         t = constant(box, bracket.mid)

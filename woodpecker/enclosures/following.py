@@ -18,7 +18,7 @@ from collections.abc import Iterable, Sequence
 from itertools import product
 from typing import Any
 
-from woodpecker.enclosures.balls import ZERO, ball
+from woodpecker.enclosures.balls import ZERO
 from woodpecker.enclosures.contacts import impulses_of, only, rests, verdict
 from woodpecker.enclosures.flights import landing
 from woodpecker.enclosures.forms import box, centre, sign, start
@@ -156,7 +156,7 @@ def _force(model: BallToy, forces: Sequence[Any], kind: int, i: int) -> tuple[An
     p_n, r_n, p_t, r_t = forces
     if kind == NORMAL:
         return p_n, r_n
-    mu, side = ball(model.equations.mu[i]), 1 if kind == CONE_POSITIVE else -1
+    mu, side = model.mu[i], 1 if kind == CONE_POSITIVE else -1
     return mu * p_n - p_t * side, mu * r_n - r_t * side
 
 
@@ -320,7 +320,7 @@ def _strike(model: BallToy, motion: BallState, contacts: list[int]) -> list[Ball
     if not visible and not approaches:
         raise NotProved(f"contact {striking + 1} may only graze")
     first = impulses_of(model, contacts, free, None, approaches)
-    floors = [_floor(model.equations.eps[i], first.impulses[2 * k]) for k, i in enumerate(contacts)]
+    floors = [_floor(model.eps[i], first.impulses[2 * k]) for k, i in enumerate(contacts)]
     second = None
     if any(sign(floor) != 0 for floor in floors):
         if any(sign(floor) is None for floor in floors):
@@ -399,7 +399,7 @@ def _stays_or_leaves(
     # G = G_NN -+ mu G_NT > 0.
     stay, leave = sorted(trials, key=lambda trial: trial[i] == OPEN)
     n, t = 2 * i, 2 * i + 1
-    mu = ball(model.equations.mu[i])
+    mu = model.mu[i]
     friction = -mu if stay[i] == SLIP_POSITIVE else mu
     if sign(model.delassus[n][n] + friction * model.delassus[n][t]) != 1:
         raise NotProved("a contact may be neither left nor held")

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from flint import arb
 
-from woodpecker.enclosures.balls import ZERO, ball
+from woodpecker.enclosures.balls import ZERO
 from woodpecker.enclosures.contacts import impulses_of
 from woodpecker.enclosures.forms import VALUE, Form, box, sign
 from woodpecker.enclosures.model import BallToy, State
@@ -108,13 +108,13 @@ def _pause(model: BallToy, motion: BallState, first: Guard, guess: float) -> _Pa
     n = round(turns)
     if n < 1 or abs(turns - n) > NEAR:
         return None
-    if motion.states != FREE or sign(model.equations.eps[i]) != 0:
+    if motion.states != FREE or sign(model.eps[i]) != 0:
         return None
     middle = swing * n
     fallen = -middle / first.kappa  # s_3
     q, u = flown(model.mode(FREE), motion.q, motion.u, middle)
     direction = direction_of_slip(model, i, u)
-    friction = ball(model.equations.mu[i]) * -direction
+    friction = model.mu[i] * -direction
     impulse = [
         n + friction * t
         for n, t in zip(model.responses[2 * i], model.responses[2 * i + 1], strict=True)

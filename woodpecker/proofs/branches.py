@@ -189,7 +189,7 @@ class _Pieces:
     def _at_plateau(self) -> bool:
         """Whether a contact lands near a plateau where the last piece ends."""
         frame = Frame(ZERO, ZERO)
-        model = BallToy.of(self._toy, self._parameter, frame, [number(self.at)])
+        model = BallToy(self._toy, self._parameter, frame, [number(self.at)])
         return any(
             fired.plateau
             for point in self._points
@@ -229,7 +229,7 @@ class _Pieces:
         near = Route((self.at, Fraction(1)), self._span.length / 10**4)
         curves = self._near(near, TERMS)
         frame = Frame(ZERO, ZERO, TERMS)
-        model = BallToy.of(self._toy, self._parameter, frame, [number(c) for c in near.poly])
+        model = BallToy(self._toy, self._parameter, frame, [number(c) for c in near.poly])
         polys, durations = [arb_poly([number(c) for c in curve]) for curve in curves], []
         for poly in polys:
             way = nearest(follow(model, frame, poly.coeffs()))

@@ -134,7 +134,7 @@ def proved(
     ways, misses, slopes = [], [], []
     for k, tube in enumerate(tubes):
         frame = Frame(arb(0, number(tube.radius).upper()), ball, terms, 6 if turns else 2)
-        model = BallToy.of(toy, parameter, frame, poly)
+        model = BallToy(toy, parameter, frame, poly)
         curve = [number(c) for c in tube.curve]
         found = tuple(follow(model, frame, curve, plateaus))
         if any(fork.kind is ForkKind.MEETING for way in found for fork, _ in way.forks):
@@ -232,7 +232,7 @@ def curves_near(
     """Taylor polynomials of a cycle about the middle of a line: no proof."""
     # By Newton's method on polynomials: each step doubles the number of right coefficients.
     frame, half = Frame(ZERO, ZERO, terms), number(line.half)
-    model = BallToy.of(toy, parameter, frame, [number(c) for c in line.poly])
+    model = BallToy(toy, parameter, frame, [number(c) for c in line.poly])
     curves = [arb_poly(list(guess)) for guess in guesses]
     for _ in range(STEPS):
         misses, slopes = [], []

@@ -59,7 +59,7 @@ def _both(
     """Both ways over a box, with derivatives in both directions."""
     ball = arb(0, number(radius).upper())
     frame = Frame(ball, ball, terms=2, depth=3)
-    model = BallToy.of(toy, parameter, frame, [number(p), arb(1)])
+    model = BallToy(toy, parameter, frame, [number(p), arb(1)])
     found = follow(model, frame, [number(x)])
     if len(found) != 2 or found[0].forks[0][0].kind is not ForkKind.MEETING:
         raise NotProved("no two gaps close at once here")

@@ -136,7 +136,7 @@ def test_returns_with_plateaus_hold_those_without(eps: str, x: str) -> None:
     """
     with precision(140):
         frame = Frame(arb(0), arb(0))
-        model = BallToy.of(Toy(), "eps_n1", frame, [arb(eps)])
+        model = BallToy(Toy(), "eps_n1", frame, [arb(eps)])
         (sharp,) = follow(model, frame, [arb(x)])
         (whole,) = follow(model, frame, [arb(x)], plateaus=True)
         assert whole.word == sharp.word
@@ -152,7 +152,7 @@ def test_returns_with_plateaus_hold_those_without(eps: str, x: str) -> None:
 def test_a_plateau_between_has_both_words_in_one_piece() -> None:
     with precision(140):
         frame = Frame(arb(0, 1e-9), arb(0, 2e-8), terms=2)
-        model = BallToy.of(Toy(), "eps_n1", frame, [arb("0.2143445799"), arb(1)])
+        model = BallToy(Toy(), "eps_n1", frame, [arb("0.2143445799"), arb(1)])
         ways = follow(model, frame, [arb("-0.682418551989")], plateaus=True)
         assert [way.forks[0][1] for way in ways] == [1, -1]
         for way, end in zip(ways, ("D3 I2 J2", "I2 D2 I2 J2"), strict=True):

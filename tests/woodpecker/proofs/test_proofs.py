@@ -136,7 +136,7 @@ def returns(count: int, seed: int) -> tuple[int, list[str]]:
             there = reference(mpf(x.numerator) / x.denominator, data)
         with precision(128):
             try:
-                (way,) = follow(BallToy.of(toy), Frame(ZERO, ZERO), [number(x)])
+                (way,) = follow(BallToy(toy), Frame(ZERO, ZERO), [number(x)])
             except NotProved:
                 open_.append(there.word if there.status == "returned" else there.status)
                 continue
