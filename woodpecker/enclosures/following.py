@@ -20,7 +20,6 @@ from typing import Any
 
 from woodpecker.enclosures.balls import ZERO
 from woodpecker.enclosures.contacts import impulses_of, only, rests, verdict
-from woodpecker.enclosures.flights import landing
 from woodpecker.enclosures.forms import box, centre, sign, start
 from woodpecker.enclosures.model import BallToy, State, sum_of
 from woodpecker.enclosures.motions import (
@@ -36,7 +35,14 @@ from woodpecker.enclosures.motions import (
     touch,
 )
 from woodpecker.enclosures.not_proved import NotProved
-from woodpecker.enclosures.oscillator import Guard, ZeroCrossing, crossing, everywhere, name_of
+from woodpecker.enclosures.oscillator import (
+    Guard,
+    ZeroCrossing,
+    crossing,
+    everywhere,
+    landing,
+    name_of,
+)
 from woodpecker.enclosures.pausing import paused
 from woodpecker.enclosures.taylor import Frame
 from woodpecker.mechanics.cases import HOLD, REST
@@ -205,7 +211,7 @@ def _meeting(
         if not _survives(guard, span.lower(), span):
             raise NotProved(f"{name_of(guard.code)} may fire earlier")
     fork = OpenDecision(
-        ForkKind.MEETING, second.at(fires.duration), (first.code + 1, second.code + 1)
+        ForkKind.MEETING, second.near(fires.duration)(0), (first.code + 1, second.code + 1)
     )
     found = []
     for side, ends in ((1, fires), (-1, other)):
@@ -266,7 +272,7 @@ def _no_turn(guard: Guard, end: Any) -> bool:
         if sign(value) or slope < 0:
             return True
         # it starts at rest, and rises; or it is still negative in the end
-        rises = slope > 0 and ((a.is_zero() and guard.order == 1) or sign(guard.at(b)) == -1)
+        rises = slope > 0 and ((a.is_zero() and guard.order == 1) or sign(guard.near(b)(0)) == -1)
         return True if rises else None
 
     return everywhere(ZERO, end, told, HALVINGS)

@@ -11,7 +11,8 @@ from woodpecker.enclosures.balls import ZERO
 from woodpecker.enclosures.forms import Form, sign
 from woodpecker.enclosures.model import BallToy, Mode, State, sum_of
 from woodpecker.enclosures.not_proved import NotProved
-from woodpecker.enclosures.oscillator import ZeroCrossing, stumpff
+from woodpecker.enclosures.oscillator import ZeroCrossing
+from woodpecker.enclosures.stumpff import stumpff
 from woodpecker.mechanics.modes import ANGLE
 
 NO_GUARD = -1

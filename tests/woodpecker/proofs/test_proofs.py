@@ -23,8 +23,7 @@ from woodpecker.enclosures.balls import fraction, number
 from woodpecker.enclosures.following import follow
 from woodpecker.enclosures.forms import S, precision, start, varying
 from woodpecker.enclosures.model import BallToy, data, rational
-from woodpecker.enclosures.oscillator import stumpff
-from woodpecker.enclosures.stumpff import shape_balls, stumpff_balls
+from woodpecker.enclosures.stumpff import shape_balls, stumpff, stumpff_balls
 from woodpecker.enclosures.taylor import ZERO, Frame
 from woodpecker.proofs import NotProved
 from woodpecker.proofs.branches import marched
