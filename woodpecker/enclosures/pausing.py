@@ -23,7 +23,7 @@ from woodpecker.enclosures.motions import (
 )
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.oscillator import Guard, ZeroCrossing
-from woodpecker.enclosures.plateaus import Landed, Plateau, effect
+from woodpecker.enclosures.plateaus import Landed, effect, landed
 from woodpecker.mechanics.cases import REST
 from woodpecker.mechanics.contact_problems import UNSOLVED
 from woodpecker.mechanics.impacts import mark
@@ -72,18 +72,19 @@ def paused(
     stretch = pause.response[2] - pause.response[1]
     free, sliding = model.mode(FREE), model.mode(pause.states)
     turn = free.b[ANGLE[i]] * int(SIGN[i]) * stretch
-    plateau = Plateau(free.kappa, sliding.kappa, turn)
+    numbers = free.kappa, sliding.kappa, turn
     fork = OpenDecision(ForkKind.PLATEAU, pause.level, (i + 1,))
     decided, found = sign(pause.eta), []
-    for side, lands in ((1, plateau.late), (-1, plateau.early)):
+    for side in (1, -1):
         if decided is not None and side != (decided or 1):
             continue
-        near, on_curve = lands(pause.eta.box), lands(pause.eta.parts[VALUE].box)
+        near = landed(pause.eta.box, side == 1, *numbers)
+        on_curve = landed(pause.eta.parts[VALUE].box, side == 1, *numbers)
         _clear(model, motion, pause, near, side, others, survives)
         way = after.copy()
-        for place, effects in ((way.q, "place"), (way.u, "velocity")):
-            term = effect(pause.eta, getattr(on_curve, effects), getattr(near, effects))
-            term = term * -pause.fall
+        small = (on_curve.place, near.place_slope), (on_curve.velocity, near.velocity_slope)
+        for place, effects in zip((way.q, way.u), small, strict=True):
+            term = effect(pause.eta, *effects) * -pause.fall
             for k in range(3):
                 if k != ANGLE[i]:
                     place[k] = place[k] + term * (stretch * sliding.b[k])

@@ -20,7 +20,7 @@ from woodpecker.enclosures.balls import fraction
 from woodpecker.enclosures.following import follow
 from woodpecker.enclosures.forms import VALUE, S, precision
 from woodpecker.enclosures.model import BallToy
-from woodpecker.enclosures.plateaus import Plateau
+from woodpecker.enclosures.plateaus import landed
 from woodpecker.enclosures.taylor import Frame
 from woodpecker.proofs import NotProved
 from woodpecker.proofs.branches import ProvedBranch, marched
@@ -90,11 +90,11 @@ def test_small_terms_hold_their_integrals(late: bool, sigma: float) -> None:
         slopes = [(a - b) / (2 * step) for a, b in zip(above, below, strict=True)]
         expected = [rational(x) for x in (*known, *slopes)]
         ball = arb(int(eta * mpf(2) ** 200)) / arb(2) ** 200
-        plateau = Plateau(arb(KAPPA), arb(SLIDING), arb(TURN))
-        touch = plateau.late(ball) if late else plateau.early(ball)
+        numbers = arb(KAPPA), arb(SLIDING), arb(TURN)
+        touch = landed(ball, late, *numbers)
         Context.bits = 200
         other = Landing(I.of(rational(eta)), late, I.of(KAPPA), I.of(SLIDING), I.of(TURN))
-        found = [touch.velocity.value, touch.place.value, touch.velocity.slope, touch.place.slope]
+        found = [touch.velocity, touch.place, touch.velocity_slope, touch.place_slope]
         ranges = [(fraction(x.lower()), fraction(x.upper())) for x in found]
         again = [other.velocity, other.place, other.velocity_slope, other.place_slope]
         unit = Fraction(1, 2**200)
@@ -114,18 +114,17 @@ def test_small_terms_hold_over_a_range_and_vanish_on_the_other_side(late: bool) 
     with mp.workdps(50), precision(128):
         most = s(3, mpf(1e-4), KAPPA)
         ball = arb(0, 1).union(arb(0)) * (arb(int(most * mpf(2) ** 200)) / arb(2) ** 200)
-        plateau = Plateau(arb(KAPPA), arb(SLIDING), arb(TURN))
-        touch = plateau.late(ball) if late else plateau.early(ball)
+        numbers = arb(KAPPA), arb(SLIDING), arb(TURN)
+        touch = landed(ball, late, *numbers)
         for part in (mpf(1), mpf(1) / 2, mpf(1) / 1000):
             v, a = terms(side * most * part, late)
             for effect, x in ((touch.velocity, v), (touch.place, a)):
-                assert (
-                    fraction(effect.value.lower()) <= rational(x) <= fraction(effect.value.upper())
-                )
-                assert effect.slope.contains(0)
-        nothing = plateau.late(-abs(ball) - 1) if late else plateau.early(abs(ball) + 1)
+                assert fraction(effect.lower()) <= rational(x) <= fraction(effect.upper())
+            assert touch.velocity_slope.contains(0)
+            assert touch.place_slope.contains(0)
+        nothing = landed((abs(ball) + 1) * (-1 if late else 1), late, *numbers)
         assert nothing.sigma.is_zero()
-        assert nothing.velocity.value.is_zero()
+        assert nothing.velocity.is_zero()
 
 
 @pytest.mark.parametrize(("eps", "x"), STARTS)
