@@ -28,14 +28,13 @@ from pwmap.cli.reading import (
 from pwmap.cli.screen import (
     INTERRUPTED,
     Formats,
-    bar_on,
     check_folder,
     command_line,
     complain,
     in_paragraphs,
     picture_format,
+    progress,
     say,
-    screen,
     show,
     tell_replaced,
     tell_written,
@@ -131,7 +130,7 @@ def analyse(
         span = exact_span(span)
         varied(map_, parameter)
         tell_replaced(out, "analyse")
-        with bar_on(screen(stderr=True)) as bar:
+        with progress() as bar:
             more = LongRun(map_, parameter, span, kept.interrupts, bar)
             with kept.going_on():
                 found = _computed(map_, parameter, span, listed, pieces, values, kept, bar)

@@ -14,14 +14,14 @@ from pwmap.cli.reading import assignments, check_unset, exact_span, map_of, orde
 from pwmap.cli.screen import (
     INTERRUPTED,
     Formats,
-    bar_on,
     budget_on,
     check_folder,
     complain,
     picture_format,
+    progress,
     say,
-    screen,
     show,
+    table,
     tell_replaced,
     tell_written,
     told,
@@ -100,7 +100,7 @@ def draw_plane(
         seen_on = None if colours is None else raster
         tell_replaced(out, "plane")
         with (
-            bar_on(screen(stderr=True)) as bar,
+            progress() as bar,
             budget_on(bar, "plane", interrupts, pieces) as budget,
         ):
             found, seen = _computed(map_, axes, crises, seen_on, budget, interrupts)
@@ -165,18 +165,17 @@ def _draw(
 
 def tables(found: ParameterPlane) -> Iterator[Table]:
     """Curves and points for a person."""
-    from rich.table import Table
-
     from pwmap.plane.tables import doubles
 
-    curves = Table("curve", "what", "cycles", "zero on it", "ends", title="Curves")
-    for curve in found.curves:
-        what = f"{curve.kind.label}{', ' * bool(curve.note)}{curve.note}"
-        ends = " and ".join(filter(None, curve.ends))
-        curves.add_row(curve.id, what, " ".join(curve.words), str(curve.polynomial), ends)
-    yield curves
-    points = Table("point", "what", str(found.across), str(found.along), "curves", title="Points")
-    for point in found.points:
-        values = (f"{value:.12g}" for value in doubles(point))
-        points.add_row(point.id, point.kind.label, *values, " ".join(point.curves))
-    yield points
+    curves = (
+        (curve.id, f"{curve.kind.label}{', ' * bool(curve.note)}{curve.note}",
+         " ".join(curve.words), str(curve.polynomial), " and ".join(filter(None, curve.ends)))
+        for curve in found.curves
+    )  # fmt: skip
+    yield table(("curve", "what", "cycles", "zero on it", "ends"), curves, "Curves")
+    points = (
+        (point.id, point.kind.label, *(f"{value:.12g}" for value in doubles(point)),
+         " ".join(point.curves))
+        for point in found.points
+    )  # fmt: skip
+    yield table(("point", "what", str(found.across), str(found.along), "curves"), points, "Points")

@@ -114,10 +114,21 @@ def complain(sentence: str) -> None:
     screen(stderr=True).print(sentence, style="red", highlight=False, soft_wrap=True)
 
 
-def bar_on(console: Console) -> Progress:
+def table(columns: Iterable[str], rows: Iterable[Iterable[str]], title: str | None = None) -> Table:
+    """A table for people, of text."""
+    from rich.table import Table
+
+    found = Table(*columns, title=title)
+    for row in rows:
+        found.add_row(*row)
+    return found
+
+
+def progress() -> Progress:
     """A progress bar that leaves nothing behind, and shows only on a terminal."""
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+    console = screen(stderr=True)
     return Progress(
         TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn(),
         console=console, transient=True, disable=not console.is_terminal,

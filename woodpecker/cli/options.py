@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 from rich.markup import escape
 
-from pwmap.cli.screen import bar_on, complain, in_words, picture_format, screen
+from pwmap.cli.screen import complain, in_words, picture_format
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.cli.help import option
 from woodpecker.cli.interrupts import heard
@@ -21,8 +21,6 @@ from woodpecker.cli.toys import toy_of, toy_options
 from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:  # help and refusals come before what computes is loaded
-    from rich.progress import Progress
-
     from woodpecker import PeriodicOrbit
 
 GUESS = -0.53  # rad, near the stable cycle of the paper's data set
@@ -96,11 +94,6 @@ def motion(toy: Toy, guess: float, order: int = 1) -> PeriodicOrbit:
     if not orbit.success:
         raise CommandError(f"no periodic motion near phi_S = {guess}: {orbit.message}")
     return orbit
-
-
-def progress() -> Progress:
-    """A progress bar that leaves nothing behind."""
-    return bar_on(screen(stderr=True))
 
 
 def in_metres(length: float) -> str:
