@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
     from pwmap import Diagram
+    from woodpecker import PeriodicOrbit
     from woodpecker.search import Found, Stage
 
 RUN = "run.jsonl"
@@ -113,12 +114,17 @@ def diagram(
     if workers is not None and workers > CORES:
         raise ValueError(f"workers must be at most {CORES}, one for each core, got {workers}")
     with results_in(out, RUN, kept=(RUN,) if resume else ()) as results:
-        keep: dict[str, Any] = {"run": out / RUN, "resume": resume, "settings": settings}
-        if wanted is None:
-            search = _of_motion(toy, phi_s, order, parameter, keep | {"orders": beside})
-        else:
-            search = _of_orders(toy, wanted, parameter, workers, keep)
-        found, summary = _searched(search, parameter, out / RUN, results)
+        orbit = motion(toy, phi_s, order) if wanted is None else None
+        with progress() as bar:
+            keep: dict[str, Any] = {"run": out / RUN, "resume": resume, "settings": settings}
+            keep["progress"] = _shown(bar, parameter)
+            try:
+                if orbit is not None:
+                    found, summary = _of_motion(toy, orbit, parameter, beside, keep)
+                else:
+                    found, summary = _of_orders(toy, wanted or [], parameter, workers, keep)
+            except (KeyboardInterrupt, WorkerLostError, MemoryError) as stopped:
+                found, summary = _kept(stopped, out / RUN, results), ""
         _write(toy, found, summary, shows, results)
 
 
@@ -132,64 +138,50 @@ class _Shows(NamedTuple):
     picture: PictureFormat
 
 
-_Show = Callable[["Stage"], None]
-_Search = Callable[[_Show], tuple["Diagram", str]]  # with what there is to say of it
-
-
-def _of_motion(toy: Toy, phi_s: float, order: int, parameter: str, keep: dict[str, Any]) -> _Search:
-    """How to find what is connected with one motion."""
+def _of_motion(
+    toy: Toy, orbit: PeriodicOrbit, parameter: str, beside: list[int], keep: dict[str, Any]
+) -> tuple[Diagram, str]:
+    """What is connected with one motion, and what there is to say of it."""
     from woodpecker import continuation
 
-    orbit = motion(toy, phi_s, order)
-    keep = keep | {"orders": (orbit.minimal_period, *keep["orders"])}
-    summary = orbit.message if orbit.minimal_period < orbit.order else ""
-
-    def search(show: _Show) -> tuple[Diagram, str]:
-        span = keep["settings"].span
-        return continuation(toy, orbit, parameter, span, progress=show, **keep), summary
-
-    return search
+    orders = (orbit.minimal_period, *beside)
+    found = continuation(toy, orbit, parameter, keep["settings"].span, orders=orders, **keep)
+    shorter = orbit.message if orbit.minimal_period < orbit.order else ""
+    return found, _lines(shorter, found)
 
 
 def _of_orders(
     toy: Toy, orders: list[int], parameter: str, workers: int | None, keep: dict[str, Any]
-) -> _Search:
-    """How to find everything in the window."""
+) -> tuple[Diagram, str]:
+    """Everything in the window, and what there is to say of it."""
     from woodpecker.diagrams import bifurcation_search
 
     span, window = keep["settings"].span, keep["settings"].window
-
-    def search(show: _Show) -> tuple[Diagram, str]:
-        everything = bifurcation_search(
-            toy, parameter, span, orders, window, workers=workers, progress=show, **keep
-        )
-        return everything.diagram, _summary(everything)
-
-    return search
+    found = bifurcation_search(toy, parameter, span, orders, window, workers=workers, **keep)
+    return found.diagram, _lines(_summary(found), found.diagram)
 
 
-def _searched(search: _Search, parameter: str, run: Path, results: Results) -> tuple[Diagram, str]:
-    """Search with a progress bar; after Ctrl-C what the run has kept."""
+def _lines(summary: str, found: Diagram) -> str:
+    return "\n".join(filter(None, (summary, str(found.about.get("left", "")))))
+
+
+def _kept(stopped: BaseException, run: Path, results: Results) -> Diagram:
+    """What the run has kept of a search that was broken off."""
     from woodpecker import saved_diagram
 
-    with progress() as bar:
-        try:
-            found, summary = search(_shown(bar, parameter))
-            return found, "\n".join(filter(None, (summary, str(found.about.get("left", "")))))
-        except (KeyboardInterrupt, WorkerLostError, MemoryError) as stopped:
-            if not run.exists():
-                raise
-            why, status = "Interrupted", INTERRUPTED
-            if not isinstance(stopped, KeyboardInterrupt):
-                why, status = "Broken off: " + (str(stopped) or "no memory is left"), 1
-            results.stop("", status)  # heard: to put together what is kept takes a while
-            kept = saved_diagram(run)
-            branches = counted(len(kept.branches), "branch")
-            results.stop(f"{why}: {branches} kept, as tables; go on with --resume", status)
-            return kept, ""
+    if not run.exists():
+        raise stopped
+    why, status = "Interrupted", INTERRUPTED
+    if not isinstance(stopped, KeyboardInterrupt):
+        why, status = "Broken off: " + (str(stopped) or "no memory is left"), 1
+    results.stop("", status)  # heard: to put together what is kept takes a while
+    kept = saved_diagram(run)
+    branches = counted(len(kept.branches), "branch")
+    results.stop(f"{why}: {branches} kept, as tables; go on with --resume", status)
+    return kept
 
 
-def _shown(bar: Bar, parameter: str) -> _Show:
+def _shown(bar: Bar, parameter: str) -> Callable[[Stage], None]:
     task = bar.add_task(parameter, total=None)
 
     def show(stage: Stage) -> None:
