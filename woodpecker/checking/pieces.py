@@ -12,8 +12,9 @@ from typing import Any
 from woodpecker.checking.forms import F, constant
 from woodpecker.checking.guards import Guard
 from woodpecker.checking.intervals import Box, I, NotSeparated, T
-from woodpecker.checking.motion import Choice, Tracker
+from woodpecker.checking.motion import run
 from woodpecker.checking.toy import NAMES, ExactToy
+from woodpecker.checking.tracker import Choice, Tracker
 
 NUMBER = re.compile(r"-?[0-9]{1,2000}(\.[0-9]{1,2000})?(/[0-9]{1,2000})?")
 GUARD = re.compile(r"(gap|normal|cone\+|cone-|slip|plateau\+|plateau-) ([123])|section")
@@ -128,10 +129,9 @@ class VerifiedReturn:
                 raise Rejected(f"a phase lasts at most {LATEST} s, got {low:.40} to {high:.40}")
             events.append((guard, I.of(*bracket)))
         motion = data.follower(box, line, curve)
-        motion.run(events)
+        run(motion, events)
         if " ".join(motion.word) != way["word"]:
             raise Rejected(f"the word is {' '.join(motion.word)}, not {way['word']}")
-        assert motion.time is not None
         self.image, self.drop = motion.q[2], -motion.q[0]
         self.period, self.forks = motion.time, motion.forks
 
