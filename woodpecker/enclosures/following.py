@@ -109,12 +109,12 @@ def _guard(model: BallToy, motion: BallState, states: State, guard: int) -> Guar
     kind, i = guard // 3 * 3, guard % 3
     mode, q, u = model.mode(states), motion.q, motion.u
     d0, d1 = q[2] - q[1], u[2] - u[1]
-    order, assumed = 0, False
+    d2 = mode.alpha + mode.kappa * d0
+    order, assumed = 0, guard in motion.assumed
     if guard == SECTION:
-        d2 = mode.alpha + mode.kappa * d0
-        f0 = ZERO if box(d1).is_zero() else d1
-        return Guard(guard, (f0, d2, mode.kappa * d1, mode.kappa * d2), int(f0 is ZERO), mode.kappa)
-    if kind == GAP:
+        order = int(box(d1).is_zero())
+        jet = [d1, d2, mode.kappa * d1, mode.kappa * d2]
+    elif kind == GAP:
         j, side = ANGLE[i], int(SIGN[i])
         order = motion.orders[i]
         if order == 2 and motion.fired == NORMAL + i and _only_opens(motion.before, states, i):
@@ -123,27 +123,22 @@ def _guard(model: BallToy, motion: BallState, states: State, guard: int) -> Guar
         jet = [(q[j] - model.limits[i]) * side, u[j] * side, (a + b * d0) * side, b * d1 * side]
         if _let_go(motion, states, i):  # the sleeve turns as it did in contact: not yet
             jet[1] = jet[2] = ZERO
-        assumed = order == 0 or motion.leaves == i
+        assumed = assumed or order == 0
     elif kind == SLIP:
         side = 1 if states[i] == SLIP_POSITIVE else -1
         w = [x * side for x in model.tangents[i]]
-        along = sum_of(w[k] * mode.b[k] for k in range(3))
-        steady = sum_of(w[k] * mode.a[k] for k in range(3))
-        d2 = mode.alpha + mode.kappa * d0
-        speed = sum_of(w[k] * u[k] for k in range(3))
+        along, steady, speed = (
+            sum_of(x * y for x, y in zip(w, each, strict=True)) for each in (mode.b, mode.a, u)
+        )
         jet = [speed, steady + along * d0, along * d1, along * d2]
         if i in motion.held:
             edge = CONE_POSITIVE if states[i] == SLIP_NEGATIVE else CONE_NEGATIVE
             order = 2 if motion.fired == edge + i else 1
     else:
         p, r = _force(model, mode.forces[i], kind, i)
-        d2 = mode.alpha + mode.kappa * d0
         jet = [p + r * d0, r * d1, r * d2, r * mode.kappa * d1]
         order = int(guard == motion.fired and states == motion.before)
-        assumed = guard == NORMAL + motion.stays
-    for k in range(order):
-        jet[k] = ZERO
-    return Guard(guard, (jet[0], jet[1], jet[2], jet[3]), order, mode.kappa, assumed)
+    return Guard(guard, (ZERO,) * order + tuple(jet[order:]), order, mode.kappa, assumed)
 
 
 def _only_opens(before: State, states: State, i: int) -> bool:
@@ -295,7 +290,7 @@ def _moved(model: BallToy, motion: BallState, fires: ZeroCrossing) -> BallState:
     after.log.append(fires)
     after.fired, after.before = fired, states
     after.lands = fired if fires.lands else NO_GUARD
-    after.leaves = after.stays = NO_GUARD
+    after.assumed = frozenset()
     after.since = ZERO
     return after
 
@@ -393,8 +388,8 @@ def _settled(
     if plastic and len(closed) == 1 and len(open_) == 2 and len(trials) == 2:
         return _stays_or_leaves(model, motion, min(closed), trials)
     chosen = only([(verdicts[trial], trial) for trial in trials], "a contact problem")
-    stays = motion.lands
-    return [_set_off(motion, chosen, stays=stays if chosen[stays] != OPEN else NO_GUARD)]
+    pressed = motion.lands >= 0 and chosen[motion.lands] != OPEN
+    return [_set_off(motion, chosen, {NORMAL + motion.lands} if pressed else set())]
 
 
 def _stays_or_leaves(
@@ -415,11 +410,7 @@ def _stays_or_leaves(
     for side, trial in ((1, stay), (-1, leave)):
         way = motion.copy()
         way.forks.append((fork, side))
-        found.append(
-            _set_off(
-                way, trial, stays=i if side == 1 else NO_GUARD, leaves=i if side == -1 else NO_GUARD
-            )
-        )
+        found.append(_set_off(way, trial, {(NORMAL if side == 1 else GAP) + i}))
     return found
 
 
@@ -456,9 +447,7 @@ def _admissible(model: BallToy, motion: BallState, closed: set[int], trial: Stat
     return verdict(conditions)
 
 
-def _set_off(
-    motion: BallState, states: State, stays: int = NO_GUARD, leaves: int = NO_GUARD
-) -> BallState:
+def _set_off(motion: BallState, states: State, assumed: set[int]) -> BallState:
     """The next phase with these contact states, and the symbols of what has changed."""
     before, fired = motion.before, motion.fired
     for i in range(3):
@@ -473,5 +462,5 @@ def _set_off(
             code = REVERSAL
         if code is not None:
             motion.codes.append(8 * code + (1 << i))
-    motion.states, motion.stays, motion.leaves, motion.lands = states, stays, leaves, NO_GUARD
+    motion.states, motion.assumed, motion.lands = states, frozenset(assumed), NO_GUARD
     return motion

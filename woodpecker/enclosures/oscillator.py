@@ -78,7 +78,7 @@ class Guard:
 
     code: int  # as in :mod:`woodpecker.mechanics.modes`
     # its value and three derivatives where the phase begins; exact zeros are exact
-    jet: tuple[Any, Any, Any, Any]
+    jet: Sequence[Any]
     order: int  # how many of these are exactly zero
     kappa: Any  # of the phase
     assumed: bool = False  # the first that is not exactly zero is at least zero, as is known

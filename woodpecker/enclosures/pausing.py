@@ -139,7 +139,7 @@ def _reduced(model: BallToy, motion: BallState, pause: _Pause) -> BallState:
     after.orders = [2 if k == i else 0 for k in range(3)]
     after.held, after.fired = frozenset(), NO_GUARD
     after.states = after.before = pause.states
-    after.stays, after.leaves, after.lands = i, NO_GUARD, NO_GUARD
+    after.assumed, after.lands = frozenset({NORMAL + i}), NO_GUARD
     return after
 
 
