@@ -6,7 +6,9 @@ import re
 from collections.abc import Mapping, Sequence
 from copy import copy
 from fractions import Fraction
+from functools import reduce
 from itertools import zip_longest
+from operator import mul
 from typing import Any
 
 from woodpecker.checking.forms import F, constant
@@ -168,7 +170,8 @@ class VerifiedPiece:
             raise Rejected("the parameter is not that of the toy")
         if data.moves and self.half == 0:
             raise Rejected("a piece of a branch has a length")
-        if self.half > 0 and _rising(self.line, box) is False:
+        rate = [k * c for k, c in enumerate(self.line)][1:]
+        if self.half > 0 and T.of(box, rate).range.sign() != 1:
             raise NotSeparated("the parameter may turn round")
         self.curves = [[number(c) for c in point["curve"]] for point in points]
         self.radii = [number(point["radius"]) for point in points]
@@ -281,10 +284,6 @@ def _apart(curves: Sequence[Sequence[Fraction]], radii: Sequence[Fraction], box:
             raise NotSeparated(f"the cycle may be one of {period}, passed several times")
 
 
-def _rising(line: Sequence[Fraction], box: Box) -> bool:
-    return T.of(box, [k * line[k] for k in range(1, len(line))]).range.sign() == 1
-
-
 def value_at(c: Sequence[Fraction], x: Fraction) -> Fraction:
     """The value of a polynomial."""
     total = Fraction(0)
@@ -295,17 +294,11 @@ def value_at(c: Sequence[Fraction], x: Fraction) -> Fraction:
 
 def hull(parts: Sequence[I]) -> I:
     """The interval about all."""
-    whole = parts[0]
-    for part in parts[1:]:
-        whole = whole.hull(part)
-    return whole
+    return reduce(I.hull, parts)
 
 
 def _product(parts: Sequence[I]) -> I:
-    total = I.of(1)
-    for part in parts:
-        total = total * part
-    return total
+    return reduce(mul, parts, I.of(1))
 
 
 def _around(e: Sequence[I], slopes: Sequence[I]) -> list[I]:

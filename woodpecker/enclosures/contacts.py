@@ -11,9 +11,9 @@ from typing import Any, NamedTuple, TypeVar
 
 from flint import arb
 
-from woodpecker.enclosures.balls import ZERO
+from woodpecker.enclosures.balls import ZERO, sum_of
 from woodpecker.enclosures.forms import box, sign
-from woodpecker.enclosures.model import BallToy, sum_of
+from woodpecker.enclosures.model import BallToy
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.mechanics.cases import FORWARD, HOLD, REST
 from woodpecker.mechanics.contact_problems import one_contact_case

@@ -18,10 +18,10 @@ from collections.abc import Iterable, Sequence
 from itertools import product
 from typing import Any
 
-from woodpecker.enclosures.balls import ZERO
+from woodpecker.enclosures.balls import ZERO, sum_of
 from woodpecker.enclosures.contacts import impulses_of, only, rests, verdict
 from woodpecker.enclosures.forms import box, centre, sign, start
-from woodpecker.enclosures.model import BallToy, State, sum_of
+from woodpecker.enclosures.model import BallToy, State
 from woodpecker.enclosures.motions import (
     NO_GUARD,
     BallState,

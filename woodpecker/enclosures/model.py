@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from flint import fmpq, fmpq_mat
 
-from woodpecker.enclosures.balls import ball
+from woodpecker.enclosures.balls import ball, sum_of
 from woodpecker.enclosures.forms import varying
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.taylor import Frame
@@ -132,14 +132,6 @@ class BallToy:
 
 def _balls(rows: Iterable[Numbers]) -> list[Numbers]:
     return [[ball(x) for x in row] for row in rows]
-
-
-def sum_of(terms: Any) -> Any:
-    """The sum of at least one term."""
-    first, *others = terms
-    for term in others:
-        first = first + term
-    return first
 
 
 def solved(system: Any) -> list[list[Any]]:

@@ -8,9 +8,9 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any, NamedTuple
 
-from woodpecker.enclosures.balls import ZERO
+from woodpecker.enclosures.balls import ZERO, sum_of
 from woodpecker.enclosures.forms import Form, sign
-from woodpecker.enclosures.model import BallToy, Mode, State, sum_of
+from woodpecker.enclosures.model import BallToy, Mode, State
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.oscillator import ZeroCrossing
 from woodpecker.enclosures.stumpff import stumpff

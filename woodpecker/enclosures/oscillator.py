@@ -9,14 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import reduce
 from itertools import pairwise
-from operator import add
 from typing import Any, NamedTuple
 
 from flint import arb, ctx
 
-from woodpecker.enclosures.balls import ZERO
+from woodpecker.enclosures.balls import ZERO, sum_of
 from woodpecker.enclosures.forms import HALVES, VALUE, Form, S, box, sign
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.stumpff import shapes, stumpff
@@ -39,7 +37,7 @@ def oscillation(jet: Sequence[Any], kappa: Any, t: Any) -> Derivatives:
     def value(derivative: int) -> Any:
         last = [s[k] if k >= 0 else kappa * s[k + 2] for k in (2 - derivative, 3 - derivative)]
         first = {0: [f0, f1 * t], 1: [f1]}.get(derivative, [])
-        return reduce(add, [*first, f2 * last[0], f3 * last[1]])
+        return sum_of([*first, f2 * last[0], f3 * last[1]])
 
     return value
 
