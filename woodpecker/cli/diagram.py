@@ -7,13 +7,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
-from pwmap.cli.screen import Formats, picture_format, progress, say, show
+from pwmap.cli.screen import INTERRUPTED, Formats, option, picture_format, progress, say, show
 from pwmap.diagrams.files import PictureFormat
 from pwmap.diagrams.shown import counted
 from woodpecker.base.lost import WorkerLostError
-from woodpecker.cli.help import option
 from woodpecker.cli.options import GUESS, Out, Window, motion
-from woodpecker.cli.results import INTERRUPTED, Results, results_in
+from woodpecker.cli.results import Results, results_in
 from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import WINDOW, Toy
 

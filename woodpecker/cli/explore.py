@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from pwmap.cli.explore import MISSING, opening
-from woodpecker.cli.help import option
+from pwmap.cli.screen import option
 from woodpecker.cli.options import CommandError
 from woodpecker.mechanics.toy import Toy
 

@@ -6,9 +6,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Formats, picture_format, progress, say, show, table
+from pwmap.cli.screen import Formats, option, picture_format, progress, say, show, table
 from pwmap.diagrams.files import in_format, rows_as_text, write_whole
-from woodpecker.cli.help import option
 from woodpecker.cli.options import Out, Window
 from woodpecker.cli.results import Results, results_in
 from woodpecker.mechanics.toy import Toy

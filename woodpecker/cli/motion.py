@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Formats, picture_format, progress, say, show, table
+from pwmap.cli.screen import Formats, option, picture_format, progress, say, show, table
 from pwmap.diagrams.files import in_format
-from woodpecker.cli.help import option
 from woodpecker.cli.options import (
     GUESS,
     CommandError,

@@ -6,13 +6,12 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Formats, picture_format, progress, say, show, table
+from pwmap.cli.screen import Formats, option, picture_format, progress, say, show, table
 from pwmap.diagrams.files import in_format
 from pwmap.diagrams.shown import counted
 from woodpecker.cli.curves import TABLES as CURVES
 from woodpecker.cli.curves import Parameters, Second, second_of, two_of, write_curves
 from woodpecker.cli.diagram import orders_of
-from woodpecker.cli.help import option
 from woodpecker.cli.options import Out, Window
 from woodpecker.cli.results import Results, results_in
 from woodpecker.mechanics.toy import WINDOW, Toy

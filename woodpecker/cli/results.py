@@ -14,10 +14,8 @@ from typing import Any
 
 import typer
 
-from pwmap.cli.screen import check_folder, complain, tell_replaced, tell_written
+from pwmap.cli.screen import INTERRUPTED, check_folder, complain, tell_replaced, tell_written
 from woodpecker.cli.interrupts import finished, heard, held
-
-INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C or SIGTERM has ended
 
 # the command that runs, and what it was asked for: its files say so
 _asked: ContextVar[tuple[str, Mapping[str, object]]] = ContextVar("_asked")

@@ -6,8 +6,7 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import TableFormat, picture_format, show, table
-from woodpecker.cli.help import option
+from pwmap.cli.screen import TableFormat, option, picture_format, show, table
 from woodpecker.cli.options import GUESS, Near, Out, motion
 from woodpecker.cli.results import results_in
 from woodpecker.cli.toys import parameter_of

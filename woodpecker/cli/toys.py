@@ -11,8 +11,8 @@ from typing import Annotated, Any
 
 import typer
 
+from pwmap.cli.screen import option
 from pwmap.diagrams.files import write_whole
-from woodpecker.cli.help import option
 from woodpecker.mechanics.toy import (
     LAW,
     ExpansionFriction,
