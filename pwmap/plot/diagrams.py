@@ -36,7 +36,7 @@ from pwmap.diagrams.data import (
 )
 from pwmap.diagrams.diagram import Diagram
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_values
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, styled
 from pwmap.plot.labels import LabelledCurve, Labels, Name
 from pwmap.plot.palette import named as period_named
 from pwmap.plot.palette import of_period
@@ -131,7 +131,7 @@ def plot_diagram(
     if words:
         marks = ax.scatter(*_word_changes(diagram), s=9, marker=".", zorder=4, color=WORD)
         shown["word change"] = [marks]
-    styled(shown, styles, (*_STYLES, *(kind.label for kind in PointKind), "bands", "word change"))
+    styled(shown, styles, (*STYLES, *(kind.label for kind in PointKind), "bands", "word change"))
     place_legend(ax, shown, legend, order_samples(diagram, shown, styles, stable_only))
     return Drawn((ax,), shown)
 
@@ -161,7 +161,7 @@ def order_samples(
         return []
     lines = [
         Line2D([], [], **{**style, "color": INK, **(styles or {}).get(label, {})}, label=label)
-        for label, style in _STYLES.items()
+        for label, style in STYLES.items()
         if label in shown
     ]
     drawn = sorted({b.order for b in diagram.branches if b.stable.any() or not stable_only})
@@ -197,12 +197,14 @@ def draw_branches(
     lines: Artists = {}
     ranks = ranks_of(diagram)
     for curve in curves:
-        style = dict(_STYLES[curve.label], color=_colour(curve, len(ranks) > 1))
+        style = dict(STYLES[curve.label], color=_colour(curve, len(ranks) > 1))
         if len(ranks) > 1:
             style["linewidth"] *= width_of(ranks[curve.order])
         add(lines, {curve.label: ax.plot(curve.p, curve.x, solid_capstyle="round", **style)})
-    shown |= {label: lines[label] for label in _STYLES if label in lines}
-    near = _ends_of(curves) if stable_only else {point.id for point in diagram.points}
+    shown |= {label: lines[label] for label in STYLES if label in lines}
+    near = {end for curve in curves for end in curve.ends}
+    if not stable_only:
+        near = {point.id for point in diagram.points}
     marked: list[SpecialPoint] = []
     if isinstance(kinds, str) or not isinstance(kinds, Iterable):
         raise TypeError(f"kinds must be several kinds such as (PointKind.BC,), got {shown_(kinds)}")
@@ -227,14 +229,8 @@ def draw_branches(
     check_mapping("branches", written, "{'F1': 'stable'}")
     on = [(text, diagram.branch(name)) for name, text in written.items()]
     shown[NAMES] = [_labels(ax, curves, marked, named, labels, on)]
-    ax.set_xlabel(axis_label(diagram.parameter_name))
-    ax.set_ylabel(axis_label(diagram.x_name))
-    ax.grid(alpha=0.25, linewidth=0.5)
+    framed(ax, axis_label(diagram.parameter_name), axis_label(diagram.x_name))
     return shown
-
-
-def _ends_of(curves: Iterable[_Curve]) -> set[str]:
-    return {end for curve in curves for end in curve.ends}
 
 
 def _labels(
@@ -265,7 +261,7 @@ def _labels(
     return found
 
 
-_STYLES: dict[str, dict[str, Any]] = {
+STYLES: dict[str, dict[str, Any]] = {
     "stable": {"color": STABLE, "linestyle": "-", "linewidth": 1.6},
     "unstable": {"color": UNSTABLE, "linestyle": (0, (4, 1.5)), "linewidth": 1.2},
     "jump crossing": {"color": JUMP, "linestyle": (0, (1, 1.3)), "linewidth": 1.4},
@@ -274,7 +270,7 @@ _STYLES: dict[str, dict[str, Any]] = {
 
 def _colour(curve: _Curve, several: bool) -> str:
     """That of its period; if all is of one period, only of what is stable."""
-    own: str = _STYLES[curve.label]["color"]
+    own: str = STYLES[curve.label]["color"]
     return of_period(curve.order) if several or curve.label == "stable" else own
 
 
@@ -434,9 +430,8 @@ def plot_map(
         )
         add(shown, {f"{name} fixed point": marker})
     ax.set_xlim(low, high)
-    ax.set_xlabel(f"${sympy.latex(map_.x)}$")
-    ax.set_ylabel(f"$P_{{{map_.order}}}({sympy.latex(map_.x)})$")
-    ax.grid(alpha=0.25, linewidth=0.5)
+    x_name = sympy.latex(map_.x)
+    framed(ax, f"${x_name}$", f"$P_{{{map_.order}}}({x_name})$")
     styled(shown, styles, ("jump crossing", "stable fixed point", "unstable fixed point"))
     explained = {name: each for name, each in shown.items() if name not in PLAIN}
     place_legend(ax, explained, legend, _ENDS if shown["ends"] else ())

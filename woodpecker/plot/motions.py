@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from pwmap.plot import JUMP, STABLE, UNSTABLE
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, given_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, given_axes, styled
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance
 from woodpecker.simulation.trajectory import Trajectory
@@ -137,8 +137,7 @@ def draw_histories(
                 mew=0.4, transform=ax.get_xaxis_transform(), zorder=5,
             )})  # fmt: skip
         ax.margins(y=0.2)
-        ax.set_ylabel(label)
-        ax.grid(alpha=0.25, linewidth=0.5)
+        framed(ax, "", label)
     return shown
 
 
@@ -206,9 +205,7 @@ def plot_phase_portrait(
     for name, (times, style) in _strikes(trajectory).items():
         shown[name] = draw_jumps(ax, trajectory.t, across, up, times, style)
     shown[DIRECTION] = _arrows(ax, trajectory.t, across, up)
-    ax.set_xlabel(QUANTITIES[x].label)
-    ax.set_ylabel(QUANTITIES[y].label)
-    ax.grid(alpha=0.25, linewidth=0.5)
+    framed(ax, QUANTITIES[x].label, QUANTITIES[y].label)
     styled(shown, styles, KNOWN)
     if legend:
         entries = _entries(shown)
