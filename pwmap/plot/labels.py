@@ -38,7 +38,8 @@ EDGE = 2.0  # between a name and the frame [pt]
 CLEAR = 2.0  # between two names [pt]
 STEP = 4.0  # between places of a curve that are kept free [pt]
 OUTSIDE = 1000.0  # cost of a name that the frame cuts off
-COSTS = {"names": 100.0, "lines": 40.0, "markers": 12.0, "curves": 1.0}  # of covering one of each
+COSTS = {"names": 100.0, "markers": 12.0, "curves": 1.0}  # of covering one of each
+WORSE = 40.0  # what costs so much covers a name, or several markers: it chooses first the next time
 SAME = 1.0  # px: distances that differ by less are the same
 STRANGE = 10.0  # cost of standing closer to another point than to its own
 FARTHER = 0.06  # what a point of distance costs: curves may be crossed for a while before
@@ -279,7 +280,7 @@ def _chosen(labels: Sequence[_Places]) -> list[int]:
         costs = [_cost(labels, chosen, k)[chosen[k]] for k in range(len(labels))]
         if sum(costs) < least:
             best, least = [chosen[k] for k in range(len(labels))], sum(costs)
-        worse = [k for k in order if costs[k] >= COSTS["lines"]]
+        worse = [k for k in order if costs[k] >= WORSE]
         if not worse:
             break
         # those that cover something choose first the next time
@@ -318,23 +319,7 @@ def _beside(label: _Places, other: _Places, place: int) -> Floats:
         + _strike(np.broadcast_to(line, label.lines.shape), label.boxes)
     )
     cost: Floats = COSTS["names"] * names
-    if other.led[place]:
-        cross = _cross(label.point, label.lines[:, -1], other.point, line[-1])
-        cost = cost + COSTS["lines"] * (cross & label.led)
     return cost
-
-
-def _cross(a: Floats, ends: Floats, c: Floats, d: Floats) -> npt.NDArray[np.bool_]:
-    """Whether the ways from a to some ends (n, 2) cross that from c to d."""
-
-    def side(p: Floats, q: Floats, r: Floats) -> Floats:
-        turned: Floats = (q - p)[..., 0] * (r - p)[..., 1] - (q - p)[..., 1] * (r - p)[..., 0]
-        return turned
-
-    crossed: npt.NDArray[np.bool_] = np.logical_and(
-        side(a, ends, c) * side(a, ends, d) < 0.0, side(c, d, a) * side(c, d, ends) < 0.0
-    )
-    return crossed
 
 
 def _together(names: Sequence[str]) -> str:
