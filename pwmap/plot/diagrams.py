@@ -197,9 +197,12 @@ def draw_branches(
     lines: Artists = {}
     ranks = ranks_of(diagram)
     for curve in curves:
-        style = dict(STYLES[curve.label], color=_colour(curve, len(ranks) > 1))
-        if len(ranks) > 1:
+        style = dict(STYLES[curve.label])
+        if len(ranks) > 1:  # that of its period; if all is of one period, only of what is stable
+            style["color"] = of_period(curve.order)
             style["linewidth"] *= width_of(ranks[curve.order])
+        elif curve.label == "stable":
+            style["color"] = of_period(curve.order)
         add(lines, {curve.label: ax.plot(curve.p, curve.x, solid_capstyle="round", **style)})
     shown |= {label: lines[label] for label in STYLES if label in lines}
     near = {end for curve in curves for end in curve.ends}
@@ -243,20 +246,14 @@ def _labels(
         told = []
     written = {p.id: p for p in (*named, *told)} if labels is not False else {}
     iterated = any(curve.order > 1 for curve in curves) and not on
-    found = Labels(
-        [
-            Name(p.name or p.id, float(p.parameter), float(p.x), bool(p.name or labels))
-            for p in written.values()
-        ],
-        [
-            *(LabelledCurve(text, b.parameter, b.x, INK, 0.0) for text, b in on),
-            *(
-                LabelledCurve(f"$P_{{{c.order}}}$" if iterated else "", c.p, c.x, INK)
-                for c in curves
-            ),
-        ],
-        [(float(p.parameter), float(p.x)) for p in marked],
-    )
+    names = [
+        Name(p.name or p.id, float(p.parameter), float(p.x), bool(p.name or labels))
+        for p in written.values()
+    ]
+    lines = [LabelledCurve(text, b.parameter, b.x, INK, 0.0) for text, b in on]
+    texts = [f"$P_{{{c.order}}}$" if iterated else "" for c in curves]
+    lines += [LabelledCurve(text, c.p, c.x, INK) for text, c in zip(texts, curves, strict=True)]
+    found = Labels(names, lines, [(float(p.parameter), float(p.x)) for p in marked])
     ax.add_artist(found)
     return found
 
@@ -266,12 +263,6 @@ STYLES: dict[str, dict[str, Any]] = {
     "unstable": {"color": UNSTABLE, "linestyle": (0, (4, 1.5)), "linewidth": 1.2},
     "jump crossing": {"color": JUMP, "linestyle": (0, (1, 1.3)), "linewidth": 1.4},
 }
-
-
-def _colour(curve: _Curve, several: bool) -> str:
-    """That of its period; if all is of one period, only of what is stable."""
-    own: str = STYLES[curve.label]["color"]
-    return of_period(curve.order) if several or curve.label == "stable" else own
 
 
 def _word_changes(diagram: Diagram) -> tuple[list[float], list[float]]:
@@ -289,12 +280,12 @@ def _curves(diagram: Diagram) -> list[_Curve]:
     for branch in diagram.branches:
         parts = stretches(branch) if branch.kind is not BranchKind.BAND else []
         for k, (label, stretch) in enumerate(parts):
+            first, last = branch.ends
             ends = (
-                branch.ends[0] if k == 0 else f"{branch.id}:{k}",
-                branch.ends[1] if k == len(parts) - 1 else f"{branch.id}:{k + 1}",
-            )
-            p, x = branch.parameter[stretch], branch.x[stretch]
-            new = _Curve(label, branch.order, ends, p, x)
+                first if k == 0 else f"{branch.id}:{k}",
+                last if k == len(parts) - 1 else f"{branch.id}:{k + 1}",
+            )  # fmt: skip
+            new = _Curve(label, branch.order, ends, branch.parameter[stretch], branch.x[stretch])
             # a dash pattern starts anew with each: short branches would look solid
             for known in [c for c in curves if c[:2] == new[:2] and set(c.ends) & set(ends)]:
                 joined = known.joined(new)
@@ -322,13 +313,8 @@ class _Curve(NamedTuple):
         for first in (self, self.turned()):
             for second in (other, other.turned()):
                 if first.ends[1] == second.ends[0]:
-                    return _Curve(
-                        self.label,
-                        self.order,
-                        (first.ends[0], second.ends[1]),
-                        np.concatenate([first.p, second.p]),
-                        np.concatenate([first.x, second.x]),
-                    )
+                    p, x = np.append(first.p, second.p), np.append(first.x, second.x)
+                    return self._replace(ends=(first.ends[0], second.ends[1]), p=p, x=x)
         return None
 
 

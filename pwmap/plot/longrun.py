@@ -355,7 +355,8 @@ def plot_kneading(
     styled(shown, styles, (*letters, "frames", "texts"))
     ax.set_xlim(-0.1, steps + 0.1)
     ax.set_ylim(len(rows) - 0.42, -0.58)
-    ax.set_yticks(range(len(rows)), [_side(row) for row in rows])
+    sides = [f"${_written(row.x)}^{'-' if row.side < 0 else '+'}$" for row in rows]
+    ax.set_yticks(range(len(rows)), sides)
     ax.set_xticks([k + 0.5 for k in range(0, steps, 4)], [str(k) for k in range(0, steps, 4)])
     ax.set_xlabel("step")
     ax.tick_params(length=0)
@@ -364,20 +365,14 @@ def plot_kneading(
     return Drawn((ax,), shown)
 
 
-def _side(row: Kneading) -> str:
-    return f"${_written(row.x)}^{'-' if row.side < 0 else '+'}$"
-
-
 def _draw_row(ax: Axes, number: int, row: Kneading, steps: int, colors: dict[str, str]) -> Artists:
     shown: Artists = {"frames": [], "texts": []}
     known, start = len(row.letters), len(row.letters) - row.repeating
     for step in range(steps if row.repeating else min(steps, known)):
         repeated = step >= known
         letter = row.letters[start + (step - start) % row.repeating if repeated else step]
-        place = (step, number - 0.4)
-        face = colors[letter]
-        patch = Rectangle(place, 1.0, 0.8, facecolor=face, edgecolor="white", linewidth=0.8,
-                          alpha=0.4 if repeated else 1.0)  # fmt: skip
+        look: dict[str, Any] = {"facecolor": colors[letter], "alpha": 0.4 if repeated else 1.0}
+        patch = Rectangle((step, number - 0.4), 1.0, 0.8, edgecolor="white", linewidth=0.8, **look)
         add(shown, {letter: [ax.add_patch(patch)]})
         shown["texts"].append(ax.text(
             step + 0.5, number, letter, ha="center", va="center", fontsize=7,

@@ -161,9 +161,10 @@ def _cells(ax: Axes, plane: ParameterPlane, samples: int) -> list[Patch]:
             found.add(periods)
             ax.fill_between(across, lower, upper, **_face(periods))
     return [
-        Patch(**_face(key) | ({} if key else {"edgecolor": FRAME}), label=_periods_label(key))
+        Patch(**_face(key) | ({} if key else {"edgecolor": FRAME}),
+              label=f"period {' and '.join(map(str, key))}" if key else "none found")
         for key in sorted(found)
-    ]
+    ]  # fmt: skip
 
 
 def _face(periods: tuple[int, ...]) -> dict[str, Any]:
@@ -182,11 +183,6 @@ def _borders(strip: Strip, count: int) -> tuple[FloatArray, list[FloatArray]]:
     return np.array(list(map(to_float, values))), [
         root_array(border, strip.column, values) for border in strip.borders
     ]
-
-
-def _periods_label(periods: tuple[int, ...]) -> str:
-    listed = " and ".join(map(str, periods))
-    return f"period {listed}" if listed else "none found"
 
 
 def _corners(raster: PlaneRaster) -> Iterator[FloatArray]:

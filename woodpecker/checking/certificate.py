@@ -126,29 +126,31 @@ def _branch(content: Mapping[str, Any], data: ToyData) -> None:
     if not isinstance(flips, list) or flips != places or any(type(k) is not int for k in flips):
         raise Rejected("flips are numbers of pieces, each once, in ascending order")
     open_ = [interval(gap) for gap in content["gaps"]]
-    before, sides, joints = None, [], []
+    before: VerifiedPiece | None = None
+    sides, joints = list[int](), list[bool]()
     for k, text in enumerate(texts):
         claim = content["multiplier"][k]
-        piece = verified(data, text, terms, k in flips, claim)
-        claimed(f"the multiplier of piece {k}", piece.multiplier, claim)
-        if content["stable"][k] is not _stable(I.of(*interval(content["multiplier"][k]))):
+        parts = verified(data, text, terms, k in flips, claim)
+        multiplier = hull([part.multiplier for part in parts])
+        claimed(f"the multiplier of piece {k}", multiplier, claim)
+        if content["stable"][k] is not _stable(I.of(*interval(claim))):
             raise Rejected("stability is another one than the multiplier says")
         if k not in flips:
-            side = (piece.multiplier + I.of(1)).sign()
+            side = (multiplier + I.of(1)).sign()
             if not side:
                 raise NotSeparated("the multiplier may pass -1 outside the flips")
             sides.append(side)
-        elif piece.turn is None or not piece.turn.sign():
+        elif not hull([part.turn for part in parts if part.turn is not None]).sign():
             raise NotSeparated("the multiplier may not be monotone at a flip")
         else:
             sides.append(0)
         if before is not None:
-            joints.append(before.parameter(1) == piece.parameter(-1))
+            joints.append(before.parameter(1) == parts[0].parameter(-1))
             if joints[-1]:
-                _joined(before, piece, data.order)
-            elif not open_ or open_.pop(0) != (before.parameter(1), piece.parameter(-1)):
+                _joined(before, parts[0], data.order)
+            elif not open_ or open_.pop(0) != (before.parameter(1), parts[0].parameter(-1)):
                 raise Rejected("pieces do not join, and no gap says so")
-        before = piece
+        before = parts[-1]
     _flips_pass(sides, joints)
     if open_:
         raise Rejected("a gap lies between no pieces")
@@ -174,12 +176,8 @@ def _flips_pass(sides: Sequence[int], joints: Sequence[bool]) -> None:
         if joins and sides[k] * sides[k + 1] == -1:
             raise NotSeparated("the multiplier passes -1 between two pieces")
     for k, side in enumerate(sides):
-        if side == 0 and not (
-            0 < k < len(sides) - 1
-            and joints[k - 1]
-            and joints[k]
-            and sides[k - 1] * sides[k + 1] == -1
-        ):
+        inside = 0 < k < len(sides) - 1 and joints[k - 1] and joints[k]
+        if side == 0 and not (inside and sides[k - 1] * sides[k + 1] == -1):
             raise NotSeparated("the multiplier does not pass -1 where a flip is claimed")
 
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from copy import copy
 from fractions import Fraction
 from functools import reduce
 from itertools import zip_longest
@@ -196,7 +195,6 @@ class VerifiedPiece:
             raise NotSeparated("no cycle could be shown to lie in the tubes")
         self.multiplier = _product(slopes)
         self.turn = self._turn(slopes) if turns else None
-        self.ends = self, self  # the parts with the low and the high end
 
     def _turn(self, slopes: list[I]) -> I:
         """Range of the derivative of the multiplier in tau along the cycle."""
@@ -215,30 +213,18 @@ class VerifiedPiece:
 
     def parameter(self, side: int) -> Fraction:
         """The value of the parameter at an end."""
-        part = self.ends[side > 0]
-        return value_at(part.line, side * part.half)
+        return value_at(self.line, side * self.half)
 
     def place(self, side: int, k: int) -> tuple[Interval, Interval]:
         """At an end: the tube of a point, and where the point is."""
-        part = self.ends[side > 0]
-        at, radius = value_at(part.curves[k], side * part.half), part.radii[k]
-        return (at - radius, at + radius), (I.of(at) + part.off[k]).ends
-
-
-def _joined(low: VerifiedPiece, high: VerifiedPiece) -> VerifiedPiece:
-    """A piece that was verified in two halves of its line, with the same tubes: so as a whole."""
-    whole = copy(low)
-    whole.ends = low.ends[0], high.ends[1]
-    whole.multiplier = low.multiplier.hull(high.multiplier)
-    if low.turn is not None and high.turn is not None:
-        whole.turn = low.turn.hull(high.turn)
-    return whole
+        at, radius = value_at(self.curves[k], side * self.half), self.radii[k]
+        return (at - radius, at + radius), (I.of(at) + self.off[k]).ends
 
 
 def verified(
     data: ToyData, piece: Mapping[str, Any], terms: int, turns: bool, claim: Any, depth: int = 0
-) -> VerifiedPiece:
-    """A piece, as a whole or in parts of its line, over which ranges are sharper."""
+) -> list[VerifiedPiece]:
+    """A piece, or its parts from the low end on, over which ranges are sharper: the same tubes."""
     half = number(piece["half"])
     last = depth == DEPTH or half <= 0
     try:
@@ -248,16 +234,16 @@ def verified(
             raise
     else:
         if last or whole.multiplier.inside(I.of(*interval(claim))):
-            return whole
-    parts = []
+            return [whole]
+    parts = list[VerifiedPiece]()
     for side in (-1, 1):
         points = [
             {**point, "curve": _moved(point["curve"], side * half / 2)} for point in piece["points"]
         ]
         line = _moved(piece["line"], side * half / 2)
         part = {"line": line, "half": str(half / 2), "points": points}
-        parts.append(verified(data, part, terms, turns, claim, depth + 1))
-    return _joined(*parts)
+        parts += verified(data, part, terms, turns, claim, depth + 1)
+    return parts
 
 
 def _moved(texts: Sequence[str], by: Fraction) -> list[str]:

@@ -382,7 +382,8 @@ def _settled(
     # must be positive right after now, by its first derivative that is not exactly zero.
     slips = {i: 0 if i in motion.held else direction_of_slip(model, i, motion.u) for i in closed}
     options = [[OPEN] if i not in closed else _options(slips[i]) for i in range(3)]
-    trials = [_state(trial) for trial in product(*options) if _moves_as_one(trial)]
+    # two closed contacts share the velocity of the sleeve
+    trials = [_state(each) for each in product(*options) if len({*each} - {OPEN}) <= 1]
     verdicts = {trial: _admissible(model, motion, closed, trial) for trial in trials}
     open_ = [trial for trial in trials if verdicts[trial] is None]
     if plastic and len(closed) == 1 and len(open_) == 2 and len(trials) == 2:
@@ -418,11 +419,6 @@ def _options(slip: int) -> list[int]:
     if slip == 0:
         return [STICK, SLIP_POSITIVE, SLIP_NEGATIVE, OPEN]
     return [SLIP_POSITIVE if slip > 0 else SLIP_NEGATIVE, OPEN]
-
-
-def _moves_as_one(trial: Sequence[int]) -> bool:
-    """Two closed contacts share the velocity of the sleeve."""
-    return len({state for state in trial if state != OPEN}) <= 1
 
 
 def _admissible(model: BallToy, motion: BallState, closed: set[int], trial: State) -> bool | None:

@@ -267,7 +267,8 @@ def plot_basins(
     for cycle, colour in zip(cycles, colours[1:], strict=True):
         x, y = (cycle.x[:, free.index(name)] for name in names)
         marks += ax.plot(x, y, "o", color=STABLE, markersize=4.5, mec="white", mew=0.6)
-        where = ", ".join(f"({a:.3g}, {b:.3g})" for a, b in zip(*_round(x, y), strict=True))
+        first = np.round([x[:2], y[:2]], 6) + 0.0  # without what is next to nothing
+        where = ", ".join(f"({a:.3g}, {b:.3g})" for a, b in first.T)
         patches.append(Patch(facecolor=colour, label=where + (", ..." if len(x) > 2 else "")))
     shown["cycles"] = marks
     if (owner < 0).any():
@@ -277,11 +278,6 @@ def plot_basins(
     if legend:
         ax.legend(handles=patches, title="comes to", fontsize=7, title_fontsize=7, loc="best")
     return Drawn((ax,), shown)
-
-
-def _round(*values: Floats) -> list[Floats]:
-    """The first two of some numbers without what is next to nothing."""
-    return [np.round(each[:2], 6) + 0.0 for each in values]
 
 
 def _values(system: ContactSystem, motion: Motion, name: Any) -> Floats:

@@ -23,8 +23,7 @@ from woodpecker.proofs.points import proved_point
 from woodpecker.runs import nothing
 from woodpecker.shooting import PeriodicOrbit, shoot
 
-BITS = {"orbit": 140, "branch": 128, "point": 160}  # of ball arithmetic
-DIGITS = {"orbit": 40, "branch": 35, "point": 48}  # of the checker's
+ORBIT, BRANCH, POINT = (140, 40), (128, 35), (160, 48)  # bits of balls, digits of the checker's
 INNER = Fraction(1, 10**22)  # rad: the box in which an orbit is found
 OUTER = [Fraction(n, 10**k) for k in range(3, 20) for n in (5, 2, 1)]  # rad: boxes in which it is
 # tried to show that it is the only one, the largest first
@@ -37,7 +36,7 @@ def prove_orbit(orbit: PeriodicOrbit) -> Content:
         raise ValueError(f"only a periodic orbit can be proved, got one with: {orbit.message}")
     toy, points = orbit.toy, orbit.points[: orbit.minimal_period]
     line = Route((rational(getattr(toy, AT)),), Fraction(0))
-    with precision(BITS["orbit"]):
+    with precision(ORBIT[0]):
         curves = curves_near(toy, AT, line, [[arb(x)] for x in points], 1)
         inner = proved(toy, AT, line, [Tube(curve, INNER) for curve in curves])
         outer = inner
@@ -47,7 +46,7 @@ def prove_orbit(orbit: PeriodicOrbit) -> Content:
                 break
             except NotProved:
                 continue
-        return certificates.of_orbit(toy, AT, outer, inner, DIGITS["orbit"])
+        return certificates.of_orbit(toy, AT, outer, inner, ORBIT[1])
 
 
 def prove_branch(
@@ -112,9 +111,9 @@ Task = tuple[Toy, str, Fractions, tuple[float, ...]]
 def _march(task: Task, progress: Progress = nothing) -> tuple[Content, PieceEnd, PieceEnd]:
     """What is proved of a part of a branch, and its ends: balls do not travel from a process."""
     toy, parameter, span, points = task
-    with precision(BITS["branch"]):
+    with precision(BRANCH[0]):
         found = marched(toy, parameter, span, points, progress)
-        content = certificates.of_branch(found, DIGITS["branch"])
+        content = certificates.of_branch(found, BRANCH[1])
         return content, end_of(found.pieces[0], -1), end_of(found.pieces[-1], 1)
 
 
@@ -125,5 +124,5 @@ def prove_point(point: SpecialPoint, toy: Toy, parameter: str) -> Content:
             f"only border collisions of P_1 can be proved, got {point.kind.value} of order "
             f"{point.order}"
         )
-    with precision(BITS["point"]):
-        return proved_point(toy, parameter, point.parameter, point.x, DIGITS["point"])
+    with precision(POINT[0]):
+        return proved_point(toy, parameter, point.parameter, point.x, POINT[1])
