@@ -16,7 +16,6 @@ from woodpecker.checking.pieces import (
     Rejected,
     ToyData,
     VerifiedPiece,
-    VerifiedReturn,
     check_both,
     claimed,
     hull,
@@ -108,8 +107,8 @@ def _orbit(content: Mapping[str, Any], data: ToyData) -> None:
     claimed("the multiplier", inner.multiplier, content["multiplier"])
     period, drop = I.of(0), I.of(0)
     for ways in inner.returns:
-        period = period + hull([way.period.value for way in ways])
-        drop = drop + hull([way.drop.value for way in ways])
+        period = period + hull([way.time.value for way in ways])
+        drop = drop + hull([(-way.q[0]).value for way in ways])
     claimed("the period", period, content["period"])
     claimed("the drop", drop, content["drop"])
     if content["stable"] is not _stable(I.of(*interval(content["multiplier"]))):
@@ -194,17 +193,17 @@ def _point(content: Mapping[str, Any], data: ToyData) -> None:
     if radius <= 0:
         raise Rejected("a box has a positive radius")
     box = Box(radius, 2, radius, 3)
-    returns = [VerifiedReturn(data, box, [p, Fraction(1)], [x], way) for way in ways]
+    returns = [data.returned(box, [p, Fraction(1)], [x], way) for way in ways]
     check_both(returns, ("meeting",))
-    image, border = returns[own].image, returns[0].forks[0].comparator
+    image, border = returns[own].q[2], returns[0].forks[0].comparator
     moved = _krawczyk(image, border, x, radius)
     found_x, found_p = I.of(x) + moved[0], I.of(p) + moved[1]
     claimed("phi_S", found_x, content["x"])
     claimed("the parameter", found_p, content["p"])
-    limit = returns[1 - own].image.value
+    limit = returns[1 - own].q[2].value
     claimed("the other limit", limit, content["limit"])
     for k in range(2):
-        claimed("a slope", returns[k].image.part((1, 0)), content["slopes"][k])
+        claimed("a slope", returns[k].q[2].part((1, 0)), content["slopes"][k])
     along = border.part((1, 0)).sign()
     slope = image.part((1, 0))
     moves = -(border.part((0, 1)) / border.part((1, 0)))

@@ -81,7 +81,32 @@ class ToyData:
         if not isinstance(self.order, int) or not 1 <= self.order <= 100:
             raise Rejected(f"order must be a whole number from 1 to 100, got {self.order!r}")
 
-    def follower(self, box: Box, line: Sequence[Fraction], curve: Sequence[Fraction]) -> Tracker:
+    def returned(self, box: Box, line: Any, curve: Any, way: Mapping[str, Any]) -> Tracker:
+        """The toy after a return along one way, which is verified."""
+        if set(way) != {"word", "events"} or not 1 <= len(way["events"]) <= MOST:
+            raise Rejected("a way has a word and events")
+        events: list[tuple[Guard, I]] = []
+        for event in way["events"]:
+            if not isinstance(event, list) or len(event) != 3:
+                raise Rejected(
+                    f"an event is a guard and two ends of its duration, got {event!a:.60}"
+                )
+            name, low, high = event
+            if not isinstance(name, str) or not GUARD.fullmatch(name):
+                raise Rejected(f"there is no guard {name!a:.40}")
+            kind, _, contact = name.partition(" ")
+            guard = (kind, int(contact) - 1 if contact else 0)
+            bracket = interval([low, high])
+            if max(map(abs, bracket)) > LATEST:
+                raise Rejected(f"a phase lasts at most {LATEST} s, got {low:.40} to {high:.40}")
+            events.append((guard, I.of(*bracket)))
+        motion = self._start(box, line, curve)
+        run(motion, events)
+        if " ".join(motion.word) != way["word"]:
+            raise Rejected(f"the word is {' '.join(motion.word)}, not {way['word']}")
+        return motion
+
+    def _start(self, box: Box, line: Sequence[Fraction], curve: Sequence[Fraction]) -> Tracker:
         """The toy on the section, at rest."""
         eps: list[F | I] = [I.of(self.values.get(name, 0)) for name in RESTITUTIONS]
         if self.moves:
@@ -106,38 +131,7 @@ def _polynomial(box: Box, c: Sequence[Fraction], start: bool) -> F:
     return F(box, [T.of(box, part) for part in parts[: box.depth]])
 
 
-class VerifiedReturn:
-    """A return along one way, verified."""
-
-    def __init__(
-        self, data: ToyData, box: Box, line: Any, curve: Any, way: Mapping[str, Any]
-    ) -> None:
-        if set(way) != {"word", "events"} or not 1 <= len(way["events"]) <= MOST:
-            raise Rejected("a way has a word and events")
-        events: list[tuple[Guard, I]] = []
-        for event in way["events"]:
-            if not isinstance(event, list) or len(event) != 3:
-                raise Rejected(
-                    f"an event is a guard and two ends of its duration, got {event!a:.60}"
-                )
-            name, low, high = event
-            if not isinstance(name, str) or not GUARD.fullmatch(name):
-                raise Rejected(f"there is no guard {name!a:.40}")
-            kind, _, contact = name.partition(" ")
-            guard = (kind, int(contact) - 1 if contact else 0)
-            bracket = interval([low, high])
-            if max(map(abs, bracket)) > LATEST:
-                raise Rejected(f"a phase lasts at most {LATEST} s, got {low:.40} to {high:.40}")
-            events.append((guard, I.of(*bracket)))
-        motion = data.follower(box, line, curve)
-        run(motion, events)
-        if " ".join(motion.word) != way["word"]:
-            raise Rejected(f"the word is {' '.join(motion.word)}, not {way['word']}")
-        self.image, self.drop = motion.q[2], -motion.q[0]
-        self.period, self.forks = motion.time, motion.forks
-
-
-def check_both(returns: Sequence[VerifiedReturn], kinds: Sequence[str]) -> None:
+def check_both(returns: Sequence[Tracker], kinds: Sequence[str]) -> None:
     """Refuse two ways that are not the two sides of one decision; or one way with a fork."""
     if len(returns) == 1 and not returns[0].forks:
         return
@@ -182,13 +176,11 @@ class VerifiedPiece:
         misses, slopes, self.returns = [], [], []
         for k, point in enumerate(points):
             box = Box(self.half, terms, self.radii[k], 6 if turns else 2)
-            found = [
-                VerifiedReturn(data, box, self.line, self.curves[k], way) for way in point["ways"]
-            ]
+            found = [data.returned(box, self.line, self.curves[k], way) for way in point["ways"]]
             check_both(found, ("rest", "plateau"))
             aim = _polynomial(box, self.curves[(k + 1) % len(points)], False)
-            misses.append(hull([(r.image.parts[0] - aim.parts[0]).range for r in found]))
-            slopes.append(hull([r.image.part((1, 0)) for r in found]))
+            misses.append(hull([(r.q[2].parts[0] - aim.parts[0]).range for r in found]))
+            slopes.append(hull([r.q[2].part((1, 0)) for r in found]))
             self.returns.append(found)
         self.off = _around(misses, slopes)
         if not all(s.within(I.of(r).ball) for s, r in zip(self.off, self.radii, strict=True)):
@@ -199,7 +191,7 @@ class VerifiedPiece:
     def _turn(self, slopes: list[I]) -> I:
         """Range of the derivative of the multiplier in tau along the cycle."""
         n, misses = len(slopes), []
-        images = [found[0].image for found in self.returns]
+        images = [found[0].q[2] for found in self.returns]
         if any(len(found) > 1 for found in self.returns):
             raise NotSeparated("a word changes where a flip is claimed")
         for k, image in enumerate(images):
