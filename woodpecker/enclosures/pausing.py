@@ -24,9 +24,7 @@ from woodpecker.enclosures.motions import (
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.oscillator import Guard, ZeroCrossing
 from woodpecker.enclosures.plateaus import Landed, effect, landed
-from woodpecker.mechanics.cases import REST
-from woodpecker.mechanics.contact_problems import UNSOLVED
-from woodpecker.mechanics.impacts import mark
+from woodpecker.mechanics.cases import HOLD, REST
 from woodpecker.mechanics.modes import ANGLE, NORMAL, OPEN, SIGN, SLIP_NEGATIVE, SLIP_POSITIVE
 from woodpecker.motion.codes import DETACH, IMPACT
 
@@ -91,7 +89,7 @@ def paused(
         way.since = near.last
         span = pause.middle + (ZERO.union(near.sigma * side)).union(near.last)
         way.log.append(ZeroCrossing(first.code, first.jet[0] * ZERO + pause.middle, span, side))
-        struck = 64 * _mark(model, pause) + 8 * IMPACT + (1 << i)
+        struck = 8 * IMPACT + (1 << i)  # it slides on
         way.codes += [struck] if side == 1 else [struck, 8 * DETACH + (1 << i), struck]
         if decided is None:
             way.forks.append((fork, side))
@@ -171,7 +169,8 @@ def _clear(
             raise NotProved(f"contact {i + 1} may slip or not")
         speed = velocities[j] * (model.levers[i] * int(SIGN[i]))
         approach = [speed, slip(model, i, velocities)]
-        if impulses_of(model, [i], approach, None, True).cases[0] // 3 != REST:
+        case = impulses_of(model, [i], approach, None, True).cases[0]
+        if case // 3 != REST or case % 3 == HOLD:
             raise NotProved("an impact is not decided")
 
 
@@ -179,9 +178,3 @@ def _stopped(pause: _Pause, u: Sequence[Any]) -> list[Any]:
     """Velocities after an impact that stops the gap."""
     j, response = ANGLE[pause.contact], pause.response
     return [v - r * (u[j] / response[j]) for v, r in zip(u, response, strict=True)]
-
-
-def _mark(model: BallToy, pause: _Pause) -> int:
-    along = [ZERO, arb(pause.direction)]
-    case = impulses_of(model, [pause.contact], along, None, True).cases[0]
-    return mark(case, UNSOLVED, False, 0.0)
