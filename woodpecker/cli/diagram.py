@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pwmap.cli.screen import INTERRUPTED, Formats, option, picture_format, progress, say, show
 from pwmap.diagrams.files import PictureFormat
@@ -99,13 +99,9 @@ def diagram(
 
     settings = Settings(span=span, window=window, step=min(0.005, step), max_step=step)
     parameter = parameter_of(parameter)
-    shows = _Shows(
-        places=places_of(names) if parameter == NAMED else {},
-        columns=_columns(observables) if observables is not None else (),
-        words=words,
-        models=models,
-        picture=picture_format(picture),
-    )
+    places = places_of(names) if parameter == NAMED else {}
+    columns = _columns(observables) if observables is not None else ()
+    form = picture_format(picture)
     wanted = orders_of(orders) if orders is not None else None
     beside = orders_of(also, "--also") if also is not None else []
     if beside and wanted is not None:
@@ -124,17 +120,11 @@ def diagram(
                     found, summary = _of_orders(toy, wanted or [], parameter, workers, keep)
             except (KeyboardInterrupt, WorkerLostError, MemoryError) as stopped:
                 found, summary = _kept(stopped, out / RUN, results), ""
-        _write(toy, found, summary, shows, results)
-
-
-class _Shows(NamedTuple):
-    """What is shown of a diagram, and in which format."""
-
-    places: dict[str, tuple[float, float] | str]  # of special points, by their names
-    columns: tuple[str, ...]  # of branches
-    words: bool  # whether changes of word are marked
-    models: bool  # whether models of fold-flips are drawn
-    picture: PictureFormat
+        found = _written(toy, found.named(places), columns, summary, results)
+        if not results.stopped:
+            _draw(found, results, form, words)
+            if models:
+                _draw_models(toy, found, results, form)
 
 
 def _of_motion(
@@ -194,34 +184,31 @@ def _shown(bar: Bar, parameter: str) -> Callable[[Stage], None]:
     return show
 
 
-def _write(toy: Toy, found: Diagram, summary: str, shows: _Shows, results: Results) -> None:
-    """Tables and graphs, then pictures; of a search that was broken off tables and graphs only."""
+def _written(
+    toy: Toy, found: Diagram, columns: tuple[str, ...], summary: str, results: Results
+) -> Diagram:
+    """Write tables and graphs, of a search that was broken off without more columns of branches."""
     from pwmap.diagrams.tables import FILES, table_of_points, write_results
     from woodpecker import observables as observed
 
-    shown = found.named(shows.places)
-    if not results.stopped:
-        shown = observed(toy, shown, *shows.columns)
+    shown = found if results.stopped else observed(toy, found, *columns)
     with results.tables(*FILES, RUN) as folder:
         write_results(shown, folder)
-    if results.stopped:
-        return
-    show(table_of_points(shown))
-    if summary:
-        say(summary)
-    _draw(shown, results, shows)
-    if shows.models:
-        _draw_models(toy, shown, results, shows.picture)
+    if not results.stopped:
+        show(table_of_points(shown))
+        if summary:
+            say(summary)
+    return shown
 
 
-def _draw(found: Diagram, results: Results, shows: _Shows) -> None:
+def _draw(found: Diagram, results: Results, form: PictureFormat, words: bool) -> None:
     """The diagram, and each order on its own if there are several."""
     from pwmap.plot import plot_diagram
 
     orders = sorted({branch.order for branch in found.branches})
     parts = {f"order_{order}": found.of_order(order) for order in orders}
     for name, part in {"diagram": found, **(parts if len(parts) > 1 else {})}.items():
-        results.draw(f"{name}.{shows.picture}", plot_diagram(part, words=shows.words).figure)
+        results.draw(f"{name}.{form}", plot_diagram(part, words=words).figure)
 
 
 def _draw_models(toy: Toy, found: Diagram, results: Results, form: PictureFormat) -> None:
