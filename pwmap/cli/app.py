@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -136,28 +136,23 @@ class _Kept:
 
     about: dict[str, object]
     interrupts: list[bool] = field(default_factory=list)
-    _now: tuple[Diagram, dict[str, bytes]] | None = None
-
-    @property
-    def diagram(self) -> Diagram:
-        assert self._now is not None
-        return self._now[0]
+    diagram: Any = None  # a Diagram, if there is one
+    files: dict[str, bytes] = field(default_factory=dict)
 
     def keep(self, diagram: Diagram) -> None:
         """Make the files of a diagram; after Ctrl-C those that were there stay."""
         from pwmap.diagrams.tables import results_as_bytes
 
-        if not self.interrupts and (self._now is None or self._now[0] is not diagram):
+        if not self.interrupts and self.diagram is not diagram:
             about = {**diagram.about, **self.about}
-            self._now = diagram, results_as_bytes(replace(diagram, about=about))
+            self.diagram, self.files = diagram, results_as_bytes(replace(diagram, about=about))
 
     def write(self, folder: Path) -> list[str]:
         from pwmap.diagrams.files import write_whole
 
-        assert self._now is not None
-        for name, content in self._now[1].items():
+        for name, content in self.files.items():
             write_whole(folder / name, content)
-        return [*self._now[1]]
+        return [*self.files]
 
     @contextmanager
     def going_on(self) -> Iterator[None]:
@@ -165,14 +160,14 @@ class _Kept:
         try:
             yield
         except KeyboardInterrupt:
-            if self._now is None or self.interrupts:
+            if self.diagram is None or self.interrupts:
                 raise
             self.interrupts.append(True)
 
     @property
     def lost(self) -> str:
         """What an interrupt that ends the command has left."""
-        return "there is nothing to keep yet" if self._now is None else "files may be missing"
+        return "there is nothing to keep yet" if self.diagram is None else "files may be missing"
 
 
 def _computed(
