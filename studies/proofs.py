@@ -185,7 +185,7 @@ def _enclosed(toy: Toy, x: Fraction) -> tuple[Any, Any, Any]:
     """Image, period and drop, as balls."""
     with precision(BITS):
         start = arb(x.numerator) / x.denominator
-        (way,) = follow(BallToy.of(toy), Frame(arb(0), arb(0)), [start])
+        (way,) = follow(BallToy(toy), Frame(arb(0), arb(0)), [start])
         return way.image.box, way.period.box, way.drop.box
 
 

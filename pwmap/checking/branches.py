@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from fractions import Fraction
+from functools import cache
 from itertools import pairwise
 from typing import Any, NamedTuple
 
@@ -54,19 +55,9 @@ class ClaimedEnd(NamedTuple):
     passes: bool = False
 
     @property
-    def is_fixed(self) -> bool:
-        """Whether fixed points end."""
-        return self.stretch.kind == "fixed points"
-
-    @property
-    def is_jump(self) -> bool:
-        """Whether a jump ends."""
-        return self.stretch.kind == "crossings"
-
-    @property
-    def is_band(self) -> bool:
-        """Whether it is an interval of fixed points at one value of the parameter."""
-        return self.stretch.kind == "intervals"
+    def kind(self) -> str:
+        """Of what it is an end; an interval is at one value of the parameter alone."""
+        return self.stretch.kind
 
     @property
     def name(self) -> tuple[int, str, int]:
@@ -74,7 +65,8 @@ class ClaimedEnd(NamedTuple):
         return self.stretch.order, self.stretch.word, self.side
 
 
-KINDS = {"fixed points": ("x", "slope"), "intervals": (), "crossings": ("x", "left", "right")}
+FIXED, BANDS, JUMPS = "fixed points", "intervals", "crossings"
+KINDS = {FIXED: ("x", "slope"), BANDS: (), JUMPS: ("x", "left", "right")}
 
 
 def read_stretches(
@@ -83,7 +75,7 @@ def read_stretches(
     """All claims of a diagram that something exists."""
     found = []
     for kind, names in KINDS.items():
-        more = ("stable",) if kind == "fixed points" else ()
+        more = ("stable",) if kind == FIXED else ()
         for row in listed(certificate[kind], ROWS):
             order, word, places, *rest = fields(row, "order", "word", "places", *names, *more)
             first, stop = (whole(each, 0, last) for each in pair(places))
@@ -121,15 +113,12 @@ class ClaimedDiagram:
         self._things: dict[tuple[str, int, str], list[ClaimedStretch]] = {}
         for stretch in self.stretches:
             self._things.setdefault(stretch.thing, []).append(stretch)
-        self._ends: dict[int, list[ClaimedEnd]] = {}
-        self._studies: dict[tuple[int, int], CheckedIterate] = {}
-        self._found: dict[tuple[int, int], dict[str, dict[str, Any]]] = {}
+        self.study, self.ends = cache(self._study), cache(self._all_ends)
+        self._found = cache(lambda i, n: own_parts(self.study(i, n)))
 
-    def study(self, place: int, order: int) -> CheckedIterate:
+    def _study(self, place: int, order: int) -> CheckedIterate:
         """An iterate at a place."""
-        if (place, order) not in self._studies:
-            self._studies[place, order] = CheckedIterate(self.map, self.places[place], order)
-        return self._studies[place, order]
+        return CheckedIterate(self.map, self.places[place], order)
 
     def verify(self) -> None:
         """Whether everything claimed exists and, but for the first and last edge, nothing else."""
@@ -164,7 +153,7 @@ class ClaimedDiagram:
         for name, value in s.quotients.items():
             if not self.equal(value, getattr(found, name), i):
                 refuse(f"{name} of {s.word} is another one {self.where(i)}")
-        if s.kind == "fixed points" and s.stable is not found.stable:
+        if s.kind == FIXED and s.stable is not found.stable:
             refuse(f"{s.word} is {'not ' * s.stable}attracting {self.where(i)}")
 
     def equal(self, one: Quotient | None, other: Quotient | None, i: int) -> bool:
@@ -179,28 +168,23 @@ class ClaimedDiagram:
 
     def found(self, i: int, n: int, kind: str) -> dict[str, Any]:
         """What there is of a kind and of an order at a place."""
-        if (i, n) not in self._found:
-            self._found[i, n] = own_parts(self.study(i, n))
-        return self._found[i, n][kind]
+        return self._found(i, n)[kind]
 
-    def ends(self, edge: int) -> list[ClaimedEnd]:
+    def _all_ends(self, edge: int) -> list[ClaimedEnd]:
         """What ends at an edge, wherever a list cuts it, and the fixed points that pass there."""
-        if edge not in self._ends:
-            things = self._things.values()
-            self.work.spend(5 * STEP * len(self.stretches))
-            ends = [end for same in things for end in ends_of(same, edge)]
-            self._ends[edge] = [end for end in ends if not end.passes or self._is_bent(end, edge)]
-        return self._ends[edge]
+        self.work.spend(5 * STEP * len(self.stretches))
+        ends = [end for same in self._things.values() for end in ends_of(same, edge)]
+        return [end for end in ends if not end.passes or self._is_bent(end, edge)]
 
     def _is_bent(self, end: ClaimedEnd, edge: int) -> bool:
         """Whether a fixed point that passes lies at a border or has slope -1: others may end."""
         _, order, word = end.stretch.thing
-        there = self.found(2 * edge, order, "fixed points").get(word)
+        there = self.found(2 * edge, order, FIXED).get(word)
         return there is None or there.at_border or self.study(2 * edge, order).excess(word, 1) == 0
 
     def is_at(self, end: ClaimedEnd, edge: int, x: Number | int) -> bool:
         """Whether an end, or part of an interval, is at a number, or at infinity: -1 or 1."""
-        if end.is_band:
+        if end.kind == BANDS:
             band = self.study(2 * edge, end.stretch.order).bands[end.stretch.word]
             left, right = band.ends
             if not isinstance(x, Number):
@@ -252,7 +236,7 @@ def ends_of(same: Sequence[ClaimedStretch], edge: int) -> Iterator[ClaimedEnd]:
     goes_on = here is not None and len(beside) == 2
     if here is not None and not beside:
         yield ClaimedEnd(here, 0)
-    elif same[0].kind == "fixed points" or (same[0].kind == "crossings" and not goes_on):
+    elif same[0].kind == FIXED or (same[0].kind == JUMPS and not goes_on):
         stable = {s.stable for s in (before, here, after) if s is not None}
         yield from (ClaimedEnd(s, side, goes_on and len(stable) == 1) for s, side in beside)
 
@@ -271,7 +255,7 @@ def own_parts(study: CheckedIterate) -> dict[str, dict[str, Any]]:
         return period(word) == n or (half and word in study.bands)
 
     return {
-        "fixed points": {word: each for word, each in study.fixed.items() if is_own(word)},
-        "intervals": {word: each for word, each in study.bands.items() if is_own(word)},
-        "crossings": dict(study.crossings),
+        FIXED: {word: each for word, each in study.fixed.items() if is_own(word)},
+        BANDS: {word: each for word, each in study.bands.items() if is_own(word)},
+        JUMPS: dict(study.crossings),
     }

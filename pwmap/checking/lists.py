@@ -42,25 +42,23 @@ def period(word: str) -> int:
 
 def claims_of(study: CheckedIterate) -> dict[str, list[dict[str, Any]]]:
     """All that lies on the diagonal of an iterate of a map without a parameter."""
-    work = study.work
+
+    def texts(each: object, *names: str) -> dict[str, Any]:
+        return {name: rational_text(study.work, getattr(each, name)) for name in names}
+
     fixed = [
-        {"word": word, "x": rational_text(work, each.x), "slope": rational_text(work, each.slope),
-         "period": period(word), "stable": each.stable}
+        {"word": word, **texts(each, "x", "slope"), "period": period(word), "stable": each.stable}
         for word, each in study.fixed.items()
-    ]  # fmt: skip
-    bands = [
-        {
-            "word": word,
-            "ends": [rational_text(work, end) for end in each.ends],
-            "closed": list(each.closed),
-        }
+    ]
+    bands: list[dict[str, Any]] = [
+        {"word": word, "ends": [rational_text(study.work, end) for end in each.ends],
+         "closed": list(each.closed)}
         for word, each in study.bands.items()
     ]  # fmt: skip
     crossings = [
-        {"word": word, "x": rational_text(work, each.x), "left": rational_text(work, each.left),
-         "right": rational_text(work, each.right)}
+        {"word": word, **texts(each, "x", "left", "right")}
         for word, each in study.crossings.items()
-    ]  # fmt: skip
+    ]
     return {"fixed points": fixed, "intervals": bands, "crossings": crossings}
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from pwmap.checking.branches import KINDS, ClaimedDiagram, ClaimedEnd
+from pwmap.checking.branches import BANDS, FIXED, JUMPS, KINDS, ClaimedDiagram, ClaimedEnd
 from pwmap.checking.iterates import CheckedIterate
 from pwmap.checking.lists import COPIES, count
 from pwmap.checking.polynomials import Number, derivative, primitive
@@ -21,9 +21,9 @@ class Point:
     ) -> None:
         self.diagram, self.edge, self.ends, self.infinite = diagram, edge, ends, infinite
         self.place = diagram.places[2 * edge]
-        self.order = min(end.stretch.order for end in ends if not end.is_jump)
+        self.order = min(end.stretch.order for end in ends if end.kind != JUMPS)
         self.own = [end for end in ends if end.stretch.order == self.order]
-        self.fixed = [end for end in self.own if end.is_fixed]
+        self.fixed = [end for end in self.own if end.kind == FIXED]
         self.beside = [end for end in self.own if end.side]
 
     def claims(self) -> dict[str, Any]:
@@ -54,11 +54,11 @@ class Point:
         passing = left & right
         units = {self._unit(word) for word in passing}
         if -1 in units:
-            doubled = any(e.is_band and e.stretch.order == 2 * self.order for e in self.ends)
+            doubled = any(e.kind == BANDS and e.stretch.order == 2 * self.order for e in self.ends)
             return "PD", "degenerate: points nearby have twice the period" * doubled
         if 1 in units or not self.fixed:
             return "LP", "degenerate: an interval of fixed points"
-        stays = self.diagram.found(2 * self.edge, self.order, "fixed points")
+        stays = self.diagram.found(2 * self.edge, self.order, FIXED)
         here = [end for end in self.fixed if end.stretch.word in stays]
         if staying := [end for end in here if end.stretch.word in passing]:
             return "BC", self._staying_note(staying)
@@ -66,7 +66,7 @@ class Point:
             alone = all(not end.side for end in self.fixed)
             return "BC", "isolated" if alone else "persistence"
         folding = [end for end in self.fixed if end.side]
-        jumps = any(end.is_jump for end in self.own)
+        jumps = any(end.kind == JUMPS for end in self.own)
         steep = len(folding) == 1 and jumps and self._is_steep(folding[0])
         return ("FF" if steep else "BC"), "fold"
 
@@ -81,7 +81,7 @@ class Point:
             notes.append(
                 f"{'fold' if len(sides) == 1 else 'persistence'} at a branch on the border"
             )
-        elif not notes and any(end.is_band for end in self.own):
+        elif not notes and any(end.kind == BANDS for end in self.own):
             notes.append("an interval of fixed points ends at a branch on the border")
         elif len(self.own) < len(self.ends):
             notes.append("higher orders end at a branch on the border")
@@ -91,10 +91,10 @@ class Point:
         """Whether a fixed point attracts here only, or everywhere but here."""
         beside: dict[tuple[int, str], set[bool]] = {}
         for end in self.ends:
-            if end.is_fixed and end.side:
+            if end.kind == FIXED and end.side:
                 beside.setdefault(end.name[:2], set()).add(end.stretch.stable)
         for (order, word), stable in beside.items():
-            here = self.diagram.found(2 * self.edge, order, "fixed points").get(word)
+            here = self.diagram.found(2 * self.edge, order, FIXED).get(word)
             if here is not None and stable == {not here.stable}:
                 return ["attracts at this value only" if here.stable else
                         "does not attract at this value"]  # fmt: skip
@@ -132,7 +132,7 @@ class Point:
 
     def _signs(self) -> list[int] | None:
         """The signs that decide between persistence and fold of a branch at a jump."""
-        kinds = [end.is_fixed for end in self.beside]
+        kinds = [end.kind == FIXED for end in self.beside]
         # side of the border, 1 - slope, other limit - x; undefined if more ends there
         if sorted(kinds) != [False, True] or len(self.own) > 2:
             return None
@@ -153,15 +153,18 @@ class Point:
 
 def is_special(ends: Sequence[ClaimedEnd]) -> bool:
     """Whether fixed points end, or pass where an interval of them exists at the edge alone."""
-    changing = any(not end.passes and not end.is_jump for end in ends)
-    return changing and any(end.is_fixed for end in ends)
+    changing = any(not end.passes and end.kind != JUMPS for end in ends)
+    return changing and any(end.kind == FIXED for end in ends)
 
 
 def verified_points(diagram: ClaimedDiagram, rows: Sequence[object]) -> list[str]:
     """Verify the special points; returns texts that name them."""
     inner = range(1, len(diagram.edges) - 1)
     left = {
-        (i, end.name) for i in inner for end in diagram.ends(i) if end.is_fixed and not end.passes
+        (i, end.name)
+        for i in inner
+        for end in diagram.ends(i)
+        if end.kind == FIXED and not end.passes
     }
     listed_already: set[tuple[int, tuple[int, str, int]]] = set()
     texts = []
@@ -174,7 +177,7 @@ def verified_points(diagram: ClaimedDiagram, rows: Sequence[object]) -> list[str
         diagram.work.spend(STEP * len(diagram.ends(i)))
         ends = [end for end in diagram.ends(i) if diagram.is_at(end, i, x)]
         # every end of fixed points inside belongs to just one of the points
-        fixed = {(i, end.name) for end in ends if end.is_fixed}
+        fixed = {(i, end.name) for end in ends if end.kind == FIXED}
         where = f"{diagram.where(2 * i)} and x = {x.brief if isinstance(x, Number) else at}"
         if not is_special(ends) or fixed & listed_already:
             refuse(f"no fixed points end {where}, or they are listed twice")

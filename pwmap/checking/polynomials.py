@@ -195,17 +195,18 @@ class Number(NamedTuple):
         return query(work, self.poly, f, self.low, self.high)
 
     def __str__(self) -> str:
-        if not self.is_root:
-            return str(self.low)
-        return f"the root of {text(self.poly, 't')} between {self.low} and {self.high}"
+        return self._said(str)
 
     @property
     def brief(self) -> str:
         """The same with long numbers cut, for refusals."""
-        low, high = brief(str(self.low)), brief(str(self.high))
+        return self._said(brief)
+
+    def _said(self, shown: Callable[[str], str]) -> str:
+        low, high = shown(str(self.low)), shown(str(self.high))
         if not self.is_root:
             return low
-        return f"the root of {brief(text(self.poly, 't'))} between {low} and {high}"
+        return f"the root of {shown(text(self.poly, 't'))} between {low} and {high}"
 
 
 def between(low: Number, high: Number) -> Fraction:

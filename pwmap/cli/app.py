@@ -8,39 +8,15 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from pwmap.cli import reading, screen
 from pwmap.cli.certificates import check_files, prove_map
 from pwmap.cli.explore import explore
 from pwmap.cli.options import Formula, Given, Orders, Out, Values, Variable
 from pwmap.cli.plane import draw_plane
-from pwmap.cli.reading import (
-    assignments,
-    check_unset,
-    exact,
-    exact_span,
-    map_of,
-    orders_of,
-    varied,
-)
-from pwmap.cli.screen import (
-    INTERRUPTED,
-    Formats,
-    bar_on,
-    check_folder,
-    command_line,
-    complain,
-    in_paragraphs,
-    picture_format,
-    say,
-    screen,
-    show,
-    tell_replaced,
-    tell_written,
-    told,
-)
 from pwmap.maps.budget import BUDGET, Budget, Progress
 
 if TYPE_CHECKING:  # help and refusals come before what computes is loaded
@@ -51,7 +27,9 @@ if TYPE_CHECKING:  # help and refusals come before what computes is loaded
     from pwmap.diagrams.files import PictureFormat
     from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
-app = command_line("pwmap", "Exact analysis of piecewise-linear discontinuous maps of the line.")
+app = screen.command_line(
+    "pwmap", "Exact analysis of piecewise-linear discontinuous maps of the line."
+)
 
 
 Varied = Annotated[str, typer.Option(help="The parameter to vary.")]
@@ -96,7 +74,7 @@ def analyse(
     attractors: Attractors = False,
     entropy: Entropy = False,
     density: Density = None,
-    picture: Formats = None,
+    picture: screen.Formats = None,
     out: Out = Path("out"),
 ) -> None:
     """Find all branches and special points over a parameter, exactly; draw and export them.
@@ -117,27 +95,27 @@ def analyse(
         "density": density or [], "format": picture or [],
     }  # fmt: skip
     kept = _Kept({"map": formula, "set": set_ or []})
-    with told(lambda: kept.lost):
+    with screen.told(lambda: kept.lost):
         from pwmap.cli.longrun import LongRun
         from pwmap.diagrams.record import keep_record
 
-        check_folder(out)
-        form = picture_format(picture)
-        fixed = assignments(set_ or ())
-        check_unset(fixed, parameter)
-        map_ = map_of(formula, variable, given or (), fixed)
-        listed = orders_of(orders)
-        values = assignments(sample, "--sample") if sample else None
-        span = exact_span(span)
-        varied(map_, parameter)
-        tell_replaced(out, "analyse")
-        with bar_on(screen(stderr=True)) as bar:
+        screen.check_folder(out)
+        form = screen.picture_format(picture)
+        fixed = reading.assignments(set_ or ())
+        reading.check_unset(fixed, parameter)
+        map_ = reading.map_of(formula, variable, given or (), fixed)
+        listed = reading.orders_of(orders)
+        values = reading.assignments(sample, "--sample") if sample else None
+        span = reading.exact_span(span)
+        reading.varied(map_, parameter)
+        screen.tell_replaced(out, "analyse")
+        with screen.progress() as bar:
             more = LongRun(map_, parameter, span, kept.interrupts, bar)
             with kept.going_on():
                 found = _computed(map_, parameter, span, listed, pieces, values, kept, bar)
                 more.ask(
                     attractors=attractors, entropy=entropy, order=max(listed),
-                    density=tuple(map(exact, density or ())),
+                    density=tuple(map(reading.exact, density or ())),
                 )  # fmt: skip
                 if not kept.interrupts:
                     kept.keep(more.added(found))
@@ -158,28 +136,23 @@ class _Kept:
 
     about: dict[str, object]
     interrupts: list[bool] = field(default_factory=list)
-    _now: tuple[Diagram, dict[str, bytes]] | None = None
-
-    @property
-    def diagram(self) -> Diagram:
-        assert self._now is not None
-        return self._now[0]
+    diagram: Any = None  # a Diagram, if there is one
+    files: dict[str, bytes] = field(default_factory=dict)
 
     def keep(self, diagram: Diagram) -> None:
         """Make the files of a diagram; after Ctrl-C those that were there stay."""
         from pwmap.diagrams.tables import results_as_bytes
 
-        if not self.interrupts and (self._now is None or self._now[0] is not diagram):
+        if not self.interrupts and self.diagram is not diagram:
             about = {**diagram.about, **self.about}
-            self._now = diagram, results_as_bytes(replace(diagram, about=about))
+            self.diagram, self.files = diagram, results_as_bytes(replace(diagram, about=about))
 
     def write(self, folder: Path) -> list[str]:
         from pwmap.diagrams.files import write_whole
 
-        assert self._now is not None
-        for name, content in self._now[1].items():
+        for name, content in self.files.items():
             write_whole(folder / name, content)
-        return [*self._now[1]]
+        return [*self.files]
 
     @contextmanager
     def going_on(self) -> Iterator[None]:
@@ -187,14 +160,14 @@ class _Kept:
         try:
             yield
         except KeyboardInterrupt:
-            if self._now is None or self.interrupts:
+            if self.diagram is None or self.interrupts:
                 raise
             self.interrupts.append(True)
 
     @property
     def lost(self) -> str:
         """What an interrupt that ends the command has left."""
-        return "there is nothing to keep yet" if self._now is None else "files may be missing"
+        return "there is nothing to keep yet" if self.diagram is None else "files may be missing"
 
 
 def _computed(
@@ -241,8 +214,8 @@ def _tell(map_: PiecewiseLinearMap, found: Diagram, more: LongRun) -> None:
     from pwmap.diagrams.tables import table_of_branches, table_of_points
 
     if part := in_a_part_only(map_, found):
-        say(part)
-    show(table_of_branches(found), table_of_points(found), *more.tables())
+        screen.say(part)
+    screen.show(table_of_branches(found), table_of_points(found), *more.tables())
 
 
 def _tell_end(
@@ -250,12 +223,12 @@ def _tell_end(
 ) -> None:
     from pwmap.diagrams.record import record_of
 
-    tell_written(out, (*names, record_of("analyse")), gone)
+    screen.tell_written(out, (*names, record_of("analyse")), gone)
     if kept.interrupts:
         for sentence in (*kept.diagram.given, *more.left_out):
-            say(sentence)
-        complain(f"Interrupted: what was finished is kept{without}")
-        raise typer.Exit(INTERRUPTED)
+            screen.say(sentence)
+        screen.complain(f"Interrupted: what was finished is kept{without}")
+        raise typer.Exit(screen.INTERRUPTED)
 
 
 def _draw(found: Diagram, more: LongRun, out: Path, picture: PictureFormat) -> Iterator[str]:
@@ -285,7 +258,7 @@ app.command("plane")(draw_plane)
 app.command("prove")(prove_map)
 app.command("check")(check_files)
 app.command("explore")(explore)
-in_paragraphs(app)
+screen.in_paragraphs(app)
 
 
 def run() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import webbrowser
+from collections.abc import Callable
 from typing import Annotated
 
 import typer
@@ -11,6 +12,10 @@ from pwmap.cli.options import Given, Values
 from pwmap.cli.reading import assignments
 from pwmap.cli.screen import complain, in_words, say
 
+NoBrowser = Annotated[bool, typer.Option("--no-browser", help="Only say the address.")]
+Stay = Annotated[
+    bool, typer.Option("--stay", help="Go on when the last page was closed, until Ctrl-C.")
+]
 MISSING = 'the explorer needs Bokeh: pip install "woodpecker-toy[explore]"'
 
 
@@ -23,10 +28,8 @@ def explore(
     port: Annotated[
         int | None, typer.Option(help="Port at 127.0.0.1; by default a free one.", min=1, max=65535)
     ] = None,
-    no_browser: Annotated[bool, typer.Option("--no-browser", help="Only say the address.")] = False,
-    stay: Annotated[
-        bool, typer.Option("--stay", help="Go on when the last page was closed, until Ctrl-C.")
-    ] = False,
+    no_browser: NoBrowser = False,
+    stay: Stay = False,
 ) -> None:
     """Open the explorer: a map with sliders for its parameters, and exact answers beside it.
 
@@ -51,10 +54,15 @@ def explore(
     except ValueError as error:
         complain(f"Error: {in_words(error)}")
         raise typer.Exit(2) from None
+    run(state, port, stay=stay, ready=opening(no_browser))
+
+
+def opening(no_browser: bool) -> Callable[[str], None]:
+    """What to do with the address of a page once it is served."""
 
     def ready(address: str) -> None:
         say(f"The explorer is at {address} (Ctrl-C ends it)")
         if not no_browser:
             webbrowser.open(address)
 
-    run(state, port, stay=stay, ready=ready)
+    return ready

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import sympy
@@ -12,9 +13,10 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 def in_a_part_only(map_: PiecewiseLinearMap, diagram: Diagram) -> str:
     """A sentence if a diagram holds for a part of the assumptions only, and how to get the rest."""
-    assumed = [each for each in map_.given if not _varies(each, diagram)]
+    varied = diagram.parameter_name
+    assumed = [each for each in map_.given if varied not in map(str, each.free_symbols)]
     named = {str(symbol): symbol for symbol in map_.parameters if str(symbol) in diagram.sample}
-    held = [each for each in diagram.given if _is_condition(each)]
+    held = [each for each in diagram.given if re.search("[<>=]", each)]  # no sentence
     if not named or {*held} == {str(each) for each in assumed}:
         return ""
     values = ", ".join(f"{name} = {value}" for name, value in diagram.sample.items())
@@ -26,15 +28,6 @@ def in_a_part_only(map_: PiecewiseLinearMap, diagram: Diagram) -> str:
         f"decided at {values}. The rest takes a run for each further part: give a value in it"
         f"{example or ' by --sample,'} and another folder by --out."
     )
-
-
-def _varies(condition: sympy.Basic, diagram: Diagram) -> bool:
-    return any(str(symbol) == diagram.parameter_name for symbol in condition.free_symbols)
-
-
-def _is_condition(text: str) -> bool:
-    """Whether it is no sentence on what was left out."""
-    return any(sign in text for sign in "<>=")
 
 
 def _beyond(

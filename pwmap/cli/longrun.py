@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
@@ -15,7 +15,7 @@ from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import PictureFormat, write_figure, write_table
 from pwmap.longrun.crises.bands import with_attractors
 from pwmap.longrun.crises.diagram import AttractorDiagram, attractor_diagram
-from pwmap.longrun.dynamics import Dynamics, dynamics
+from pwmap.longrun.dynamics import Attractor, Dynamics, dynamics
 from pwmap.longrun.entropy.constant import constant_entropy
 from pwmap.longrun.entropy.entropies import EntropyIntervals
 from pwmap.maps.budget import Budget
@@ -48,16 +48,15 @@ class LongRun:
         map_, name, span = self._map, self._parameter, self._span
         if span is None and (attractors or entropy):
             raise ValueError("--attractors and --entropy need an interval of the parameter: --span")
-        if attractors and span is not None:
-            over, upto = span, min(order, HIGHEST)
+        if span is not None and attractors:
+            over = map_, name, span, min(order, HIGHEST)
             self.found = self._asked(
-                "attractors",
-                lambda budget: attractor_diagram(map_, name, over, upto, budget=budget),
+                "attractors", lambda budget: attractor_diagram(*over, budget=budget)
             )
-        if entropy and span is not None:
-            over = span
+        if span is not None and entropy:
+            whole = map_, name, span
             self.constant = self._asked(
-                "entropy", lambda budget: constant_entropy(map_, name, over, budget=budget)
+                "entropy", lambda budget: constant_entropy(*whole, budget=budget)
             )
         for value in density:
             seen = self._asked(f"density at {value}", partial(self._at, value))
@@ -103,15 +102,18 @@ class LongRun:
 
     def write(self, folder: Path) -> list[str]:
         """Write tables of what was found into a folder, and name the files."""
-        names = list[str]()
-        if self.found is not None:
-            self._write_cells(folder / "attractors.csv")
-            self._write_crises(folder / "crises.csv")
-            names += ["attractors.csv", "crises.csv"]
+        found = self.found
+        tables: dict[str, tuple[tuple[str, ...], Iterable[Sequence[object]]]] = {}
+        if found is not None:
+            tables = {
+                "attractors.csv": (CELLS, _cells(found)),
+                "crises.csv": (CRISES, _crises(found)),
+            }
         if self.constant is not None:
-            self._write_intervals(folder / "entropy.csv")
-            names.append("entropy.csv")
-        return names
+            tables["entropy.csv"] = INTERVALS, _intervals(self.constant)
+        for name, (header, rows) in tables.items():
+            write_table(folder / name, header, rows)
+        return [*tables]
 
     def draw(self, folder: Path, picture: PictureFormat) -> Iterator[str]:
         """Draw pictures of what was found into a folder, and name each when it is there."""
@@ -125,49 +127,6 @@ class LongRun:
             name = f"density_{value.replace('/', '_')}.{picture}"
             write_figure(folder / name, plot_density(seen).figure)
             yield name
-
-    def _write_cells(self, path: Path) -> None:
-        assert self.found is not None
-        rows = [
-            (cell.lower, cell.upper, cell.sample, " ".join(cell.cycles), number, low, high,
-             "open" if cell.is_open else "")
-            for cell in self.found.cells
-            for number, (low, high) in enumerate(
-                [band for bands in cell.bands for band in bands] or [("", "")]
-            )
-        ]  # fmt: skip
-        header = ("lower", "upper", "sample", "cycles", "band", "from", "to", "open")
-        write_table(path, header, ([str(each) for each in row] for row in rows))
-
-    def _write_crises(self, path: Path) -> None:
-        assert self.found is not None
-        header = ("kind", "parameter", "parameter_exact", "before", "after", "cycles", "images")
-        write_table(
-            path,
-            header,
-            (
-                (c.kind, float(c.parameter), c.parameter, *c.bands, " ".join(c.cycles),
-                 " ".join(c.images))
-                for c in self.found.crises
-            ),
-        )  # fmt: skip
-
-    def _write_intervals(self, path: Path) -> None:
-        assert self.constant is not None
-        header = ("lower", "upper", "lower_exact", "upper_exact", "lower_closed", "upper_closed",
-                  "entropy", "entropy_exact", "cycles", "open_because")  # fmt: skip
-        rows: list[tuple[object, ...]] = [
-            (float(e.lower), float(e.upper), e.lower, e.upper, *e.closed,
-             0.5 * (e.entropy.low + e.entropy.high), e.entropy.value, " ".join(e.cycles), "")
-            for e in self.constant.intervals
-        ]  # fmt: skip
-        rows += [
-            (float(g.lower), float(g.upper), g.lower, g.upper, "", "", "", "", "",
-             "; ".join(cause.value for cause in g.causes))
-            for g in self.constant.gaps
-        ]  # fmt: skip
-        rows.sort(key=lambda row: float(str(row[0])))
-        write_table(path, header, ([str(each) for each in row] for row in rows))
 
     def tables(self) -> Iterator[Table]:
         """Crises, and what is known at single values."""
@@ -188,12 +147,47 @@ class LongRun:
                     value,
                     "\n".join(filter(None, (*map(str, seen.attractors), seen.attractors.left_out))),
                     _entropy(seen),
-                    "\n".join(
-                        filter(None, (_exponent(seen, k) for k in range(len(seen.attractors))))
-                    ),
+                    "\n".join(filter(None, map(_exponent, seen.attractors))),
                     "\n".join(each.word[:24] for each in seen.kneading),
                 )
             yield table
+
+
+CELLS = ("lower", "upper", "sample", "cycles", "band", "from", "to", "open")
+CRISES = ("kind", "parameter", "parameter_exact", "before", "after", "cycles", "images")
+INTERVALS = (
+    "lower", "upper", "lower_exact", "upper_exact", "lower_closed", "upper_closed", "entropy",
+    "entropy_exact", "cycles", "open_because",
+)  # fmt: skip
+
+
+def _cells(found: AttractorDiagram) -> Iterator[list[str]]:
+    for cell in found.cells:
+        bands = [band for bands in cell.bands for band in bands] or [("", "")]
+        ends = cell.lower, cell.upper, cell.sample, " ".join(cell.cycles)
+        for number, band in enumerate(bands):
+            yield [*map(str, (*ends, number, *band)), "open" if cell.is_open else ""]
+
+
+def _crises(found: AttractorDiagram) -> Iterator[Sequence[object]]:
+    for c in found.crises:
+        words = " ".join(c.cycles), " ".join(c.images)
+        yield c.kind, float(c.parameter), c.parameter, *c.bands, *words
+
+
+def _intervals(found: EntropyIntervals) -> list[list[str]]:
+    """Where the entropy is constant, and where that is open, from left to right."""
+    rows: list[tuple[object, ...]] = [
+        (float(e.lower), float(e.upper), e.lower, e.upper, *e.closed,
+         0.5 * (e.entropy.low + e.entropy.high), e.entropy.value, " ".join(e.cycles), "")
+        for e in found.intervals
+    ]  # fmt: skip
+    rows += [
+        (float(g.lower), float(g.upper), g.lower, g.upper, *[""] * 5,
+         "; ".join(cause.value for cause in g.causes))
+        for g in found.gaps
+    ]  # fmt: skip
+    return [[*map(str, row)] for row in sorted(rows, key=lambda row: float(str(row[0])))]
 
 
 def _entropy(seen: Dynamics) -> str:
@@ -201,8 +195,7 @@ def _entropy(seen: Dynamics) -> str:
     return str(found.value) if found.value is not None else f"{found.low:.9g} to {found.high:.9g}"
 
 
-def _exponent(seen: Dynamics, number: int) -> str:
-    attractor = seen.attractors[number]
+def _exponent(attractor: Attractor) -> str:
     if attractor.exponent is not None:
         return str(attractor.exponent)
     bounds = attractor.exponent_bounds

@@ -9,23 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from pwmap.cli import reading, screen
 from pwmap.cli.options import Formula, Given, Orders, Out, Values, Variable
-from pwmap.cli.reading import assignments, check_unset, exact_span, map_of, orders_of
-from pwmap.cli.screen import (
-    INTERRUPTED,
-    Formats,
-    bar_on,
-    budget_on,
-    check_folder,
-    complain,
-    picture_format,
-    say,
-    screen,
-    show,
-    tell_replaced,
-    tell_written,
-    told,
-)
 from pwmap.diagrams.files import in_format
 from pwmap.maps.budget import BUDGET, Budget
 from pwmap.plane.colours import Colours
@@ -68,7 +53,7 @@ def draw_plane(
     colours: Coloured = None,
     raster: Raster = (48, 36),
     crises: Crises = None,
-    picture: Formats = None,
+    picture: screen.Formats = None,
     out: Out = Path("out"),
 ) -> None:
     """Cut a rectangle of two parameters into cells, exactly, and name the curves between them.
@@ -89,36 +74,37 @@ def draw_plane(
         "raster": raster, "pieces": pieces, "format": picture or [],
     }  # fmt: skip
     names, interrupts = [*TABLES], list[bool]()
-    with told(lambda: "there is nothing to keep yet"):
-        check_folder(out)
-        (file,) = in_format((PICTURE,), picture_format(picture))
-        fixed = assignments(set_ or ())
-        check_unset(fixed, across, along)
-        map_ = map_of(formula, variable, given or (), fixed)
-        axes = (across, along, exact_span(across_span), exact_span(along_span), orders_of(orders))
+    with screen.told(lambda: "there is nothing to keep yet"):
+        screen.check_folder(out)
+        (file,) = in_format((PICTURE,), screen.picture_format(picture))
+        fixed = reading.assignments(set_ or ())
+        reading.check_unset(fixed, across, along)
+        map_ = reading.map_of(formula, variable, given or (), fixed)
+        spans = map(reading.exact_span, (across_span, along_span))
+        axes = (across, along, *spans, reading.orders_of(orders))
         checked_axes(map_, across, along)
         seen_on = None if colours is None else raster
-        tell_replaced(out, "plane")
+        screen.tell_replaced(out, "plane")
         with (
-            bar_on(screen(stderr=True)) as bar,
-            budget_on(bar, "plane", interrupts, pieces) as budget,
+            screen.progress() as bar,
+            screen.budget_on(bar, "plane", interrupts, pieces) as budget,
         ):
             found, seen = _computed(map_, axes, crises, seen_on, budget, interrupts)
         _write(found, out)
         try:
-            show(*tables(found))
+            screen.show(*tables(found))
             _draw(found, seen, colours, out / file)
             names.append(file)
         except KeyboardInterrupt:  # the tables are there
             interrupts.append(True)
         gone = keep_record(out, "plane", names, asked)
     for sentence in filter(None, (found.left_out, seen.left_out if seen is not None else "")):
-        say(sentence)
-    tell_written(out, (*names, record_of("plane")), gone)
+        screen.say(sentence)
+    screen.tell_written(out, (*names, record_of("plane")), gone)
     if interrupts:
         without = "" if file in names else ", without the picture"
-        complain(f"Interrupted: what was finished is kept{without}")
-        raise typer.Exit(INTERRUPTED)
+        screen.complain(f"Interrupted: what was finished is kept{without}")
+        raise typer.Exit(screen.INTERRUPTED)
 
 
 def _computed(
@@ -165,18 +151,18 @@ def _draw(
 
 def tables(found: ParameterPlane) -> Iterator[Table]:
     """Curves and points for a person."""
-    from rich.table import Table
-
     from pwmap.plane.tables import doubles
 
-    curves = Table("curve", "what", "cycles", "zero on it", "ends", title="Curves")
-    for curve in found.curves:
-        what = f"{curve.kind.label}{', ' * bool(curve.note)}{curve.note}"
-        ends = " and ".join(filter(None, curve.ends))
-        curves.add_row(curve.id, what, " ".join(curve.words), str(curve.polynomial), ends)
-    yield curves
-    points = Table("point", "what", str(found.across), str(found.along), "curves", title="Points")
-    for point in found.points:
-        values = (f"{value:.12g}" for value in doubles(point))
-        points.add_row(point.id, point.kind.label, *values, " ".join(point.curves))
-    yield points
+    curves = (
+        (curve.id, f"{curve.kind.label}{', ' * bool(curve.note)}{curve.note}",
+         " ".join(curve.words), str(curve.polynomial), " and ".join(filter(None, curve.ends)))
+        for curve in found.curves
+    )  # fmt: skip
+    yield screen.table(("curve", "what", "cycles", "zero on it", "ends"), curves, "Curves")
+    points = (
+        (point.id, point.kind.label, *(f"{value:.12g}" for value in doubles(point)),
+         " ".join(point.curves))
+        for point in found.points
+    )  # fmt: skip
+    header = ("point", "what", str(found.across), str(found.along), "curves")
+    yield screen.table(header, points, "Points")

@@ -16,10 +16,11 @@ from contextvars import ContextVar
 from enum import StrEnum
 from importlib import import_module
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 from rich.console import Console
+from rich.markup import escape
 
 from pwmap.diagrams.files import PictureFormat
 from pwmap.maps.budget import BUDGET, Advance, Budget
@@ -28,7 +29,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress
     from rich.table import Table
 
-INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C has ended
+INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C or SIGTERM has ended
 WIDE = 100_000  # characters of a line that nothing breaks
 FILES = {".png", ".pdf", ".svg", ".gif", ".mp4", ".avi", ".mov", ".csv", ".json", ".txt"}
 COLUMNS = "COLUMNS"  # the variable of an environment that says how wide lines are
@@ -58,6 +59,11 @@ TableFormat = Annotated[
     typer.Option("--format", help="csv or json for the tables on stdout; sentences go to stderr."),
 ]
 _tables: ContextVar[Format | None] = ContextVar("_tables", default=None)
+
+
+def option(text: str, *names: str, **keywords: Any) -> Any:
+    """An option with its help, in which ``[rad]`` is a unit and no markup."""
+    return typer.Option(*names, help=escape(text), **keywords)
 
 
 def picture_format(asked: Iterable[Format] | None) -> PictureFormat:
@@ -114,10 +120,21 @@ def complain(sentence: str) -> None:
     screen(stderr=True).print(sentence, style="red", highlight=False, soft_wrap=True)
 
 
-def bar_on(console: Console) -> Progress:
+def table(columns: Iterable[str], rows: Iterable[Iterable[str]], title: str | None = None) -> Table:
+    """A table for people, of text."""
+    from rich.table import Table
+
+    found = Table(*columns, title=title)
+    for row in rows:
+        found.add_row(*row)
+    return found
+
+
+def progress() -> Progress:
     """A progress bar that leaves nothing behind, and shows only on a terminal."""
     from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+    console = screen(stderr=True)
     return Progress(
         TextColumn("{task.description}", markup=False), BarColumn(), TimeElapsedColumn(),
         console=console, transient=True, disable=not console.is_terminal,

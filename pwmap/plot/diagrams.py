@@ -36,7 +36,7 @@ from pwmap.diagrams.data import (
 )
 from pwmap.diagrams.diagram import Diagram
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_values
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, styled
 from pwmap.plot.labels import LabelledCurve, Labels, Name
 from pwmap.plot.palette import named as period_named
 from pwmap.plot.palette import of_period
@@ -131,7 +131,7 @@ def plot_diagram(
     if words:
         marks = ax.scatter(*_word_changes(diagram), s=9, marker=".", zorder=4, color=WORD)
         shown["word change"] = [marks]
-    styled(shown, styles, (*_STYLES, *(kind.label for kind in PointKind), "bands", "word change"))
+    styled(shown, styles, (*STYLES, *(kind.label for kind in PointKind), "bands", "word change"))
     place_legend(ax, shown, legend, order_samples(diagram, shown, styles, stable_only))
     return Drawn((ax,), shown)
 
@@ -161,7 +161,7 @@ def order_samples(
         return []
     lines = [
         Line2D([], [], **{**style, "color": INK, **(styles or {}).get(label, {})}, label=label)
-        for label, style in _STYLES.items()
+        for label, style in STYLES.items()
         if label in shown
     ]
     drawn = sorted({b.order for b in diagram.branches if b.stable.any() or not stable_only})
@@ -197,12 +197,17 @@ def draw_branches(
     lines: Artists = {}
     ranks = ranks_of(diagram)
     for curve in curves:
-        style = dict(_STYLES[curve.label], color=_colour(curve, len(ranks) > 1))
-        if len(ranks) > 1:
+        style = dict(STYLES[curve.label])
+        if len(ranks) > 1:  # that of its period; if all is of one period, only of what is stable
+            style["color"] = of_period(curve.order)
             style["linewidth"] *= width_of(ranks[curve.order])
+        elif curve.label == "stable":
+            style["color"] = of_period(curve.order)
         add(lines, {curve.label: ax.plot(curve.p, curve.x, solid_capstyle="round", **style)})
-    shown |= {label: lines[label] for label in _STYLES if label in lines}
-    near = _ends_of(curves) if stable_only else {point.id for point in diagram.points}
+    shown |= {label: lines[label] for label in STYLES if label in lines}
+    near = {end for curve in curves for end in curve.ends}
+    if not stable_only:
+        near = {point.id for point in diagram.points}
     marked: list[SpecialPoint] = []
     if isinstance(kinds, str) or not isinstance(kinds, Iterable):
         raise TypeError(f"kinds must be several kinds such as (PointKind.BC,), got {shown_(kinds)}")
@@ -227,14 +232,8 @@ def draw_branches(
     check_mapping("branches", written, "{'F1': 'stable'}")
     on = [(text, diagram.branch(name)) for name, text in written.items()]
     shown[NAMES] = [_labels(ax, curves, marked, named, labels, on)]
-    ax.set_xlabel(axis_label(diagram.parameter_name))
-    ax.set_ylabel(axis_label(diagram.x_name))
-    ax.grid(alpha=0.25, linewidth=0.5)
+    framed(ax, axis_label(diagram.parameter_name), axis_label(diagram.x_name))
     return shown
-
-
-def _ends_of(curves: Iterable[_Curve]) -> set[str]:
-    return {end for curve in curves for end in curve.ends}
 
 
 def _labels(
@@ -247,35 +246,23 @@ def _labels(
         told = []
     written = {p.id: p for p in (*named, *told)} if labels is not False else {}
     iterated = any(curve.order > 1 for curve in curves) and not on
-    found = Labels(
-        [
-            Name(p.name or p.id, float(p.parameter), float(p.x), bool(p.name or labels))
-            for p in written.values()
-        ],
-        [
-            *(LabelledCurve(text, b.parameter, b.x, INK, 0.0) for text, b in on),
-            *(
-                LabelledCurve(f"$P_{{{c.order}}}$" if iterated else "", c.p, c.x, INK)
-                for c in curves
-            ),
-        ],
-        [(float(p.parameter), float(p.x)) for p in marked],
-    )
+    names = [
+        Name(p.name or p.id, float(p.parameter), float(p.x), bool(p.name or labels))
+        for p in written.values()
+    ]
+    lines = [LabelledCurve(text, b.parameter, b.x, INK, 0.0) for text, b in on]
+    texts = [f"$P_{{{c.order}}}$" if iterated else "" for c in curves]
+    lines += [LabelledCurve(text, c.p, c.x, INK) for text, c in zip(texts, curves, strict=True)]
+    found = Labels(names, lines, [(float(p.parameter), float(p.x)) for p in marked])
     ax.add_artist(found)
     return found
 
 
-_STYLES: dict[str, dict[str, Any]] = {
+STYLES: dict[str, dict[str, Any]] = {
     "stable": {"color": STABLE, "linestyle": "-", "linewidth": 1.6},
     "unstable": {"color": UNSTABLE, "linestyle": (0, (4, 1.5)), "linewidth": 1.2},
     "jump crossing": {"color": JUMP, "linestyle": (0, (1, 1.3)), "linewidth": 1.4},
 }
-
-
-def _colour(curve: _Curve, several: bool) -> str:
-    """That of its period; if all is of one period, only of what is stable."""
-    own: str = _STYLES[curve.label]["color"]
-    return of_period(curve.order) if several or curve.label == "stable" else own
 
 
 def _word_changes(diagram: Diagram) -> tuple[list[float], list[float]]:
@@ -293,12 +280,12 @@ def _curves(diagram: Diagram) -> list[_Curve]:
     for branch in diagram.branches:
         parts = stretches(branch) if branch.kind is not BranchKind.BAND else []
         for k, (label, stretch) in enumerate(parts):
+            first, last = branch.ends
             ends = (
-                branch.ends[0] if k == 0 else f"{branch.id}:{k}",
-                branch.ends[1] if k == len(parts) - 1 else f"{branch.id}:{k + 1}",
-            )
-            p, x = branch.parameter[stretch], branch.x[stretch]
-            new = _Curve(label, branch.order, ends, p, x)
+                first if k == 0 else f"{branch.id}:{k}",
+                last if k == len(parts) - 1 else f"{branch.id}:{k + 1}",
+            )  # fmt: skip
+            new = _Curve(label, branch.order, ends, branch.parameter[stretch], branch.x[stretch])
             # a dash pattern starts anew with each: short branches would look solid
             for known in [c for c in curves if c[:2] == new[:2] and set(c.ends) & set(ends)]:
                 joined = known.joined(new)
@@ -326,13 +313,8 @@ class _Curve(NamedTuple):
         for first in (self, self.turned()):
             for second in (other, other.turned()):
                 if first.ends[1] == second.ends[0]:
-                    return _Curve(
-                        self.label,
-                        self.order,
-                        (first.ends[0], second.ends[1]),
-                        np.concatenate([first.p, second.p]),
-                        np.concatenate([first.x, second.x]),
-                    )
+                    p, x = np.append(first.p, second.p), np.append(first.x, second.x)
+                    return self._replace(ends=(first.ends[0], second.ends[1]), p=p, x=x)
         return None
 
 
@@ -434,9 +416,8 @@ def plot_map(
         )
         add(shown, {f"{name} fixed point": marker})
     ax.set_xlim(low, high)
-    ax.set_xlabel(f"${sympy.latex(map_.x)}$")
-    ax.set_ylabel(f"$P_{{{map_.order}}}({sympy.latex(map_.x)})$")
-    ax.grid(alpha=0.25, linewidth=0.5)
+    x_name = sympy.latex(map_.x)
+    framed(ax, f"${x_name}$", f"$P_{{{map_.order}}}({x_name})$")
     styled(shown, styles, ("jump crossing", "stable fixed point", "unstable fixed point"))
     explained = {name: each for name, each in shown.items() if name not in PLAIN}
     place_legend(ax, explained, legend, _ENDS if shown["ends"] else ())

@@ -53,6 +53,12 @@ def axes_for(ax: Axes | None, width: float, height: float) -> Axes:
     return ax
 
 
+def framed(ax: Axes, x: str, y: str) -> None:
+    """Name both axes, and draw a grid."""
+    ax.set(xlabel=x, ylabel=y)
+    ax.grid(alpha=0.25, linewidth=0.5)
+
+
 def given_axes(axes: Sequence[Axes], count: int) -> list[Axes]:
     """Several axes that are given, as a list."""
     found = list(axes) if isinstance(axes, Iterable) else [axes]

@@ -38,7 +38,8 @@ EDGE = 2.0  # between a name and the frame [pt]
 CLEAR = 2.0  # between two names [pt]
 STEP = 4.0  # between places of a curve that are kept free [pt]
 OUTSIDE = 1000.0  # cost of a name that the frame cuts off
-COSTS = {"names": 100.0, "lines": 40.0, "markers": 12.0, "curves": 1.0}  # of covering one of each
+COSTS = {"names": 100.0, "markers": 12.0, "curves": 1.0}  # of covering one of each
+WORSE = 40.0  # what costs so much covers a name, or several markers: it chooses first the next time
 SAME = 1.0  # px: distances that differ by less are the same
 STRANGE = 10.0  # cost of standing closer to another point than to its own
 FARTHER = 0.06  # what a point of distance costs: curves may be crossed for a while before
@@ -103,13 +104,12 @@ class Labels(Artist):
         """Look for places and write the names there."""
         if self.axes is None or not self.get_visible():
             return
+        self.placed, self.leads = [], []
         room = _TakenRoom(self, renderer)
-        self.placed = []
         for curve in sorted(self.curves, key=lambda each: -_length(room.seen(each))):
             if curve.text:
                 room.write_on(curve)
         room.write_beside([name for name in self.names if name.always or room.for_all])
-        self.placed, self.leads = room.placed, room.leads
 
 
 class _TakenRoom:
@@ -124,12 +124,10 @@ class _TakenRoom:
         curves = [_spaced(self.seen(curve), STEP * self.pt) for curve in labels.curves]
         self.on_curves: Floats = np.concatenate([np.empty((0, 2)), *curves])
         self.markers: Floats = self.to_pixels(labels.markers)
-        self.placed: list[tuple[str, Bbox]] = []
-        self.leads: list[tuple[int, Floats, Floats]] = []
-        legend = axes.get_legend()
-        there = [legend] if legend is not None else []
-        there += [text for text in axes.texts if text.get_visible()]  # by others than names
-        self.legend = [each.get_window_extent(renderer) for each in there]
+        self.placed, self.leads = labels.placed, labels.leads
+        there = [axes.get_legend(), *(text for text in axes.texts if text.get_visible())]
+        # by others than names
+        self.legend = [each.get_window_extent(renderer) for each in there if each is not None]
         optional = [name for name in labels.names if not name.always and self._shows(name)]
         inches = self.frame.width * self.frame.height / float(axes.figure.dpi) ** 2
         self.for_all = len(optional) <= DENSEST * inches
@@ -209,14 +207,19 @@ class _TakenRoom:
 
     def _strange(self, boxes: Floats, own: Floats) -> npt.NDArray[np.bool_]:
         """Whether labels stand closer to another point than to their own."""
-        apart = np.hypot(*(self.markers[:, None] - own).T).min(axis=0)
-        others = self.markers[apart > SAME_PLACE * self.pt]
+        others = self._others(own, SAME_PLACE)
         if not len(others):
             return np.zeros(len(boxes), dtype=bool)
         near: npt.NDArray[np.bool_] = (
             _distances(boxes, others).min(axis=1) < _distances(boxes, own).min(axis=1) + SAME
         )
         return near
+
+    def _others(self, own: Floats, near: float) -> Floats:
+        """Markers that are farther than that [pt] from all points of a label."""
+        apart = np.hypot(*(self.markers[:, None] - own).T).min(axis=0)
+        found: Floats = self.markers[apart > near * self.pt]
+        return found
 
     def _covered(self, boxes: Floats, lines: Floats, own: Floats) -> Floats:
         """What labels at some places would cost besides their distance."""
@@ -227,8 +230,7 @@ class _TakenRoom:
         taken = np.vstack([legends, _padded(written, CLEAR * self.pt)])
         overlaps = _overlap(boxes[:, None], taken).sum(axis=1)
         overlaps = overlaps + _strike(lines[:, None], taken).sum(axis=1)
-        apart = np.hypot(*(self.markers[:, None] - own).T).min(axis=0)
-        others = self.markers[apart > SHARED * self.pt]
+        others = self._others(own, SHARED)
         struck = np.hypot(*(lines[:, :, None] - others).T) < 0.6 * MARKER * self.pt
         markers = _inside(boxes, self.markers, MARKER * self.pt) + struck.any(axis=1).sum(axis=0)
         reach = boxes[:, :2].min(axis=0), boxes[:, 2:].max(axis=0)
@@ -279,7 +281,7 @@ def _chosen(labels: Sequence[_Places]) -> list[int]:
         costs = [_cost(labels, chosen, k)[chosen[k]] for k in range(len(labels))]
         if sum(costs) < least:
             best, least = [chosen[k] for k in range(len(labels))], sum(costs)
-        worse = [k for k in order if costs[k] >= COSTS["lines"]]
+        worse = [k for k in order if costs[k] >= WORSE]
         if not worse:
             break
         # those that cover something choose first the next time
@@ -318,23 +320,7 @@ def _beside(label: _Places, other: _Places, place: int) -> Floats:
         + _strike(np.broadcast_to(line, label.lines.shape), label.boxes)
     )
     cost: Floats = COSTS["names"] * names
-    if other.led[place]:
-        cross = _cross(label.point, label.lines[:, -1], other.point, line[-1])
-        cost = cost + COSTS["lines"] * (cross & label.led)
     return cost
-
-
-def _cross(a: Floats, ends: Floats, c: Floats, d: Floats) -> npt.NDArray[np.bool_]:
-    """Whether the ways from a to some ends (n, 2) cross that from c to d."""
-
-    def side(p: Floats, q: Floats, r: Floats) -> Floats:
-        turned: Floats = (q - p)[..., 0] * (r - p)[..., 1] - (q - p)[..., 1] * (r - p)[..., 0]
-        return turned
-
-    crossed: npt.NDArray[np.bool_] = np.logical_and(
-        side(a, ends, c) * side(a, ends, d) < 0.0, side(c, d, a) * side(c, d, ends) < 0.0
-    )
-    return crossed
 
 
 def _together(names: Sequence[str]) -> str:

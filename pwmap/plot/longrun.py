@@ -31,12 +31,13 @@ from pwmap.plot.diagrams import (
     BAND,
     MARKERS,
     STABLE,
+    STYLES,
     axis_label,
     draw_branches,
     legend_entries,
     order_samples,
 )
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, below, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, below, framed, styled
 from pwmap.plot.palette import PERIODS, named, of_period
 
 STEP, POINTS, CRISIS = STABLE, "#c6dbef", "#cb181d"
@@ -58,14 +59,9 @@ SHADES = (  # of bands, by how many attractors lie below theirs
 )  # fmt: skip
 FAR = 1e3  # what is infinite is drawn up to there
 KNOWN = (
-    "stable",
-    "unstable",
-    "jump crossing",
-    *(name for name, _ in SHADES),
-    NEUTRAL,
-    *(named(k + 1) for k in range(len(PERIODS))),
+    *STYLES, *(name for name, _ in SHADES), NEUTRAL, *(named(k + 1) for k in range(len(PERIODS))),
     *(k.label for k in PointKind),
-)
+)  # fmt: skip
 MARGIN = 0.12  # beyond bands, attracting cycles and crises, of their extent
 INSIDE = 0.93  # of the interval of the parameter; beyond, labels stand to the left
 BINS = 120  # of histograms
@@ -128,9 +124,7 @@ def plot_long_run(
     shown = _draw_attractors(found, map_, ax, steps) | _draw_crises(found, map_, ax)
     inner = ax.dataLim.frozen()
     every = draw_branches(diagram, ax, [k for k in MARKERS if k is not PointKind.EP], labels=labels)
-    for name in (
-        shown.keys() & every.keys()
-    ):  # a crisis that is marked as a point of the diagram too
+    for name in shown.keys() & every.keys():  # a crisis that is a point of the diagram too
         every[name], shown[name] = [*shown[name], *every[name]], []
     add(every, shown)
     _window(ax, found, inner)
@@ -181,8 +175,7 @@ def plot_attractors(
     ax = axes_for(ax, 7.0, 4.6)
     shown = _draw_attractors(found, map_, ax, steps) | _draw_crises(found, map_, ax)
     _window(ax, found, ax.dataLim.frozen())
-    ax.set_xlabel(axis_label(str(found.parameter)))
-    ax.set_ylabel(axis_label(str(map_.x)))
+    ax.set(xlabel=axis_label(str(found.parameter)), ylabel=axis_label(str(map_.x)))
     styled(shown, styles, KNOWN)
     if shown:
         _legend_below(ax, shown)
@@ -362,7 +355,8 @@ def plot_kneading(
     styled(shown, styles, (*letters, "frames", "texts"))
     ax.set_xlim(-0.1, steps + 0.1)
     ax.set_ylim(len(rows) - 0.42, -0.58)
-    ax.set_yticks(range(len(rows)), [_side(row) for row in rows])
+    sides = [f"${_written(row.x)}^{'-' if row.side < 0 else '+'}$" for row in rows]
+    ax.set_yticks(range(len(rows)), sides)
     ax.set_xticks([k + 0.5 for k in range(0, steps, 4)], [str(k) for k in range(0, steps, 4)])
     ax.set_xlabel("step")
     ax.tick_params(length=0)
@@ -371,20 +365,14 @@ def plot_kneading(
     return Drawn((ax,), shown)
 
 
-def _side(row: Kneading) -> str:
-    return f"${_written(row.x)}^{'-' if row.side < 0 else '+'}$"
-
-
 def _draw_row(ax: Axes, number: int, row: Kneading, steps: int, colors: dict[str, str]) -> Artists:
     shown: Artists = {"frames": [], "texts": []}
     known, start = len(row.letters), len(row.letters) - row.repeating
     for step in range(steps if row.repeating else min(steps, known)):
         repeated = step >= known
         letter = row.letters[start + (step - start) % row.repeating if repeated else step]
-        place = (step, number - 0.4)
-        face = colors[letter]
-        patch = Rectangle(place, 1.0, 0.8, facecolor=face, edgecolor="white", linewidth=0.8,
-                          alpha=0.4 if repeated else 1.0)  # fmt: skip
+        look: dict[str, Any] = {"facecolor": colors[letter], "alpha": 0.4 if repeated else 1.0}
+        patch = Rectangle((step, number - 0.4), 1.0, 0.8, edgecolor="white", linewidth=0.8, **look)
         add(shown, {letter: [ax.add_patch(patch)]})
         shown["texts"].append(ax.text(
             step + 0.5, number, letter, ha="center", va="center", fontsize=7,
@@ -460,15 +448,9 @@ def plot_entropy(
     over = [float(p) for p in places]
     lows, highs = [e.low for e in found], [e.high for e in found]
     area = ax.vlines(over, lows, highs, color=POINTS, linewidth=2.4)  # nothing is known between
-    style: dict[str, Any] = {
-        "color": STEP,
-        "linestyle": "none",
-        "marker": ".",
-        "markersize": 2.5,
-        "mew": 0.0,
-    }
-    (line,) = ax.plot(over, lows, **style)
-    (upper,) = ax.plot(over, highs, **style)
+    dots: dict[str, Any] = {"color": STEP, "markersize": 2.5, "mew": 0.0}
+    (line,) = ax.plot(over, lows, ".", **dots)
+    (upper,) = ax.plot(over, highs, ".", **dots)
     drawn: Artists = {"between": [area], "bounds": [line, upper], "constant": []}
     widest = max(high - low for low, high in zip(lows, highs, strict=True))
     known = intervals if intervals is not None else constant_entropy(map_, parameter, span)
@@ -483,9 +465,7 @@ def plot_entropy(
         drawn["constant"].append(pieces)
     ax.set_xlim(float(low), float(high))
     ax.set_ylim(bottom=0.0)
-    ax.set_xlabel(axis_label(parameter))
-    ax.grid(alpha=0.25, linewidth=0.5)
-    ax.set_ylabel("topological entropy")
+    framed(ax, axis_label(parameter), "topological entropy")
     label = f"between bounds, at most {widest:.1g} apart" if widest else "exact"
     shown.insert(0, ((area, line), label))
     styled(drawn, styles)
@@ -539,19 +519,16 @@ def plot_density(
         ends = to_double(density.places[0]), to_double(density.places[-1])
         label = "" if number else f"orbits, {points:,} points"
         sample = _orbits(found, attractor, points)
-        bars: Any = ax.hist(sample, bins=BINS, range=ends, density=True, color=POINTS, label=label)[
-            2
-        ]
+        style: dict[str, Any] = {"bins": BINS, "range": ends, "density": True, "color": POINTS}
+        bars: Any = ax.hist(sample, label=label, **style)[2]
         heights = [to_double(v) if density.exact else float(v.mid) for v in density.values]
         label = "density, exact"
         if not density.exact:
             label = f"density, error below {density.error:.0e}"
         steps = ax.stairs(heights, [to_double(x) for x in density.places], color=STEP,
                           linewidth=1.1, baseline=None, label=label)  # fmt: skip
-        add(shown, {"orbits": bars.patches, "densities": [steps]})
-    ax.set_xlabel("x")
-    ax.set_ylabel("density")
-    ax.grid(alpha=0.25, linewidth=0.5)
+        add(shown, {"orbits": [*bars], "densities": [steps]})
+    framed(ax, "x", "density")
     ax.set_axisbelow(True)
     ax.set_ylim(bottom=0.0)
     styled(shown, styles)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
@@ -86,11 +86,10 @@ def plot_plane(
     samples = checked_count(samples, "samples")
     ax = axes_for(ax, 6.0, 6.2)
     if raster is None:
-        patches = _cells(ax, plane, samples)
-        title = "attracting periods"
+        title, patches = "attracting periods", _cells(ax, plane, samples)
     else:
-        patches = _SCHEMES[colours](ax, plane, raster)
-        title = _TITLES[colours]
+        title, draw = _SCHEMES[colours]
+        patches = draw(ax, raster)
     low, high = map(to_float, plane.across_span)
     step = (high - low) / samples
     shown: Artists = {}
@@ -103,10 +102,10 @@ def plot_plane(
         add(shown, {POINTS: mark})
     names = [kind.label for kind in LINES]
     styled(shown, styles, (*names, POINTS))
-    ax.set_xlabel(axis_label(str(plane.across)))
-    ax.set_ylabel(axis_label(str(plane.along)))
-    ax.set_xlim(low, high)
-    ax.set_ylim(*map(to_float, plane.along_span))
+    ax.set(
+        xlabel=axis_label(str(plane.across)), ylabel=axis_label(str(plane.along)),
+        xlim=(low, high), ylim=(*map(to_float, plane.along_span),),
+    )  # fmt: skip
     shown[NAMES] = [_named(ax, plane, step)]
     drawn = [name for name in (*names, POINTS) if name in shown]
     handles = [*patches, *(shown[name][0] for name in drawn)]
@@ -138,9 +137,8 @@ def _named(ax: Axes, plane: ParameterPlane, step: float) -> Labels:
         longest = max(range(len(arcs)), key=lambda k: len(arcs[k][0]), default=0)
         color = LINES[curve.kind]["color"]
         for k, (across, along) in enumerate(arcs):
-            curves.append(
-                LabelledCurve(curve.id if k == longest else "", across, along, color, 0.0)
-            )
+            text = curve.id if k == longest else ""
+            curves.append(LabelledCurve(text, across, along, color, 0.0))
     points = [Name(point.id, *doubles(point), always=False) for point in plane.points]
     labels = Labels(points, curves)
     ax.add_artist(labels)
@@ -163,9 +161,10 @@ def _cells(ax: Axes, plane: ParameterPlane, samples: int) -> list[Patch]:
             found.add(periods)
             ax.fill_between(across, lower, upper, **_face(periods))
     return [
-        Patch(**_face(key) | ({} if key else {"edgecolor": FRAME}), label=_periods_label(key))
+        Patch(**_face(key) | ({} if key else {"edgecolor": FRAME}),
+              label=f"period {' and '.join(map(str, key))}" if key else "none found")
         for key in sorted(found)
-    ]
+    ]  # fmt: skip
 
 
 def _face(periods: tuple[int, ...]) -> dict[str, Any]:
@@ -186,28 +185,20 @@ def _borders(strip: Strip, count: int) -> tuple[FloatArray, list[FloatArray]]:
     ]
 
 
-def _periods_label(periods: tuple[int, ...]) -> str:
-    listed = " and ".join(map(str, periods))
-    return f"period {listed}" if listed else "none found"
+def _corners(raster: PlaneRaster) -> Iterator[FloatArray]:
+    for axis in (raster.across, raster.along):
+        middles = np.array(list(map(to_float, axis)))
+        half = 0.5 * (middles[1] - middles[0]) if len(middles) > 1 else 0.5
+        yield np.append(middles - half, middles[-1] + half)
 
 
-def _corners(raster: PlaneRaster) -> tuple[FloatArray, FloatArray]:
-    across, along = (np.array(list(map(to_float, each))) for each in (raster.across, raster.along))
-    return _ends(across), _ends(along)
-
-
-def _ends(middles: FloatArray) -> FloatArray:
-    half = 0.5 * (middles[1] - middles[0]) if len(middles) > 1 else 0.5
-    return np.append(middles - half, middles[-1] + half)
-
-
-def _periods(ax: Axes, plane: ParameterPlane, raster: PlaneRaster) -> list[Patch]:
+def _periods(ax: Axes, raster: PlaneRaster) -> list[Patch]:
     """The shortest period that attracts; where bands do, and no cycle, grey."""
     numbers = np.where(raster.periods > 0, raster.periods + 1, np.where(raster.bands > 0, 1, 0))
     return _listed(ax, raster, numbers, ("none known", "bands"), "period {}", 2)
 
 
-def _bands(ax: Axes, plane: ParameterPlane, raster: PlaneRaster) -> list[Patch]:
+def _bands(ax: Axes, raster: PlaneRaster) -> list[Patch]:
     numbers = np.where(raster.bands > 0, raster.bands + 1, np.where(raster.periods > 0, 1, 0))
     return _listed(ax, raster, numbers, ("none known", "cycles only"), "{} bands", 2)
 
@@ -233,7 +224,7 @@ def _listed(
     return patches
 
 
-def _entropy(ax: Axes, plane: ParameterPlane, raster: PlaneRaster) -> list[Patch]:
+def _entropy(ax: Axes, raster: PlaneRaster) -> list[Patch]:
     mesh = ax.pcolormesh(*_corners(raster), raster.entropy, cmap="YlGnBu", vmin=0.0,
                          rasterized=True)  # fmt: skip
     bar = ax.figure.colorbar(mesh, ax=ax, pad=0.02, aspect=30)
@@ -242,13 +233,8 @@ def _entropy(ax: Axes, plane: ParameterPlane, raster: PlaneRaster) -> list[Patch
     return []
 
 
-_SCHEMES: dict[Colours, Callable[[Axes, ParameterPlane, PlaneRaster], list[Patch]]] = {
-    Colours.PERIOD: _periods,
-    Colours.ENTROPY: _entropy,
-    Colours.BANDS: _bands,
-}
-_TITLES = {
-    Colours.PERIOD: "what attracts",
-    Colours.ENTROPY: "",
-    Colours.BANDS: "chaotic attractors",
+_SCHEMES: dict[Colours, tuple[str, Callable[[Axes, PlaneRaster], list[Patch]]]] = {
+    Colours.PERIOD: ("what attracts", _periods),
+    Colours.ENTROPY: ("", _entropy),
+    Colours.BANDS: ("chaotic attractors", _bands),
 }

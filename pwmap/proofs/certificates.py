@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from fractions import Fraction
-from itertools import pairwise
+from itertools import groupby, pairwise
 from typing import Any, NoReturn
 
 import sympy
@@ -278,18 +278,12 @@ def _at_edge(row: Row, read: branches.ClaimedDiagram, place: int) -> Row:
 
 def _runs(rows: Mapping[int, Row]) -> list[list[int]]:
     """Places in a row at which rows say the same of slope and stability."""
-    found: list[list[int]] = []
-    for place in sorted(rows):
-        row, before = rows[place], rows.get(place - 1)
-        says, said = (
-            None if each is None else (each.get("slope") is None, each.get("stable"))
-            for each in (row, before)
-        )
-        if says == said:
-            found[-1].append(place)
-        else:
-            found.append([place])
-    return found
+    said = [
+        (place - k, rows[place].get("slope") is None, rows[place].get("stable"))
+        for k, place in enumerate(sorted(rows))
+    ]
+    runs = groupby(zip(sorted(rows), said, strict=True), key=lambda each: each[1])
+    return [[place for place, _ in run] for _, run in runs]
 
 
 class _DiagramWriter:

@@ -40,7 +40,7 @@ def first_return_enclosed(toy: Toy, phi_s: float, bits: int) -> Enclosed:
     with precision(bits):
         here = arb(start.numerator) / start.denominator
         try:
-            (way,) = follow(BallToy.of(toy), Frame(arb(0), arb(0)), [here])
+            (way,) = follow(BallToy(toy), Frame(arb(0), arb(0)), [here])
         except NotProved as reason:
             raise LostError(f"undecided: {reason}") from reason
         image = way.image.box

@@ -2,25 +2,20 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
-from collections.abc import Mapping, Sequence
-from decimal import ROUND_CEILING, Decimal
-from decimal import Context as Decimals
+from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction
 from operator import gt
 from pathlib import Path
 from typing import Any
 
-from woodpecker.checking.forms import Box, F
-from woodpecker.checking.intervals import Extent, I, NotSeparated, unit
+from woodpecker.checking.forms import F
+from woodpecker.checking.intervals import Box, I, NotSeparated, unit
 from woodpecker.checking.pieces import (
-    Interval,
     Rejected,
     ToyData,
     VerifiedPiece,
-    VerifiedReturn,
     check_both,
     claimed,
     hull,
@@ -29,7 +24,7 @@ from woodpecker.checking.pieces import (
     value_at,
     verified,
 )
-from woodpecker.checking.toy import NAMES, PAPER
+from woodpecker.checking.sentences import seal_of, statement_of
 
 FORMAT, VERSION = "certificate of the Woodpecker Toy", 1
 LONGEST = 50_000_000  # characters of a file
@@ -79,21 +74,19 @@ def _checked(content: Any) -> str:
         raise Rejected("a certificate is an object with named entries")
     if content.get("format") != FORMAT or content.get("version") != VERSION:
         raise Rejected(f"the format must be {FORMAT!r}, version {VERSION}")
-    rest = {key: value for key, value in content.items() if key != "seal"}
-    text = json.dumps(rest, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
-    if content.get("seal") != hashlib.sha256(text.encode("ascii")).hexdigest():
+    if content.get("seal") != seal_of(content):
         raise Rejected("the seal is broken: something was changed after the proof was written")
-    kinds = {"orbit": _orbit, "branch": _branch, "point": _point}
-    if content["kind"] not in kinds:
-        raise Rejected(f"kind must be one of {', '.join(kinds)}, got {content['kind']!r}")
+    if content["kind"] not in KINDS:
+        raise Rejected(f"kind must be one of {', '.join(KINDS)}, got {content['kind']!r}")
     digits = content["digits"]
     if not isinstance(digits, int) or not 20 <= digits <= 200:
         raise Rejected(f"digits must be a whole number from 20 to 200, got {digits!r}")
-    expected = {"format", "version", "kind", "statement", "digits", "toy", "law", "parameter"}
+    verify, names = KINDS[content["kind"]]
     with unit(int(digits * 3.33) + 30):
-        statement, keys = kinds[content["kind"]](content, ToyData(content))
-    if set(content) != expected | {"order", "seal"} | keys:
+        verify(content, ToyData(content))
+    if set(content) != ENTRIES | names:
         raise Rejected("the certificate has other entries than its kind needs")
+    statement = statement_of(content)
     if statement != content["statement"]:
         raise Rejected("the statement is another one than what is proved")
     return statement
@@ -106,7 +99,7 @@ def _stable(multiplier: I) -> bool | None:
     return False if beyond else None
 
 
-def _orbit(content: Mapping[str, Any], data: ToyData) -> tuple[str, set[str]]:
+def _orbit(content: Mapping[str, Any], data: ToyData) -> None:
     outer = VerifiedPiece(data, content["outer"], 1, False)
     inner = VerifiedPiece(data, content["inner"], 1, False)
     if inner.curves != outer.curves or any(map(gt, inner.radii, outer.radii)):
@@ -114,39 +107,15 @@ def _orbit(content: Mapping[str, Any], data: ToyData) -> tuple[str, set[str]]:
     claimed("the multiplier", inner.multiplier, content["multiplier"])
     period, drop = I.of(0), I.of(0)
     for ways in inner.returns:
-        period = period + hull([way.period.value for way in ways])
-        drop = drop + hull([way.drop.value for way in ways])
+        period = period + hull([way.time.value for way in ways])
+        drop = drop + hull([(-way.q[0]).value for way in ways])
     claimed("the period", period, content["period"])
     claimed("the drop", drop, content["drop"])
     if content["stable"] is not _stable(I.of(*interval(content["multiplier"]))):
         raise Rejected("stability is another one than the multiplier says")
-    stable = {True: "it is stable", False: "it is unstable", None: "its stability is open"}
-    what = "fixed point" if data.order == 1 else f"cycle of {data.order} points"
-    points = content["inner"]["points"]
-    where = ", ".join(f"{p['curve'][0]} within {p['radius']}" for p in points)
-    radius = ", ".join(p["radius"] for p in content["outer"]["points"])
-    words = " | ".join(" or ".join(way["word"] for way in p["ways"]) for p in points)
-    name = data.parameter
-    return (
-        f"{_head(data)} {name} = {content['toy'][name]} has exactly one {what} of the return map "
-        f"with phi_S at most {radius} from these places: {where}. Its word is {words}, its "
-        f"multiplier lies in {_ends(content['multiplier'])}, so {stable[content['stable']]}; its "
-        f"period lies in {_ends(content['period'])} s, its drop in {_ends(content['drop'])} m."
-    ), {"outer", "inner", "multiplier", "period", "drop", "stable"}
 
 
-def _head(data: ToyData) -> str:
-    named = {data.parameter, *(name for name in NAMES if data.values.get(name) == PAPER[name])}
-    others = [f"{name} = {data.texts[name]}" for name in NAMES if name not in named]
-    law = "; ".join([f"expansion friction {data.law}", *others])
-    return f"The Woodpecker Toy ({law}) with"
-
-
-def _ends(pair: Sequence[str]) -> str:
-    return f"[{pair[0]}, {pair[1]}]"
-
-
-def _branch(content: Mapping[str, Any], data: ToyData) -> tuple[str, set[str]]:
+def _branch(content: Mapping[str, Any], data: ToyData) -> None:
     terms, flips, texts = content["terms"], content["flips"], content["pieces"]
     if not isinstance(terms, int) or not 1 <= terms <= 30:
         raise Rejected(f"terms must be a whole number from 1 to 30, got {terms!r}")
@@ -155,30 +124,32 @@ def _branch(content: Mapping[str, Any], data: ToyData) -> tuple[str, set[str]]:
     places = [k for k in range(len(texts)) if k in flips]
     if not isinstance(flips, list) or flips != places or any(type(k) is not int for k in flips):
         raise Rejected("flips are numbers of pieces, each once, in ascending order")
-    gaps = [interval(gap) for gap in content["gaps"]]
-    open_, before, sides, joints = list(gaps), None, [], []
+    open_ = [interval(gap) for gap in content["gaps"]]
+    before: VerifiedPiece | None = None
+    sides, joints = list[int](), list[bool]()
     for k, text in enumerate(texts):
         claim = content["multiplier"][k]
-        piece = verified(data, text, terms, k in flips, claim)
-        claimed(f"the multiplier of piece {k}", piece.multiplier, claim)
-        if content["stable"][k] is not _stable(I.of(*interval(content["multiplier"][k]))):
+        parts = verified(data, text, terms, k in flips, claim)
+        multiplier = hull([part.multiplier for part in parts])
+        claimed(f"the multiplier of piece {k}", multiplier, claim)
+        if content["stable"][k] is not _stable(I.of(*interval(claim))):
             raise Rejected("stability is another one than the multiplier says")
         if k not in flips:
-            side = (piece.multiplier + I.of(1)).sign()
+            side = (multiplier + I.of(1)).sign()
             if not side:
                 raise NotSeparated("the multiplier may pass -1 outside the flips")
             sides.append(side)
-        elif piece.turn is None or not piece.turn.sign():
+        elif not hull([part.turn for part in parts if part.turn is not None]).sign():
             raise NotSeparated("the multiplier may not be monotone at a flip")
         else:
             sides.append(0)
         if before is not None:
-            joints.append(before.parameter(1) == piece.parameter(-1))
+            joints.append(before.parameter(1) == parts[0].parameter(-1))
             if joints[-1]:
-                _joined(before, piece, data.order)
-            elif not open_ or open_.pop(0) != (before.parameter(1), piece.parameter(-1)):
+                _joined(before, parts[0], data.order)
+            elif not open_ or open_.pop(0) != (before.parameter(1), parts[0].parameter(-1)):
                 raise Rejected("pieces do not join, and no gap says so")
-        before = piece
+        before = parts[-1]
     _flips_pass(sides, joints)
     if open_:
         raise Rejected("a gap lies between no pieces")
@@ -187,28 +158,6 @@ def _branch(content: Mapping[str, Any], data: ToyData) -> tuple[str, set[str]]:
     assert before is not None
     if (low, high) != (value_at([number(c) for c in line], -half), before.parameter(1)):
         raise Rejected("the pieces do not cover the span")
-    what = "one fixed point" if data.order == 1 else f"one cycle of {data.order} points"
-    count = {0: "no flip", 1: "exactly one flip"}.get(len(flips), f"exactly {len(flips)} flips")
-    return (
-        f"{_head(data)} {data.parameter} in {_ends(content['span'])} has, in each of {len(texts)} "
-        f"tubes, exactly {what} of the return map for each value: {_hangs_together(gaps)}, with "
-        f"{count}."
-    ), {"terms", "pieces", "multiplier", "stable", "flips", "gaps", "span"}
-
-
-def _hangs_together(gaps: Sequence[Interval]) -> str:
-    """How pieces between gaps belong together."""
-    if not gaps:
-        return "one branch, for the tubes join, without a gap"
-    total = sum((high - low for low, high in gaps), Fraction(0))
-    above = Decimals(prec=2, rounding=ROUND_CEILING)
-    length = above.divide(Decimal(total.numerator), Decimal(total.denominator))
-    many = "intervals" if len(gaps) > 1 else "interval"
-    return (
-        f"{len(gaps) + 1} stretches of tubes that join, and between them {len(gaps)} {many}, of a "
-        f"total length of at most {length}, in which nothing is said, nor whether the stretches "
-        "belong together"
-    )
 
 
 def _joined(before: VerifiedPiece, piece: VerifiedPiece, order: int) -> None:
@@ -226,16 +175,12 @@ def _flips_pass(sides: Sequence[int], joints: Sequence[bool]) -> None:
         if joins and sides[k] * sides[k + 1] == -1:
             raise NotSeparated("the multiplier passes -1 between two pieces")
     for k, side in enumerate(sides):
-        if side == 0 and not (
-            0 < k < len(sides) - 1
-            and joints[k - 1]
-            and joints[k]
-            and sides[k - 1] * sides[k + 1] == -1
-        ):
+        inside = 0 < k < len(sides) - 1 and joints[k - 1] and joints[k]
+        if side == 0 and not (inside and sides[k - 1] * sides[k + 1] == -1):
             raise NotSeparated("the multiplier does not pass -1 where a flip is claimed")
 
 
-def _point(content: Mapping[str, Any], data: ToyData) -> tuple[str, set[str]]:
+def _point(content: Mapping[str, Any], data: ToyData) -> None:
     centre, ways, own = content["centre"], content["ways"], content["own"]
     if (
         set(centre) != {"x", "p", "radius"}
@@ -247,18 +192,18 @@ def _point(content: Mapping[str, Any], data: ToyData) -> tuple[str, set[str]]:
     x, p, radius = number(centre["x"]), number(centre["p"]), number(centre["radius"])
     if radius <= 0:
         raise Rejected("a box has a positive radius")
-    box = Box(I.of(radius), Extent(radius, 2), 3)
-    returns = [VerifiedReturn(data, box, [p, Fraction(1)], [x], way) for way in ways]
+    box = Box(radius, 2, radius, 3)
+    returns = [data.returned(box, [p, Fraction(1)], [x], way) for way in ways]
     check_both(returns, ("meeting",))
-    image, border = returns[own].image, returns[0].forks[0].comparator
+    image, border = returns[own].q[2], returns[0].forks[0].comparator
     moved = _krawczyk(image, border, x, radius)
     found_x, found_p = I.of(x) + moved[0], I.of(p) + moved[1]
     claimed("phi_S", found_x, content["x"])
     claimed("the parameter", found_p, content["p"])
-    limit = returns[1 - own].image.value
+    limit = returns[1 - own].q[2].value
     claimed("the other limit", limit, content["limit"])
     for k in range(2):
-        claimed("a slope", returns[k].image.part((1, 0)), content["slopes"][k])
+        claimed("a slope", returns[k].q[2].part((1, 0)), content["slopes"][k])
     along = border.part((1, 0)).sign()
     slope = image.part((1, 0))
     moves = -(border.part((0, 1)) / border.part((1, 0)))
@@ -272,15 +217,6 @@ def _point(content: Mapping[str, Any], data: ToyData) -> tuple[str, set[str]]:
     code, note = ("FF" if fold and steep == 1 else "BC"), ("fold" if fold else "persistence")
     if (content["side"], content["code"], content["note"]) != (side, code, note):
         raise Rejected(f"the point is {code}, {note}, on side {side}")
-    name = {"FF": "fold-flip", "BC": "border collision"}[code]
-    mine, other = ways[own]["word"], ways[1 - own]["word"]
-    return (
-        f"{_head(data)} {data.parameter} in {_ends(content['p'])} has a {name} ({code}, {note}) at "
-        f"phi_S in {_ends(content['x'])}: the fixed point of the word {mine}, which is taken "
-        f"{'above' if side > 0 else 'below'} the border, meets the jump to the word {other}, whose "
-        f"limit lies in {_ends(content['limit'])}; the slopes there lie in "
-        f"{_ends(content['slopes'][own])} and {_ends(content['slopes'][1 - own])}."
-    ), {"centre", "ways", "own", "x", "p", "limit", "slopes", "side", "code", "note"}
 
 
 def _krawczyk(image: F, border: F, x: Fraction, radius: Fraction) -> tuple[I, I]:
@@ -306,3 +242,15 @@ def _krawczyk(image: F, border: F, x: Fraction, radius: Fraction) -> tuple[I, I]
             raise NotSeparated("the point could not be shown to lie in the box")
         found.append(total)
     return found[0], found[1]
+
+
+ENTRIES = {
+    "format", "version", "kind", "statement", "digits", "toy", "law", "parameter", "order", "seal",
+}  # fmt: skip
+KINDS: dict[str, tuple[Callable[[Mapping[str, Any], ToyData], None], set[str]]] = {
+    "orbit": (_orbit, {"outer", "inner", "multiplier", "period", "drop", "stable"}),
+    "branch": (_branch, {"terms", "pieces", "multiplier", "stable", "flips", "gaps", "span"}),
+    "point": (
+        _point, {"centre", "ways", "own", "x", "p", "limit", "slopes", "side", "code", "note"}
+    ),
+}  # fmt: skip

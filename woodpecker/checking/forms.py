@@ -9,19 +9,13 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from fractions import Fraction
 from functools import cached_property
+from typing import Any
 
 from woodpecker.checking import intervals
-from woodpecker.checking.intervals import Extent, I, T, inverse, inverse_factorial, through, wave
+from woodpecker.checking.intervals import Box, I, T, inverse, inverse_factorial, through, wave
 
 ORDERS: list[tuple[int, int]] = [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)]
 """Derivatives (in s, in tau), in the order in which a form lists them."""
-
-
-class Box:
-    """|s| <= radius and a span of tau; how many of the derivatives are carried."""
-
-    def __init__(self, radius: I, span: Extent, depth: int) -> None:
-        self.s, self.span, self.depth = radius.ball, span, depth
 
 
 class F:
@@ -80,19 +74,17 @@ def halves(n: int) -> tuple[int, int]:
 
 def constant(box: Box, x: I) -> F:
     """A number as a function."""
-    zero = T(box.span, [0])
+    zero = T(box, [0])
     return F(box, [zero.plus(x), *[zero] * (box.depth - 1)])
 
 
 def chain(f: F, on_curve: T, slope: T, bend: Callable[[], T]) -> F:
     """g(f) from g on the curve, and g' and g'' over the box."""
-    found = [on_curve]
-    for n in range(1, f.box.depth):
-        part = slope * f.parts[n]
-        if n > 2:
-            i, j = halves(n)
-            part = part + bend() * f.parts[i] * f.parts[j]
-        found.append(part)
+    found = [on_curve, *(slope * part for part in f.parts[1:])]
+    bent = bend() if len(found) > 3 else slope
+    for n in range(3, len(found)):
+        i, j = halves(n)
+        found[n] = found[n] + bent * f.parts[i] * f.parts[j]
     return F(f.box, found)
 
 
@@ -103,67 +95,56 @@ def over(f: F) -> F:
     return chain(f, inverse(f.parts[0]), -square, lambda: (square * whole).scaled(I.of(2)))
 
 
-def waves(kappa: I, t: F | I, box: Box) -> list[F | I]:
-    """s_0 .. s_4 at a time."""
-    if isinstance(t, I):
-        return list(wave(kappa, t)[:5])
-    curve, whole = _wave_models(kappa, t.parts[0]), _wave_models(kappa, t.all[0])
+Table = Callable[[int, int], Any]  # of functions: the k-th one, or its d-th derivative
+
+
+def applied(f: F, at: Callable[[I], Table], count: int) -> list[F]:
+    """Some functions of f, from what they and their derivatives are on intervals."""
+    curve, whole = _models(f.parts[0], at), _models(f.all[0], at)
     return [
-        chain(t, curve[k], whole[k - 1], lambda k=k: whole[k - 2])  # type: ignore[misc]
-        for k in range(5)
+        chain(f, curve(k, 0), whole(k, 1), lambda k=k: whole(k, 2))  # type: ignore[misc]
+        for k in range(count)
     ]
 
 
-def _wave_models(kappa: I, t: T) -> dict[int, T]:
-    """s_(-2) .. s_4, with s_(k-2) = kappa s_k for k < 2."""
-    n = t.span.terms
-    tables = []
-    for at in (t.first, t.range, t.poly):
-        s = dict(enumerate(wave(kappa, at)))
-        for k in range(-1, -4 - n, -1):
+def _models(f: T, at: Callable[[I], Table]) -> Table:
+    n = f.box.terms
+    thin, whole, head = (at(x) for x in (f.first, f.range, f.poly))
+
+    def model(k: int, d: int) -> T:
+        taylor = [thin(k, d + j) * inverse_factorial(j) for j in range(n)]
+        return through(f, taylor, whole(k, d + 1), head(k, d + n) * inverse_factorial(n))
+
+    return model
+
+
+def waves(kappa: I, t: F | I) -> list[F | I]:
+    """s_0 .. s_4 at a time."""
+    if isinstance(t, I):
+        return list(wave(kappa, t)[:5])
+    last = t.box.terms + 2
+
+    def at(x: I) -> Table:
+        """Derivatives of s_k are s_(k-1), and s_(k-2) = kappa s_k for k < 2."""
+        s = dict(enumerate(wave(kappa, x)))
+        for k in range(-1, -last - 1, -1):
             s[k] = kappa * s[k + 2]
-        tables.append(s)
-    thin, whole, head = tables
-    return {
-        k: through(
-            t,
-            [thin[k - j] * inverse_factorial(j) for j in range(n)],
-            whole[k - 1],
-            head[k - n] * inverse_factorial(n),
-        )
-        for k in range(-2, 5)
-    }
+        return lambda k, d: s[k - d]
+
+    return list(applied(t, at, 5))
 
 
 def shapes(x: F | I, last: int) -> list[F | I]:
     """c_0 .. c_last of x, c_k' = (c_(k+1) - k c_(k+2)) / 2."""
     if isinstance(x, I):
         return list(intervals.shapes(x, last))
-    n = x.box.span.terms
-    found: list[F | I] = []
-    curve, whole = x.parts[0], x.all[0]
-    on_curve = [_slopes(at, n + 1, last) for at in (curve.first, curve.range, curve.poly)]
-    over_box = [_slopes(at, n + 3, last) for at in (whole.first, whole.range, whole.poly)]
-    for k in range(last + 1):
-        models = [_shape_model(whole, over_box, k, d) for d in (1, 2)]
-        first = _shape_model(curve, on_curve, k, 0)
-        found.append(chain(x, first, models[0], lambda m=models[1]: m))  # type: ignore[misc]
-    return found
+    orders, half = x.box.terms + 3, I.of(Fraction(1, 2))
 
+    def at(x: I) -> Table:
+        rows = [intervals.shapes(x, last + 2 * orders)]
+        for _ in range(orders):
+            c = rows[-1]
+            rows.append([(c[k + 1] - I.of(k) * c[k + 2]) * half for k in range(len(c) - 2)])
+        return lambda k, d: rows[d][k]
 
-def _slopes(x: I, orders: int, last: int) -> list[list[I]]:
-    """c_k of an interval and so many derivatives."""
-    half = I.of(Fraction(1, 2))
-    rows = [intervals.shapes(x, last + 2 * orders)]
-    for _ in range(orders):
-        c = rows[-1]
-        rows.append([(c[k + 1] - I.of(k) * c[k + 2]) * half for k in range(len(c) - 2)])
-    return rows
-
-
-def _shape_model(x: T, tables: list[list[list[I]]], k: int, d: int) -> T:
-    """The d-th derivative of c_k of a Taylor model."""
-    n = x.span.terms
-    thin, whole, head = tables
-    taylor = [thin[d + j][k] * inverse_factorial(j) for j in range(n)]
-    return through(x, taylor, whole[d + 1][k], head[d + n][k] * inverse_factorial(n))
+    return list(applied(x, at, last + 1))

@@ -7,8 +7,8 @@ from fractions import Fraction
 from itertools import pairwise
 from typing import Any
 
-from woodpecker.checking.forms import Box, F, constant, halves, shapes, waves
-from woodpecker.checking.intervals import I, NotSeparated, T, inverse
+from woodpecker.checking.forms import F, constant, halves, shapes, waves
+from woodpecker.checking.intervals import Box, I, NotSeparated, T, inverse
 
 Guard = tuple[str, int]
 HALVINGS = 36
@@ -21,24 +21,57 @@ def named(guard: Guard) -> str:
     return kind if kind == "section" else f"{kind} {i + 1}"
 
 
+def combined(f: Sequence[Any], kappa: I, t: Any, order: int) -> F | I:
+    """A derivative of f0 + f1 t + f2 s_2 + f3 s_3."""
+    s: list[Any] = waves(kappa, t)
+    first, second = (s[k] if k >= 0 else s[k + 2] * kappa for k in (2 - order, 3 - order))
+    found: F | I = f[2] * first + f[3] * second
+    if order == 0:
+        found = f[0] + f[1] * t + found
+    return f[1] + found if order == 1 else found
+
+
+def height(f: Sequence[Any], kappa: I, t: Any, order: int) -> F | I:
+    """H = f2 c_2 + f3 t c_3 and its derivatives; d c_k / dt = kappa t (c_(k+1) - k c_(k+2))."""
+    x = t * t * kappa
+    c: list[Any] = shapes(x, 7)
+
+    def slope(k: int) -> Any:
+        return c[k + 1] - c[k + 2] * I.of(k)
+
+    def bend(k: int) -> Any:
+        return slope(k + 1) - slope(k + 2) * I.of(k)
+
+    if order == 0:
+        a, b = c[2], c[3] * t
+    elif order == 1:
+        a, b = slope(2) * t * kappa, slope(3) * x + c[3]
+    else:
+        a = (bend(2) * x + slope(2)) * kappa
+        b = (bend(3) * x + slope(3) * I.of(3)) * t * kappa
+    found: F | I = f[2] * a + f[3] * b
+    return found
+
+
 class GuardValue:
-    """A guard over a phase: f0 + f1 t + f2 s_2(t) + f3 s_3(t)."""
+    """A function over a phase, by its value and three derivatives where that begins."""
 
     def __init__(
-        self, box: Box, guard: Guard, kappa: I, jet: list[F | I], zeros: int, known: bool
-    ) -> None:
-        self.box, self.guard, self.kappa = box, guard, kappa
-        self.jet, self.zeros = jet, zeros  # its value and derivatives at 0, and how many are zero
+        self, box: Box, guard: Guard, kappa: I, jet: list[F | I], zeros: int, known: bool,
+        formula: Callable[[Sequence[Any], I, Any, int], F | I] = combined,
+    ) -> None:  # fmt: skip
+        self.box, self.guard, self.kappa, self.formula = box, guard, kappa, formula
+        self.jet, self.zeros = jet, zeros  # and how many of these are zero
         self.ranges = [f.value if isinstance(f, F) else f for f in jet]
         self.known = known  # whether the first that is not exactly zero is at least zero
 
     def at(self, t: F | I, order: int = 0) -> F | I:
         """The guard or a derivative at a time."""
-        return combined(self.jet, waves(self.kappa, t, self.box), t, self.kappa, order)
+        return self.formula(self.jet, self.kappa, t, order)
 
     def over(self, t: I, order: int = 0) -> I:
         """Range over an interval of times and the box."""
-        found = combined(self.ranges, waves(self.kappa, t, self.box), t, self.kappa, order)
+        found = self.formula(self.ranges, self.kappa, t, order)
         assert isinstance(found, I)
         return found
 
@@ -97,36 +130,60 @@ class GuardValue:
         """When the guard crosses zero: once, inside the bracket."""
         if self.over(bracket, 1).sign() != direction:
             raise NotSeparated(f"{named(self.guard)} may turn where it fires")
-        return root(self.at, self.over, bracket, self.box)
+        return self.root(bracket)
 
     def landing(self, bracket: I) -> F | None:
         """When a flight from rest ends: f = t^2 h, h falls through zero; None if not so."""
         # Then f' = t^2 h' and f'' = t (4 h' + t h'') are negative where it lands.
-        jet, ranges = self.jet, self.ranges
-        if ranges[3].sign() != -1:
+        if self.ranges[3].sign() != -1:
             return None
-        kappa = self.kappa
-
-        def at(t: F | I, order: int = 0) -> F | I:
-            return height(jet, kappa, t, order)
-
-        def over_(t: I, order: int = 0) -> I:
-            found = height(ranges, kappa, t, order)
-            assert isinstance(found, I)
-            return found
-
+        h = GuardValue(self.box, self.guard, self.kappa, self.jet, 0, False, height)
+        ends = [bracket.size * I.of(Fraction(k, 16)) for k in range(17)]
+        parts = [bracket, *(a.hull(b) for a, b in pairwise(ends))]
         try:
-            end = bracket.size
-            steps = [I.of(0), *[end * I.of(Fraction(k, 16)) for k in range(1, 17)]]
-            parts = [a.hull(b) for a, b in pairwise(steps)]
-            if any(over_(part, 1).sign() != -1 for part in (bracket, *parts)):
+            if any(h.over(part, 1).sign() != -1 for part in parts):
                 return None
-            four = I.of(4)
-            if (over_(bracket, 1) * four + bracket * over_(bracket, 2)).sign() != -1:
+            if (h.over(bracket, 1) * I.of(4) + bracket * h.over(bracket, 2)).sign() != -1:
                 return None
-            return root(at, over_, bracket, self.box)
+            return h.root(bracket)
         except NotSeparated:
             return None
+
+    def root(self, bracket: I) -> F:
+        """The zero of what is monotone on a bracket, as a form inside it."""
+        # From a polynomial t near the zero it is at most |f(t) / f'| away, f' over the bracket; if
+        # all places so near are in the bracket, f changes its sign between them.
+        box = self.box
+        at: Callable[..., Any] = self.at
+        t = constant(box, bracket.mid)
+        for k in range(40):
+            value, speed = at(t), at(t, 1)
+            step = thin(value.parts[0]) * inverse(thin(speed.parts[0]))
+            moved = thin(t.parts[0] - thin(step))
+            t = F(box, [moved, *t.parts[1:]])
+            if k > 3 and abs(float(step.first)) < 1e-25 and 2 ** (k - 3) >= box.terms:
+                break
+        slope = self.over(bracket, 1)
+        value = at(t)
+        reach = (value.value / slope).size
+        reach = (reach + reach * I.of(Fraction(1, 2)) + I.of(Fraction(1, 10**28))).ball
+        whole = t.parts[0].wider(reach)
+        if not whole.range.within(bracket):
+            raise NotSeparated("an event lies outside its bracket")
+        fixed = F(box, [whole, *t.parts[1:]])
+        value, speed = at(fixed), at(fixed, 1)
+        down = inverse(speed.all[0])
+        curve = t.parts[0].wider(-(at(t).parts[0].range / slope))
+        found = [curve]
+        for n in range(1, box.depth):
+            part = value.parts[n]
+            if n > 2:
+                i, j = halves(n)
+                bend = at(fixed, 2).all[0]
+                part = part + speed.parts[i] * found[j] + speed.parts[j] * found[i]
+                part = part + bend * found[i] * found[j]
+            found.append(-(part * down))
+        return F(box, found)
 
 
 def everywhere(low: I, high: I, told: Callable[[I, I], bool | None]) -> bool:
@@ -146,83 +203,6 @@ def everywhere(low: I, high: I, told: Callable[[I, I], bool | None]) -> bool:
     return True
 
 
-def combined(f: Sequence[Any], s: Sequence[Any], t: Any, kappa: I, order: int) -> F | I:
-    """A derivative of f0 + f1 t + f2 s_2 + f3 s_3."""
-    found: F | I
-    match order:
-        case 0:
-            found = f[0] + f[1] * t + f[2] * s[2] + f[3] * s[3]
-        case 1:
-            found = f[1] + f[2] * s[1] + f[3] * s[2]
-        case 2:
-            found = f[2] * s[0] + f[3] * s[1]
-        case 3:
-            found = f[3] * s[0] + f[2] * (s[1] * kappa)
-        case _:
-            found = f[2] * (s[0] * kappa) + f[3] * (s[1] * kappa)
-    return found
-
-
-def height(f: Sequence[Any], kappa: I, t: Any, order: int) -> F | I:
-    """H = f2 c_2 + f3 t c_3 and its derivatives; d c_k / dt = kappa t (c_(k+1) - k c_(k+2))."""
-    square = t * t
-    x = square * kappa
-    c = shapes(x, 7)
-
-    def less(k: int, n: int) -> Any:
-        first: Any = c[k]
-        return first - c[k + 1] * I.of(n)
-
-    second, third = less(3, 2), less(4, 3)
-    if order == 0:
-        a, b = c[2], c[3] * t
-    elif order == 1:
-        a, b = second * t * kappa, third * x + c[3]
-    else:
-        bend_2 = third - less(5, 4) * I.of(2)
-        bend_3 = less(5, 4) - less(6, 5) * I.of(3)
-        a = (bend_2 * x + second) * kappa
-        b = (bend_3 * x + third * I.of(3)) * t * kappa
-    found: F | I = f[2] * a + f[3] * b
-    return found
-
-
-def root(at: Callable[..., Any], range_: Callable[..., I], bracket: I, box: Box) -> F:
-    """The zero of a function that is monotone on a bracket, as a form inside it."""
-    # From a polynomial t near the zero it is at most |f(t) / f'| away, with f' over the bracket; if
-    # all places so near are in the bracket, f changes its sign between them.
-    span = box.span
-    t = constant(box, bracket.mid)
-    for k in range(40):
-        value, speed = at(t), at(t, 1)
-        step = thin(value.parts[0]) * inverse(thin(speed.parts[0]))
-        moved = thin(t.parts[0] - thin(step))
-        t = F(box, [moved, *t.parts[1:]])
-        if k > 3 and abs(float(step.first)) < 1e-25 and 2 ** (k - 3) >= span.terms:
-            break
-    slope = range_(bracket, 1)
-    value = at(t)
-    reach = (value.value / slope).size
-    reach = (reach + reach * I.of(Fraction(1, 2)) + I.of(Fraction(1, 10**28))).ball
-    whole = t.parts[0].wider(reach)
-    if not whole.range.within(bracket):
-        raise NotSeparated("an event lies outside its bracket")
-    fixed = F(box, [whole, *t.parts[1:]])
-    value, speed = at(fixed), at(fixed, 1)
-    down = inverse(speed.all[0])
-    curve = t.parts[0].wider(-(at(t).parts[0].range / slope))
-    found = [curve]
-    for n in range(1, box.depth):
-        part = value.parts[n]
-        if n > 2:
-            i, j = halves(n)
-            bend = at(fixed, 2).all[0]
-            part = part + speed.parts[i] * found[j] + speed.parts[j] * found[i]
-            part = part + bend * found[i] * found[j]
-        found.append(-(part * down))
-    return F(box, found)
-
-
 def thin(f: T) -> T:
     """A polynomial near a Taylor model."""
-    return T(f.span, f.c)
+    return T(f.box, f.c)

@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
 from itertools import product
+from operator import add
 from typing import Any
 
 from woodpecker.checking.forms import F, constant
@@ -47,59 +49,55 @@ def solve_impact(
     """The only solution of one phase of an impact."""
     coupled = expands and toy.summed and len(contacts) > 1
     kept: ImpactSolution | None = None
-    for rests in product((True, False), repeat=len(contacts)):
-        for slips in product((0, 1, -1), repeat=len(contacts)):
-            table = toy.case(tuple(contacts), rests, slips, coupled)
-            if table is None:
-                if not (all(rests) and not any(slips) and len(contacts) == 2):
-                    raise NotSeparated("an impact is degenerate")
-                if rest_is_possible(toy, contacts[1], momentum(toy, contacts, free), floors,
-                                         coupled) is not False:  # fmt: skip
-                    raise NotSeparated("the impulses of an impact may not be unique")
-                continue
-            holds, solution = _combination(
-                toy, contacts, free, floors, (rests, slips), table, coupled, known
-            )
-            if holds is False:
-                continue
-            if holds is None or kept is not None:
-                raise NotSeparated("an impact is not decided")
-            kept = solution
+    slips_of = list(product((0, 1, -1), repeat=len(contacts)))
+    for rests, slips in product(product((True, False), repeat=len(contacts)), slips_of):
+        table = toy.case(tuple(contacts), rests, slips, coupled)
+        if table is None:
+            if not (all(rests) and not any(slips) and len(contacts) == 2):
+                raise NotSeparated("an impact is degenerate")
+            load = momentum(toy, contacts, free)
+            if rest_is_possible(toy, contacts[1], load, floors, coupled) is not False:
+                raise NotSeparated("the impulses of an impact may not be unique")
+            continue
+        holds, solution = _combination(
+            toy, contacts, free, floors, rests, slips, table, coupled, known
+        )  # fmt: skip
+        if holds is False:
+            continue
+        if holds is None or kept is not None:
+            raise NotSeparated("an impact is not decided")
+        kept = solution
     if kept is None:
         raise NotSeparated("an impact has no solution")
     return kept
 
 
 def _combination(
-    toy: ExactToy, contacts: list[int], free: list[F], floors: list[F],
-    case: tuple[tuple[bool, ...], tuple[int, ...]], table: list[list[Fraction]],
-    coupled: bool, known: bool,
+    toy: ExactToy, contacts: list[int], free: list[F], floors: list[F], rests: tuple[bool, ...],
+    slips: tuple[int, ...], table: list[list[Fraction]], coupled: bool, known: bool,
 ) -> tuple[bool | None, ImpactSolution | None]:  # fmt: skip
     """Whether an index combination holds: by ranges, then by forms."""
-    rests, slips = case
-    given = [*free, *floors]
+    if known and not all(rests):
+        # v_N before is negative or zero: a slipping contact at rest has an impulse of the sign of
+        # its stiffness, a free one would still approach
+        return False, None
+    at = [2 * i + k for i in contacts for k in (0, 1)]
     for ranges in (True, False):
-        p = [total(row, given, ranges) for row in table]
+        start, low = ([x.value if ranges else x for x in each] for each in (free, floors))
+        p = [total(row, [*start, *low]) for row in table]
         conditions: list[Any] = []
         v: list[Any] = []
-        at = [2 * i + k for i in contacts for k in (0, 1)]
-        for k in range(len(contacts)):
-            for n, zero in ((0, rests[k]), (1, slips[k] == 0)):
-                row = [toy.g[at[2 * k + n]][j] for j in at]
-                start = free[2 * k + n].value if ranges else free[2 * k + n]
-                none = I.of(0) if ranges else constant(free[0].box, I.of(0))
-                v.append(none if zero else start + total(row, p, False))
+        still = [zero for k in range(len(contacts)) for zero in (rests[k], slips[k] == 0)]
+        for a in range(len(at)):
+            none = I.of(0) if ranges else constant(free[0].box, I.of(0))
+            row = [toy.g[at[a]][j] for j in at]
+            v.append(none if still[a] else start[a] + total(row, p))
         for k, i in enumerate(contacts):
-            normal = p[2 * k] - (floors[k].value if ranges else floors[k])
-            if known:
-                # v_N before is negative or zero: a slipping contact at rest has an impulse of
-                # the sign of its stiffness, a free one would still approach
-                stiffness = toy.g[2 * i][2 * i] - slips[k] * toy.mu[i] * toy.g[2 * i][2 * i + 1]
-                if not rests[k]:
-                    return False, None
-                conditions.append(I.of(1) if slips[k] and stiffness > 0 else normal)
+            stiffness = toy.g[2 * i][2 * i] - slips[k] * toy.mu[i] * toy.g[2 * i][2 * i + 1]
+            if known and slips[k] and stiffness > 0:
+                conditions.append(I.of(1))
             else:
-                conditions.append(normal if rests[k] else v[2 * k])
+                conditions.append(p[2 * k] - low[k] if rests[k] else v[2 * k])
             most = p[2 * k] + p[2 - 2 * k] if coupled else p[2 * k]
             bound = most * I.of(toy.mu[i])
             if slips[k] == 0:
@@ -118,7 +116,7 @@ def momentum(toy: ExactToy, contacts: list[int], free: list[F]) -> list[F]:
     u_s = free[0] * I.of(-1 / toy.lever[0])
     u_m = free[2] * I.of(SIDE[k] / toy.lever[k])
     u_y = free[3] - u_m * I.of(toy.tangent[k][1])
-    return [-total(row, [u_y, u_m, u_s], False) for row in toy.mass]
+    return [-total(row, [u_y, u_m, u_s]) for row in toy.mass]
 
 
 def rest_is_possible(
@@ -151,14 +149,8 @@ def slip(toy: ExactToy, i: int, u: Sequence[Any]) -> Any:
     return u[0] * I.of(w[0]) + u[1] * I.of(w[1]) + u[2] * I.of(w[2])
 
 
-def total(row: Sequence[Fraction], x: Sequence[Any], ranges: bool) -> Any:
-    """A linear combination of forms, of intervals, or of the ranges of forms."""
-    found = None
-    for c, y in zip(row, x, strict=True):
-        if c == 0:
-            continue
-        term = (y.value if ranges else y) * I.of(c)
-        found = term if found is None else found + term
-    if found is None:
-        return I.of(0) if ranges or isinstance(x[0], I) else constant(x[0].box, I.of(0))
-    return found
+def total(row: Sequence[Fraction], x: Sequence[Any]) -> Any:
+    """A linear combination of forms, or of intervals."""
+    terms = [y * I.of(c) for c, y in zip(row, x, strict=True) if c]
+    none = I.of(0) if isinstance(x[0], I) else constant(x[0].box, I.of(0))
+    return reduce(add, terms) if terms else none

@@ -192,35 +192,33 @@ def _own(pair: Any) -> I:
     return I.of(low, high)
 
 
-class Extent:
-    """The domain of Taylor models: |tau| <= half, and how many coefficients they have."""
+class Box:
+    """|s| <= radius and |tau| <= half; how many coefficients in tau and derivatives are carried."""
 
-    def __init__(self, half: Fraction, terms: int) -> None:
-        self.half, self.terms = half, terms
-
-    def scaled(self, c: Sequence[Fraction]) -> list[Fraction]:
-        """Coefficients of powers of tau / half from those of powers of tau."""
-        return [x * self.half**k for k, x in enumerate(c)]
+    def __init__(
+        self, half: Fraction, terms: int, radius: Fraction = Fraction(0), depth: int = 1
+    ) -> None:
+        self.half, self.terms, self.s, self.depth = half, terms, I.of(radius).ball, depth
 
 
 class T:
     """A Taylor model: coefficients and the radius of the rest, in units."""
 
-    __slots__ = ("_powers", "c", "reach", "rest", "span")
+    __slots__ = ("_powers", "box", "c", "reach", "rest")
 
-    def __init__(self, span: Extent, c: Sequence[int], rest: int = 0) -> None:
-        self.span, self.rest = span, rest
-        if len(c) > span.terms:
-            self.rest += sum(map(abs, c[span.terms :]))
-        self.c = list(c[: span.terms])
+    def __init__(self, box: Box, c: Sequence[int], rest: int = 0) -> None:
+        self.box, self.rest = box, rest
+        if len(c) > box.terms:
+            self.rest += sum(map(abs, c[box.terms :]))
+        self.c = list(c[: box.terms])
         self.reach = sum(map(abs, self.c[1:]))
         self._powers: list[T] | None = None
 
     @classmethod
-    def of(cls, span: Extent, c: Sequence[Fraction]) -> T:
+    def of(cls, box: Box, c: Sequence[Fraction]) -> T:
         """From coefficients of powers of tau."""
-        exact = [I.of(x) for x in span.scaled(c)]
-        return cls(span, [x.a for x in exact], sum(x.b - x.a for x in exact))
+        exact = [I.of(x * box.half**k) for k, x in enumerate(c)]  # of powers of tau / half
+        return cls(box, [x.a for x in exact], sum(x.b - x.a for x in exact))
 
     @property
     def poly(self) -> I:
@@ -240,21 +238,21 @@ class T:
 
     def wider(self, more: I) -> T:
         """The function plus something in a symmetric interval, or in any one."""
-        return T(self.span, self.c, self.rest + max(-more.a, more.b))
+        return T(self.box, self.c, self.rest + max(-more.a, more.b))
 
     def plus(self, x: I) -> T:
         """The function plus a number."""
         middle = (x.a + x.b) >> 1
         c = [self.c[0] + middle, *self.c[1:]]
-        return T(self.span, c, self.rest + max(x.b - middle, middle - x.a))
+        return T(self.box, c, self.rest + max(x.b - middle, middle - x.a))
 
     def __add__(self, other: T) -> T:
         longer, shorter = (self.c, other.c) if len(self.c) >= len(other.c) else (other.c, self.c)
         c = [x + y for x, y in zip(longer, shorter, strict=False)] + longer[len(shorter) :]
-        return T(self.span, c, self.rest + other.rest)
+        return T(self.box, c, self.rest + other.rest)
 
     def __neg__(self) -> T:
-        return T(self.span, [-x for x in self.c], self.rest)
+        return T(self.box, [-x for x in self.c], self.rest)
 
     def __sub__(self, other: T) -> T:
         return self + (-other)
@@ -265,10 +263,10 @@ class T:
         wide = max(x.b - middle, middle - x.a)
         most = abs(self.c[0]) + self.reach
         rest = self.rest * (abs(middle) + wide) + most * wide
-        return T(self.span, [middle * c >> bits for c in self.c], (rest >> bits) + 1 + len(self.c))
+        return T(self.box, [middle * c >> bits for c in self.c], (rest >> bits) + 1 + len(self.c))
 
     def __mul__(self, other: T) -> T:
-        a, b, n, bits = self.c, other.c, self.span.terms, Context.bits
+        a, b, n, bits = self.c, other.c, self.box.terms, Context.bits
         size = len(a) + len(b) - 1
         c = [0] * size
         for i, x in enumerate(a):
@@ -277,23 +275,23 @@ class T:
                     c[i + j] += x * y
         rest = self.rest * (abs(b[0]) + other.reach + other.rest)
         rest += (abs(a[0]) + self.reach) * other.rest + sum(map(abs, c[n:]))
-        return T(self.span, [x >> bits for x in c[:n]], (rest >> bits) + 1 + min(n, size))
+        return T(self.box, [x >> bits for x in c[:n]], (rest >> bits) + 1 + min(n, size))
 
     @property
     def powers(self) -> list[T]:
         """Powers of the polynomial without its constant term, from the first on."""
         if self._powers is None:
-            move = T(self.span, [0, *self.c[1:]])
+            move = T(self.box, [0, *self.c[1:]])
             self._powers = [move]
-            for _ in range(self.span.terms - 2):
+            for _ in range(self.box.terms - 2):
                 self._powers.append(self._powers[-1] * move)
         return self._powers
 
 
 def through(f: T, taylor: Sequence[I], slope: I, last: I) -> T:
     """g(f), from Taylor coefficients at f's first one, and ranges of g' and g^(n)/n! over f."""
-    n = f.span.terms
-    found = T(f.span, [0]).plus(taylor[0])
+    n = f.box.terms
+    found = T(f.box, [0]).plus(taylor[0])
     for k in range(1, n):
         found = found + f.powers[k - 1].scaled(taylor[k])
     reach = I(-f.reach, f.reach).power(n)
@@ -304,7 +302,7 @@ def inverse(f: T) -> T:
     """1 / f."""
     one = I.of(1)
     over, whole = one / f.first, one / f.range
-    taylor, n = [over], f.span.terms
+    taylor, n = [over], f.box.terms
     for _ in range(n):
         taylor.append(-(taylor[-1] * over))
     last = (one / f.poly).power(n + 1)

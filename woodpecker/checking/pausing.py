@@ -4,40 +4,44 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from fractions import Fraction
-from typing import Any, NamedTuple
 
-from woodpecker.checking.forms import Box, F, chain, constant, over
-from woodpecker.checking.guards import GuardValue
+from woodpecker.checking.forms import F, chain, constant, over
+from woodpecker.checking.guards import Guard, GuardValue
 from woodpecker.checking.impacts import slip, solve_impact
-from woodpecker.checking.intervals import I, NotSeparated, T, wave
+from woodpecker.checking.intervals import I, NotSeparated, T
 from woodpecker.checking.plateaus import Landing
-from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, UP, Coasting, ExactToy
+from woodpecker.checking.toy import ANGLE, DOWN, OPEN, SIDE, UP, ExactToy
+from woodpecker.checking.tracker import Choice, Tracker, flown
 
 
-class Flight(NamedTuple):
-    """A free flight where it begins, and the guards but that of the contact that lands."""
+def plateau(way: Tracker, guard: Guard, bracket: I) -> None:
+    """A contact lands near a pause of its motion: from the middle of the pause it slides."""
+    kind, i = guard
+    late = kind == "plateau+"
+    if way.states != (OPEN, OPEN, OPEN) or not way.let_go(i, way.states):
+        raise NotSeparated("a gap has a pause only where the sleeve has just let go")
+    if way.restitution(i).sign() != 0:
+        raise NotSeparated("only a contact without restitution lands at a plateau")
+    level = _slides(way, i, late, bracket)
+    way.close(i)
+    if level.value.sign() is None:
+        comparator = level if late else -level
+        way.forks.append(Choice("plateau", (i,), comparator, way.events, not late))
+    strike = f"I{i + 1}"
+    way.word += [strike] if late else [strike, f"D{i + 1}", strike]
+    way.fired, way.before = ("impact", -1), way.states
+    way.zeros, way.still, way.lands = [2 if k == i else 0 for k in range(3)], set(), -1
+    way.at_least_zero = {("normal", i)}
+    way.events += 1
 
-    toy: ExactToy
-    box: Box
-    q: Sequence[F]
-    u: Sequence[F]
-    others: Sequence[GuardValue]
 
+def _slides(way: Tracker, i: int, late: bool, bracket: I) -> F:
+    """Go to the middle of the pause, in the bracket, from where contact i slides.
 
-class Sliding(NamedTuple):
-    """Sliding from the middle of a pause."""
-
-    q: list[F]
-    u: list[F]
-    states: tuple[int, int, int]
-    level: F  # the gap without a landing: late where it is positive, else early
-    middle: I
-    last: I  # time after which the contact has come to stay
-
-
-def pause(motion: Flight, i: int, late: bool, bracket: I, jet: Sequence[F | I]) -> Sliding:
-    """From where the sleeve has let go to the middle of the pause, in the bracket, of contact i."""
-    toy, free = motion.toy, motion.toy.mode((OPEN, OPEN, OPEN))
+    The gap there without a landing is given: late where it is positive, else early.
+    """
+    toy, free, curves = way.toy, way.toy.mode((OPEN, OPEN, OPEN)), way.curves()
+    jet = curves.pop(("gap", i)).jet
     start, fall, kappa = jet[0], jet[3], I.of(free.kappa)
     assert isinstance(start, F)
     if not isinstance(fall, F) or fall.value.sign() != -1 or kappa.sign() != -1:
@@ -47,27 +51,24 @@ def pause(motion: Flight, i: int, late: bool, bracket: I, jet: Sequence[F | I]) 
     if n < 1:
         raise NotSeparated("a gap has no pause where it begins to close")
     middle = swing * I.of(n)
-    steps = -(middle / kappa)  # s_3, where s_1 = s_2 = 0
-    level = start + fall * steps
+    level = start - fall * (middle / kappa)  # s_3 = -t / kappa, where s_1 = s_2 = 0
     eta = -(level * over(fall))
-    sign = eta.value.sign()
-    if sign == (-1 if late else 1):
+    if eta.value.sign() == (-1 if late else 1):
         raise NotSeparated("a contact lands on the other side of a pause")
-    q, u = _flown(free, motion.q, motion.u, middle)
+    q, u = flown(free, way.q, way.u, middle)
     direction = slip(toy, i, u).value.sign()
     if not direction:
         raise NotSeparated("the direction of slip is open")
-    response = _response(motion, i, direction)
-    states = [OPEN] * 3
-    states[i] = UP if direction == 1 else DOWN
-    after = (states[0], states[1], states[2])
+    response = _response(toy, i, direction)
+    first, second, third = (
+        (UP if direction == 1 else DOWN) if k == i else OPEN for k in range(3)
+    )  # fmt: skip
+    after = first, second, third
     slide, stretch = toy.mode(after), response[2] - response[1]
-    turn = I.of(free.b[ANGLE[i]] * SIDE[i] * stretch)
-    sizes = (kappa, I.of(slide.kappa), turn)
-    whole = Landing(eta.value, late, *sizes)
-    _clear(motion, i, late, middle, response, direction, whole)
-    curve = Landing(eta.parts[0].range, late, *sizes)
-    if motion.box.depth > 3:
+    sizes = kappa, I.of(slide.kappa), I.of(free.b[ANGLE[i]] * SIDE[i] * stretch)
+    whole, curve = (Landing(x, late, *sizes) for x in (eta.value, eta.parts[0].range))
+    _clear(way, i, late, middle, response, direction, whole, tuple(curves.values()))
+    if way.box.depth > 3:
         raise NotSeparated("a return is once differentiable only where a contact lands at a pause")
     places = _term(eta, curve.place, whole.place_slope) * -fall
     speeds = _term(eta, curve.velocity, whole.velocity_slope) * -fall
@@ -75,26 +76,13 @@ def pause(motion: Flight, i: int, late: bool, bracket: I, jet: Sequence[F | I]) 
         b = I.of(stretch * slide.b[j])
         q[j] = q[j] - level * I.of(response[j]) + places * b
         u[j] = u[j] + speeds * b
-    return Sliding(q, u, after, level, middle, whole.last)
+    way.q, way.u, way.states = q, u, after
+    way.time, way.since = way.time + middle, whole.last
+    return level
 
 
-def _flown(mode: Coasting, q: Sequence[Any], u: Sequence[Any], t: I) -> tuple[Any, Any]:
-    """Coordinates and velocities after free flight, forms or intervals."""
-    s = wave(I.of(mode.kappa), t)
-    d0, d1, alpha = q[2] - q[1], u[2] - u[1], I.of(mode.alpha)
-    once, twice = d0 * s[1] + d1 * s[2], d0 * s[2] + d1 * s[3]
-    half = t.power(2) * I.of(Fraction(1, 2))
-    places, speeds = [], []
-    for j in range(3):
-        a, b = I.of(mode.a[j]), I.of(mode.b[j])
-        places.append(q[j] + u[j] * t + twice * b + (a * half + alpha * s[4] * b))
-        speeds.append(u[j] + once * b + (a * t + alpha * s[3] * b))
-    return places, speeds
-
-
-def _response(motion: Flight, i: int, direction: int) -> list[Fraction]:
+def _response(toy: ExactToy, i: int, direction: int) -> list[Fraction]:
     """What an impulse of the slipping contact does to the velocities, per speed of the gap."""
-    toy = motion.toy
     friction = -direction * toy.mu[i]
     kick = [x + friction * y for x, y in zip(toy.kick[2 * i], toy.kick[2 * i + 1], strict=True)]
     speed = kick[ANGLE[i]] * SIDE[i]
@@ -105,21 +93,21 @@ def _response(motion: Flight, i: int, direction: int) -> list[Fraction]:
 
 def _term(eta: F, value: I, slope: I) -> F:
     """A function of eta from its range on the curve and that of its derivative."""
-    zero = T(eta.box.span, [0])
+    zero = T(eta.box, [0])
     return chain(eta, zero.plus(value), zero.plus(slope), lambda: zero)
 
 
 def _clear(
-    motion: Flight, i: int, late: bool, middle: I, response: Sequence[Fraction],
-    direction: int, landing: Landing,
+    way: Tracker, i: int, late: bool, middle: I, response: Sequence[Fraction], direction: int,
+    landing: Landing, others: Sequence[GuardValue],
 ) -> None:  # fmt: skip
     """No other guard fires until the contact has come to stay, and it slips all the time."""
-    toy, j = motion.toy, ANGLE[i]
+    toy, j = way.toy, ANGLE[i]
     free, end = toy.mode((OPEN, OPEN, OPEN)), middle + landing.sigma if late else middle
-    if not all(guard.lasts(end.high, None) for guard in motion.others):
+    if not all(guard.lasts(end.high, None) for guard in others):
         raise NotSeparated("something may happen before a contact lands")
     strikes = middle + landing.sigma if late else middle - landing.sigma
-    q, u = _flown(free, [x.value for x in motion.q], [x.value for x in motion.u], strikes)
+    q, u = flown(free, [x.value for x in way.q], [x.value for x in way.u], strikes)
 
     def stopped(u: Sequence[I]) -> list[I]:
         return [v - u[j] * I.of(r * SIDE[i]) for v, r in zip(u, response, strict=True)]
@@ -127,19 +115,18 @@ def _clear(
     moments = [u, stopped(u)]
     if not late:
         flight = I.of(0).hull(landing.flight)
-        q, u = _flown(free, q, stopped(u), flight)
+        q, u = flown(free, q, stopped(u), flight)
         moments += [u, stopped(u)]
         for k in range(3):
             gap = (q[ANGLE[k]] - I.of(toy.touch[k])) * I.of(SIDE[k])
             if k != i and gap.sign() != 1:
                 raise NotSeparated("something may happen while a contact lands")
-    none = constant(motion.box, I.of(0))
     for velocities in moments:
         along = slip(toy, i, velocities)
         if along.sign() != direction:
             raise NotSeparated("the direction of slip is open")
         strike = [velocities[j] * I.of(SIDE[i] * toy.lever[i]), along]
-        before = [constant(motion.box, x) for x in strike]
-        solution = solve_impact(toy, [i], before, [none], False, True)
+        before = [constant(way.box, x) for x in strike]
+        solution = solve_impact(toy, [i], before, [way.zero], False, True)
         if not solution.rests[0] or solution.slips[0] != direction:
             raise NotSeparated("an impact is not decided")

@@ -4,16 +4,18 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping, Sequence
-from copy import copy
 from fractions import Fraction
+from functools import reduce
 from itertools import zip_longest
+from operator import mul
 from typing import Any
 
-from woodpecker.checking.forms import Box, F, constant
+from woodpecker.checking.forms import F, constant
 from woodpecker.checking.guards import Guard
-from woodpecker.checking.intervals import Extent, I, NotSeparated, T
-from woodpecker.checking.motion import Choice, Tracker
+from woodpecker.checking.intervals import Box, I, NotSeparated, T
+from woodpecker.checking.motion import run
 from woodpecker.checking.toy import NAMES, ExactToy
+from woodpecker.checking.tracker import Choice, Tracker
 
 NUMBER = re.compile(r"-?[0-9]{1,2000}(\.[0-9]{1,2000})?(/[0-9]{1,2000})?")
 GUARD = re.compile(r"(gap|normal|cone\+|cone-|slip|plateau\+|plateau-) ([123])|section")
@@ -79,7 +81,32 @@ class ToyData:
         if not isinstance(self.order, int) or not 1 <= self.order <= 100:
             raise Rejected(f"order must be a whole number from 1 to 100, got {self.order!r}")
 
-    def follower(self, box: Box, line: Sequence[Fraction], curve: Sequence[Fraction]) -> Tracker:
+    def returned(self, box: Box, line: Any, curve: Any, way: Mapping[str, Any]) -> Tracker:
+        """The toy after a return along one way, which is verified."""
+        if set(way) != {"word", "events"} or not 1 <= len(way["events"]) <= MOST:
+            raise Rejected("a way has a word and events")
+        events: list[tuple[Guard, I]] = []
+        for event in way["events"]:
+            if not isinstance(event, list) or len(event) != 3:
+                raise Rejected(
+                    f"an event is a guard and two ends of its duration, got {event!a:.60}"
+                )
+            name, low, high = event
+            if not isinstance(name, str) or not GUARD.fullmatch(name):
+                raise Rejected(f"there is no guard {name!a:.40}")
+            kind, _, contact = name.partition(" ")
+            guard = (kind, int(contact) - 1 if contact else 0)
+            bracket = interval([low, high])
+            if max(map(abs, bracket)) > LATEST:
+                raise Rejected(f"a phase lasts at most {LATEST} s, got {low:.40} to {high:.40}")
+            events.append((guard, I.of(*bracket)))
+        motion = self._start(box, line, curve)
+        run(motion, events)
+        if " ".join(motion.word) != way["word"]:
+            raise Rejected(f"the word is {' '.join(motion.word)}, not {way['word']}")
+        return motion
+
+    def _start(self, box: Box, line: Sequence[Fraction], curve: Sequence[Fraction]) -> Tracker:
         """The toy on the section, at rest."""
         eps: list[F | I] = [I.of(self.values.get(name, 0)) for name in RESTITUTIONS]
         if self.moves:
@@ -101,42 +128,10 @@ def _polynomial(box: Box, c: Sequence[Fraction], start: bool) -> F:
     rate = [k * c[k] for k in range(1, len(c))] or [Fraction(0)]
     bend = [k * rate[k] for k in range(1, len(rate))] or [Fraction(0)]
     parts = [c, [Fraction(int(start))], rate, [Fraction(0)], [Fraction(0)], bend]
-    return F(box, [T.of(box.span, part) for part in parts[: box.depth]])
+    return F(box, [T.of(box, part) for part in parts[: box.depth]])
 
 
-class VerifiedReturn:
-    """A return along one way, verified."""
-
-    def __init__(
-        self, data: ToyData, box: Box, line: Any, curve: Any, way: Mapping[str, Any]
-    ) -> None:
-        if set(way) != {"word", "events"} or not 1 <= len(way["events"]) <= MOST:
-            raise Rejected("a way has a word and events")
-        events: list[tuple[Guard, I]] = []
-        for event in way["events"]:
-            if not isinstance(event, list) or len(event) != 3:
-                raise Rejected(
-                    f"an event is a guard and two ends of its duration, got {event!a:.60}"
-                )
-            name, low, high = event
-            if not isinstance(name, str) or not GUARD.fullmatch(name):
-                raise Rejected(f"there is no guard {name!a:.40}")
-            kind, _, contact = name.partition(" ")
-            guard = (kind, int(contact) - 1 if contact else 0)
-            bracket = interval([low, high])
-            if max(map(abs, bracket)) > LATEST:
-                raise Rejected(f"a phase lasts at most {LATEST} s, got {low:.40} to {high:.40}")
-            events.append((guard, I.of(*bracket)))
-        motion = data.follower(box, line, curve)
-        motion.run(events)
-        if " ".join(motion.word) != way["word"]:
-            raise Rejected(f"the word is {' '.join(motion.word)}, not {way['word']}")
-        assert motion.time is not None
-        self.image, self.drop = motion.q[2], -motion.q[0]
-        self.period, self.forks = motion.time, motion.forks
-
-
-def check_both(returns: Sequence[VerifiedReturn], kinds: Sequence[str]) -> None:
+def check_both(returns: Sequence[Tracker], kinds: Sequence[str]) -> None:
     """Refuse two ways that are not the two sides of one decision; or one way with a fork."""
     if len(returns) == 1 and not returns[0].forks:
         return
@@ -161,14 +156,15 @@ class VerifiedPiece:
             raise Rejected("a piece has a line, half of its length, and a point for each return")
         self.line = [number(c) for c in piece["line"]]
         self.half, points = number(piece["half"]), piece["points"]
-        span = Extent(self.half, terms)
+        box = Box(self.half, terms)
         if self.half < 0 or not self.line or len(self.line) > 40:
             raise Rejected("a line has one to forty coefficients and a length")
         if not data.moves and (self.half != 0 or self.line != [data.values[data.parameter]]):
             raise Rejected("the parameter is not that of the toy")
         if data.moves and self.half == 0:
             raise Rejected("a piece of a branch has a length")
-        if self.half > 0 and _rising(self.line, span) is False:
+        rate = [k * c for k, c in enumerate(self.line)][1:]
+        if self.half > 0 and T.of(box, rate).range.sign() != 1:
             raise NotSeparated("the parameter may turn round")
         self.curves = [[number(c) for c in point["curve"]] for point in points]
         self.radii = [number(point["radius"]) for point in points]
@@ -176,29 +172,26 @@ class VerifiedPiece:
             raise Rejected("a point has a curve, a radius and ways")
         if any(r <= 0 for r in self.radii) or any(not c or len(c) > 40 for c in self.curves):
             raise Rejected("a tube has a curve and a positive radius")
-        _apart(self.curves, self.radii, span)
+        _apart(self.curves, self.radii, box)
         misses, slopes, self.returns = [], [], []
         for k, point in enumerate(points):
-            box = Box(I.of(self.radii[k]), span, 6 if turns else 2)
-            found = [
-                VerifiedReturn(data, box, self.line, self.curves[k], way) for way in point["ways"]
-            ]
+            box = Box(self.half, terms, self.radii[k], 6 if turns else 2)
+            found = [data.returned(box, self.line, self.curves[k], way) for way in point["ways"]]
             check_both(found, ("rest", "plateau"))
             aim = _polynomial(box, self.curves[(k + 1) % len(points)], False)
-            misses.append(hull([(r.image.parts[0] - aim.parts[0]).range for r in found]))
-            slopes.append(hull([r.image.part((1, 0)) for r in found]))
+            misses.append(hull([(r.q[2].parts[0] - aim.parts[0]).range for r in found]))
+            slopes.append(hull([r.q[2].part((1, 0)) for r in found]))
             self.returns.append(found)
         self.off = _around(misses, slopes)
         if not all(s.within(I.of(r).ball) for s, r in zip(self.off, self.radii, strict=True)):
             raise NotSeparated("no cycle could be shown to lie in the tubes")
         self.multiplier = _product(slopes)
         self.turn = self._turn(slopes) if turns else None
-        self.ends = self, self  # the parts with the low and the high end
 
     def _turn(self, slopes: list[I]) -> I:
         """Range of the derivative of the multiplier in tau along the cycle."""
         n, misses = len(slopes), []
-        images = [found[0].image for found in self.returns]
+        images = [found[0].q[2] for found in self.returns]
         if any(len(found) > 1 for found in self.returns):
             raise NotSeparated("a word changes where a flip is claimed")
         for k, image in enumerate(images):
@@ -212,30 +205,18 @@ class VerifiedPiece:
 
     def parameter(self, side: int) -> Fraction:
         """The value of the parameter at an end."""
-        part = self.ends[side > 0]
-        return value_at(part.line, side * part.half)
+        return value_at(self.line, side * self.half)
 
     def place(self, side: int, k: int) -> tuple[Interval, Interval]:
         """At an end: the tube of a point, and where the point is."""
-        part = self.ends[side > 0]
-        at, radius = value_at(part.curves[k], side * part.half), part.radii[k]
-        return (at - radius, at + radius), (I.of(at) + part.off[k]).ends
-
-
-def _joined(low: VerifiedPiece, high: VerifiedPiece) -> VerifiedPiece:
-    """A piece that was verified in two halves of its line, with the same tubes: so as a whole."""
-    whole = copy(low)
-    whole.ends = low.ends[0], high.ends[1]
-    whole.multiplier = low.multiplier.hull(high.multiplier)
-    if low.turn is not None and high.turn is not None:
-        whole.turn = low.turn.hull(high.turn)
-    return whole
+        at, radius = value_at(self.curves[k], side * self.half), self.radii[k]
+        return (at - radius, at + radius), (I.of(at) + self.off[k]).ends
 
 
 def verified(
     data: ToyData, piece: Mapping[str, Any], terms: int, turns: bool, claim: Any, depth: int = 0
-) -> VerifiedPiece:
-    """A piece, as a whole or in parts of its line, over which ranges are sharper."""
+) -> list[VerifiedPiece]:
+    """A piece, or its parts from the low end on, over which ranges are sharper: the same tubes."""
     half = number(piece["half"])
     last = depth == DEPTH or half <= 0
     try:
@@ -245,16 +226,16 @@ def verified(
             raise
     else:
         if last or whole.multiplier.inside(I.of(*interval(claim))):
-            return whole
-    parts = []
+            return [whole]
+    parts = list[VerifiedPiece]()
     for side in (-1, 1):
         points = [
             {**point, "curve": _moved(point["curve"], side * half / 2)} for point in piece["points"]
         ]
         line = _moved(piece["line"], side * half / 2)
         part = {"line": line, "half": str(half / 2), "points": points}
-        parts.append(verified(data, part, terms, turns, claim, depth + 1))
-    return _joined(*parts)
+        parts += verified(data, part, terms, turns, claim, depth + 1)
+    return parts
 
 
 def _moved(texts: Sequence[str], by: Fraction) -> list[str]:
@@ -266,23 +247,19 @@ def _moved(texts: Sequence[str], by: Fraction) -> list[str]:
     return [str(x) for x in c]
 
 
-def _apart(curves: Sequence[Sequence[Fraction]], radii: Sequence[Fraction], span: Extent) -> None:
+def _apart(curves: Sequence[Sequence[Fraction]], radii: Sequence[Fraction], box: Box) -> None:
     """Refuse tubes in which a cycle might be a shorter one that is passed several times."""
     n = len(curves)
 
     def meet(i: int, k: int) -> bool:
         both = zip_longest(curves[i], curves[k], fillvalue=Fraction(0))
-        distance = T.of(span, [a - b for a, b in both]).range
+        distance = T.of(box, [a - b for a, b in both]).range
         wide = I.of(radii[i] + radii[k])
         return (distance - wide).sign() != 1 and (distance + wide).sign() != -1
 
     for period in range(1, n):
         if n % period == 0 and all(meet(k, (k + period) % n) for k in range(n)):
             raise NotSeparated(f"the cycle may be one of {period}, passed several times")
-
-
-def _rising(line: Sequence[Fraction], span: Extent) -> bool:
-    return T.of(span, [k * line[k] for k in range(1, len(line))]).range.sign() == 1
 
 
 def value_at(c: Sequence[Fraction], x: Fraction) -> Fraction:
@@ -295,17 +272,11 @@ def value_at(c: Sequence[Fraction], x: Fraction) -> Fraction:
 
 def hull(parts: Sequence[I]) -> I:
     """The interval about all."""
-    whole = parts[0]
-    for part in parts[1:]:
-        whole = whole.hull(part)
-    return whole
+    return reduce(I.hull, parts)
 
 
 def _product(parts: Sequence[I]) -> I:
-    total = I.of(1)
-    for part in parts:
-        total = total * part
-    return total
+    return reduce(mul, parts, I.of(1))
 
 
 def _around(e: Sequence[I], slopes: Sequence[I]) -> list[I]:

@@ -107,27 +107,23 @@ class ExactToy:
         n = len(contacts)
         at = [2 * i + k for i in contacts for k in (0, 1)]
         matrix, right = [], []
-        for k in range(n):
-            unit = [Fraction(0)] * (2 * n)
-            free = [Fraction(0)] * (3 * n)
+
+        def line(size: int, entries: dict[int, Fraction | int]) -> list[Fraction]:
+            return [Fraction(entries.get(j, 0)) for j in range(size)]
+
+        for k, i in enumerate(contacts):
             if rests[k]:
-                unit = [self.g[at[2 * k]][j] for j in at]
-                free[2 * k] = Fraction(-1)
+                matrix.append([self.g[2 * i][j] for j in at])
             else:
-                unit[2 * k] = free[2 * n + k] = Fraction(1)
-            matrix.append(unit)
-            right.append(free)
-            unit, free = [Fraction(0)] * (2 * n), [Fraction(0)] * (3 * n)
+                matrix.append(line(2 * n, {2 * k: 1}))
+            right.append(line(3 * n, {2 * k: -1} if rests[k] else {2 * n + k: 1}))
             if slips[k] == 0:
-                unit = [self.g[at[2 * k + 1]][j] for j in at]
-                free[2 * k + 1] = Fraction(-1)
+                matrix.append([self.g[2 * i + 1][j] for j in at])
             else:
-                unit[2 * k + 1] = Fraction(1)
-                for m in range(n):
-                    if m == k or coupled:
-                        unit[2 * m] = self.mu[contacts[k]] * slips[k]
-            matrix.append(unit)
-            right.append(free)
+                bounds = [m for m in range(n) if m == k or coupled]
+                friction = {2 * m: self.mu[i] * slips[k] for m in bounds}
+                matrix.append(line(2 * n, {**friction, 2 * k + 1: 1}))
+            right.append(line(3 * n, {2 * k + 1: -1} if slips[k] == 0 else {}))
         try:
             return solve(matrix, right)
         except ZeroDivisionError:

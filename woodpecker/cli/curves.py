@@ -5,11 +5,10 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from pwmap.cli.screen import Formats, picture_format, say, show
+from pwmap.cli.screen import Formats, option, picture_format, progress, say, show
 from pwmap.diagrams.files import in_format
 from woodpecker.cli.diagram import PAPER, places_of
-from woodpecker.cli.help import option
-from woodpecker.cli.options import GUESS, CommandError, Near, Out, motion, progress
+from woodpecker.cli.options import GUESS, CommandError, Near, Out, motion
 from woodpecker.cli.results import Results, asked_for, results_in
 from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import Toy

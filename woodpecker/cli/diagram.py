@@ -5,15 +5,14 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pwmap.cli.screen import Formats, picture_format, say, show
+from pwmap.cli.screen import INTERRUPTED, Formats, option, picture_format, progress, say, show
 from pwmap.diagrams.files import PictureFormat
 from pwmap.diagrams.shown import counted
 from woodpecker.base.lost import WorkerLostError
-from woodpecker.cli.help import option
-from woodpecker.cli.options import GUESS, Out, Window, motion, progress
-from woodpecker.cli.results import INTERRUPTED, Results, results_in
+from woodpecker.cli.options import GUESS, Out, Window, motion
+from woodpecker.cli.results import Results, results_in
 from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import WINDOW, Toy
 
@@ -21,6 +20,7 @@ if TYPE_CHECKING:
     from rich.progress import Progress as Bar
 
     from pwmap import Diagram
+    from woodpecker import PeriodicOrbit
     from woodpecker.search import Found, Stage
 
 RUN = "run.jsonl"
@@ -99,13 +99,9 @@ def diagram(
 
     settings = Settings(span=span, window=window, step=min(0.005, step), max_step=step)
     parameter = parameter_of(parameter)
-    shows = _Shows(
-        places=places_of(names) if parameter == NAMED else {},
-        columns=_columns(observables) if observables is not None else (),
-        words=words,
-        models=models,
-        picture=picture_format(picture),
-    )
+    places = places_of(names) if parameter == NAMED else {}
+    columns = _columns(observables) if observables is not None else ()
+    form = picture_format(picture)
     wanted = orders_of(orders) if orders is not None else None
     beside = orders_of(also, "--also") if also is not None else []
     if beside and wanted is not None:
@@ -113,83 +109,68 @@ def diagram(
     if workers is not None and workers > CORES:
         raise ValueError(f"workers must be at most {CORES}, one for each core, got {workers}")
     with results_in(out, RUN, kept=(RUN,) if resume else ()) as results:
-        keep: dict[str, Any] = {"run": out / RUN, "resume": resume, "settings": settings}
-        if wanted is None:
-            search = _of_motion(toy, phi_s, order, parameter, keep | {"orders": beside})
-        else:
-            search = _of_orders(toy, wanted, parameter, workers, keep)
-        found, summary = _searched(search, parameter, out / RUN, results)
-        _write(toy, found, summary, shows, results)
+        orbit = motion(toy, phi_s, order) if wanted is None else None
+        with progress() as bar:
+            keep: dict[str, Any] = {"run": out / RUN, "resume": resume, "settings": settings}
+            keep["progress"] = _shown(bar, parameter)
+            try:
+                if orbit is not None:
+                    found, summary = _of_motion(toy, orbit, parameter, beside, keep)
+                else:
+                    found, summary = _of_orders(toy, wanted or [], parameter, workers, keep)
+            except (KeyboardInterrupt, WorkerLostError, MemoryError) as stopped:
+                found, summary = _kept(stopped, out / RUN, results), ""
+        found = _written(toy, found.named(places), columns, summary, results)
+        if not results.stopped:
+            _draw(found, results, form, words)
+            if models:
+                _draw_models(toy, found, results, form)
 
 
-class _Shows(NamedTuple):
-    """What is shown of a diagram, and in which format."""
-
-    places: dict[str, tuple[float, float] | str]  # of special points, by their names
-    columns: tuple[str, ...]  # of branches
-    words: bool  # whether changes of word are marked
-    models: bool  # whether models of fold-flips are drawn
-    picture: PictureFormat
-
-
-_Show = Callable[["Stage"], None]
-_Search = Callable[[_Show], tuple["Diagram", str]]  # with what there is to say of it
-
-
-def _of_motion(toy: Toy, phi_s: float, order: int, parameter: str, keep: dict[str, Any]) -> _Search:
-    """How to find what is connected with one motion."""
+def _of_motion(
+    toy: Toy, orbit: PeriodicOrbit, parameter: str, beside: list[int], keep: dict[str, Any]
+) -> tuple[Diagram, str]:
+    """What is connected with one motion, and what there is to say of it."""
     from woodpecker import continuation
 
-    orbit = motion(toy, phi_s, order)
-    keep = keep | {"orders": (orbit.minimal_period, *keep["orders"])}
-    summary = orbit.message if orbit.minimal_period < orbit.order else ""
-
-    def search(show: _Show) -> tuple[Diagram, str]:
-        span = keep["settings"].span
-        return continuation(toy, orbit, parameter, span, progress=show, **keep), summary
-
-    return search
+    orders = (orbit.minimal_period, *beside)
+    found = continuation(toy, orbit, parameter, keep["settings"].span, orders=orders, **keep)
+    shorter = orbit.message if orbit.minimal_period < orbit.order else ""
+    return found, _lines(shorter, found)
 
 
 def _of_orders(
     toy: Toy, orders: list[int], parameter: str, workers: int | None, keep: dict[str, Any]
-) -> _Search:
-    """How to find everything in the window."""
+) -> tuple[Diagram, str]:
+    """Everything in the window, and what there is to say of it."""
     from woodpecker.diagrams import bifurcation_search
 
     span, window = keep["settings"].span, keep["settings"].window
-
-    def search(show: _Show) -> tuple[Diagram, str]:
-        everything = bifurcation_search(
-            toy, parameter, span, orders, window, workers=workers, progress=show, **keep
-        )
-        return everything.diagram, _summary(everything)
-
-    return search
+    found = bifurcation_search(toy, parameter, span, orders, window, workers=workers, **keep)
+    return found.diagram, _lines(_summary(found), found.diagram)
 
 
-def _searched(search: _Search, parameter: str, run: Path, results: Results) -> tuple[Diagram, str]:
-    """Search with a progress bar; after Ctrl-C what the run has kept."""
+def _lines(summary: str, found: Diagram) -> str:
+    return "\n".join(filter(None, (summary, str(found.about.get("left", "")))))
+
+
+def _kept(stopped: BaseException, run: Path, results: Results) -> Diagram:
+    """What the run has kept of a search that was broken off."""
     from woodpecker import saved_diagram
 
-    with progress() as bar:
-        try:
-            found, summary = search(_shown(bar, parameter))
-            return found, "\n".join(filter(None, (summary, str(found.about.get("left", "")))))
-        except (KeyboardInterrupt, WorkerLostError, MemoryError) as stopped:
-            if not run.exists():
-                raise
-            why, status = "Interrupted", INTERRUPTED
-            if not isinstance(stopped, KeyboardInterrupt):
-                why, status = "Broken off: " + (str(stopped) or "no memory is left"), 1
-            results.stop("", status)  # heard: to put together what is kept takes a while
-            kept = saved_diagram(run)
-            branches = counted(len(kept.branches), "branch")
-            results.stop(f"{why}: {branches} kept, as tables; go on with --resume", status)
-            return kept, ""
+    if not run.exists():
+        raise stopped
+    why, status = "Interrupted", INTERRUPTED
+    if not isinstance(stopped, KeyboardInterrupt):
+        why, status = "Broken off: " + (str(stopped) or "no memory is left"), 1
+    results.stop("", status)  # heard: to put together what is kept takes a while
+    kept = saved_diagram(run)
+    branches = counted(len(kept.branches), "branch")
+    results.stop(f"{why}: {branches} kept, as tables; go on with --resume", status)
+    return kept
 
 
-def _shown(bar: Bar, parameter: str) -> _Show:
+def _shown(bar: Bar, parameter: str) -> Callable[[Stage], None]:
     task = bar.add_task(parameter, total=None)
 
     def show(stage: Stage) -> None:
@@ -203,34 +184,31 @@ def _shown(bar: Bar, parameter: str) -> _Show:
     return show
 
 
-def _write(toy: Toy, found: Diagram, summary: str, shows: _Shows, results: Results) -> None:
-    """Tables and graphs, then pictures; of a search that was broken off tables and graphs only."""
+def _written(
+    toy: Toy, found: Diagram, columns: tuple[str, ...], summary: str, results: Results
+) -> Diagram:
+    """Write tables and graphs, of a search that was broken off without more columns of branches."""
     from pwmap.diagrams.tables import FILES, table_of_points, write_results
     from woodpecker import observables as observed
 
-    shown = found.named(shows.places)
-    if not results.stopped:
-        shown = observed(toy, shown, *shows.columns)
+    shown = found if results.stopped else observed(toy, found, *columns)
     with results.tables(*FILES, RUN) as folder:
         write_results(shown, folder)
-    if results.stopped:
-        return
-    show(table_of_points(shown))
-    if summary:
-        say(summary)
-    _draw(shown, results, shows)
-    if shows.models:
-        _draw_models(toy, shown, results, shows.picture)
+    if not results.stopped:
+        show(table_of_points(shown))
+        if summary:
+            say(summary)
+    return shown
 
 
-def _draw(found: Diagram, results: Results, shows: _Shows) -> None:
+def _draw(found: Diagram, results: Results, form: PictureFormat, words: bool) -> None:
     """The diagram, and each order on its own if there are several."""
     from pwmap.plot import plot_diagram
 
     orders = sorted({branch.order for branch in found.branches})
     parts = {f"order_{order}": found.of_order(order) for order in orders}
     for name, part in {"diagram": found, **(parts if len(parts) > 1 else {})}.items():
-        results.draw(f"{name}.{shows.picture}", plot_diagram(part, words=shows.words).figure)
+        results.draw(f"{name}.{form}", plot_diagram(part, words=words).figure)
 
 
 def _draw_models(toy: Toy, found: Diagram, results: Results, form: PictureFormat) -> None:

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import webbrowser
 from typing import Annotated
 
 import typer
 
-from pwmap.cli.screen import say
-from woodpecker.cli.help import option
+from pwmap.cli.explore import MISSING, opening
+from pwmap.cli.screen import option
 from woodpecker.cli.options import CommandError
 from woodpecker.mechanics.toy import Toy
 
@@ -22,7 +21,6 @@ Port = Annotated[
 ]
 NoBrowser = Annotated[bool, option("Do not open a browser, only say the address.", "--no-browser")]
 Stay = Annotated[bool, option("Go on when the last page was closed, until Ctrl-C.", "--stay")]
-MISSING = 'the explorer needs Bokeh: pip install "woodpecker-toy[explore]"'
 
 
 def explore(
@@ -46,11 +44,7 @@ def explore(
     from woodpecker.explore import app, system_page
     from woodpecker.explore.state import PageState
 
-    def ready(address: str) -> None:
-        say(f"The explorer is at {address} (Ctrl-C ends it)")
-        if not no_browser:
-            webbrowser.open(address)
-
+    ready = opening(no_browser)
     if system is not None:
         system_page.run(system, port, stay=stay, ready=ready)
     else:

@@ -6,10 +6,9 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Formats, picture_format, say, show
+from pwmap.cli.screen import Formats, option, picture_format, progress, say, show, table
 from pwmap.diagrams.files import in_format, rows_as_text, write_whole
-from woodpecker.cli.help import option
-from woodpecker.cli.options import Out, Window, progress
+from woodpecker.cli.options import Out, Window
 from woodpecker.cli.results import Results, results_in
 from woodpecker.mechanics.toy import Toy
 
@@ -111,12 +110,8 @@ def _rows(returns: ReturnMap) -> Iterator[Sequence[object]]:
 
 def _outcomes(returns: ReturnMap) -> Table:
     """How many starts ended how, for the screen."""
-    from rich.table import Table
-
-    table = Table("starts", "outcome", title=f"{len(set(returns.words))} words")
-    for reason in dict.fromkeys(returns.status):
-        table.add_row(str(returns.status.count(reason)), reason.value)
-    return table
+    rows = [(str(returns.status.count(each)), each.value) for each in dict.fromkeys(returns.status)]
+    return table(("starts", "outcome"), rows, f"{len(set(returns.words))} words")
 
 
 def _left_out(curve: MapSamples, order: int) -> str:

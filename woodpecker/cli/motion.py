@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Formats, picture_format, say, show
+from pwmap.cli.screen import Formats, option, picture_format, progress, say, show, table
 from pwmap.diagrams.files import in_format
-from woodpecker.cli.help import option
 from woodpecker.cli.options import (
     GUESS,
     CommandError,
@@ -15,7 +14,6 @@ from woodpecker.cli.options import (
     Start,
     in_metres,
     motion,
-    progress,
 )
 from woodpecker.cli.results import results_in
 from woodpecker.mechanics.toy import Toy
@@ -89,7 +87,7 @@ def animate(
                 progress=lambda share: bar.update(task, completed=share),
             )  # fmt: skip
         results.names.append(file)
-        say(f"{trajectory.status.value}; fell {in_metres(trajectory.drop)}")
+        say(_end(trajectory))
     _complete(trajectory)
 
 
@@ -141,15 +139,14 @@ def _write_tables(trajectory: Trajectory, target: Path) -> None:
 
 
 def _events(trajectory: Trajectory) -> Table:
-    from rich.table import Table
-
-    title = f"{trajectory.status.value}; fell {in_metres(trajectory.drop)}"
-    table = Table("t [s]", "event", title=title)
-    for event in trajectory.events[:LISTED]:
-        table.add_row(f"{event.time:.9f}", event.symbol)
+    rows = [(f"{event.time:.9f}", event.symbol) for event in trajectory.events[:LISTED]]
     if len(trajectory.events) > LISTED:
-        table.add_row("...", f"{len(trajectory.events) - LISTED} more in events.csv")
-    return table
+        rows.append(("...", f"{len(trajectory.events) - LISTED} more in events.csv"))
+    return table(("t [s]", "event"), rows, _end(trajectory))
+
+
+def _end(trajectory: Trajectory) -> str:
+    return f"{trajectory.status.value}; fell {in_metres(trajectory.drop)}"
 
 
 def _complete(trajectory: Trajectory) -> None:

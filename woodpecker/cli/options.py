@@ -12,17 +12,14 @@ from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
 import typer
 from rich.markup import escape
 
-from pwmap.cli.screen import bar_on, complain, in_words, picture_format, screen
+from pwmap.cli.screen import INTERRUPTED, complain, in_words, option, picture_format
 from woodpecker.base.lost import WorkerLostError
-from woodpecker.cli.help import option
 from woodpecker.cli.interrupts import heard
-from woodpecker.cli.results import INTERRUPTED, begin
+from woodpecker.cli.results import begin
 from woodpecker.cli.toys import toy_of, toy_options
 from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:  # help and refusals come before what computes is loaded
-    from rich.progress import Progress
-
     from woodpecker import PeriodicOrbit
 
 GUESS = -0.53  # rad, near the stable cycle of the paper's data set
@@ -79,13 +76,8 @@ def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
 
     wrapped.__signature__ = inspect.Signature([*own, *of_toy])  # type: ignore[attr-defined]
     wrapped.__annotations__ = {each.name: each.annotation for each in [*own, *of_toy]}
-    wrapped.__doc__, wrapped.__name__ = _flowing(command.__doc__ or ""), command.__name__
+    wrapped.__doc__, wrapped.__name__ = escape(inspect.getdoc(command) or ""), command.__name__
     return wrapped
-
-
-def _flowing(text: str) -> str:
-    """A docstring for a terminal of any width: each paragraph is one line."""
-    return escape("\n\n".join(" ".join(part.split()) for part in text.split("\n\n")))
 
 
 def motion(toy: Toy, guess: float, order: int = 1) -> PeriodicOrbit:
@@ -96,11 +88,6 @@ def motion(toy: Toy, guess: float, order: int = 1) -> PeriodicOrbit:
     if not orbit.success:
         raise CommandError(f"no periodic motion near phi_S = {guess}: {orbit.message}")
     return orbit
-
-
-def progress() -> Progress:
-    """A progress bar that leaves nothing behind."""
-    return bar_on(screen(stderr=True))
 
 
 def in_metres(length: float) -> str:

@@ -8,12 +8,11 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from pwmap.cli.screen import complain, in_words, say
+from pwmap.cli.screen import INTERRUPTED, complain, in_words, option, progress, say
 from woodpecker.cli.diagram import PAPER, places_of
-from woodpecker.cli.help import option
 from woodpecker.cli.interrupts import heard
-from woodpecker.cli.options import GUESS, CommandError, Near, Out, motion, progress
-from woodpecker.cli.results import INTERRUPTED, results_in
+from woodpecker.cli.options import GUESS, CommandError, Near, Out, motion
+from woodpecker.cli.results import results_in
 from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:

@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import Formats, picture_format, say, show
+from pwmap.cli.screen import Formats, option, picture_format, progress, say, show, table
 from pwmap.diagrams.files import in_format
 from pwmap.diagrams.shown import counted
 from woodpecker.cli.curves import TABLES as CURVES
 from woodpecker.cli.curves import Parameters, Second, second_of, two_of, write_curves
 from woodpecker.cli.diagram import orders_of
-from woodpecker.cli.help import option
-from woodpecker.cli.options import Out, Window, progress
+from woodpecker.cli.options import Out, Window
 from woodpecker.cli.results import Results, results_in
 from woodpecker.mechanics.toy import WINDOW, Toy
 from woodpecker.regions.survey import Survey
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from woodpecker import Curve
     from woodpecker.regions import Regions
 
@@ -72,7 +70,8 @@ def regions(
         if found is not None:
             with results.tables(*TABLES) as folder:
                 _write(found, folder)
-            show(_table(found))
+            header = ("region", "share", *found.names, "lives there", "orbits come to")
+            show(table(header, _described(found)))
             say(
                 f"{len(found.open)} places disagree with their region: a curve is missing there"
                 if found.open
@@ -119,15 +118,12 @@ def _write(found: Regions, target: Path) -> None:
     )
 
 
-def _table(found: Regions) -> Table:
-    from rich.table import Table
-
+def _described(found: Regions) -> Iterator[tuple[str, ...]]:
+    """Rows for the screen."""
     from woodpecker.plot.regions import described
 
-    table = Table("region", "share", *found.names, "lives there", "orbits come to")
     for number, region in enumerate(found.regions, start=1):
-        table.add_row(
-            str(number), f"{100.0 * region.share:.3g} %", *(f"{v:.5g}" for v in region.place),
-            described(region.census), ", ".join(map(str, region.attractors)),
-        )  # fmt: skip
-    return table
+        place = (f"{v:.5g}" for v in region.place)
+        attractors = ", ".join(map(str, region.attractors))
+        share = f"{100.0 * region.share:.3g} %"
+        yield str(number), share, *place, described(region.census), attractors

@@ -14,10 +14,8 @@ from typing import Any
 
 import typer
 
-from pwmap.cli.screen import check_folder, complain, tell_replaced, tell_written
+from pwmap.cli.screen import INTERRUPTED, check_folder, complain, tell_replaced, tell_written
 from woodpecker.cli.interrupts import finished, heard, held
-
-INTERRUPTED = 130  # exit status, as of a shell's command that Ctrl-C or SIGTERM has ended
 
 # the command that runs, and what it was asked for: its files say so
 _asked: ContextVar[tuple[str, Mapping[str, object]]] = ContextVar("_asked")
@@ -73,7 +71,8 @@ def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Res
     check_folder(out)
     missing = [each for each in (out, *out.parents) if not each.exists()]
     out.mkdir(parents=True, exist_ok=True)
-    tell_replaced(out, _asked.get()[0], *files, kept=kept)
+    command, asked = _asked.get()
+    tell_replaced(out, command, *files, kept=kept)
     results = Results(out)
     try:
         yield results
@@ -85,7 +84,11 @@ def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Res
     except BaseException:
         _remove(missing)
         raise
-    _report(results)
+    finished()
+    from pwmap.diagrams.record import keep_record, record_of
+
+    gone = keep_record(out, command, results.names, asked)  # an earlier run's, removed
+    tell_written(out, (*results.names, record_of(command)), gone)
     if results.stopped:
         complain(results.stopped)
         raise typer.Exit(results.status)
@@ -95,13 +98,3 @@ def _remove(folders: list[Path]) -> None:
     with suppress(OSError):  # there is something in it
         for each in folders:
             each.rmdir()
-
-
-def _report(results: Results) -> None:
-    """Say which files were written, and record them; what an earlier run left beside is removed."""
-    from pwmap.diagrams.record import keep_record, record_of
-
-    finished()
-    command, asked = _asked.get()
-    gone = keep_record(results.folder, command, results.names, asked)
-    tell_written(results.folder, (*results.names, record_of(command)), gone)

@@ -6,16 +6,13 @@ import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-from pwmap.cli.screen import TableFormat, picture_format, show
-from woodpecker.cli.help import option
+from pwmap.cli.screen import TableFormat, option, picture_format, show, table
 from woodpecker.cli.options import GUESS, Near, Out, motion
 from woodpecker.cli.results import results_in
 from woodpecker.cli.toys import parameter_of
 from woodpecker.mechanics.toy import Toy
 
 if TYPE_CHECKING:
-    from rich.table import Table
-
     from woodpecker.robustness import Limit, Robustness, SmallestChange
 
 FILES = ("robustness.csv", "limits.csv")
@@ -44,7 +41,13 @@ def robustness(
         found = smallest_changes(toy, motion(toy, phi_s), names)
         with results.tables(*FILES) as folder:
             _write(found, folder)
-        show(_critical(found), _limits(found))
+        header = ("what", "size", "largest changes", "confirmed", "evidence")
+        changes = map(_critical, (*found.critical, *found.harmless))
+        limits = table(
+            ("parameter", "change", "value", "what"), map(_limit, found.limits),
+            "One parameter at a time",
+        )  # fmt: skip
+        show(table(header, changes, "All parameters at once"), limits)
 
 
 def _write(found: Robustness, target: Path) -> None:
@@ -73,38 +76,21 @@ def _write(found: Robustness, target: Path) -> None:
     )
 
 
-def _critical(found: Robustness) -> Table:
-    from rich.table import Table
-
-    table = Table(
-        "what", "size", "largest changes", "confirmed", "evidence", title="All parameters at once"
-    )
-    for row in (*found.critical, *found.harmless):
-        seen = "yes" if row.confirmed else "open"
-        already = "" if row.stable else "; unstable before"
-        what = f"{row.effect.value} ({row.kind}): {row.cause}{already}"
-        table.add_row(what, f"{100.0 * row.size:.4g} %", _largest(row), seen, row.evidence)
-    return table
-
-
-def _largest(row: SmallestChange) -> str:
+def _critical(row: SmallestChange) -> tuple[str, ...]:
+    """A change of all parameters at once, on the screen."""
+    already = "" if row.stable else "; unstable before"
+    what = f"{row.effect.value} ({row.kind}): {row.cause}{already}"
     ordered = sorted(row.changes.items(), key=lambda item: -abs(item[1]))
-    return ", ".join(f"{name} {value:+.3g} %" for name, value in ordered[:SHOWN])
+    largest = ", ".join(f"{name} {value:+.3g} %" for name, value in ordered[:SHOWN])
+    seen = "yes" if row.confirmed else "open"
+    return what, f"{100.0 * row.size:.4g} %", largest, seen, row.evidence
 
 
-def _limits(found: Robustness) -> Table:
-    from rich.table import Table
-
-    table = Table("parameter", "change", "value", "what", title="One parameter at a time")
-    for each in found.limits:
-        if math.isfinite(each.percent):
-            table.add_row(
-                each.parameter, f"{each.percent:+.4g} %", f"{each.value:.8g}", _what(each)
-            )
-        else:
-            sign = "up" if each.direction > 0 else "down"
-            table.add_row(each.parameter, sign, "", each.cause)
-    return table
+def _limit(each: Limit) -> tuple[str, ...]:
+    """How far one parameter may go, on the screen."""
+    if math.isfinite(each.percent):
+        return each.parameter, f"{each.percent:+.4g} %", f"{each.value:.8g}", _what(each)
+    return each.parameter, "up" if each.direction > 0 else "down", "", each.cause
 
 
 def _what(each: Limit) -> str:

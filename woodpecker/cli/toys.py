@@ -6,13 +6,14 @@ import inspect
 import json
 import math
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
+from pwmap.cli.screen import option
 from pwmap.diagrams.files import write_whole
-from woodpecker.cli.help import option
 from woodpecker.mechanics.toy import (
     LAW,
     ExpansionFriction,
@@ -25,6 +26,7 @@ from woodpecker.mechanics.toy import (
 TOY = "toy"  # in a file: the object with the values
 PANEL = "Parameters of the toy"
 FILE, SAVE = "toy_file", "save_toy"  # the options that read and write a toy
+KEYWORD = inspect.Parameter.KEYWORD_ONLY
 CONTEXT = "context"  # of the command: it knows which options were typed
 UNTYPED = "DEFAULT"  # what it calls the source of those that were not
 
@@ -36,45 +38,26 @@ def parameter_of(text: str) -> str:
 
 def toy_options() -> list[inspect.Parameter]:
     """One option for each field of the toy, described as in :class:`woodpecker.Toy`, and a file."""
-    default = Toy()
-    kinds: dict[str, Any] = {
-        CONTEXT: typer.Context,
-        FILE: Annotated[
-            Path | None,
-            option(
-                "File with the values of a toy, of --save-toy or the about_<command>.json of "
-                "results; options beside it change single values.",
-                "--toy",
-                rich_help_panel=PANEL,
-            ),
-        ],
-        SAVE: Annotated[
-            Path | None,
-            option(
-                "File into which the values are written, for --toy.", "--save-toy",
-                rich_help_panel=PANEL,
-            ),
-        ],
-    }  # fmt: skip
+    default, of_toy = Toy(), partial(option, rich_help_panel=PANEL)
+    file = of_toy(
+        "File with the values of a toy, of --save-toy or the about_<command>.json of results; "
+        "options beside it change single values.",
+        "--toy",
+    )
+    save = of_toy("File into which the values are written, for --toy.", "--save-toy")
+    law = of_toy(
+        "What bounds friction in the expansion of an impact at two contacts: the sum of both "
+        "normal impulses, from which the paper's figures follow, or Coulomb's law at each"
+    )
+    kinds: dict[str, Any] = {CONTEXT: typer.Context}
+    kinds |= {FILE: Annotated[Path | None, file], SAVE: Annotated[Path | None, save]}
     for name in parameters():
         meaning, unit, domain = description(name)
         text = f"{meaning[0].upper()}{meaning[1:]} [{unit}]; must {domain.value}"
-        kinds[name] = Annotated[float, option(text, rich_help_panel=PANEL)]
-    kinds[LAW] = Annotated[
-        ExpansionFriction,
-        option(
-            "What bounds friction in the expansion of an impact at two contacts: the sum of both "
-            "normal impulses, from which the paper's figures follow, or Coulomb's law at each",
-            rich_help_panel=PANEL,
-        ),
-    ]
+        kinds[name] = Annotated[float, of_toy(text)]
+    kinds[LAW] = Annotated[ExpansionFriction, law]
     return [
-        inspect.Parameter(
-            name,
-            inspect.Parameter.KEYWORD_ONLY,
-            default=getattr(default, name, None),
-            annotation=kind,
-        )
+        inspect.Parameter(name, KEYWORD, default=getattr(default, name, None), annotation=kind)
         for name, kind in kinds.items()
     ]
 

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from functools import reduce
+from operator import add
 from typing import Any
 
 from flint import arb, fmpq
@@ -35,3 +37,8 @@ def rounded(x: Fraction, digits: int) -> Fraction:
 def decimal(x: Any, digits: int = DIGITS) -> Fraction:
     """The middle of a ball, rounded to so many decimals."""
     return rounded(fraction(x.mid()), digits)
+
+
+def sum_of(terms: Any) -> Any:
+    """The sum of at least one term."""
+    return reduce(add, terms)

@@ -5,14 +5,15 @@ See :mod:`woodpecker.mechanics.contact_problems` and :mod:`woodpecker.motion.set
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from itertools import product
 from typing import Any, NamedTuple, TypeVar
 
 from flint import arb
 
-from woodpecker.enclosures.balls import ZERO, ball
+from woodpecker.enclosures.balls import ZERO, sum_of
 from woodpecker.enclosures.forms import box, sign
-from woodpecker.enclosures.model import BallToy, sum_of
+from woodpecker.enclosures.model import BallToy
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.mechanics.cases import FORWARD, HOLD, REST
 from woodpecker.mechanics.contact_problems import one_contact_case
@@ -40,11 +41,8 @@ def impulses_of(
     unless one index combination holds strictly and each other one is violated strictly.
     """
     low = floors if floors is not None else [ZERO] * len(contacts)
-    if len(contacts) == 1:
-        candidates = _single(model, contacts[0], free, low[0], approaches)
-    else:
-        candidates = _pair(model, contacts[1], free, low, floors is not None)
-    found = only(candidates, "an impact")
+    coupled = floors is not None and model.summed and len(contacts) > 1
+    found = only(_candidates(model, contacts, free, low, coupled, approaches), "an impact")
     if found is None:
         raise NotProved("the impulses of an impact are not unique")
     return found
@@ -74,91 +72,73 @@ def verdict(conditions: Iterable[Any]) -> bool | None:
     return None if open_ else True
 
 
-def _single(
-    model: BallToy, i: int, free: Numbers, floor: Any, approaches: bool
-) -> Iterator[tuple[bool | None, BallPhase | None]]:
-    n, t = 2 * i, 2 * i + 1
-    g_nn, g_nt, g_tt = model.delassus[n][n], model.delassus[n][t], model.delassus[t][t]
-    mu, (free_n, free_t) = ball(model.equations.mu[i]), free
-    for case in range(6):
-        normal, tangential = divmod(case, 3)
-        p_n, p_t = one_contact_case(case, g_nn, g_nt, g_tt, free_n, free_t, mu, floor)
-        v_n = ZERO if normal == REST else free_n + g_nn * p_n + g_nt * p_t
-        v_t = ZERO if tangential == HOLD else free_t + g_nt * p_n + g_tt * p_t
-        if normal == REST:
-            first = p_n - floor
-            if approaches and tangential != HOLD:  # p_n = -free_n / stiffness, and the floor is 0
-                friction = -mu if tangential == FORWARD else mu
-                first = sign(g_nn + friction * g_nt) or first
-        else:
-            first = -1 if approaches else v_n
-        rest = _along(tangential, mu * p_n, p_t, v_t)
-        yield verdict([first, *rest]), BallPhase((case,), (p_n, p_t), (v_n, v_t))
-
-
-def _along(tangential: int, bound: Any, impulse: Any, velocity: Any) -> list[Any]:
-    if tangential == HOLD:
-        return [bound - impulse, bound + impulse]
-    return [velocity if tangential == FORWARD else -velocity]
-
-
-def _pair(
-    model: BallToy, sleeve: int, free: Numbers, floors: Numbers, expands: bool
-) -> Iterator[tuple[bool | None, BallPhase | None]]:
-    """The 36 combinations, ranges first, then forms; None: both contacts stick at rest."""
-    for first in range(6):
-        for second in range(6):
-            table = model.case(sleeve, first, second, expands)
-            cases = (first, second)
-            if table is None:
-                load = _momentum(model, sleeve, free)
-                coupled = expands and model.summed
-                yield _rest_is_possible(model, sleeve, load, floors, coupled), None
-                continue
-            holds = _combination(model, sleeve, cases, table, free, floors, expands, box)[0]
+def _candidates(
+    model: BallToy, contacts: Sequence[int], free: Numbers, floors: Numbers, coupled: bool,
+    approaches: bool,
+) -> Iterator[tuple[bool | None, BallPhase | None]]:  # fmt: skip
+    """All index combinations, by ranges first, then by forms; None: both contacts stick at rest."""
+    for cases in product(range(6), repeat=len(contacts)):
+        table = model.case(contacts[1], *cases, coupled) if len(contacts) == 2 else None
+        if table is None and len(contacts) == 2:
+            load = _momentum(model, contacts[1], free)
+            yield _rest_is_possible(model, contacts[1], load, floors, coupled), None
+            continue
+        for look in (box, lambda x: x):
+            looked = [look(x) for x in free], [look(x) for x in floors]
+            holds, found = _combination(
+                model, contacts, cases, table, *looked, coupled, approaches
+            )  # fmt: skip
             if holds is False:
-                continue
-            yield _combination(model, sleeve, cases, table, free, floors, expands, lambda x: x)
+                break
+        yield holds, found
 
 
 def _combination(
-    model: BallToy, sleeve: int, cases: tuple[int, int], table: list[Numbers], free: Numbers,
-    floors: Numbers, expands: bool, look: Callable[[Any], Any],
+    model: BallToy, contacts: Sequence[int], cases: tuple[int, ...], table: list[Numbers] | None,
+    free: Numbers, floors: Numbers, coupled: bool, approaches: bool,
 ) -> tuple[bool | None, BallPhase]:  # fmt: skip
-    """Whether a combination holds, and what it does; ``look`` takes forms or their ranges."""
-    free, floors = [look(x) for x in free], [look(x) for x in floors]
-    given = [*free, *floors]
-    p = [sum_of(c * x for c, x in zip(row, given, strict=True)) for row in table]
-    at = (0, 1, 2 * sleeve, 2 * sleeve + 1)
+    """Whether a combination holds, and what it does, in forms or in ranges."""
+    at, g = [2 * i + k for i in contacts for k in (0, 1)], model.delassus
+    p: Numbers
+    if table is None:
+        n, t = at
+        numbers = g[n][n], g[n][t], g[t][t], free[0], free[1], model.mu[contacts[0]], floors[0]
+        p = one_contact_case(cases[0], *numbers)
+    else:
+        p = [sum_of(c * x for c, x in zip(row, [*free, *floors], strict=True)) for row in table]
     v: list[Any] = []
-    for a in range(4):
+    for a, row in enumerate(at):
         case = cases[a // 2]
         still = case // 3 == REST if a % 2 == 0 else case % 3 == HOLD
-        if still:
-            v.append(ZERO)
-        else:
-            g = model.delassus[at[a]]
-            v.append(free[a] + sum_of(g[at[b]] * p[b] for b in range(4)))
-    coupled = expands and model.summed
+        added = (g[row][at[b]] * p[b] for b in range(len(at)))
+        v.append(ZERO if still else sum_of([free[a], *added]))
     conditions: list[Any] = []
     for k, case in enumerate(cases):
-        n, t = 2 * k, 2 * k + 1
-        mu = ball(model.equations.mu[0 if k == 0 else sleeve])
-        conditions.append(p[n] - floors[k] if case // 3 == REST else v[n])
-        bound = mu * (p[n] + p[2 - n]) if coupled else mu * p[n]
-        conditions += _along(case % 3, bound, p[t], v[t])
+        mu, (n, t), tangential = model.mu[contacts[k]], (2 * k, 2 * k + 1), case % 3
+        if case // 3 != REST:
+            conditions.append(-1 if approaches else v[n])
+        elif approaches and tangential != HOLD:  # p_n = -free_n / stiffness, and the floor is 0
+            friction = -mu if tangential == FORWARD else mu
+            stiffness = g[at[n]][at[n]] + friction * g[at[n]][at[t]]
+            conditions.append(sign(stiffness) or p[n] - floors[k])
+        else:
+            conditions.append(p[n] - floors[k])
+        if tangential == HOLD:
+            bound = mu * (p[n] + p[2 - n]) if coupled else mu * p[n]
+            conditions += [bound - p[t], bound + p[t]]
+        else:
+            conditions.append(v[t] if tangential == FORWARD else -v[t])
     return verdict(conditions), BallPhase(cases, p, v)
 
 
 def _momentum(model: BallToy, sleeve: int, free: Numbers) -> Numbers:
     """-M u from the contact velocities that the toy would lose."""
-    e = model.equations
     # rows of W^T u: N1 = -h_S u_S, Nk = +-h_M u_M, T1 = u_y + l_M u_M + (l_G - l_S) u_S
     u_s = free[0] / (-model.levers[0])
     u_m = free[2] / (model.levers[sleeve] * int(SIGN[sleeve]))
     u_y = free[3] - model.tangents[sleeve][1] * u_m
     u = (u_y, u_m, u_s)
-    return [sum_of(-ball(e.mass[i][j]) * u[j] for j in range(3)) for i in range(3)]
+    return [sum_of(-row[j] * u[j] for j in range(3)) for row in model.mass]
 
 
 def _rest_is_possible(
@@ -172,7 +152,7 @@ def _rest_is_possible(
     normal_1 = (-load[2] / height, arm / height)
     normal_k = ((load[1] - r_m * load[0]) / lever, (r_m - l_m) / lever)
     along_1, along_k = (ZERO, arb(1)), (load[0], arb(-1))
-    mu_1, mu_k = ball(model.equations.mu[0]), ball(model.equations.mu[sleeve])
+    mu_1, mu_k = model.mu[0], model.mu[sleeve]
     total = tuple(x + y for x, y in zip(normal_1, normal_k, strict=True))
     lines = [
         (normal_1[0] - floors[0], normal_1[1]),
@@ -207,6 +187,5 @@ def _feasible(lines: list[tuple[Any, Any]]) -> bool | None:
 
 def rests(model: BallToy, sleeve: int, d: Any) -> bool | None:
     """Whether the beak and a contact of the sleeve can hold the toy at rest."""
-    e = model.equations
-    load = [-(ball(x) + ball(y) * d) for x, y in zip(e.h_0, e.h_1, strict=True)]
+    load = [-(x + y * d) for x, y in zip(model.h_0, model.h_1, strict=True)]
     return _rest_is_possible(model, sleeve, load, [ZERO, ZERO], False)

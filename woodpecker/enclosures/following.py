@@ -18,11 +18,10 @@ from collections.abc import Iterable, Sequence
 from itertools import product
 from typing import Any
 
-from woodpecker.enclosures.balls import ZERO, ball
+from woodpecker.enclosures.balls import ZERO, sum_of
 from woodpecker.enclosures.contacts import impulses_of, only, rests, verdict
-from woodpecker.enclosures.flights import landing
 from woodpecker.enclosures.forms import box, centre, sign, start
-from woodpecker.enclosures.model import BallToy, State, sum_of
+from woodpecker.enclosures.model import BallToy, State
 from woodpecker.enclosures.motions import (
     NO_GUARD,
     BallState,
@@ -36,7 +35,14 @@ from woodpecker.enclosures.motions import (
     touch,
 )
 from woodpecker.enclosures.not_proved import NotProved
-from woodpecker.enclosures.oscillator import Guard, ZeroCrossing, crossing, everywhere, name_of
+from woodpecker.enclosures.oscillator import (
+    Guard,
+    ZeroCrossing,
+    crossing,
+    everywhere,
+    landing,
+    name_of,
+)
 from woodpecker.enclosures.pausing import paused
 from woodpecker.enclosures.taylor import Frame
 from woodpecker.mechanics.cases import HOLD, REST
@@ -103,12 +109,12 @@ def _guard(model: BallToy, motion: BallState, states: State, guard: int) -> Guar
     kind, i = guard // 3 * 3, guard % 3
     mode, q, u = model.mode(states), motion.q, motion.u
     d0, d1 = q[2] - q[1], u[2] - u[1]
-    order, assumed = 0, False
+    d2 = mode.alpha + mode.kappa * d0
+    order, assumed = 0, guard in motion.assumed
     if guard == SECTION:
-        d2 = mode.alpha + mode.kappa * d0
-        f0 = ZERO if box(d1).is_zero() else d1
-        return Guard(guard, (f0, d2, mode.kappa * d1, mode.kappa * d2), int(f0 is ZERO), mode.kappa)
-    if kind == GAP:
+        order = int(box(d1).is_zero())
+        jet = [d1, d2, mode.kappa * d1, mode.kappa * d2]
+    elif kind == GAP:
         j, side = ANGLE[i], int(SIGN[i])
         order = motion.orders[i]
         if order == 2 and motion.fired == NORMAL + i and _only_opens(motion.before, states, i):
@@ -117,27 +123,22 @@ def _guard(model: BallToy, motion: BallState, states: State, guard: int) -> Guar
         jet = [(q[j] - model.limits[i]) * side, u[j] * side, (a + b * d0) * side, b * d1 * side]
         if _let_go(motion, states, i):  # the sleeve turns as it did in contact: not yet
             jet[1] = jet[2] = ZERO
-        assumed = order == 0 or motion.leaves == i
+        assumed = assumed or order == 0
     elif kind == SLIP:
         side = 1 if states[i] == SLIP_POSITIVE else -1
         w = [x * side for x in model.tangents[i]]
-        along = sum_of(w[k] * mode.b[k] for k in range(3))
-        steady = sum_of(w[k] * mode.a[k] for k in range(3))
-        d2 = mode.alpha + mode.kappa * d0
-        speed = sum_of(w[k] * u[k] for k in range(3))
+        along, steady, speed = (
+            sum_of(x * y for x, y in zip(w, each, strict=True)) for each in (mode.b, mode.a, u)
+        )
         jet = [speed, steady + along * d0, along * d1, along * d2]
         if i in motion.held:
             edge = CONE_POSITIVE if states[i] == SLIP_NEGATIVE else CONE_NEGATIVE
             order = 2 if motion.fired == edge + i else 1
     else:
         p, r = _force(model, mode.forces[i], kind, i)
-        d2 = mode.alpha + mode.kappa * d0
         jet = [p + r * d0, r * d1, r * d2, r * mode.kappa * d1]
         order = int(guard == motion.fired and states == motion.before)
-        assumed = guard == NORMAL + motion.stays
-    for k in range(order):
-        jet[k] = ZERO
-    return Guard(guard, (jet[0], jet[1], jet[2], jet[3]), order, mode.kappa, assumed)
+    return Guard(guard, (ZERO,) * order + tuple(jet[order:]), order, mode.kappa, assumed)
 
 
 def _only_opens(before: State, states: State, i: int) -> bool:
@@ -156,7 +157,7 @@ def _force(model: BallToy, forces: Sequence[Any], kind: int, i: int) -> tuple[An
     p_n, r_n, p_t, r_t = forces
     if kind == NORMAL:
         return p_n, r_n
-    mu, side = ball(model.equations.mu[i]), 1 if kind == CONE_POSITIVE else -1
+    mu, side = model.mu[i], 1 if kind == CONE_POSITIVE else -1
     return mu * p_n - p_t * side, mu * r_n - r_t * side
 
 
@@ -205,7 +206,7 @@ def _meeting(
         if not _survives(guard, span.lower(), span):
             raise NotProved(f"{name_of(guard.code)} may fire earlier")
     fork = OpenDecision(
-        ForkKind.MEETING, second.at(fires.duration), (first.code + 1, second.code + 1)
+        ForkKind.MEETING, second.near(fires.duration)(0), (first.code + 1, second.code + 1)
     )
     found = []
     for side, ends in ((1, fires), (-1, other)):
@@ -266,7 +267,7 @@ def _no_turn(guard: Guard, end: Any) -> bool:
         if sign(value) or slope < 0:
             return True
         # it starts at rest, and rises; or it is still negative in the end
-        rises = slope > 0 and ((a.is_zero() and guard.order == 1) or sign(guard.at(b)) == -1)
+        rises = slope > 0 and ((a.is_zero() and guard.order == 1) or sign(guard.near(b)(0)) == -1)
         return True if rises else None
 
     return everywhere(ZERO, end, told, HALVINGS)
@@ -289,7 +290,7 @@ def _moved(model: BallToy, motion: BallState, fires: ZeroCrossing) -> BallState:
     after.log.append(fires)
     after.fired, after.before = fired, states
     after.lands = fired if fires.lands else NO_GUARD
-    after.leaves = after.stays = NO_GUARD
+    after.assumed = frozenset()
     after.since = ZERO
     return after
 
@@ -320,7 +321,7 @@ def _strike(model: BallToy, motion: BallState, contacts: list[int]) -> list[Ball
     if not visible and not approaches:
         raise NotProved(f"contact {striking + 1} may only graze")
     first = impulses_of(model, contacts, free, None, approaches)
-    floors = [_floor(model.equations.eps[i], first.impulses[2 * k]) for k, i in enumerate(contacts)]
+    floors = [_floor(model.eps[i], first.impulses[2 * k]) for k, i in enumerate(contacts)]
     second = None
     if any(sign(floor) != 0 for floor in floors):
         if any(sign(floor) is None for floor in floors):
@@ -381,14 +382,15 @@ def _settled(
     # must be positive right after now, by its first derivative that is not exactly zero.
     slips = {i: 0 if i in motion.held else direction_of_slip(model, i, motion.u) for i in closed}
     options = [[OPEN] if i not in closed else _options(slips[i]) for i in range(3)]
-    trials = [_state(trial) for trial in product(*options) if _moves_as_one(trial)]
+    # two closed contacts share the velocity of the sleeve
+    trials = [_state(each) for each in product(*options) if len({*each} - {OPEN}) <= 1]
     verdicts = {trial: _admissible(model, motion, closed, trial) for trial in trials}
     open_ = [trial for trial in trials if verdicts[trial] is None]
     if plastic and len(closed) == 1 and len(open_) == 2 and len(trials) == 2:
         return _stays_or_leaves(model, motion, min(closed), trials)
     chosen = only([(verdicts[trial], trial) for trial in trials], "a contact problem")
-    stays = motion.lands
-    return [_set_off(motion, chosen, stays=stays if chosen[stays] != OPEN else NO_GUARD)]
+    pressed = motion.lands >= 0 and chosen[motion.lands] != OPEN
+    return [_set_off(motion, chosen, {NORMAL + motion.lands} if pressed else set())]
 
 
 def _stays_or_leaves(
@@ -399,7 +401,7 @@ def _stays_or_leaves(
     # G = G_NN -+ mu G_NT > 0.
     stay, leave = sorted(trials, key=lambda trial: trial[i] == OPEN)
     n, t = 2 * i, 2 * i + 1
-    mu = ball(model.equations.mu[i])
+    mu = model.mu[i]
     friction = -mu if stay[i] == SLIP_POSITIVE else mu
     if sign(model.delassus[n][n] + friction * model.delassus[n][t]) != 1:
         raise NotProved("a contact may be neither left nor held")
@@ -409,11 +411,7 @@ def _stays_or_leaves(
     for side, trial in ((1, stay), (-1, leave)):
         way = motion.copy()
         way.forks.append((fork, side))
-        found.append(
-            _set_off(
-                way, trial, stays=i if side == 1 else NO_GUARD, leaves=i if side == -1 else NO_GUARD
-            )
-        )
+        found.append(_set_off(way, trial, {(NORMAL if side == 1 else GAP) + i}))
     return found
 
 
@@ -421,11 +419,6 @@ def _options(slip: int) -> list[int]:
     if slip == 0:
         return [STICK, SLIP_POSITIVE, SLIP_NEGATIVE, OPEN]
     return [SLIP_POSITIVE if slip > 0 else SLIP_NEGATIVE, OPEN]
-
-
-def _moves_as_one(trial: Sequence[int]) -> bool:
-    """Two closed contacts share the velocity of the sleeve."""
-    return len({state for state in trial if state != OPEN}) <= 1
 
 
 def _admissible(model: BallToy, motion: BallState, closed: set[int], trial: State) -> bool | None:
@@ -450,9 +443,7 @@ def _admissible(model: BallToy, motion: BallState, closed: set[int], trial: Stat
     return verdict(conditions)
 
 
-def _set_off(
-    motion: BallState, states: State, stays: int = NO_GUARD, leaves: int = NO_GUARD
-) -> BallState:
+def _set_off(motion: BallState, states: State, assumed: set[int]) -> BallState:
     """The next phase with these contact states, and the symbols of what has changed."""
     before, fired = motion.before, motion.fired
     for i in range(3):
@@ -467,5 +458,5 @@ def _set_off(
             code = REVERSAL
         if code is not None:
             motion.codes.append(8 * code + (1 << i))
-    motion.states, motion.stays, motion.leaves, motion.lands = states, stays, leaves, NO_GUARD
+    motion.states, motion.assumed, motion.lands = states, frozenset(assumed), NO_GUARD
     return motion

@@ -109,14 +109,11 @@ class Form:
 
 def chained(f: Form, value: Taylor, slope: Taylor, bend: Callable[[], Taylor]) -> Form:
     """g(f) from Taylor models of g on the curve, and of g' and g'' near it."""
-    parts = f.parts
-    found = [value]
-    for n in range(S, len(parts)):
-        part = slope * parts[n]
-        if n in HALVES:
-            i, j = HALVES[n]
-            part = part + bend() * parts[i] * parts[j]
-        found.append(part)
+    found = [value, *(slope * part for part in f.parts[S:])]
+    bent = bend() if len(found) > SS else slope
+    for n in range(SS, len(found)):
+        i, j = HALVES[n]
+        found[n] = found[n] + bent * f.parts[i] * f.parts[j]
     return Form(f.frame, found)
 
 

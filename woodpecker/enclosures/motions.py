@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from copy import copy
+from dataclasses import dataclass, field
 from enum import Enum
 from typing import Any, NamedTuple
 
-from woodpecker.enclosures.balls import ZERO
+from woodpecker.enclosures.balls import ZERO, sum_of
 from woodpecker.enclosures.forms import Form, sign
-from woodpecker.enclosures.model import BallToy, Mode, State, sum_of
+from woodpecker.enclosures.model import BallToy, Mode, State
 from woodpecker.enclosures.not_proved import NotProved
-from woodpecker.enclosures.oscillator import ZeroCrossing, stumpff
+from woodpecker.enclosures.oscillator import ZeroCrossing
+from woodpecker.enclosures.stumpff import stumpff
 from woodpecker.mechanics.modes import ANGLE
 
 NO_GUARD = -1
@@ -57,10 +59,9 @@ class BallState:
     held: frozenset[int] = frozenset()  # closed contacts whose slip is exactly zero
     fired: int = NO_GUARD  # the guard that ended the phase before; -1: an impact, or none
     before: State = (0, 0, 0)  # contact states of the phase before
-    # the contact that has just opened at rest, by a fork; its acceleration is at least zero
-    leaves: int = NO_GUARD
-    # the contact whose normal force is at least zero, though its range does not say so
-    stays: int = NO_GUARD
+    # guards at least zero, though ranges do not say so: the gap of a contact that has just opened
+    # at rest, by a fork, or the normal force of one that stays
+    assumed: frozenset[int] = frozenset()
     # the contact that strikes after a flight which began at rest: its approach is known
     lands: int = NO_GUARD
     since: Any = ZERO  # the phase begins by then: it has been taken back to the middle of a plateau
@@ -70,15 +71,10 @@ class BallState:
 
     def copy(self) -> BallState:
         """Another one that goes its own way."""
-        return replace(
-            self,
-            q=list(self.q),
-            u=list(self.u),
-            orders=list(self.orders),
-            codes=list(self.codes),
-            log=list(self.log),
-            forks=list(self.forks),
-        )
+        found = copy(self)
+        for name in ("q", "u", "orders", "codes", "log", "forks"):
+            setattr(found, name, list(getattr(self, name)))
+        return found
 
 
 def flown(mode: Mode, q: Sequence[Any], u: Sequence[Any], t: Any) -> tuple[list[Any], list[Any]]:

@@ -8,46 +8,66 @@ With Stumpff's functions s_k(t) = t^k c_k(kappa t^2), where c_k(x) = 1/k! + x/(k
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 from flint import arb, ctx
 
-from woodpecker.enclosures.balls import ZERO
-from woodpecker.enclosures.forms import HALVES, VALUE, Form, S, box, chained, sign
+from woodpecker.enclosures.balls import ZERO, sum_of
+from woodpecker.enclosures.forms import HALVES, VALUE, Form, S, box, sign
 from woodpecker.enclosures.not_proved import NotProved
-from woodpecker.enclosures.stumpff import shape_models, stumpff_balls, stumpff_models
+from woodpecker.enclosures.stumpff import shapes, stumpff
 from woodpecker.enclosures.taylor import Taylor, constant, inverse, thin
 from woodpecker.mechanics.modes import SECTION
 
 Derivatives = Callable[[int], Any]
 KINDS = ("gap", "normal", "cone+", "cone-", "slip", "section")
 MOST_PARTS = 2**16  # of a phase in which something is shown: an unstable cycle takes 2**13
+LONGEST = 10.0  # of |kappa| t^2 of a flight from rest: half a swing; h need not fall beyond
+PARTS = 16  # of such a flight, over each of which the slope of h is enclosed
 HALVINGS = 40  # of a phase in which a guard is shown to be positive: a millionth of a millionth
 
 
-def stumpff(kappa: Any, t: Any, last: int = 4) -> list[Any]:
-    """s_0 .. s_last of balls or forms."""
-    if not isinstance(t, Form):
-        return stumpff_balls(kappa, t, last)
-    curve = stumpff_models(kappa, t.parts[VALUE], 0, last)
-    if t.flat:
-        return [Form(t.frame, [model, *t.parts[1:]]) for model in curve]
-    near = stumpff_models(kappa, t.near[VALUE], -1 if len(t.parts) <= 3 else -2, last - 1)
-    before = len(near) - last  # of s_(k-1) in front of s_k
-    return [
-        chained(t, curve[k], near[before - 1 + k], lambda k=k: near[before - 2 + k])  # type: ignore[misc]
-        for k in range(last + 1)
-    ]
+def oscillation(jet: Sequence[Any], kappa: Any, t: Any) -> Derivatives:
+    """F and its derivatives at a time."""
+    f0, f1, f2, f3 = jet
+    s = stumpff(kappa, t)
+
+    def value(derivative: int) -> Any:
+        last = [s[k] if k >= 0 else kappa * s[k + 2] for k in (2 - derivative, 3 - derivative)]
+        first = {0: [f0, f1 * t], 1: [f1]}.get(derivative, [])
+        return sum_of([*first, f2 * last[0], f3 * last[1]])
+
+    return value
 
 
-def shapes(x: Any, last: int) -> list[Any]:
-    """c_0 .. c_last of a form."""
-    curve, near = shape_models(x.parts[VALUE], last), shape_models(x.near[VALUE], last)
-    return [
-        chained(x, curve[0][k], near[1][k], lambda k=k: near[2][k])  # type: ignore[misc]
-        for k in range(last + 1)
-    ]
+def height(jet: Sequence[Any], kappa: Any, t: Any) -> Derivatives:
+    """The function h of a flight from rest, f = t^2 h, and its derivatives at a time.
+
+    h = f_2 c_2 + f_3 t c_3, and d c_k / dt = kappa t (c_(k+1) - k c_(k+2)).
+    """
+    _, _, f2, f3 = jet
+    x = kappa * (t * t)
+    c = shapes(x, 7)
+
+    def slope(k: int) -> Any:
+        return c[k + 1] - c[k + 2] * k
+
+    def bend(k: int) -> Any:
+        return slope(k + 1) - slope(k + 2) * k
+
+    def value(derivative: int) -> Any:
+        match derivative:
+            case 0:
+                return f2 * c[2] + f3 * (c[3] * t)
+            case 1:
+                return f2 * (slope(2) * t * kappa) + f3 * (c[3] + slope(3) * x)
+            case _:
+                own, other = slope(2) + bend(2) * x, slope(3) * 3 + bend(3) * x
+                return f2 * (own * kappa) + f3 * (other * t * kappa)
+
+    return value
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,25 +76,20 @@ class Guard:
 
     code: int  # as in :mod:`woodpecker.mechanics.modes`
     # its value and three derivatives where the phase begins; exact zeros are exact
-    jet: tuple[Any, Any, Any, Any]
+    jet: Sequence[Any]
     order: int  # how many of these are exactly zero
     kappa: Any  # of the phase
     assumed: bool = False  # the first that is not exactly zero is at least zero, as is known
 
-    def at(self, t: Any, derivative: int = 0) -> Any:
-        """The guard, or a derivative of it, at a time; forms where anything is one."""
-        return self.near(t)(derivative)
+    formula: Callable[[Sequence[Any], Any, Any], Derivatives] = oscillation
 
     def near(self, t: Any) -> Derivatives:
-        """All derivatives at a time."""
-        s = stumpff(self.kappa, t)
-        return lambda derivative: _value(*self.jet, self.kappa, s, t, derivative)
+        """The guard and its derivatives at a time; forms where anything is one."""
+        return self.formula(self.jet, self.kappa, t)
 
     def over(self, t: Any, derivative: int = 0) -> Any:
         """Range of the same over a ball of times and the whole box."""
-        f0, f1, f2, f3 = (box(f) for f in self.jet)
-        s = stumpff_balls(self.kappa, t, 4)
-        return _value(f0, f1, f2, f3, self.kappa, s, t, derivative)
+        return self.formula([box(f) for f in self.jet], self.kappa, t)(derivative)
 
     def lasts(self, end: Any) -> bool:
         """Whether it is proved positive on (0, end], for an exact end > 0."""
@@ -91,9 +106,9 @@ class Guard:
         slope = sign(self.over(t, 1))
         if slope:
             lower = a if slope == 1 else b
-            if self.over(lower) > 0 or sign(self.at(lower)) == 1:
+            if self.over(lower) > 0 or sign(self.near(lower)(0)) == 1:
                 return True
-        return False if sign(self.at(t.mid())) == -1 else None
+        return False if sign(self.near(t.mid())(0)) == -1 else None
 
     def _grows(self, end: Any) -> Any | None:
         """A time > 0 until which it is positive because it grows from its zero; 0: no zero."""
@@ -132,22 +147,6 @@ def everywhere(
     return False
 
 
-def _value(
-    f0: Any, f1: Any, f2: Any, f3: Any, kappa: Any, s: list[Any], t: Any, derivative: int
-) -> Any:
-    match derivative:
-        case 0:
-            return f0 + f1 * t + f2 * s[2] + f3 * s[3]
-        case 1:
-            return f1 + f2 * s[1] + f3 * s[2]
-        case 2:
-            return f2 * s[0] + f3 * s[1]
-        case 3:
-            return f3 * s[0] + kappa * f2 * s[1]
-        case _:
-            return kappa * (f2 * s[0] + f3 * s[1])
-
-
 class ZeroCrossing(NamedTuple):
     """The guard that ends a phase, the duration of the phase, and a bracket of it.
 
@@ -176,19 +175,33 @@ def name_of(guard: int) -> str:
     return kind if guard == SECTION else f"{kind} {guard % 3 + 1}"
 
 
+def landing(guard: Guard, guess: float) -> ZeroCrossing | None:
+    """When a gap closes that has opened at rest; None if this is no short flight."""
+    # A contact that is left at rest with a small acceleration f_2 lands after a time of its size.
+    # Where f_2 passes zero the flight, and the speed and force of the landing, vanish; h falls with
+    # a rate near f_3 / 6, so all is decided by quotients. Around the result h falls from h(0) >= 0
+    # through zero once, where f' = t^2 h' and f'' = t (4 h' + t h'') vanish with the time only.
+    if not abs(guard.kappa) * arb(guess) ** 2 < LONGEST or sign(guard.jet[3]) != -1:
+        return None
+    h = replace(guard, formula=height)
+    try:
+        found = crossing(h, guess)
+    except NotProved:
+        return None
+    bracket = found.bracket
+    if sign(4 * h.over(bracket, 1) + bracket * h.over(bracket, 2)) != -1:
+        return None
+    end = abs(bracket).upper()
+    ends = [(end * k / PARTS).mid() for k in range(PARTS + 1)]
+    parts = [low.union(high) for low, high in pairwise(ends)]
+    if any(sign(h.over(part, 1)) != -1 for part in (bracket, *parts)):
+        return None
+    return found._replace(lands=True)
+
+
 def crossing(guard: Guard, guess: float, falls: int = -1) -> ZeroCrossing:
     """When a guard crosses zero near a guess, with a slope of the sign ``falls``; or NotProved."""
-    return ZeroCrossing(guard.code, *zero(guard.near, guard.over, guess, falls))
-
-
-def zero(
-    at: Callable[[Any], Derivatives], over: Callable[..., Any], guess: float, falls: int
-) -> tuple[Form, Any]:
-    """The zero of a function of time over a box, near a guess, as a form, and a bracket.
-
-    ``at`` gives its derivatives at a time, which may be a form, ``over`` their ranges over a ball
-    of times and the whole box; the first one must have the sign ``falls``.
-    """
+    at, over = guard.near, guard.over
     near = _approximate(at, guess)
     there = at(near)
     value, speed = there(0), there(1)
@@ -203,7 +216,8 @@ def zero(
         if sign(slope) != falls:
             raise NotProved("a guard may turn where it fires")
         if abs(residual / slope) < reach:
-            return _form(at, near, value, slope, arb(0, reach)), bracket
+            time = _form(at, near, value, slope, arb(0, reach))
+            return ZeroCrossing(guard.code, time, bracket)
         reach = (reach * 2).upper()
     raise NotProved("the time of an event has no enclosure")
 

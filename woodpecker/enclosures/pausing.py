@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from flint import arb
 
-from woodpecker.enclosures.balls import ZERO, ball
+from woodpecker.enclosures.balls import ZERO
 from woodpecker.enclosures.contacts import impulses_of
 from woodpecker.enclosures.forms import VALUE, Form, box, sign
 from woodpecker.enclosures.model import BallToy, State
@@ -23,10 +23,8 @@ from woodpecker.enclosures.motions import (
 )
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.oscillator import Guard, ZeroCrossing
-from woodpecker.enclosures.plateaus import Landed, Plateau, effect
-from woodpecker.mechanics.cases import REST
-from woodpecker.mechanics.contact_problems import UNSOLVED
-from woodpecker.mechanics.impacts import mark
+from woodpecker.enclosures.plateaus import Landed, effect, landed
+from woodpecker.mechanics.cases import HOLD, REST
 from woodpecker.mechanics.modes import ANGLE, NORMAL, OPEN, SIGN, SLIP_NEGATIVE, SLIP_POSITIVE
 from woodpecker.motion.codes import DETACH, IMPACT
 
@@ -72,25 +70,26 @@ def paused(
     stretch = pause.response[2] - pause.response[1]
     free, sliding = model.mode(FREE), model.mode(pause.states)
     turn = free.b[ANGLE[i]] * int(SIGN[i]) * stretch
-    plateau = Plateau(free.kappa, sliding.kappa, turn)
+    numbers = free.kappa, sliding.kappa, turn
     fork = OpenDecision(ForkKind.PLATEAU, pause.level, (i + 1,))
     decided, found = sign(pause.eta), []
-    for side, lands in ((1, plateau.late), (-1, plateau.early)):
+    for side in (1, -1):
         if decided is not None and side != (decided or 1):
             continue
-        near, on_curve = lands(pause.eta.box), lands(pause.eta.parts[VALUE].box)
+        near = landed(pause.eta.box, side == 1, *numbers)
+        on_curve = landed(pause.eta.parts[VALUE].box, side == 1, *numbers)
         _clear(model, motion, pause, near, side, others, survives)
         way = after.copy()
-        for place, effects in ((way.q, "place"), (way.u, "velocity")):
-            term = effect(pause.eta, getattr(on_curve, effects), getattr(near, effects))
-            term = term * -pause.fall
+        small = (on_curve.place, near.place_slope), (on_curve.velocity, near.velocity_slope)
+        for place, effects in zip((way.q, way.u), small, strict=True):
+            term = effect(pause.eta, *effects) * -pause.fall
             for k in range(3):
                 if k != ANGLE[i]:
                     place[k] = place[k] + term * (stretch * sliding.b[k])
         way.since = near.last
         span = pause.middle + (ZERO.union(near.sigma * side)).union(near.last)
         way.log.append(ZeroCrossing(first.code, first.jet[0] * ZERO + pause.middle, span, side))
-        struck = 64 * _mark(model, pause) + 8 * IMPACT + (1 << i)
+        struck = 8 * IMPACT + (1 << i)  # it slides on
         way.codes += [struck] if side == 1 else [struck, 8 * DETACH + (1 << i), struck]
         if decided is None:
             way.forks.append((fork, side))
@@ -108,13 +107,13 @@ def _pause(model: BallToy, motion: BallState, first: Guard, guess: float) -> _Pa
     n = round(turns)
     if n < 1 or abs(turns - n) > NEAR:
         return None
-    if motion.states != FREE or sign(model.equations.eps[i]) != 0:
+    if motion.states != FREE or sign(model.eps[i]) != 0:
         return None
     middle = swing * n
     fallen = -middle / first.kappa  # s_3
     q, u = flown(model.mode(FREE), motion.q, motion.u, middle)
     direction = direction_of_slip(model, i, u)
-    friction = ball(model.equations.mu[i]) * -direction
+    friction = model.mu[i] * -direction
     impulse = [
         n + friction * t
         for n, t in zip(model.responses[2 * i], model.responses[2 * i + 1], strict=True)
@@ -138,7 +137,7 @@ def _reduced(model: BallToy, motion: BallState, pause: _Pause) -> BallState:
     after.orders = [2 if k == i else 0 for k in range(3)]
     after.held, after.fired = frozenset(), NO_GUARD
     after.states = after.before = pause.states
-    after.stays, after.leaves, after.lands = i, NO_GUARD, NO_GUARD
+    after.assumed, after.lands = frozenset({NORMAL + i}), NO_GUARD
     return after
 
 
@@ -170,7 +169,8 @@ def _clear(
             raise NotProved(f"contact {i + 1} may slip or not")
         speed = velocities[j] * (model.levers[i] * int(SIGN[i]))
         approach = [speed, slip(model, i, velocities)]
-        if impulses_of(model, [i], approach, None, True).cases[0] // 3 != REST:
+        case = impulses_of(model, [i], approach, None, True).cases[0]
+        if case // 3 != REST or case % 3 == HOLD:
             raise NotProved("an impact is not decided")
 
 
@@ -178,9 +178,3 @@ def _stopped(pause: _Pause, u: Sequence[Any]) -> list[Any]:
     """Velocities after an impact that stops the gap."""
     j, response = ANGLE[pause.contact], pause.response
     return [v - r * (u[j] / response[j]) for v, r in zip(u, response, strict=True)]
-
-
-def _mark(model: BallToy, pause: _Pause) -> int:
-    along = [ZERO, arb(pause.direction)]
-    case = impulses_of(model, [pause.contact], along, None, True).cases[0]
-    return mark(case, UNSOLVED, False, 0.0)

@@ -24,7 +24,6 @@ eta of the order sigma and sigma^2: the return is once differentiable.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 from flint import arb, arb_poly
@@ -39,20 +38,15 @@ LARGEST = arb(0.1)  # of |kappa| sigma^2, where the shapes below are near their 
 AGAIN = arb(3, 0.5)  # sigma to the second landing, in units of sigma: 3 for a weak spring
 
 
-class SmallTerm(NamedTuple):
-    """A small term and its derivative in eta, for a range of eta."""
-
-    value: Any
-    slope: Any
-
-
 class Landed(NamedTuple):
     """What a landing at a plateau does, for a range of eta."""
 
     sigma: Any  # how far from the middle of the plateau the contact first strikes
     flight: Any  # how long it flies before it lands again; zero where it stays
-    velocity: SmallTerm  # the term V
-    place: SmallTerm  # the term A
+    velocity: Any  # the term V
+    place: Any  # the term A
+    velocity_slope: Any  # their derivatives in eta
+    place_slope: Any
 
     @property
     def last(self) -> Any:
@@ -60,91 +54,72 @@ class Landed(NamedTuple):
         return (self.flight + self.sigma * (1 if self.flight.is_zero() else -1)).upper()
 
 
-@dataclass(frozen=True)
-class Plateau:
-    """The springs and the response at a plateau."""
+def landed(eta: Any, late: bool, kappa: Any, sliding: Any, turn: Any) -> Landed:
+    """A contact strikes after the middle and stays, eta >= 0, or before: eta = -s_3(sigma) <= 0.
 
-    kappa: Any  # of free flight
-    sliding: Any  # the same of sliding at the contact
-    turn: Any  # g''' of free flight per stretch velocity, times d_r: how an impulse changes g'''
+    ``kappa`` is that of free flight, ``sliding`` that of sliding at the contact; ``turn`` says how
+    an impulse changes the third derivative of g: that of free flight per stretch velocity, times
+    d_r.
+    """
+    sigma = _sigma(eta if late else -eta, kappa)
+    whole = ZERO.union(sigma)
+    c2_before = shape_balls(kappa * whole**2, 2)[2]
+    s1, s2 = stumpff_balls(sliding, sigma, 2)[1:]
+    if late:
+        slide = shape_balls(sliding * whole**2, 2)
+        velocity, place = slide[1] * c2_before * sigma**4 / 4, -slide[2] * c2_before * sigma**5 / 5
+        return Landed(sigma, ZERO, velocity, place, s1, -s2)
+    # In flight, h = sigma z after the impact, f = sigma^3 z^2 (c_1 c_2(h) - c z c_3(h)) with
+    # c = s_0 - turn s_2 at sigma.
+    c0, c1, c2 = shape_balls(kappa * sigma**2, 2)
+    c = c0 - turn * sigma**2 * c2
+    z, h = _again(kappa, sigma, c1, c)
+    n2, n3 = shape_balls(kappa * ZERO.union(h) ** 2, 3)[2:]
+    slide = shape_balls(sliding * ZERO.union(whole.union(h - sigma)) ** 2, 2)
+    flown = {2: c1 * n2, 3: -c * n3}  # f over sigma^3, and its slope in eta, in powers of z
+    fallen = {2: c0 * n2 / c2, 3: (turn - kappa) * sigma**2 * c1 * n3 / c2}
+    area = _integral(flown, z)
+    velocity = slide[1] * c2_before / 4 + slide[0] * area
+    place = slide[2] * c2_before / 5 - _integral(flown, z, slide[1], lever=True)
+    velocity_slope = -s1 - sigma * _integral(fallen, z, slide[0])
+    velocity_slope += sliding * sigma**3 * _integral(flown, z, slide[1], lever=True) / c2
+    place_slope = -s2 - sigma**2 * slide[0] * area / c2
+    place_slope += sigma**2 * _integral(fallen, z, slide[1], lever=True)
+    return Landed(sigma, h, velocity * sigma**4, place * sigma**5, velocity_slope, place_slope)
 
-    def late(self, eta: Any) -> Landed:
-        """The contact strikes after the middle, and stays: eta >= 0."""
-        sigma = self.sigma(eta)
-        whole = ZERO.union(sigma)
-        c2, slide = shape_balls(self.kappa * whole**2, 2)[2], self._slides(whole)
-        s1, s2 = stumpff_balls(self.sliding, sigma, 2)[1:]
-        return Landed(
-            sigma,
-            ZERO,
-            SmallTerm(slide[1] * c2 * sigma**4 / 4, s1),
-            SmallTerm(-slide[2] * c2 * sigma**5 / 5, -s2),
-        )
 
-    def early(self, eta: Any) -> Landed:
-        """The contact strikes before the middle, leaves, lands again: eta = -s_3(sigma) <= 0."""
-        # In flight, h = sigma z after the impact, f = sigma^3 z^2 (c_1 c_2(h) - c z c_3(h)) with
-        # c = s_0 - turn s_2 at sigma.
-        sigma = self.sigma(-eta)
-        whole = ZERO.union(sigma)
-        c0, c1, c2 = shape_balls(self.kappa * sigma**2, 2)
-        c = c0 - self.turn * sigma**2 * c2
-        z, h = self._again(sigma, c1, c)
-        n2, n3 = shape_balls(self.kappa * ZERO.union(h) ** 2, 3)[2:]
-        c2_before = shape_balls(self.kappa * whole**2, 2)[2]
-        slide = self._slides(whole.union(h - sigma))
-        s1, s2 = stumpff_balls(self.sliding, sigma, 2)[1:]
-        flown = {2: c1 * n2, 3: -c * n3}  # f over sigma^3, and its slope in eta, in powers of z
-        fallen = {2: c0 * n2 / c2, 3: (self.turn - self.kappa) * sigma**2 * c1 * n3 / c2}
-        area = _integral(flown, z)
-        velocity = slide[1] * c2_before / 4 + slide[0] * area
-        place = slide[2] * c2_before / 5 - _integral(flown, z, slide[1], lever=True)
-        velocity_slope = -s1 - sigma * _integral(fallen, z, slide[0])
-        velocity_slope += self.sliding * sigma**3 * _integral(flown, z, slide[1], lever=True) / c2
-        place_slope = -s2 - sigma**2 * slide[0] * area / c2
-        place_slope += sigma**2 * _integral(fallen, z, slide[1], lever=True)
-        return Landed(
-            sigma,
-            h,
-            SmallTerm(velocity * sigma**4, velocity_slope),
-            SmallTerm(place * sigma**5, place_slope),
-        )
+def _sigma(eta: Any, kappa: Any) -> Any:
+    """The solution of s_3(sigma) = eta; zero where eta is negative."""
+    high = _root(eta.upper() * 7).upper()
+    if not abs(kappa) * high**2 < LARGEST:
+        raise NotProved("a landing is too far from a plateau")
+    c3 = shape_balls(kappa * ZERO.union(high) ** 2, 3)[3]
+    low = _root(eta.lower() / c3.upper()).lower()
+    most = _root(eta.upper() / c3.lower()).upper()
+    if most > high:
+        raise NotProved("a landing at a plateau has no enclosure")
+    return low.union(most)
 
-    def sigma(self, eta: Any) -> Any:
-        """The solution of s_3(sigma) = eta; zero where eta is negative."""
-        high = _root(eta.upper() * 7).upper()
-        if not abs(self.kappa) * high**2 < LARGEST:
-            raise NotProved("a landing is too far from a plateau")
-        c3 = shape_balls(self.kappa * ZERO.union(high) ** 2, 3)[3]
-        low = _root(eta.lower() / c3.upper()).lower()
-        most = _root(eta.upper() / c3.lower()).upper()
-        if most > high:
-            raise NotProved("a landing at a plateau has no enclosure")
-        return low.union(most)
 
-    def _slides(self, times: Any) -> list[Any]:
-        """Shapes of sliding between zero and some times."""
-        return shape_balls(self.sliding * ZERO.union(times) ** 2, 2)
-
-    def _again(self, sigma: Any, c1: Any, c: Any) -> tuple[Any, Any]:
-        """The second landing, z and h = sigma z: the only zero of f / z^2, which falls."""
-        # There it strikes, and its acceleration is towards the pole.
-        reach = ZERO.union(AGAIN.upper())
-        x = self.kappa * (sigma * reach) ** 2
-        n = shape_balls(x, 5)
-        turn_2, turn_3 = n[3] - 2 * n[4], n[4] - 3 * n[5]
-        curl = self.kappa * sigma**2 * reach
-        if not c1 * turn_2 * curl - c * (n[3] + turn_3 * x) < 0:
-            raise NotProved("a contact may not land again")
-        h = sigma * AGAIN
-        n = shape_balls(self.kappa * h**2, 3)
-        z = c1 * n[2] / (c * n[3])
-        if not AGAIN.contains_interior(z):
-            raise NotProved("a contact may not land again")
-        approach, force = c1 * n[1] - c * z * n[2], c1 * n[0] - c * z * n[1]
-        if not (approach < 0 and force < 0):
-            raise NotProved("a contact may not land again for good")
-        return z, sigma * z
+def _again(kappa: Any, sigma: Any, c1: Any, c: Any) -> tuple[Any, Any]:
+    """The second landing, z and h = sigma z: the only zero of f / z^2, which falls."""
+    # There it strikes, and its acceleration is towards the pole.
+    reach = ZERO.union(AGAIN.upper())
+    x = kappa * (sigma * reach) ** 2
+    n = shape_balls(x, 5)
+    turn_2, turn_3 = n[3] - 2 * n[4], n[4] - 3 * n[5]
+    curl = kappa * sigma**2 * reach
+    if not c1 * turn_2 * curl - c * (n[3] + turn_3 * x) < 0:
+        raise NotProved("a contact may not land again")
+    h = sigma * AGAIN
+    n = shape_balls(kappa * h**2, 3)
+    z = c1 * n[2] / (c * n[3])
+    if not AGAIN.contains_interior(z):
+        raise NotProved("a contact may not land again")
+    approach, force = c1 * n[1] - c * z * n[2], c1 * n[0] - c * z * n[1]
+    if not (approach < 0 and force < 0):
+        raise NotProved("a contact may not land again for good")
+    return z, sigma * z
 
 
 def _root(x: Any) -> Any:
@@ -165,8 +140,8 @@ def _integral(powers: dict[int, Any], z: Any, factor: Any = 1, lever: bool = Fal
     return total
 
 
-def effect(eta: Form, on_curve: SmallTerm, near: SmallTerm) -> Form:
-    """A small term as a form; it has no second derivatives."""
+def effect(eta: Form, on_curve: Any, slope: Any) -> Form:
+    """A small term as a form, from its value on the curve; it has no second derivatives."""
     frame = eta.parts[VALUE].frame
     if len(eta.parts) > 3:
         raise NotProved("a return is once differentiable only where a contact lands at a plateau")
@@ -174,4 +149,4 @@ def effect(eta: Form, on_curve: SmallTerm, near: SmallTerm) -> Form:
     def wide(ball: Any) -> Taylor:
         return Taylor(frame, arb_poly([ball.mid()]), ball - ball.mid())
 
-    return chained(eta, wide(on_curve.value), wide(near.slope), lambda: wide(ZERO))
+    return chained(eta, wide(on_curve), wide(slope), lambda: wide(ZERO))

@@ -6,61 +6,74 @@ d s_k / dt = s_(k-1), d s_0 / dt = kappa s_1, and d c_k / dx = (c_(k+1) - k c_(k
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import factorial
 from typing import Any
 
 from flint import arb, ctx
 
 from woodpecker.enclosures.balls import ZERO
+from woodpecker.enclosures.forms import VALUE, Form, chained
 from woodpecker.enclosures.taylor import Taylor, composed
 
 LARGEST = 64  # of |x|, where the terms of a series soon fall
 
 
-def stumpff_models(kappa: Any, t: Taylor, first: int, last: int) -> list[Taylor]:
-    """s_first .. s_last of a time, for a ball kappa; s_(-1) = kappa s_1, s_(-2) = kappa s_0."""
-    n = t.frame.terms
-    thin, wide, head = (_table(kappa, at, n, last) for at in (t.poly[0], t.box, t.head))
-    found = []
-    for k in range(first, last + 1):
-        coefficients = [thin[k - j] / factorial(j) for j in range(n)]
-        found.append(composed(t, coefficients, wide[k - 1], head[k - n] / factorial(n)))
-    return found
+Table = Callable[[int, int], Any]  # of functions: the k-th one, or its d-th derivative
 
 
-def _table(kappa: Any, t: Any, n: int, last: int) -> dict[int, Any]:
-    """s_k for k from -2 - n, by s_(k-2) = kappa s_k for k < 2."""
-    table = dict(enumerate(stumpff_balls(kappa, t, last)))
-    for k in range(-1, -3 - n - 1, -1):
-        table[k] = kappa * table[k + 2]
-    return table
-
-
-def shape_models(x: Taylor, last: int) -> list[list[Taylor]]:
-    """c_0 .. c_last of a Taylor model, and their first two derivatives."""
-    n = x.frame.terms
-    thin, wide, head = (_derivatives(at, n + 3, last) for at in (x.poly[0], x.box, x.head))
+def applied(f: Form, at: Callable[[Any], Table], count: int) -> list[Form]:
+    """Some functions of a form, from what they and their derivatives are in balls."""
+    curve = _models(f.parts[VALUE], at)
+    if f.flat:
+        return [Form(f.frame, [curve(k, 0), *f.parts[1:]]) for k in range(count)]
+    near = _models(f.near[VALUE], at)
     return [
-        [
-            composed(
-                x,
-                [thin[d + j][k] / factorial(j) for j in range(n)],
-                wide[d + 1][k],
-                head[d + n][k] / factorial(n),
-            )
-            for k in range(last + 1)
-        ]
-        for d in range(3)
+        chained(f, curve(k, 0), near(k, 1), lambda k=k: near(k, 2))  # type: ignore[misc]
+        for k in range(count)
     ]
 
 
-def _derivatives(x: Any, orders: int, last: int) -> list[list[Any]]:
-    """c_0 .. c_last of a ball and their derivatives, so many orders."""
-    rows = [shape_balls(x, last + 2 * orders)]
-    for _ in range(orders - 1):
-        c = rows[-1]
-        rows.append([(c[k + 1] - k * c[k + 2]) / 2 for k in range(len(c) - 2)])
-    return rows
+def _models(f: Taylor, at: Callable[[Any], Table]) -> Table:
+    n = f.frame.terms
+    thin, wide, head = (at(x) for x in (f.poly[0], f.box, f.head))
+
+    def model(k: int, d: int) -> Taylor:
+        taylor = [thin(k, d + j) / factorial(j) for j in range(n)]
+        return composed(f, taylor, wide(k, d + 1), head(k, d + n) / factorial(n))
+
+    return model
+
+
+def stumpff(kappa: Any, t: Any) -> list[Any]:
+    """s_0 .. s_4 of a time, a ball or a form."""
+    if not isinstance(t, Form):
+        return stumpff_balls(kappa, t, 4)
+    lowest = -2 - t.frame.terms
+
+    def at(t: Any) -> Table:
+        s = dict(enumerate(stumpff_balls(kappa, t, 4)))
+        for k in range(-1, lowest - 1, -1):
+            s[k] = kappa * s[k + 2]  # the derivative of s_(k+1)
+        return lambda k, d: s[k - d]
+
+    return list(applied(t, at, 5))
+
+
+def shapes(x: Any, last: int) -> list[Any]:
+    """c_0 .. c_last of a ball or a form."""
+    if not isinstance(x, Form):
+        return shape_balls(x, last)
+    orders = x.frame.terms + 3
+
+    def at(x: Any) -> Table:
+        rows = [shape_balls(x, last + 2 * orders)]
+        for _ in range(orders - 1):
+            c = rows[-1]
+            rows.append([(c[k + 1] - k * c[k + 2]) / 2 for k in range(len(c) - 2)])
+        return lambda k, d: rows[d][k]
+
+    return list(applied(x, at, last + 1))
 
 
 def stumpff_balls(kappa: Any, t: Any, last: int) -> list[Any]:

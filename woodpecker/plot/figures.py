@@ -15,7 +15,8 @@ from matplotlib.lines import Line2D
 
 from pwmap.diagrams.diagram import BranchKind, Diagram, runs_of
 from pwmap.plot import INK, JUMP, MARKERS, STABLE, STAR, UNSTABLE, place_legend, plot_diagram
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, styled
+from pwmap.plot.diagrams import STYLES
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, styled
 from pwmap.plot.palette import of_period
 from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.base.checks import instance
@@ -153,9 +154,7 @@ def plot_curve(
     if returns is not None:
         add(shown, _lost(ax, returns))
     add(shown, _below(ax, curve))
-    ax.set_xlabel(r"$\varphi_{S,k}$ [rad]")
-    ax.set_ylabel(rf"$\varphi_{{S,k+{order}}}$ [rad]")
-    ax.grid(alpha=0.25, linewidth=0.5)
+    framed(ax, r"$\varphi_{S,k}$ [rad]", rf"$\varphi_{{S,k+{order}}}$ [rad]")
     known = (*(name for name, _ in STEEP.values()), *FIXED.values(), FALLS, LOST, BELOW)
     styled(shown, styles, known)
     place_legend(ax, shown, legend)
@@ -341,7 +340,7 @@ def plot_local(
         edgecolors="white", linewidths=0.6, zorder=5, label=model.point.kind.label,
     )  # fmt: skip
     add(shown, {model.point.kind.label: [star]})
-    styled(shown, styles, (*BRANCH, NOT_FOLLOWED))
+    styled(shown, styles, (*STYLES, NOT_FOLLOWED))
     _frame(seen, model, lines)
     _name_lines(predicted, lines, orders)
     ink = {"color": INK} if len(orders) > 1 else {}
@@ -350,7 +349,7 @@ def plot_local(
     predicted.set_xlabel(seen.get_xlabel())
     predicted.grid(alpha=0.25, linewidth=0.5)
     kept = {line.style for line in lines if line.order in orders}
-    samples = [Line2D([], [], label=n, **(BRANCH[n] | ink)) for n in BRANCH if n in kept]
+    samples = [Line2D([], [], label=n, **(STYLES[n] | ink)) for n in STYLES if n in kept]
     if NOT_FOLLOWED in shown:
         samples.append(Line2D([], [], label=NOT_FOLLOWED, **OTHER))
     predicted.legend(handles=[*samples, star], fontsize=7, framealpha=0.9)
@@ -375,13 +374,6 @@ def _reach(model: LocalModel, diagram: Diagram) -> float:
 MARGIN = 0.12  # of the width and height of what is drawn
 APART = 9.0  # points between names at the ends of lines, a little more than their height
 NARROWEST = 0.02  # what is drawn around something without width or height
-BRANCH: dict[str, dict[str, Any]] = {
-    "stable": {"color": STABLE, "linestyle": "-", "linewidth": 1.6},
-    "unstable": {"color": UNSTABLE, "linestyle": (0, (4, 1.5)), "linewidth": 1.2},
-    "jump crossing": {"color": JUMP, "linestyle": (0, (1, 1.3)), "linewidth": 1.4},
-}
-
-
 NOT_FOLLOWED = "of an order not followed"
 NAMED = {"color": "#969696"}
 OTHER: dict[str, Any] = {"color": "#bdbdbd", "linestyle": "-", "linewidth": 0.7}
@@ -403,13 +395,9 @@ def _predictions(model: LocalModel, reach: float) -> list[_Prediction]:
     lines = []
     for start in model.starts:
         multiplier = math.prod(slopes[letter] for letter in start.word.split("|")[0])
-        style = (
-            "jump crossing"
-            if start.kind is BranchKind.JUMP
-            else "stable"
-            if abs(multiplier) < 1.0
-            else "unstable"
-        )
+        style = "stable" if abs(multiplier) < 1.0 else "unstable"
+        if start.kind is BranchKind.JUMP:
+            style = "jump crossing"
         end = p + start.side * reach, x + start.side * start.slope * reach
         lines.append(_Prediction(start.order, style, (p, end[0]), (x, end[1])))
     return lines
@@ -426,19 +414,17 @@ def _name_lines(ax: Axes, lines: Sequence[_Prediction], orders: set[int]) -> Non
         moved = spread(at, APART)
         moved -= max(0.0, float(moved.max(initial=0.0)) + 0.5 * APART - height)  # in the frame
         for line, up in zip(beside, (moved - at).tolist(), strict=True):
+            style = _of_order(line, len(orders) > 1) if line.order in orders else NAMED
             ax.annotate(
                 f"$P_{line.order}$", (line.p[1], line.x[1]), (4 * side, up),
                 textcoords="offset points", ha="right" if side < 0 else "left", va="center",
-                fontsize=8,
-                color=(
-                    _of_order(line, len(orders) > 1) if line.order in orders else NAMED
-                )["color"],
+                fontsize=8, color=style["color"],
             )  # fmt: skip
 
 
 def _of_order(line: _Prediction, several: bool) -> dict[str, Any]:
     """The style of a line; of several orders each has the colour of its period, as in diagrams."""
-    style = BRANCH[line.style]
+    style = STYLES[line.style]
     return style | {"color": of_period(line.order)} if several else style
 
 

@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from pwmap.plot import JUMP, STABLE, UNSTABLE
-from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, given_axes, styled
-from woodpecker.base.arrays import Floats, Ints
+from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, framed, given_axes, styled
+from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance
 from woodpecker.simulation.trajectory import Trajectory
 from woodpecker.simulation.words import IMPACTS
@@ -137,8 +137,7 @@ def draw_histories(
                 mew=0.4, transform=ax.get_xaxis_transform(), zorder=5,
             )})  # fmt: skip
         ax.margins(y=0.2)
-        ax.set_ylabel(label)
-        ax.grid(alpha=0.25, linewidth=0.5)
+        framed(ax, "", label)
     return shown
 
 
@@ -206,9 +205,7 @@ def plot_phase_portrait(
     for name, (times, style) in _strikes(trajectory).items():
         shown[name] = draw_jumps(ax, trajectory.t, across, up, times, style)
     shown[DIRECTION] = _arrows(ax, trajectory.t, across, up)
-    ax.set_xlabel(QUANTITIES[x].label)
-    ax.set_ylabel(QUANTITIES[y].label)
-    ax.grid(alpha=0.25, linewidth=0.5)
+    framed(ax, QUANTITIES[x].label, QUANTITIES[y].label)
     styled(shown, styles, KNOWN)
     if legend:
         entries = _entries(shown)
@@ -251,18 +248,14 @@ def _arrows(ax: Axes, t: Floats, across: Floats, up: Floats) -> list[Artist]:
         away = [np.hypot(*(ends - places[k]).T).min(initial=FAR) for k in near]
         head = int(near[int(np.argmax(away))])
         before = min(head - 1, int(np.searchsorted(way, way[head] - SHAFT)))
-        tail = max(before, _last_below(struck + 1, head))
+        earlier = struck[struck + 1 < head] + 1  # impacts before it
+        tail = max(before, int(earlier.max(initial=0)))
         arrows.append(ax.annotate(
             "", (across[head], up[head]), (across[tail], up[tail]), zorder=4,
             arrowprops={"arrowstyle": HEAD, "color": STABLE, "shrinkA": 0, "shrinkB": 0,
                         "mutation_scale": 13, "linewidth": 0.0},
         ))  # fmt: skip
     return arrows
-
-
-def _last_below(indices: Ints, bound: int) -> int:
-    """The last of ascending indices below a bound; 0 if there is none."""
-    return int(indices[indices < bound].max(initial=0))
 
 
 def plot_phase_portraits(

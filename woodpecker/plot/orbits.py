@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from matplotlib.axes import Axes
 
-from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, framed, styled
 from pwmap.plot.palette import CHAOS, PERIODS, named, of_period
 from woodpecker.base.checks import instance
 from woodpecker.slices.attracting import OrbitDiagram
@@ -59,8 +59,7 @@ def plot_orbits(
         ax.plot([], [], ".", color=colour, markersize=SAMPLE, label=name)
     styled(shown, styles, (NO_PERIOD, *(named(k + 1) for k in range(len(PERIODS)))))
     if alone:
-        ax.set(xlabel="parameter", ylabel="x")
-        ax.grid(alpha=0.25, linewidth=0.5)
+        framed(ax, "parameter", "x")
     handles, labels = ax.get_legend_handles_labels()
     if legend and handles:
         known, before = dict(zip(labels, handles, strict=True)), ax.get_legend()

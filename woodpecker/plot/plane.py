@@ -110,8 +110,7 @@ def plot_curves(
     labels = name_curves(ax, curves, points, [here] if here is not None else [])
     shown["names"].append(labels)
     styled(shown, styles, (TOY,))
-    ax.set_xlabel(label(first))
-    ax.set_ylabel(label(second))
+    ax.set(xlabel=label(first), ylabel=label(second))
     if legend:
         samples = handles(curves.values(), toy=inside)
         if here is not None and not inside:
@@ -209,10 +208,9 @@ def handles(curves: Iterable[Curve], toy: bool = False) -> list[Line2D]:
         for kind, marker in MARKERS.items()
         if kind in points
     ]
+    mark: dict[str, Any] = {"color": "black", "ls": ""}
     if is_open:
-        marks.append(
-            Line2D([], [], color="black", ls="", marker="o", mfc="white", ms=3.8, label="open")
-        )
+        marks.append(Line2D([], [], marker="o", mfc="white", ms=3.8, label="open", **mark))
     if toy:
-        marks.append(Line2D([], [], color="black", ls="", marker="*", ms=STAR, label=TOY))
+        marks.append(Line2D([], [], marker="*", ms=STAR, label=TOY, **mark))
     return [*line_handles(drawn), *marks]

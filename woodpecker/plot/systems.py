@@ -13,7 +13,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 
 from pwmap.plot import JUMP, STABLE, UNSTABLE, place_legend
-from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, given_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, framed, given_axes, styled
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, whole
 from woodpecker.plot.curve import Detail, refined
@@ -145,8 +145,7 @@ def plot_system_portrait(
             across[after], up[after], linestyle="none", markersize=4.4, mec="white", mew=0.4,
             zorder=5, **style,
         )]  # fmt: skip
-    ax.set(xlabel=_label(x), ylabel=_label(y))
-    ax.grid(alpha=0.25, linewidth=0.5)
+    framed(ax, _label(x), _label(y))
     styled(shown, styles, (MOTION, START, *EVENTS))
     place_legend(ax, {name: shown[name] for name in shown if name != MOTION}, legend)
     return Drawn((ax,), shown)
@@ -201,8 +200,8 @@ def plot_system_map(
     *_, curve = refined(image, first, values, bottom=bottom, cost=order, detail=DETAIL)
     drawn = plot_curve(curve, ax, order=order, legend=legend, styles=styles)
     name = _label(map_.section.free[0])
-    drawn.ax.set(xlabel=name, ylabel=f"{name} after {'the' if order == 1 else order} return"
-                 + ("s" if order > 1 else ""))  # fmt: skip
+    after = "the return" if order == 1 else f"{order} returns"
+    drawn.ax.set(xlabel=name, ylabel=f"{name} after {after}")
     return drawn
 
 
@@ -268,7 +267,8 @@ def plot_basins(
     for cycle, colour in zip(cycles, colours[1:], strict=True):
         x, y = (cycle.x[:, free.index(name)] for name in names)
         marks += ax.plot(x, y, "o", color=STABLE, markersize=4.5, mec="white", mew=0.6)
-        where = ", ".join(f"({a:.3g}, {b:.3g})" for a, b in zip(*_round(x, y), strict=True))
+        first = np.round([x[:2], y[:2]], 6) + 0.0  # without what is next to nothing
+        where = ", ".join(f"({a:.3g}, {b:.3g})" for a, b in first.T)
         patches.append(Patch(facecolor=colour, label=where + (", ..." if len(x) > 2 else "")))
     shown["cycles"] = marks
     if (owner < 0).any():
@@ -278,11 +278,6 @@ def plot_basins(
     if legend:
         ax.legend(handles=patches, title="comes to", fontsize=7, title_fontsize=7, loc="best")
     return Drawn((ax,), shown)
-
-
-def _round(*values: Floats) -> list[Floats]:
-    """The first two of some numbers without what is next to nothing."""
-    return [np.round(each[:2], 6) + 0.0 for each in values]
 
 
 def _values(system: ContactSystem, motion: Motion, name: Any) -> Floats:

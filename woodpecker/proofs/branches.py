@@ -189,7 +189,7 @@ class _Pieces:
     def _at_plateau(self) -> bool:
         """Whether a contact lands near a plateau where the last piece ends."""
         frame = Frame(ZERO, ZERO)
-        model = BallToy.of(self._toy, self._parameter, frame, [number(self.at)])
+        model = BallToy(self._toy, self._parameter, frame, [number(self.at)])
         return any(
             fired.plateau
             for point in self._points
@@ -229,7 +229,7 @@ class _Pieces:
         near = Route((self.at, Fraction(1)), self._span.length / 10**4)
         curves = self._near(near, TERMS)
         frame = Frame(ZERO, ZERO, TERMS)
-        model = BallToy.of(self._toy, self._parameter, frame, [number(c) for c in near.poly])
+        model = BallToy(self._toy, self._parameter, frame, [number(c) for c in near.poly])
         polys, durations = [arb_poly([number(c) for c in curve]) for curve in curves], []
         for poly in polys:
             way = nearest(follow(model, frame, poly.coeffs()))
@@ -283,14 +283,13 @@ class _Pieces:
                     raise
                 radii = [max(a, b) for a, b in zip(radii, wider, strict=True)]
                 continue
-            if self._new(line) or joined(end_of(self.pieces[-1], 1), end_of(piece, -1)):
+            last = self.pieces[-1] if self.pieces else None
+            if last is None or last.p.high != line.interval.low:  # nothing is proved before it
+                return piece
+            if joined(end_of(last, 1), end_of(piece, -1)):
                 return piece
             radii = [max(r, 2 * need) for r, need in zip(radii, self._needs(piece), strict=True)]
         raise NotProved("two parts side by side may not join")
-
-    def _new(self, line: Route) -> bool:
-        """Whether nothing is proved where a line begins."""
-        return not self.pieces or self.pieces[-1].p.high != line.interval.low
 
     def _needs(self, piece: Tubes) -> list[Fraction]:
         """How wide tubes must be to hold what was found where the last piece ends."""

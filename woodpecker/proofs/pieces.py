@@ -10,9 +10,11 @@ all slopes of both ways where a word changes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import reduce
+from operator import mul
 from typing import Any, NamedTuple
 
 from flint import arb, arb_poly
@@ -134,7 +136,7 @@ def proved(
     ways, misses, slopes = [], [], []
     for k, tube in enumerate(tubes):
         frame = Frame(arb(0, number(tube.radius).upper()), ball, terms, 6 if turns else 2)
-        model = BallToy.of(toy, parameter, frame, poly)
+        model = BallToy(toy, parameter, frame, poly)
         curve = [number(c) for c in tube.curve]
         found = tuple(follow(model, frame, curve, plateaus))
         if any(fork.kind is ForkKind.MEETING for way in found for fork, _ in way.forks):
@@ -177,15 +179,22 @@ class TooNarrow(NotProved):
 
 def around(e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
     """Solve s_(i+1) = e_i + slope_i s_i around a cycle; NotProved if the product may be 1."""
-    n, whole = len(e), 1 - _product(slopes)
+    whole = 1 - _product(slopes)
     if whole.contains(0):
         raise NotProved("the multiplier may be 1")
-    found = []
+    return [total / whole for total in _once_around(e, slopes, ZERO, lambda x: x)]
+
+
+def _once_around(
+    e: Sequence[Any], slopes: Sequence[Any], zero: Any, cut_: Callable[[Any], Any]
+) -> list[Any]:
+    """For each point what is missed on the way around, from there back to it."""
+    n, found = len(e), []
     for i in range(n):
-        total = ZERO
-        for k in range(i, i + n):  # once around, back to point i
-            total = e[k % n] + slopes[k % n] * total
-        found.append(total / whole)
+        total = zero
+        for k in range(i, i + n):
+            total = cut_(e[k % n] + slopes[k % n] * total)
+        found.append(total)
     return found
 
 
@@ -212,17 +221,11 @@ def _line(frame: Frame, tube: Tube, rate: bool = False) -> Taylor:
 
 
 def _hull(balls: Sequence[Any]) -> Any:
-    whole = balls[0]
-    for ball in balls[1:]:
-        whole = whole.union(ball)
-    return whole
+    return reduce(lambda one, other: one.union(other), balls)
 
 
 def _product(factors: Sequence[Any]) -> Any:
-    total = arb(1)
-    for factor in factors:
-        total = total * factor
-    return total
+    return reduce(mul, factors, arb(1))
 
 
 def curves_near(
@@ -232,7 +235,7 @@ def curves_near(
     """Taylor polynomials of a cycle about the middle of a line: no proof."""
     # By Newton's method on polynomials: each step doubles the number of right coefficients.
     frame, half = Frame(ZERO, ZERO, terms), number(line.half)
-    model = BallToy.of(toy, parameter, frame, [number(c) for c in line.poly])
+    model = BallToy(toy, parameter, frame, [number(c) for c in line.poly])
     curves = [arb_poly(list(guess)) for guess in guesses]
     for _ in range(STEPS):
         misses, slopes = [], []
@@ -262,15 +265,9 @@ def nearest(ways: Sequence[Way]) -> Way:
 
 def _series_around(frame: Frame, e: Sequence[Any], slopes: Sequence[Any]) -> list[Any]:
     """The same as :func:`around` for series."""
-    n, terms = len(e), frame.terms
-    product = arb_poly([1])
+    terms, product = frame.terms, arb_poly([1])
     for slope in slopes:
         product = (product * slope).truncate(terms)
     over = inverse(Taylor(frame, thin(1 - product, terms), ZERO)).poly
-    found = []
-    for i in range(n):
-        total = arb_poly([])
-        for k in range(i, i + n):
-            total = (e[k % n] + slopes[k % n] * total).truncate(terms)
-        found.append(thin(total * over, terms))
-    return found
+    totals = _once_around(e, slopes, arb_poly([]), lambda x: x.truncate(terms))
+    return [thin(total * over, terms) for total in totals]

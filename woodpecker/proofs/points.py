@@ -19,7 +19,6 @@ from typing import Any
 
 from flint import arb
 
-from pwmap.proofs.document import Certificate
 from woodpecker.enclosures.balls import decimal, number
 from woodpecker.enclosures.following import follow
 from woodpecker.enclosures.forms import Form, P, S, sign
@@ -28,13 +27,13 @@ from woodpecker.enclosures.motions import ForkKind, OpenDecision, Way
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.enclosures.taylor import Frame
 from woodpecker.mechanics.toy import Toy
-from woodpecker.proofs.certificates import interval, of_point, text, way_of
+from woodpecker.proofs.certificates import Content, head, interval, text, way_of
 
 FIRST, SHRINK, LAST = Fraction(1, 10**11), 10**6, Fraction(1, 10**25)  # radii of the boxes
 DECIMALS = 40
 
 
-def proved_point(toy: Toy, parameter: str, p: float, x: float, digits: int) -> Certificate:
+def proved_point(toy: Toy, parameter: str, p: float, x: float, digits: int) -> Content:
     """Prove a border collision at a jump where two gaps close at once; or NotProved."""
     at_p, at_x, radius = Fraction(p), Fraction(x), FIRST
     while True:  # the box shrinks to the last one in a few steps
@@ -51,7 +50,7 @@ def proved_point(toy: Toy, parameter: str, p: float, x: float, digits: int) -> C
     found_x, found_p = number(at_x) + moved_x, number(at_p) + moved_p
     centre = {"x": text(at_x), "p": text(at_p), "radius": text(radius)}
     content = _content(found_x, found_p, ways, own, fork.comparator)
-    return of_point(toy, parameter, {"centre": centre, **content}, digits)
+    return head(toy, "point", parameter, 1, digits) | {"centre": centre} | content
 
 
 def _both(
@@ -60,7 +59,7 @@ def _both(
     """Both ways over a box, with derivatives in both directions."""
     ball = arb(0, number(radius).upper())
     frame = Frame(ball, ball, terms=2, depth=3)
-    model = BallToy.of(toy, parameter, frame, [number(p), arb(1)])
+    model = BallToy(toy, parameter, frame, [number(p), arb(1)])
     found = follow(model, frame, [number(x)])
     if len(found) != 2 or found[0].forks[0][0].kind is not ForkKind.MEETING:
         raise NotProved("no two gaps close at once here")

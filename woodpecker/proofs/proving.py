@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from pwmap.checking import check_certificate as pwmap_check
 from pwmap.diagrams.diagram import Branch, SpecialPoint
+from woodpecker.checking.sentences import seal_of, statement_of
 from woodpecker.enclosures.not_proved import NotProved as NotProved  # what ``prove`` raises
 from woodpecker.mechanics.toy import RESTITUTIONS, Toy
 from woodpecker.runs import nothing
@@ -79,16 +80,24 @@ def prove(
     except ImportError as error:
         raise ImportError(MISSING) from error
     if isinstance(what, PeriodicOrbit):
-        return statements.prove_orbit(what)
+        return sealed(statements.prove_orbit(what))
     if parameter not in RESTITUTIONS:
         raise ValueError(f"proofs move one of {', '.join(RESTITUTIONS)}, got {parameter!r}")
     if isinstance(what, Branch):
-        return statements.prove_branch(what, span, toy, parameter, progress, workers)
+        return sealed(statements.prove_branch(what, span, toy, parameter, progress, workers))
     if isinstance(what, SpecialPoint):
-        return statements.prove_point(what, toy, parameter)
+        return sealed(statements.prove_point(what, toy, parameter))
     raise TypeError(
         f"prove needs a periodic orbit, a branch or a special point, got {type(what).__name__}"
     )
+
+
+def sealed(content: Mapping[str, Any]) -> Certificate:
+    """A certificate with the checker's sentence, and its seal."""
+    from pwmap.proofs.document import Certificate
+
+    whole = {"statement": statement_of(content), **content}
+    return Certificate({**whole, "seal": seal_of(whole)})
 
 
 def check_certificate(path: str | os.PathLike[str]) -> str:

@@ -5,46 +5,38 @@ from __future__ import annotations
 from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
-from typing import NamedTuple
 
 import numpy as np
 from flint import arb
 
 from pwmap.diagrams.diagram import Branch, BranchKind, PointKind, SpecialPoint
-from pwmap.proofs.document import Certificate
 from woodpecker.base.executors import processes
 from woodpecker.enclosures.forms import precision
 from woodpecker.enclosures.model import rational
 from woodpecker.enclosures.not_proved import NotProved
 from woodpecker.mechanics.toy import Toy
 from woodpecker.proofs import certificates
-from woodpecker.proofs.branches import (
-    PieceEnd,
-    Progress,
-    end_of,
-    joined,
-    marched,
-)
+from woodpecker.proofs.branches import PieceEnd, Progress, end_of, joined, marched
+from woodpecker.proofs.certificates import Content
 from woodpecker.proofs.pieces import Fractions, Route, Tube, curves_near, proved
 from woodpecker.proofs.points import proved_point
 from woodpecker.runs import nothing
 from woodpecker.shooting import PeriodicOrbit, shoot
 
-BITS = {"orbit": 140, "branch": 128, "point": 160}  # of ball arithmetic
-DIGITS = {"orbit": 40, "branch": 35, "point": 48}  # of the checker's
+ORBIT, BRANCH, POINT = (140, 40), (128, 35), (160, 48)  # bits of balls, digits of the checker's
 INNER = Fraction(1, 10**22)  # rad: the box in which an orbit is found
 OUTER = [Fraction(n, 10**k) for k in range(3, 20) for n in (5, 2, 1)]  # rad: boxes in which it is
 # tried to show that it is the only one, the largest first
 AT = "eps_n1"  # the parameter that a certificate of an orbit names
 
 
-def prove_orbit(orbit: PeriodicOrbit) -> Certificate:
+def prove_orbit(orbit: PeriodicOrbit) -> Content:
     """Exactly one cycle near an orbit."""
     if not orbit.success:
         raise ValueError(f"only a periodic orbit can be proved, got one with: {orbit.message}")
     toy, points = orbit.toy, orbit.points[: orbit.minimal_period]
     line = Route((rational(getattr(toy, AT)),), Fraction(0))
-    with precision(BITS["orbit"]):
+    with precision(ORBIT[0]):
         curves = curves_near(toy, AT, line, [[arb(x)] for x in points], 1)
         inner = proved(toy, AT, line, [Tube(curve, INNER) for curve in curves])
         outer = inner
@@ -54,13 +46,13 @@ def prove_orbit(orbit: PeriodicOrbit) -> Certificate:
                 break
             except NotProved:
                 continue
-        return certificates.of_orbit(toy, AT, outer, inner, DIGITS["orbit"])
+        return certificates.of_orbit(toy, AT, outer, inner, ORBIT[1])
 
 
 def prove_branch(
     branch: Branch, span: tuple[float, float] | None, toy: Toy, parameter: str,
     progress: Progress, workers: int,
-) -> Certificate:  # fmt: skip
+) -> Content:  # fmt: skip
     """A branch of fixed points over an interval, in as many parts as there are workers."""
     if branch.kind is not BranchKind.FIXED_POINT:
         raise ValueError(f"only branches of fixed points can be proved, got {branch.kind.value}")
@@ -75,14 +67,14 @@ def prove_branch(
     starts = _starts(toy, parameter, branch, [part.low for part in spans])
     tasks = [(toy, parameter, part, points) for part, points in zip(spans, starts, strict=True)]
     if workers == 1:
-        return _march(tasks[0], progress).certificate
+        return _march(tasks[0], progress)[0]
     with processes(workers) as pool:
         parts = list(map(_march, tasks) if pool is None else pool.map(_march, tasks))
-    for before, after in pairwise(parts):
-        if not joined(before.high, after.low):
-            at = f"{parameter} = {float(after.low.p):.12g}"
+    for (_, _, before), (_, after, _) in pairwise(parts):
+        if not joined(before, after):
+            at = f"{parameter} = {float(after.p):.12g}"
             raise NotProved(f"two parts may hold different cycles at {at}")
-    return certificates.merged([part.certificate for part in parts])
+    return certificates.merged([part for part, _, _ in parts])
 
 
 def parts_of(span: Fractions, count: int) -> list[Fractions]:
@@ -116,28 +108,21 @@ def _starts(
 Task = tuple[Toy, str, Fractions, tuple[float, ...]]
 
 
-class BranchPart(NamedTuple):
-    """A part of a branch from another process: balls do not travel, certificates and ends do."""
-
-    certificate: Certificate
-    low: PieceEnd
-    high: PieceEnd
-
-
-def _march(task: Task, progress: Progress = nothing) -> BranchPart:
+def _march(task: Task, progress: Progress = nothing) -> tuple[Content, PieceEnd, PieceEnd]:
+    """What is proved of a part of a branch, and its ends: balls do not travel from a process."""
     toy, parameter, span, points = task
-    with precision(BITS["branch"]):
+    with precision(BRANCH[0]):
         found = marched(toy, parameter, span, points, progress)
-        certificate = certificates.of_branch(found, DIGITS["branch"])
-        return BranchPart(certificate, end_of(found.pieces[0], -1), end_of(found.pieces[-1], 1))
+        content = certificates.of_branch(found, BRANCH[1])
+        return content, end_of(found.pieces[0], -1), end_of(found.pieces[-1], 1)
 
 
-def prove_point(point: SpecialPoint, toy: Toy, parameter: str) -> Certificate:
+def prove_point(point: SpecialPoint, toy: Toy, parameter: str) -> Content:
     """A border collision at a jump."""
     if point.kind not in (PointKind.BC, PointKind.FF) or point.order != 1:
         raise ValueError(
             f"only border collisions of P_1 can be proved, got {point.kind.value} of order "
             f"{point.order}"
         )
-    with precision(BITS["point"]):
-        return proved_point(toy, parameter, point.parameter, point.x, DIGITS["point"])
+    with precision(POINT[0]):
+        return proved_point(toy, parameter, point.parameter, point.x, POINT[1])

@@ -14,9 +14,9 @@ from mpmath import mp, mpf
 
 from woodpecker.checking import guards
 from woodpecker.checking.intervals import I, unit
-from woodpecker.enclosures import flights
 from woodpecker.enclosures.balls import fraction, number
 from woodpecker.enclosures.forms import precision
+from woodpecker.enclosures.oscillator import height
 
 BITS = 200
 F2, F3 = Fraction(7, 10), Fraction(-35)  # m/s^2, m/s^3: of the sizes that the toy has
@@ -47,7 +47,7 @@ def test_both_programs_hold_a_flight_and_its_derivatives(
         )
     with precision(BITS):
         jet = [arb(0), arb(0), number(F2), number(F3)]
-        ball = flights.height(jet, arb(kappa), number(time))(order)
+        ball = height(jet, arb(kappa), number(time))(order)
         low, high = fraction(ball.lower()), fraction(ball.upper())
     with unit(BITS):
         found = guards.height([None, None, I.of(F2), I.of(F3)], I.of(kappa), I.of(time), order)

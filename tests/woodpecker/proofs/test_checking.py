@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 
 from woodpecker import Toy, check_certificate, prove, shoot
 from woodpecker.checking.certificate import check
-from woodpecker.checking.intervals import Context, Extent, I, T, inverse, shapes, wave
+from woodpecker.checking.intervals import Box, Context, I, T, inverse, shapes, wave
 from woodpecker.checking.pieces import Rejected
 from woodpecker.cli.app import app
 
@@ -58,7 +58,7 @@ def test_waves_hold_their_values(kappa: int) -> None:
 def test_taylor_models_hold_their_functions() -> None:
     rng = Random(6)
     Context.bits = 120
-    span = Extent(Fraction(1, 50), 4)
+    span = Box(Fraction(1, 50), 4)
     f, g = (T.of(span, [Fraction(rng.randrange(1, 9)) for _ in range(7)]) for _ in range(2))
     product, quotient = f * g, f * inverse(g)
     for _ in range(50):
@@ -70,7 +70,7 @@ def test_taylor_models_hold_their_functions() -> None:
 
 def value(f: T, tau: Fraction) -> Fraction:
     """The polynomial of a model, without its rest."""
-    part = tau / f.span.half
+    part = tau / f.box.half
     return sum((Fraction(c, 2**120) * part**k for k, c in enumerate(f.c)), Fraction(0))
 
 

@@ -10,7 +10,7 @@ from flint import arb
 from mpmath import mp, mpf
 
 from woodpecker.checking import forms, guards
-from woodpecker.checking.intervals import Extent, I, T, unit
+from woodpecker.checking.intervals import Box, I, T, unit
 from woodpecker.enclosures.balls import fraction
 from woodpecker.enclosures.forms import precision, start, varying
 from woodpecker.enclosures.oscillator import Guard, crossing
@@ -76,27 +76,18 @@ def test_of_the_proofs(expected: list[Fraction]) -> None:
 
 def test_of_the_checker(expected: list[Fraction]) -> None:
     with unit(160):
-        box = forms.Box(I.of(-SMALL, SMALL), Extent(SMALL, 4), 6)
+        box = Box(SMALL, 4, SMALL, 6)
 
         def form(*parts: list[Fraction | int]) -> forms.F:
-            return forms.F(box, [T.of(box.span, [Fraction(c) for c in part]) for part in parts])
+            return forms.F(box, [T.of(box, [Fraction(c) for c in part]) for part in parts])
 
         x = form([Fraction(3, 10), 2, 1], [1], [2, 2], [0], [0], [2])
         y = form([-1, Fraction(-1, 2)], [0], [Fraction(-1, 2)], [0], [0], [0])
-        coefficients = (x, y, x * y, x + I.of(2))
-        ranges = [f.value for f in coefficients]
-        kappa = I.of(KAPPA)
-
-        def at(t: forms.F | I, order: int = 0) -> forms.F | I:
-            return guards.combined(coefficients, forms.waves(kappa, t, box), t, kappa, order)
-
-        def over(t: I, order: int = 0) -> I:
-            found = guards.combined(ranges, forms.waves(kappa, t, box), t, kappa, order)
-            assert isinstance(found, I)
-            return found
-
+        guard = guards.GuardValue(
+            box, ("gap", 0), I.of(KAPPA), [x, y, x * y, x + I.of(2)], 0, False
+        )
         bracket = I.of(Fraction(GUESS) - Fraction(1, 20), Fraction(GUESS) + Fraction(1, 20))
-        time = guards.root(at, over, bracket, box)
+        time = guard.crossing(bracket, -1)
         units = Fraction(1, 2**160)
         found = [time.value, *(time.part(order) for order in ORDERS[1:])]
         assert_held([(each.a * units, each.b * units) for each in found], expected)

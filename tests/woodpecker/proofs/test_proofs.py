@@ -18,17 +18,18 @@ from studies.peers.reference_mpmath import PAPER
 from studies.peers.reference_mpmath import first_return as reference
 from woodpecker import Toy, bifurcation_diagram, prove, shoot
 from woodpecker.checking.certificate import check
+from woodpecker.checking.toy import PAPER as CHECKED
 from woodpecker.enclosures.balls import fraction, number
 from woodpecker.enclosures.following import follow
 from woodpecker.enclosures.forms import S, precision, start, varying
-from woodpecker.enclosures.model import BallToy, rational
-from woodpecker.enclosures.oscillator import stumpff
-from woodpecker.enclosures.stumpff import shape_balls, stumpff_balls
+from woodpecker.enclosures.model import BallToy, data, rational
+from woodpecker.enclosures.stumpff import shape_balls, stumpff, stumpff_balls
 from woodpecker.enclosures.taylor import ZERO, Frame
 from woodpecker.proofs import NotProved
 from woodpecker.proofs.branches import marched
 from woodpecker.proofs.certificates import of_branch, text
 from woodpecker.proofs.pieces import Fractions, Route, Tube, curves_near, proved
+from woodpecker.proofs.proving import sealed
 
 X1, X2 = -0.8847733440138263, -0.7577872573415620  # where two gaps close at once
 POINTS = {  # law, eps_N1, phi_S, code, note: the table of facts, to the digits that it has
@@ -116,6 +117,7 @@ def test_data_are_the_decimals_of_the_paper() -> None:
     assert rational(5e-9) == Fraction(5, 10**9)
     assert text(Fraction(-3, 8)) == "-0.375"
     assert text(Fraction(1, 3)) == "1/3"
+    assert data(Toy()) == CHECKED  # the checker has its own table of them
 
 
 def returns(count: int, seed: int) -> tuple[int, list[str]]:
@@ -133,7 +135,7 @@ def returns(count: int, seed: int) -> tuple[int, list[str]]:
             there = reference(mpf(x.numerator) / x.denominator, data)
         with precision(128):
             try:
-                (way,) = follow(BallToy.of(toy), Frame(ZERO, ZERO), [number(x)])
+                (way,) = follow(BallToy(toy), Frame(ZERO, ZERO), [number(x)])
             except NotProved:
                 open_.append(there.word if there.status == "returned" else there.status)
                 continue
@@ -249,7 +251,7 @@ def test_a_branch_through_changes_of_its_word_and_a_flip() -> None:
                 orbit = shoot(toy.replace(eps_n1=float(p)), -0.587)
                 low, high = ends(piece.multiplier)
                 assert float(low) - 1e-9 <= orbit.multiplier <= float(high) + 1e-9
-        certificate = of_branch(branch, 35)
+        certificate = sealed(of_branch(branch, 35))
     assert check(certificate.content) == certificate.statement
     assert "without a gap, with no flip" in certificate.statement
 
