@@ -206,7 +206,7 @@ class SectionGuard:
 
     def values(self, z: Floats, p: Floats) -> Floats:
         """Values (b,) at states (b, N)."""
-        return self._value.batch(z, p)[:, 0]
+        return self._value.batch(z, p)[0].reshape(-1)
 
     def jet(self, here: Local) -> list[float]:
         """Value and rate."""

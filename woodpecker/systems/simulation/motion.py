@@ -156,9 +156,9 @@ class Machine:
         self.is_autonomous = not any(part.has(time) for part in parts)
 
         if self.backend is Backend.TAYLOR:
-            from woodpecker.systems.simulation.taylor import jets, terms_function
+            from woodpecker.systems.simulation.taylor import jets
 
-            self.eq.jets, self.eq.compiled = cache(partial(jets, self.eq)), terms_function(self.eq)
+            self.eq.jets = cache(partial(jets, self.eq))
 
     def flow(
         self, mode: Mode, *, varies: bool = False, section: SectionGuard | None = None

@@ -172,28 +172,6 @@ def jets(eq: Equations, mode: Mode) -> Callable[[Floats, Floats], Floats]:
     return numbers
 
 
-def terms_function(eq: Equations) -> Callable[[Floats, Floats], Floats] | None:
-    """A compiled function of state and parameters: all numbers of the terms, in their order.
-
-    None if heyoka does not know one of them, such as Max in a restitution, which no flow needs.
-    """
-    state = [hy.expression(f"z{k}") for k in range(eq.size)]
-    values = [*state, *(hy.par[k] for k in range(len(eq.p)))]
-    names = dict(zip(eq.symbols, values, strict=True))
-    try:
-        converted = [_converted(each, names) for each in eq.flat]
-    except ValueError:
-        return None
-    function = hy.cfunc(converted, vars=state)
-    needs = function.nparams
-
-    def numbers(z: Floats, p: Floats) -> Floats:
-        found: Floats = function(z, None, p[:needs])
-        return found
-
-    return numbers
-
-
 class _Expressions:
     """The motion in a mode in heyoka's expressions.
 
