@@ -42,7 +42,8 @@ class Function:
     def __init__(self, symbols: Sequence[sympy.Symbol], arrays: Sequence[Any]) -> None:
         ends = np.cumsum([each.size for each in arrays]).tolist()
         shapes = [each.shape for each in arrays]
-        self._parts = list(zip([0, *ends[:-1]], ends, shapes, strict=True))
+        parts = map(slice, [0, *ends[:-1]], ends)
+        self._parts = list(zip(parts, shapes, strict=True))
         self._flat = [sympy.sympify(entry) for each in arrays for entry in each.ravel().tolist()]
         self._symbols = symbols
         self._one: Callable[..., Any] = self._compiled("math")
@@ -60,7 +61,10 @@ class Function:
             flat = np.array(self._one(*np.concatenate(numbers).tolist()), dtype=float)
         except (ValueError, ZeroDivisionError, OverflowError, TypeError):  # TypeError: complex
             flat = np.full(len(self._flat), np.nan)
-        return [flat[low:high].reshape(shape) for low, high, shape in self._parts]
+        return [
+            flat[part] if len(shape) == 1 else flat[part].reshape(shape)
+            for part, shape in self._parts
+        ]
 
     def batch(self, z: Floats, p: Floats) -> list[Floats]:
         """The same at many states (b, N), the batch first."""
@@ -70,7 +74,7 @@ class Function:
         with np.errstate(all="ignore"):
             for k, value in enumerate(self._many(*z.T, *p)):
                 flat[:, k] = value
-        return [flat[:, low:high].reshape(-1, *shape) for low, high, shape in self._parts]
+        return [flat[:, part].reshape(-1, *shape) for part, shape in self._parts]
 
 
 class Equations:
@@ -96,8 +100,8 @@ class Equations:
         feet of a body do, and only the sum of their friction is known.
     along
         The symbols in which derivatives are taken.
-    expressions, kinematics
-        M, h, w_N, w_T, w-bar_N, w-bar_T and mu; gaps, gap rates and slips.
+    expressions
+        The terms as arrays of expressions.
     kinematic_changes(z, p)
         Derivatives of gaps, gap rates and slips, (m, columns) each.
     motion_changes(z, p, a, lambda_N, lambda_T)
@@ -147,12 +151,11 @@ class Equations:
         rate = w_n * u + gap.diff(t)
         bar_n = rate.jacobian(q) * u + rate.diff(t)
         bar_t = slip.jacobian(q) * u + slip.diff(t)
-        self.expressions = system.M, system.h, w_n, w_t, bar_n, bar_t, mu
-        self.kinematics = gap, rate, slip
-        columns = [gap, rate, slip, bar_n, bar_t, mu, eps]
-        flat = [np.array(each).ravel() for each in columns]
-        whole = [np.array(system.M), np.array(system.h).ravel(), np.array(w_n), np.array(w_t)]
-        self._terms = Function(self.symbols, [*whole, *flat])
+        parts = system.M, system.h, w_n, w_t, gap, rate, slip, bar_n, bar_t, mu, eps
+        made = [np.array(each, dtype=object) for each in parts]
+        flat = [each.ravel() if each.shape[1] == 1 else each for each in made]
+        self.expressions = Terms(made[0], flat[1], made[2], made[3], *flat[4:])
+        self._terms = Function(self.symbols, self.expressions)
         pull = w_n.T * l_n + w_t.T * l_t
         motion = [system.M * a - system.h - pull, w_n * a + bar_n, w_t * a + bar_t, mu]
         after = dict(zip(system.state[self.n : -1], new, strict=True))

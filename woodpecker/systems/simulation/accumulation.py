@@ -178,7 +178,7 @@ class _Impacts:
             return False
         self.is_open |= outcome is Outcome.INDETERMINATE
         if self.tangents.shape[1]:
-            self.tangents = carry_out(eq, impact, z, self._p, self.tangents).tangents
+            self.tangents = carry_out(eq, impact, z, self._p, self.tangents)[1]
         self.z = z.copy()
         self.z[n : 2 * n] = u
         given = impulses.sum(axis=0)
