@@ -85,11 +85,6 @@ class DiagramView:
             _on_change(axis_range, "end", hear=self._name)
         _on_change(figure, *SIZE, hear=self._name)
 
-    @property
-    def scale(self) -> tuple[float, float]:
-        """Pixels for one unit of both axes."""
-        return _scale(self.figure)
-
     def look(self, x: tuple[float, float]) -> None:
         """Show an interval of the parameter, and all of the diagram there."""
         self.moved = False
@@ -152,11 +147,6 @@ class GraphView:
         figure.add_tools(hover(nodes, OF_POINT), hover(edges, OF_EDGE))
         _on_change(figure, *SIZE, hear=self._name)
 
-    @property
-    def scale(self) -> tuple[float, float]:
-        """Pixels for one unit of both axes."""
-        return _scale(self.figure)
-
     def show(self, found: Shown | None) -> None:
         """Draw the graph of a diagram, or none."""
         self._shown = found
@@ -196,7 +186,8 @@ def _size(figure: Any) -> tuple[float, float]:
         return USUAL
 
 
-def _scale(figure: Any) -> tuple[float, float]:
+def scale_of(figure: Any) -> tuple[float, float]:
+    """Pixels for one unit of both axes."""
     width, height = _size(figure)
     across, up = figure.x_range, figure.y_range
     return width / (across.end - across.start), height / (up.end - up.start)
@@ -208,7 +199,7 @@ def _part(table: Any, branch: str) -> dict[str, Any]:
 
 
 def _named(figure: Any, *tables: Any) -> list[dict[str, Any]]:
-    scale, frame = np.array(_scale(figure)), _size(figure)
+    scale, frame = np.array(scale_of(figure)), _size(figure)
     start = np.array([figure.x_range.start, figure.y_range.start])
     full = [table for table in tables if table and len(table["x"])]
     rows = [(k, i) for k, table in enumerate(full) for i in range(len(table["x"]))]

@@ -37,6 +37,15 @@ class Shown:
     edges: Table  # as lines, with x y label of their middles
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class DiagramProgress:
+    """A diagram on its way."""
+
+    shown: Shown  # what was found so far
+    stage: str  # a phrase on how far it has come
+    done: bool = False  # that is all
+
+
 def shown(diagram: Diagram) -> Shown:
     """Everything that is drawn of a diagram."""
     points = _points(diagram)

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import tempfile
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import write_figure
@@ -16,6 +16,7 @@ TYPES = {
     "json": "application/json", "py": "text/x-python; charset=utf-8", "graphml": "application/xml",
 }  # fmt: skip
 PICTURE = ("png", "svg")
+S = TypeVar("S")
 OF_DIAGRAM = {
     "diagram.png": "picture of the diagram (PNG)", "diagram.svg": "picture of the diagram (SVG)",
     "branches.csv": "branches of the diagram (CSV)", "points.csv": "special points (CSV)",
@@ -25,27 +26,36 @@ OF_DIAGRAM = {
 OF_STATE = {"state.json": "the state (JSON)", "lines.py": "lines of Python (file)"}
 
 
-def parts(name: str, files: Mapping[str, str]) -> tuple[str, str]:
-    """What a file shows, and its form; ValueError if it is none of a page's."""
+def made(
+    name: str, state: S, files: Mapping[str, str], diagram: Callable[[S], Diagram],
+    figures: Mapping[str, Callable[[S], Any]], texts: Mapping[str, Callable[[S], str]],
+) -> Iterator[tuple[str, bytes]]:  # fmt: skip
+    """Type and content of one of a page's files; ValueError if it is none.
+
+    Figures and texts have the names of their files, without the form.
+    """
     if name not in files:
         raise ValueError(f"unknown file {name!r}, expected one of {', '.join(files)}")
     what, _, form = name.partition(".")
-    return what, form
+    if form in PICTURE:
+        content = _picture(
+            form, figures[what](state) if what in figures else _drawn(diagram(state))
+        )
+    elif name in OF_DIAGRAM:
+        content = results_as_bytes(diagram(state))[name]
+    else:
+        content = texts[what](state).encode()
+    yield TYPES[form], content
 
 
-def picture(form: str, draw: Callable[[], Any]) -> bytes:
-    """A drawn figure as a file."""
+def _drawn(found: Diagram) -> Any:
+    from pwmap.plot import plot_diagram
+
+    return plot_diagram(found).figure
+
+
+def _picture(form: str, figure: Any) -> bytes:
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / f"picture.{form}"
-        write_figure(path, draw())
+        write_figure(path, figure)
         return path.read_bytes()
-
-
-def of_diagram(name: str, found: Diagram) -> bytes:
-    """One of :data:`OF_DIAGRAM`."""
-    form = name.partition(".")[2]
-    if form in PICTURE:
-        from pwmap.plot import plot_diagram
-
-        return picture(form, lambda: plot_diagram(found).figure)
-    return results_as_bytes(found)[name]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -104,6 +104,21 @@ def patch(table: ColumnDataSource, /, **columns: Any) -> None:
             else values
             for name, values in columns.items()
         }  # fmt: skip
+
+
+def solutions(figure: Any, table: ColumnDataSource) -> Any:
+    """Dots of solutions, whose table has the columns of :func:`judged`."""
+    return figure.scatter(
+        "x", "y", source=table, size=10, fill_color="fill", line_color="color", line_width=2
+    )
+
+
+def judged(stable: Iterable[bool]) -> dict[str, list[str]]:
+    """Colours and kinds of solutions: filled where they attract."""
+    kinds = ["stable" if each else "unstable" for each in stable]
+    color = [COLORS[kind] for kind in kinds]
+    fill = [c if kind == "stable" else "white" for c, kind in zip(color, kinds, strict=True)]
+    return {"color": color, "fill": fill, "kind": kinds}
 
 
 def strokes(pairs_x: Any, pairs_y: Any) -> dict[str, Any]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
 from itertools import islice
@@ -13,6 +13,10 @@ import numpy as np
 
 from pwmap import (
     Budget,
+    Diagram,
+    FixedPoint,
+    ParameterCell,
+    ParameterCells,
     PiecewiseLinearMap,
     bifurcation_diagram,
     cycles,
@@ -57,8 +61,13 @@ def maps_of(state: MapState) -> tuple[PiecewiseLinearMap, PiecewiseLinearMap]:
     unknown = {str(symbol) for symbol in family.parameters} - set(state.parameters)
     if unknown:
         raise ValueError(f"too many parameters: {', '.join(sorted(unknown))}")
-    place = {str(s): state.place[str(s)] for s in family.parameters}
-    return family, family.at(place) if place else family
+    return family, held(state, family, ())
+
+
+def held(state: MapState, family: PiecewiseLinearMap, free: Sequence[str]) -> PiecewiseLinearMap:
+    """The map with the values of all parameters but some."""
+    rest = {n: state.place[n] for n in map(str, family.parameters) if n not in free}
+    return family.at(rest) if rest else family
 
 
 def answers(state: MapState) -> Iterator[MapAnswer]:
@@ -152,21 +161,28 @@ def _cycle_rows(family: PiecewiseLinearMap, here: PiecewiseLinearMap) -> Rows:
 # --- Over one parameter ---------------------------------------------------------------------------
 
 
-def one_parameter(state: MapState, family: PiecewiseLinearMap) -> PiecewiseLinearMap:
-    """The map with values of all parameters but that of the diagram."""
-    rest = {n: v for n, v in state.place.items() if n != state.axis and _has(family, n)}
-    return family.at(rest) if rest else family
+def cells(state: MapState, family: PiecewiseLinearMap) -> ParameterCells:
+    """The cells of the diagram's parameter."""
+    line = held(state, family, [state.axis])
+    return parameter_cells(line, state.axis, state.all_orders, span=state.span, budget=BUDGET)
 
 
-def _has(family: PiecewiseLinearMap, name: str) -> bool:
-    return any(str(symbol) == name for symbol in family.parameters)
+def points_of(cell: ParameterCell, state: MapState) -> Iterator[FixedPoint]:
+    """One point of each cycle in a cell, of the orders of the diagram."""
+    for order in state.all_orders:
+        yield from (p for p in cell.map.iterate(order).fixed_points() if p.period == order)
+
+
+def whole_diagram(state: MapState, family: PiecewiseLinearMap) -> Diagram:
+    """The diagram over one parameter."""
+    line = held(state, family, [state.axis])
+    return bifurcation_diagram(line, state.axis, state.span, state.all_orders, budget=BUDGET)
 
 
 def _cells(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> MapAnswer:
     if not state.axis:
         return MapAnswer("cells")
-    line = one_parameter(state, family)
-    found = parameter_cells(line, state.axis, state.all_orders, span=state.span, budget=BUDGET)
+    found = cells(state, family)
     value = Fraction(state.place[state.axis])
     rows: Rows = []
     for cell in found:
@@ -176,11 +192,7 @@ def _cells(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -
             if cell.is_edge
             else f"{_text(cell.lower)} < {state.axis} < {_text(cell.upper)}"
         )
-        points = [
-            f"{_word(p.word)}: {_text(p.x)}"
-            for order in state.all_orders for p in cell.map.iterate(order).fixed_points()
-            if p.period == order
-        ]  # fmt: skip
+        points = [f"{_word(p.word)}: {_text(p.x)}" for p in points_of(cell, state)]
         rows.append([where + (" ← here" if inside else ""), "; ".join(points) or "no cycle"])
     return MapAnswer("cells", rows={f"Cells of {state.axis}": rows[:ROWS]})
 
@@ -188,8 +200,7 @@ def _cells(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -
 def _diagram(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> MapAnswer:
     if not state.axis:
         return MapAnswer("diagram")
-    line = one_parameter(state, family)
-    found = bifurcation_diagram(line, state.axis, state.span, state.all_orders, budget=BUDGET)
+    found = whole_diagram(state, family)
     rows = [
         [f"{p.kind} {p.note}", f"{state.axis} = {_text(p.exact.get('parameter', p.parameter))}",
          f"x = {_text(p.exact.get('x', p.x))}"]
@@ -229,8 +240,7 @@ def _exponent(attractor: Any) -> str:
 def plane(state: MapState, family: PiecewiseLinearMap) -> ParameterPlane:
     """The plane of the two parameters that the page shows."""
     names = state.plane_names
-    rest = {n: v for n, v in state.place.items() if n not in names and _has(family, n)}
-    flat = family.at(rest) if rest else family
+    flat = held(state, family, names)
     return parameter_plane(
         flat, names[0], names[1], state.across, state.along, PLANE_ORDERS, budget=BUDGET
     )

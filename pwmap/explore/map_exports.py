@@ -7,11 +7,20 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict
 from typing import Any
 
-from pwmap import PiecewiseLinearMap, bifurcation_diagram, dynamics, parameter_cells
+from pwmap import PiecewiseLinearMap, dynamics
 from pwmap.diagrams.diagram import Diagram
 from pwmap.diagrams.files import table_as_text
-from pwmap.explore.exports import OF_DIAGRAM, OF_STATE, PICTURE, TYPES, of_diagram, parts, picture
-from pwmap.explore.map_data import BUDGET, cycles_here, maps_of, one_parameter, orbit, plane
+from pwmap.explore.exports import OF_DIAGRAM, OF_STATE, made
+from pwmap.explore.map_data import (
+    BUDGET,
+    cells,
+    cycles_here,
+    maps_of,
+    orbit,
+    plane,
+    points_of,
+    whole_diagram,
+)
 from pwmap.explore.map_state import MapState, from_query, python_of, to_query
 
 FILES = {
@@ -26,26 +35,17 @@ FILES = {
 
 def export(name: str, query: str) -> Iterator[tuple[str, bytes]]:
     """A job that makes one file of :data:`FILES` of a state; ValueError if there is none such."""
-    what, form = parts(name, FILES)
-    state = from_query(query)
-    if name in OF_DIAGRAM:
-        content = of_diagram(name, _diagram(state))
-    elif form in PICTURE:
-        content = picture(form, lambda: _DRAWINGS[what](state).figure)
-    else:
-        content = _TEXTS[what](state).encode()
-    yield TYPES[form], content
+    yield from made(name, from_query(query), FILES, _diagram, _DRAWINGS, _TEXTS)
 
 
-def _axis(state: MapState) -> str:
+def _check_axis(state: MapState) -> None:
     if not state.axis:
         raise ValueError("the map has no parameter, so there is no diagram of it")
-    return state.axis
 
 
 def _diagram(state: MapState) -> Diagram:
-    line = one_parameter(state, maps_of(state)[0])
-    return bifurcation_diagram(line, _axis(state), state.span, state.all_orders, budget=BUDGET)
+    _check_axis(state)
+    return whole_diagram(state, maps_of(state)[0])
 
 
 # --- Pictures -------------------------------------------------------------------------------------
@@ -54,7 +54,7 @@ def _diagram(state: MapState) -> Diagram:
 def _map(state: MapState) -> Any:
     from pwmap.plot import plot_cobweb
 
-    return plot_cobweb(_iterate(state), state.start, state.steps)
+    return plot_cobweb(_iterate(state), state.start, state.steps).figure
 
 
 def _plane(state: MapState) -> Any:
@@ -62,13 +62,13 @@ def _plane(state: MapState) -> Any:
 
     if not state.plane_names:
         raise ValueError("a plane needs a map with two parameters")
-    return plot_plane(plane(state, maps_of(state)[0]))
+    return plot_plane(plane(state, maps_of(state)[0])).figure
 
 
 def _density(state: MapState) -> Any:
     from pwmap.plot import plot_density
 
-    return plot_density(dynamics(maps_of(state)[1], budget=BUDGET))
+    return plot_density(dynamics(maps_of(state)[1], budget=BUDGET)).figure
 
 
 _DRAWINGS: dict[str, Callable[[MapState], Any]] = {
@@ -106,12 +106,10 @@ def _orbit_table(state: MapState) -> str:
 
 def _cells_table(state: MapState) -> str:
     """Each cell, with the words of its cycles and their points as formulas."""
-    line = one_parameter(state, maps_of(state)[0])
-    found = parameter_cells(line, _axis(state), state.all_orders, span=state.span, budget=BUDGET)
+    _check_axis(state)
     rows = [
         (cell.lower, cell.upper, point.period, point.word, point.x)
-        for cell in found for order in state.all_orders
-        for point in cell.map.iterate(order).fixed_points() if point.period == order
+        for cell in cells(state, maps_of(state)[0]) for point in points_of(cell, state)
     ]  # fmt: skip
     return table_as_text(("lower", "upper", "period", "word", "x"), rows)
 

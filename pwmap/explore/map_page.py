@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, replace
 from fractions import Fraction
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +19,11 @@ from pwmap.explore.figures import (
     DOTTED,
     cobweb,
     hover,
+    judged,
     new_figure,
     patch,
     set_range,
+    solutions,
     source,
     strokes,
 )
@@ -29,9 +32,9 @@ from pwmap.explore.map_data import SECONDS, MapAnswer, answers
 from pwmap.explore.map_exports import FILES, export
 from pwmap.explore.map_state import MapState, from_query, of_map, python_of, rational, to_query
 from pwmap.explore.page import Control, asked
-from pwmap.explore.serving import Site, serve
+from pwmap.explore.serving import serve
 from pwmap.explore.tab import Demand, Tab, put_on_page
-from pwmap.plot import GREY, INK, JUMP, STABLE, UNSTABLE, VIOLET
+from pwmap.plot import GREY, INK, JUMP, STABLE, VIOLET
 
 TEMPLATE = Path(__file__).parent / "files" / "pwmap.html"
 FINEST = 500  # the largest denominator of a place that is clicked on
@@ -46,7 +49,7 @@ class MapTab(Tab[MapState]):
         self.first = first
         self._draw_map()
         self._draw_others()
-        super().__init__(state, self.map, "x")
+        super().__init__(state, [self.map, self.plane, self.density], "x")
         self.due, self.chaotic = True, False
         self.rows: dict[str, dict[str, list[list[str]]]] = {}
         self.notes: dict[str, str] = {}
@@ -65,9 +68,7 @@ class MapTab(Tab[MapState]):
         figure.line("x", "y", source=self.curve, color=INK, line_width=2)
         figure.scatter("x", "y", source=self.ends, size=6, fill_color="fill", line_color=INK)
         figure.line("x", "y", source=self.web, color=VIOLET, line_width=1.2)
-        fixed = figure.scatter("x", "y", source=self.fixed, size=10, fill_color="fill",
-                               line_color="color", line_width=2)  # fmt: skip
-        figure.add_tools(hover(fixed, OF_FIXED))
+        figure.add_tools(hover(solutions(figure, self.fixed), OF_FIXED))
 
     def _draw_others(self) -> None:
         self.plane = new_figure("plane", "", "")
@@ -86,28 +87,17 @@ class MapTab(Tab[MapState]):
                           fill_alpha=0.35, line_color=STABLE)  # fmt: skip
         self.density.add_layout(Span(location=0.0, dimension="width", line_color=GREY))
 
-    @property
-    def roots(self) -> list[Any]:
-        """The figures, for the page."""
-        return [self.map, self.diagram.figure, self.graph.figure, self.plane, self.density]
-
     # --- State -> views ---------------------------------------------------------------------------
 
     def show(self, state: MapState, *, moving: bool = False) -> None:
         """Go to a state: what it shows is worked out in another process, the last wish only."""
         self.keep(state, moving=moving)
         self.due = True
-        self.diagram.stand(self.value, np.nan)
+        self.diagram.stand(state.value, np.nan)
         names = state.plane_names
         if names:
             x, y = (float(rational(state.place[name])) for name in names)
             patch(self.here, x=[x], y=[y])
-
-    @property
-    def value(self) -> float:
-        """The value of the diagram's parameter; nan if the map has none."""
-        axis = self.state.axis
-        return _float(self.state.place[axis]) if axis else np.nan
 
     def tick(self) -> None:
         """Begin what is due, and show what has come."""
@@ -163,12 +153,9 @@ class MapTab(Tab[MapState]):
         fill = [INK if closed else "white" for closed in ends["closed"]]
         patch(self.ends, x=ends["x"], y=ends["y"], fill=fill)
         patch(self.crossings, **strokes(lines[:, ::2], lines[:, 1::2]))
-        colors = [STABLE if stable else UNSTABLE for stable in fixed["stable"]]
         patch(
-            self.fixed, x=fixed["x"], y=fixed["x"], color=colors,
-            fill=[c if s else "white" for c, s in zip(colors, fixed["stable"], strict=True)],
-            kind=["stable" if s else "unstable" for s in fixed["stable"]], word=fixed["word"],
-            exact=fixed["exact"],
+            self.fixed, x=fixed["x"], y=fixed["x"], word=fixed["word"], exact=fixed["exact"],
+            **judged(fixed["stable"]),
         )  # fmt: skip
         patch(self.web, **cobweb(tables["orbit"]["x"]))
         for axis_range in (self.map.x_range, self.map.y_range):
@@ -204,8 +191,6 @@ class MapTab(Tab[MapState]):
     def demands(self) -> Mapping[str, Demand]:
         """What a wish can name besides what every tab knows."""
         return {
-            "set": self._set,
-            "back": self._back,
             "reset": lambda _: self.show(self.first),
             "start": lambda wish: self.change(start=str(rational(wish["value"]))),
             "over": lambda wish: self.show(self.state.with_axis(str(wish["value"]))),
@@ -215,13 +200,13 @@ class MapTab(Tab[MapState]):
             "along": lambda wish: self.change(along=_pair(wish["value"])),
         }
 
-    def _back(self, wish: Mapping[str, Any]) -> None:
-        name = str(wish["name"])
-        self.show(self.state.at(**{name: self.first.place[name]}))
+    def at(self, values: Any) -> MapState:
+        """The state with other values of parameters, by name."""
+        return self.state.at(**{str(n): str(_exact(v)) for n, v in dict(values).items()})
 
-    def _set(self, wish: Mapping[str, Any]) -> None:
-        values = {str(n): str(_exact(v)) for n, v in dict(wish["values"]).items()}
-        self.show(self.state.at(**values), moving=bool(wish.get("drag")))
+    def default(self, name: str) -> str:
+        """The value of a parameter in the first state."""
+        return self.first.place[name]
 
     def _tap_map(self, event: Any) -> None:
         self.change(start=str(_near(event.x, self.map.x_range)))
@@ -316,8 +301,7 @@ def run(initial: MapState, port: int | None, *, stay: bool, ready: Callable[[str
     """Load what computes where jobs are forked from, and serve the page."""
     warm_up(["pwmap.explore.map_data"])
 
-    def page(document: Document) -> None:
-        make_page(document, initial)
-
-    site = Site(page=page, export=lambda *asked: (export, *asked), compare="pwmap: two maps")
-    serve(site, port, stay=stay, ready=ready)
+    serve(
+        partial(make_page, initial=initial), lambda *asked: (export, *asked), "pwmap: two maps",
+        port, stay=stay, ready=ready,
+    )  # fmt: skip

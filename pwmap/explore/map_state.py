@@ -90,6 +90,11 @@ class MapState:
         names = self.parameters
         return self.over if self.over in names else (names[0] if names else "")
 
+    @property
+    def value(self) -> float:
+        """The value of the diagram's parameter; nan if the map has none."""
+        return float(rational(self.place[self.axis])) if self.axis else math.nan
+
     def with_axis(self, name: str) -> MapState:
         """The same with the diagram over another parameter, about its value."""
         if name not in self.parameters:

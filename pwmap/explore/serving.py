@@ -10,7 +10,6 @@ import signal
 import time
 from asyncio import sleep
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import Any
 
 from bokeh.application import Application
@@ -39,28 +38,28 @@ POLICY = (
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Site:
-    """What is served.
+Export = Callable[[str, str], tuple[Any, ...]]
+"""Gives the job, and what it is called with, for a file name and a query.
 
-    ``export`` gives the job, and what it is called with, for a file name and a query; the job
-    yields type and content. ValueError if there is no such file or state.
-    """
-
-    page: Callable[[Document], None]  # fills the document of one tab
-    export: Callable[[str, str], tuple[Any, ...]]
-    compare: str  # title of the page with two states side by side
+The job yields type and content. ValueError if there is no such file or state.
+"""
 
 
 def serve(
-    site: Site, port: int | None = None, *, stay: bool = False, ready: Callable[[str], None]
-) -> None:
-    """Serve a site until it is asked to end; OSError if the port is taken.
+    page: Callable[[Document], None], export: Export, compare: str, port: int | None = None, *,
+    stay: bool = False, ready: Callable[[str], None],
+) -> None:  # fmt: skip
+    """Serve pages until it is asked to end; OSError if the port is taken.
 
-    By default the first free port from 5007 on. With ``stay`` it goes on after the last page was
-    closed; ``ready`` is called with the address when pages can be loaded.
+    ``page`` fills the document of one tab, ``compare`` is the title of the page with two states
+    side by side. By default the port is the first free one from 5007 on. With ``stay`` it goes on
+    after the last page was closed; ``ready`` is called with the address when pages can be loaded.
     """
-    server, found = _started(site, port)
+    patterns = [
+        (r"/export/([a-z_]+\.[a-z]+)", _Export, {"export": export}),
+        (r"/compare", _Page, {"text": compare_page(compare)}),
+    ]
+    server, found = _started(page, patterns, port)
     loop: IOLoop = server.io_loop
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: loop.add_callback_from_signal(loop.stop))
@@ -95,14 +94,16 @@ class _PromptServer(HTTPServer):  # type: ignore[misc]
         super().handle_stream(prompt, address)
 
 
-def _started(site: Site, port: int | None) -> tuple[BaseServer, int]:
+def _started(
+    page: Callable[[Document], None], patterns: list[Any], port: int | None
+) -> tuple[BaseServer, int]:
     """A server, and the port that it listens at."""
     ports = [port] if port is not None else [PORT + k for k in range(PORTS)]
     for each in ports:
         pages = BokehTornado(
-            {"/": Application(FunctionHandler(site.page))},
+            {"/": Application(FunctionHandler(page))},
             extra_websocket_origins=[f"{name}:{each}" for name in NAMES],
-            extra_patterns=_patterns(site),
+            extra_patterns=patterns,
             unused_session_lifetime_milliseconds=UNUSED,
             check_unused_sessions_milliseconds=UNUSED // 2,
             keep_alive_milliseconds=5000,
@@ -137,13 +138,6 @@ def _ending(server: Any, loop: IOLoop) -> Callable[[], None]:
 # --- Files and other pages --------------------------------------------------------------------
 
 
-def _patterns(site: Site) -> list[Any]:
-    return [
-        (r"/export/([a-z_]+\.[a-z]+)", _Export, {"export": site.export}),
-        (r"/compare", _Page, {"text": compare_page(site.compare)}),
-    ]
-
-
 class _OwnName(RequestHandler):  # type: ignore[misc]
     """Answers only who calls this machine by its own name."""
 
@@ -171,7 +165,7 @@ class _Page(_OwnName):
 class _Export(_OwnName):
     """A file made from the state in the query, in another process."""
 
-    def initialize(self, export: Callable[[str, str], tuple[Any, ...]]) -> None:
+    def initialize(self, export: Export) -> None:
         self.export = export
 
     async def get(self, name: str) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Generic, TypeVar
@@ -12,10 +12,16 @@ import numpy as np
 from bokeh.document import Document
 
 from pwmap.diagrams.data import Branch
-from pwmap.explore.diagram_views import DiagramView, GraphView
-from pwmap.explore.diagrams import Shown, nearest_line, nearest_sample, summary
+from pwmap.explore.diagram_views import DiagramView, GraphView, scale_of
+from pwmap.explore.diagrams import (
+    DiagramProgress,
+    Shown,
+    nearest_line,
+    nearest_sample,
+    summary,
+)
 from pwmap.explore.figures import on_click
-from pwmap.explore.jobs import Job, Work
+from pwmap.explore.jobs import Failure, Job, Work
 from pwmap.explore.page import Verb, fill, in_words
 
 CLICK = 14.0  # px: what lies farther from a click was not meant
@@ -29,12 +35,13 @@ Demand = Callable[[Mapping[str, Any]], None]
 class Tab(ABC, Generic[S]):
     """One tab of a browser; subclasses show more than the diagram.
 
-    ``message`` and ``stage`` tell of the frozen state (with ``order``, ``steps`` and ``focus``) and
-    of the search for the diagram, ``shown`` as far as it was found. ``branch`` is the selected one,
-    or empty; ``say`` sends values to the script of the page.
+    The first of ``figures`` is the map; ``roots`` are all of them, for the page. ``message`` and
+    ``stage`` tell of the frozen state (with ``order``, ``steps`` and ``focus``) and of the search
+    for the diagram, ``shown`` as far as it was found. ``branch`` is the selected one, or empty;
+    ``say`` sends values to the script of the page.
     """
 
-    def __init__(self, state: S, map_figure: Any, y_label: str) -> None:
+    def __init__(self, state: S, figures: Sequence[Any], y_label: str) -> None:
         self.state, self.past = state, list[S]()
         self._before: S | None = None  # where a slider began to move
         self.message, self.stage, self.branch = "", "", ""
@@ -43,21 +50,12 @@ class Tab(ABC, Generic[S]):
         self.clicks = 0  # that were heard
         self.jobs = dict[str, Job]()
         self.say: Callable[[Mapping[str, Any]], None] = lambda _: None
-        for figure, verb in ((map_figure, self._tap_map), (self.diagram.figure, self._tap_diagram),
-                             (self.graph.figure, self._tap_graph)):  # fmt: skip
+        self.roots = [figures[0], self.diagram.figure, self.graph.figure, *figures[1:]]
+        taps = self._tap_map, self._tap_diagram, self._tap_graph
+        for figure, verb in zip(self.roots, taps, strict=False):
             self.hear(figure, verb)
 
     # --- What a subclass says ---------------------------------------------------------------------
-
-    @property
-    @abstractmethod
-    def roots(self) -> list[Any]:
-        """The figures, for the page."""
-
-    @property
-    @abstractmethod
-    def value(self) -> float:
-        """The state's own value of the parameter of the diagram."""
 
     @abstractmethod
     def show(self, state: S, *, moving: bool = False) -> None:
@@ -78,6 +76,14 @@ class Tab(ABC, Generic[S]):
     @abstractmethod
     def demands(self) -> Mapping[str, Demand]:
         """What a wish can name besides what every tab knows."""
+
+    @abstractmethod
+    def at(self, values: Any) -> S:
+        """The state with other values of parameters, by name; ValueError if they are none."""
+
+    @abstractmethod
+    def default(self, name: str) -> Any:
+        """What a parameter is set back to; anything for an unknown one."""
 
     @abstractmethod
     def _tap_map(self, event: Any) -> None:
@@ -120,8 +126,9 @@ class Tab(ABC, Generic[S]):
         """Bring everything to a branch: to a sample, or to where it is nearest to the page."""
         if self.shown is not None and branch:
             chosen = self.shown.diagram.branch(branch)
+            state: Any = self.state
             if sample is None:
-                inner = int(np.argmin(np.abs(chosen.parameter - self.value)))
+                inner = int(np.argmin(np.abs(chosen.parameter - state.value)))
                 sample = inner if 0 < inner < len(chosen) - 1 else len(chosen) // 2
             self.show(self.at_sample(chosen, sample))
         self.mark(branch)
@@ -178,6 +185,8 @@ class Tab(ABC, Generic[S]):
         demands: dict[str, Demand] = {
             "hello": lambda _: None,
             "undo": lambda _: self._undo(),
+            "set": lambda wish: self.show(self.at(wish["values"]), moving=bool(wish.get("drag"))),
+            "back": lambda wish: self._back(str(wish["name"])),
             "order": lambda wish: self.change(order=int(wish["value"])),
             "steps": lambda wish: self.change(steps=int(wish["value"])),
             "focus": lambda wish: self.change(focus=str(wish["value"])),
@@ -195,11 +204,23 @@ class Tab(ABC, Generic[S]):
 
         return {name: answering(demand) for name, demand in demands.items()}
 
+    def _back(self, name: str) -> None:
+        self.show(self.at({name: self.default(name)}))
+
     def _undo(self) -> None:
         if self.past:
             *before, last = self.past
             self.show(last)
             self.past = before
+
+    def take_progress(self, result: Any) -> None:
+        """Show a diagram as far as it was found, or why its search has ended."""
+        if isinstance(result, DiagramProgress):
+            self.stage = summary(result.shown) if result.done else result.stage
+            self.draw_diagram(result.shown)
+        elif isinstance(result, Failure):
+            so_far = f"; so far {summary(self.shown)}" if self.shown else ""
+            self.stage = result.sentence + so_far
 
     def _stop_search(self) -> None:
         if self.is_running("diagram"):
@@ -223,7 +244,7 @@ class Tab(ABC, Generic[S]):
 
     def _tap_diagram(self, event: Any) -> None:
         if self.shown is not None:
-            scale = self.diagram.scale
+            scale = scale_of(self.diagram.figure)
             branch, away = nearest_line(self.shown.lines, event.x, event.y, scale)
             if branch and away <= CLICK:
                 chosen = self.shown.diagram.branch(branch)
@@ -233,7 +254,9 @@ class Tab(ABC, Generic[S]):
 
     def _tap_graph(self, event: Any) -> None:
         if self.shown is not None:
-            branch, away = nearest_line(self.shown.edges, event.x, event.y, self.graph.scale)
+            branch, away = nearest_line(
+                self.shown.edges, event.x, event.y, scale_of(self.graph.figure)
+            )
             if branch and away <= 2.0 * CLICK:
                 self.go_to(branch)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ from bokeh.document import Document
 from pwmap.explore.exports import OF_DIAGRAM
 from pwmap.explore.jobs import warm_up
 from pwmap.explore.page import Control, asked
-from pwmap.explore.serving import Site, serve
+from pwmap.explore.serving import serve
 from pwmap.explore.tab import put_on_page
 from woodpecker import Toy, parameters
 from woodpecker.explore.branches import key_of
@@ -82,18 +83,10 @@ def shapes() -> dict[str, Any]:
     return {name: getattr(drawing, name) for name in names}
 
 
-def site(initial: PageState) -> Site:
-    """The application that is served."""
-
-    def prepared(name: str, query: str) -> tuple[Any, ...]:
-        state = from_query(query)
-        known = known_diagrams.get(key_of(state)) if name in OF_DIAGRAM else None
-        return export, name, query, known.diagram if known is not None else None
-
-    return Site(
-        page=lambda document: make_page(document, initial), export=prepared,
-        compare="Woodpecker Toy: two states",
-    )  # fmt: skip
+def _prepared(name: str, query: str) -> tuple[Any, ...]:
+    """The job of a file, and what it is called with: with the diagram, if that is known."""
+    known = known_diagrams.get(key_of(from_query(query))) if name in OF_DIAGRAM else None
+    return export, name, query, known.diagram if known is not None else None
 
 
 def run(initial: PageState, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:
@@ -101,4 +94,7 @@ def run(initial: PageState, port: int | None, *, stay: bool, ready: Callable[[st
     import woodpecker.explore.warm  # noqa: F401 - compiles the kernel, if nobody has
 
     warm_up(["woodpecker.explore.warm"])
-    serve(site(initial), port, stay=stay, ready=ready)
+    serve(
+        partial(make_page, initial=initial), _prepared, "Woodpecker Toy: two states", port,
+        stay=stay, ready=ready,
+    )  # fmt: skip

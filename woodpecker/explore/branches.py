@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import tempfile
 import time
-from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from collections.abc import Hashable, Iterator
+from dataclasses import replace
 from pathlib import Path
 from threading import Thread
 from typing import Any
@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap import Branch, BranchKind, Diagram
-from pwmap.explore.diagrams import Shown, shown
+from pwmap.explore.diagrams import DiagramProgress, shown
 from woodpecker import (
     PeriodicOrbit,
     Toy,
@@ -39,31 +39,14 @@ STARTS = (-0.53, -0.9)  # rad: on the paper's motion, and away from it, where ot
 TRIES = 9  # parameters at which a motion is looked for, if there is none here
 
 
-@dataclass(frozen=True, slots=True)
-class Key:
-    """What a diagram depends on: not on the toy's own value of its parameter."""
-
-    toy: Toy
-    parameter: str
-    span: tuple[float, float]
-    every: tuple[int, ...]
-    order: int
+def key_of(state: PageState) -> Hashable:
+    """What the diagram of a state depends on: not on the toy's own value of its parameter."""
+    return *of_orbits(state), state.every, 1 if state.every else state.order
 
 
-def key_of(state: PageState) -> Key:
-    """What the diagram of a state depends on."""
-    return Key(
-        home(state), state.parameter, state.span, state.every, 1 if state.every else state.order
-    )
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class DiagramProgress:
-    """A diagram on its way."""
-
-    shown: Shown  # what was found so far
-    stage: str  # a phrase on how far it has come
-    done: bool = False  # that is all
+def of_orbits(state: PageState) -> tuple[Hashable, ...]:
+    """What the orbit diagram of a state depends on."""
+    return home(state), state.parameter, state.span
 
 
 def diagram(state: PageState) -> Iterator[DiagramProgress]:

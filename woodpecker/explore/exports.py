@@ -11,7 +11,7 @@ import numpy as np
 
 from pwmap import Diagram
 from pwmap.diagrams.files import table_as_text
-from pwmap.explore.exports import OF_DIAGRAM, OF_STATE, PICTURE, TYPES, of_diagram, parts, picture
+from pwmap.explore.exports import OF_DIAGRAM, OF_STATE, PICTURE, made
 from woodpecker import ReturnMap, Trajectory, return_map, simulate
 from woodpecker.explore import model
 from woodpecker.explore.branches import diagram as found_diagram
@@ -29,20 +29,14 @@ FILES = {
 
 def export(name: str, query: str, known: Diagram | None) -> Iterator[tuple[str, bytes]]:
     """A job that makes one of :data:`FILES` for a state, with its diagram if that is known."""
-    what, form = parts(name, FILES)
-    state = from_query(query)
-    if name in OF_DIAGRAM:
-        content = of_diagram(name, known if known is not None else _diagram(state))
-    elif form in PICTURE:
-        content = picture(form, lambda: _DRAWINGS[what](state))
-    else:
-        content = _TEXTS[what](state).encode()
-    yield TYPES[form], content
 
+    def diagram(state: PageState) -> Diagram:
+        if known is not None:
+            return known
+        *_, last = found_diagram(state)
+        return last.shown.diagram
 
-def _diagram(state: PageState) -> Diagram:
-    *_, last = found_diagram(state)
-    return last.shown.diagram
+    yield from made(name, from_query(query), FILES, diagram, _DRAWINGS, _TEXTS)
 
 
 def _returns(state: PageState) -> ReturnMap:

@@ -102,11 +102,7 @@ def _one_of(name: str, value: object, known: Sequence[object]) -> None:
 
 # --- Links ----------------------------------------------------------------------------------------
 
-_SHORT = {
-    "order": "j", "periodic": "periodic", "steps": "steps", "window": "window",
-    "parameter": "over", "span": "span", "every": "every", "orbits": "orbits",
-    "portrait": "portrait", "tour": "tour", "focus": "focus", "phi_s": "phi_s",
-}  # fmt: skip
+_SHORT = {"order": "j", "parameter": "over"}  # other fields have their names
 _LAW = "law"
 
 
@@ -123,7 +119,7 @@ def to_query(state: PageState) -> str:
     for each in fields(PageState):
         value = getattr(state, each.name)
         if each.name != "toy" and value != getattr(default, each.name):
-            found.append((_SHORT[each.name], _text(value)))
+            found.append((_SHORT.get(each.name, each.name), _text(value)))
     return urlencode(found, safe=",")
 
 
@@ -133,13 +129,13 @@ def from_query(query: str) -> PageState:
         raise ValueError(f"a link has at most {QUERY_MOST} characters, got {len(query)}")
     toy: dict[str, object] = {}
     own: dict[str, object] = {}
-    names = {short: name for name, short in _SHORT.items()}
+    names = {_SHORT.get(each.name, each.name): each.name for each in fields(PageState)}
     for key, text in parse_qsl(query, keep_blank_values=True, max_num_fields=64):
         if key == _LAW:
             toy[LAW] = text
         elif key in parameters():
             toy[key] = _number(key, text)
-        elif key in names:
+        elif key in names and key != "toy":
             own[names[key]] = _value(names[key], text)
         else:
             raise ValueError(f"unknown name in the link: {key[:40]!r}")

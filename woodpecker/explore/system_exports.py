@@ -5,13 +5,15 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from dataclasses import asdict
+from functools import partial
 from typing import Any
 
 import numpy as np
 
+from pwmap import Diagram
 from pwmap.diagrams.files import table_as_text
-from pwmap.explore.exports import OF_DIAGRAM, OF_STATE, TYPES, of_diagram, parts
-from woodpecker.explore.system_model import SystemModel
+from pwmap.explore.exports import OF_DIAGRAM, OF_STATE, made
+from woodpecker.explore.system_model import diagram, motion
 from woodpecker.explore.system_state import (
     Explored,
     SystemState,
@@ -28,15 +30,14 @@ FILES = {
 
 def export(path: str, name: str, query: str) -> Iterator[tuple[str, bytes]]:
     """A job that makes one file of :data:`FILES` of a state; ValueError if there is none such."""
-    what, form = parts(name, FILES)
     given = explored(path)
-    state = from_query(given, query)
-    if name in OF_DIAGRAM:
-        *_, last = SystemModel(given).diagram(SystemModel(given).settled(state)[0])
-        content = of_diagram(name, last.shown.diagram)
-    else:
-        content = _text(what, given, state).encode()
-    yield TYPES[form], content
+
+    def whole(state: SystemState) -> Diagram:
+        *_, last = diagram(path, state)
+        return last.shown.diagram
+
+    texts = {what: partial(_text, what, given) for what in ("lines", "state", "events", "motion")}
+    yield from made(name, from_query(given, query), FILES, whole, {}, texts)
 
 
 def _text(what: str, given: Explored, state: SystemState) -> str:
@@ -45,10 +46,10 @@ def _text(what: str, given: Explored, state: SystemState) -> str:
     if what == "state":
         told: dict[str, Any] = {**asdict(state), "link": to_query(given, state)}
         return json.dumps(told, indent=1)
-    motion = SystemModel(given).motion(state)
+    drawn = motion(given, state)
     if what == "events":
-        rows = [(m.time, m.symbol, m.what, m.impulses, m.velocities) for m in motion.marks]
+        rows = [(m.time, m.symbol, m.what, m.impulses, m.velocities) for m in drawn.marks]
         return table_as_text(("t", "event", "what", "impulses", "velocities"), rows)
     system = given.map_.system
     header = ("t", *map(str, system.q), *map(str, system.u or ()))
-    return table_as_text(header, np.column_stack([motion.t, motion.q, motion.u]).tolist())
+    return table_as_text(header, np.column_stack([drawn.t, drawn.q, drawn.u]).tolist())

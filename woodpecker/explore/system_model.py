@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
-import sympy
 
 from pwmap import Branch, BranchKind
-from pwmap.explore.diagrams import shown
+from pwmap.explore.diagrams import DiagramProgress, shown
 from woodpecker.base.arrays import Floats
-from woodpecker.explore.branches import DiagramProgress
 from woodpecker.explore.model import DrawnMotion, MapCurve, Mark
 from woodpecker.explore.system_state import Explored, SystemState, explored
 from woodpecker.systems import (
@@ -40,167 +38,157 @@ EVENTS = {
 }  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class SystemModel:
-    """A system of contacts; each function is slow enough for a process of its own."""
+def settled(given: Explored, state: SystemState) -> tuple[SystemState, str]:
+    """The state with its start on a periodic motion near by, and what there is to say."""
+    if not state.periodic:
+        return state, ""
+    near = shoot(given.at(state), state.x, order=state.order)
+    cycle = near if near.success else _on_orbit(given, state, (state.order,))
+    if not cycle.success:
+        return state, f"{near.status.value}; the motion from the start is shown"
+    room = np.array([high - low for low, high in state.window])
+    if near.success and (np.abs(cycle.x[0] - state.x) > NEAR * room).any():
+        return state, "the nearest periodic motion is another one; the start is kept"
+    message = "" if near.success else f"{near.status.value}; this one is where orbits go"
+    return replace(state, x=tuple(cycle.x[0].tolist())), message
 
-    given: Explored
 
-    def settled(self, state: SystemState) -> tuple[SystemState, str]:
-        """The state with its start on a periodic motion near by, and what there is to say."""
-        if not state.periodic:
-            return state, ""
-        near = shoot(self._map(state), state.x, order=state.order)
-        cycle = near if near.success else self._on_orbit(state, (state.order,))
-        if not cycle.success:
-            return state, f"{near.status.value}; the motion from the start is shown"
-        room = np.array([high - low for low, high in state.window])
-        if near.success and (np.abs(cycle.x[0] - state.x) > NEAR * room).any():
-            return state, "the nearest periodic motion is another one; the start is kept"
-        message = "" if near.success else f"{near.status.value}; this one is where orbits go"
-        return replace(state, x=tuple(cycle.x[0].tolist())), message
+def _on_orbit(given: Explored, state: SystemState, orders: Sequence[int]) -> SystemCycle:
+    """A periodic motion near where the orbit of the start is after a while, of some order."""
+    map_, x = given.at(state), np.array(state.x)
+    for _ in range(AFTER):
+        image = return_map(map_, x[None]).images[0]
+        if not np.isfinite(image).all():
+            break
+        x = image
+    for order in orders:
+        cycle = shoot(map_, x, order=order)
+        if cycle.success:
+            break
+    return cycle
 
-    def _on_orbit(self, state: SystemState, orders: Sequence[int]) -> SystemCycle:
-        """A periodic motion near where the orbit of the start is after a while, of some order."""
-        map_, x = self._map(state), np.array(state.x)
-        for _ in range(AFTER):
-            image = return_map(map_, x[None]).images[0]
-            if not np.isfinite(image).all():
-                break
-            x = image
-        for order in orders:
-            cycle = shoot(map_, x, order=order)
-            if cycle.success:
-                break
-        return cycle
 
-    def curves(self, state: SystemState, *, fine: bool) -> Iterator[MapCurve]:
-        """The map P_order in the window, if it has one coordinate; else only its cycle."""
-        map_ = self._map(state)
-        if map_.d > 1:
-            yield self._cycle(map_, state)
-            return
-        x = np.linspace(*state.window[0], FIRST)
-        found = return_map(map_, x, order=state.order)
-        y, words = found.images[:, 0], np.array(found.words, dtype=object)
+def curves(given: Explored, state: SystemState, *, fine: bool) -> Iterator[MapCurve]:
+    """The map P_order in the window, if it has one coordinate; else only its cycle."""
+    map_ = given.at(state)
+    if map_.d > 1:
+        yield _cycle(map_, state)
+        return
+    x = np.linspace(*state.window[0], FIRST)
+    found = return_map(map_, x, order=state.order)
+    y, words = found.images[:, 0], np.array(found.words, dtype=object)
+    yield _curve(x, y, words)
+    for _ in range(DOUBLED if fine else 0):
+        between = 0.5 * (x[1:] + x[:-1])
+        found = return_map(map_, between, order=state.order)
+        place = np.arange(1, len(x))
+        x, y = np.insert(x, place, between), np.insert(y, place, found.images[:, 0])
+        words = np.insert(words, place, np.array(found.words, dtype=object))
         yield _curve(x, y, words)
-        for _ in range(DOUBLED if fine else 0):
-            between = 0.5 * (x[1:] + x[:-1])
-            found = return_map(map_, between, order=state.order)
-            place = np.arange(1, len(x))
-            x, y = np.insert(x, place, between), np.insert(y, place, found.images[:, 0])
-            words = np.insert(words, place, np.array(found.words, dtype=object))
-            yield _curve(x, y, words)
 
-    def orbit(self, state: SystemState) -> Floats:
-        """Returns one after the other, (steps + 1, d) or fewer."""
-        map_, found = self._map(state), [np.array(state.x)]
-        for _ in range(state.steps):
-            after = return_map(map_, found[-1][None], order=state.order).images[0]
-            if not np.isfinite(after).all():
-                break
-            found.append(after)
-        return np.array(found)
 
-    def motion(self, state: SystemState) -> DrawnMotion:
-        """Over the returns, or until no return is to be expected."""
-        map_ = self._map(state)
-        begin = self._begin(map_, state)
-        end, message, x = 0.0, "", np.array(state.x)
-        for _ in range(state.order):
-            run = map_.search(x, map_.p)
-            end += float(run.z[-1]) - self._begin(map_, replace(state, x=tuple(x)))["time"]
-            if not run.status.success:
-                message = run.status.value
-                break
-            x = return_map(map_, x[None]).images[0]
-        first = begin.pop("time")
-        start = {**begin, str(map_.system.time): first}
-        found = simulate(map_.system, start, first + max(end, 1e-9), samples=SAMPLES)
-        numbers = {"period": end, **self._multipliers(map_, state)}
-        return DrawnMotion(
-            t=found.t - first, q=found.q, u=found.u, closed=np.zeros(len(found.t), dtype=np.int64),
-            marks=tuple(self._mark(event, first) for event in found.events), numbers=numbers,
-            message=message,
-        )  # fmt: skip
+def orbit(given: Explored, state: SystemState) -> Floats:
+    """Returns one after the other, (steps + 1, d) or fewer."""
+    map_, found = given.at(state), [np.array(state.x)]
+    for _ in range(state.steps):
+        after = return_map(map_, found[-1][None], order=state.order).images[0]
+        if not np.isfinite(after).all():
+            break
+        found.append(after)
+    return np.array(found)
 
-    def diagram(self, state: SystemState) -> Iterator[DiagramProgress]:
-        """Branches connected with the motion: first few, then more, until there are no others."""
-        width = state.span[1] - state.span[0]
-        base, held = self.given.map_, self._map(state)
-        map_ = SystemMap(
-            held.system, base.section, [state.parameter], x_scale=base.x_scale, p_scale=(width,)
-        )
-        cycle = shoot(map_, state.x, order=state.order)
-        if not cycle.success:
-            cycle = self._on_orbit(state, (state.order, *ORDERS))
-        orders = tuple(sorted({*ORDERS, state.order, 2 * state.order}))
-        for most in BRANCHES:
-            found = continuation(
-                map_, cycle, state.span, state.window, orders=orders, max_branches=most
-            ).diagram
-            if not found.given:  # nothing was left to be followed
-                break
-            yield DiagramProgress(shown(found), f"branches so far: {len(found.branches)}")
-        yield DiagramProgress(shown(found), "complete", done=True)
 
-    def at_sample(self, state: SystemState, branch: Branch, sample: int) -> SystemState:
-        """The state that shows a sample of a branch."""
-        state = state.at({state.parameter: float(branch.parameter[sample])})
-        periodic = branch.kind is BranchKind.FIXED_POINT
-        order = branch.order if branch.order in (1, 2, 3, 4) else state.order
-        others = (float(branch.columns[name][sample]) for name in self.given.names[1:])
-        x = (float(branch.x[sample]), *others)
-        return replace(state, x=x, order=order, periodic=periodic)
+def motion(given: Explored, state: SystemState) -> DrawnMotion:
+    """Over the returns, or until no return is to be expected."""
+    map_ = given.at(state)
+    x, values = np.array(state.x), map_.values(map_.p)
+    start = map_.embedding.state(x, values)[0]
+    end, message, first = 0.0, "", float(start[-1])
+    for _ in range(state.order):
+        run = map_.search(x, map_.p)
+        end += float(run.z[-1] - map_.embedding.state(x, values)[0][-1])
+        if not run.status.success:
+            message = run.status.value
+            break
+        x = map_.landed(run, map_.p)
+    begin = dict(zip(map_.system.state, start.tolist(), strict=True))
+    found = simulate(map_.system, begin, first + max(end, 1e-9), samples=SAMPLES)
+    numbers = {"period": end, **_multipliers(map_, state)}
+    return DrawnMotion(
+        t=found.t - first, q=found.q, u=found.u, closed=np.zeros(len(found.t), dtype=np.int64),
+        marks=tuple(_mark(given, event, first) for event in found.events), numbers=numbers,
+        message=message,
+    )  # fmt: skip
 
-    def _map(self, state: SystemState) -> SystemMap:
-        return self.given.map_.holding(**dict(state.values))
 
-    def _begin(self, map_: SystemMap, state: SystemState) -> dict[str, float]:
-        """The state of the start by its symbols, and its time as ``time``."""
-        system, section = map_.system, map_.section
-        known = {**system.parameters, **dict(zip(section.free, state.x, strict=True))}
-        place = {
-            symbol: known.get(symbol, section.at.get(symbol, sympy.Integer(0)))
-            for symbol in system.state
-        }
-        values = {str(s): float(sympy.sympify(v).subs(known)) for s, v in place.items()}
-        return {**{n: v for n, v in values.items() if n != str(system.time)},
-                "time": values[str(system.time)]}  # fmt: skip
+def diagram(path: str, state: SystemState) -> Iterator[DiagramProgress]:
+    """Branches connected with the motion: first few, then more, until there are no others."""
+    given = explored(path)
+    state, _ = settled(given, state)
+    width = state.span[1] - state.span[0]
+    base, held = given.map_, given.at(state)
+    map_ = SystemMap(
+        held.system, base.section, [state.parameter], x_scale=base.x_scale, p_scale=(width,)
+    )
+    cycle = shoot(map_, state.x, order=state.order)
+    if not cycle.success:
+        cycle = _on_orbit(given, state, (state.order, *ORDERS))
+    orders = tuple(sorted({*ORDERS, state.order, 2 * state.order}))
+    for most in BRANCHES:
+        found = continuation(
+            map_, cycle, state.span, state.window, orders=orders, max_branches=most
+        ).diagram
+        if not found.given:  # nothing was left to be followed
+            break
+        yield DiagramProgress(shown(found), f"branches so far: {len(found.branches)}")
+    yield DiagramProgress(shown(found), "complete", done=True)
 
-    def _multipliers(self, map_: SystemMap, state: SystemState) -> dict[str, float]:
-        """The largest multiplier, if the motion is periodic; of a pair its modulus."""
-        cycle = shoot(map_, state.x, order=state.order) if state.periodic else None
-        if cycle is None or not cycle.success:
-            return {}
-        largest = cycle.multipliers[0]
-        return {"multiplier": float(largest.real if largest.imag == 0.0 else abs(largest))}
 
-    def _cycle(self, map_: SystemMap, state: SystemState) -> MapCurve:
-        none, lines = np.empty(0), np.empty((0, 4))
-        cycle = shoot(map_, state.x, order=state.order)
-        fixed = cycle.x if cycle.success and state.periodic else np.empty((0, map_.d))
-        stable = np.full(len(fixed), cycle.stable)
-        return MapCurve(none, none, lines, lines, lines, fixed, stable)
+def at_sample(given: Explored, state: SystemState, branch: Branch, sample: int) -> SystemState:
+    """The state that shows a sample of a branch."""
+    state = state.at({state.parameter: float(branch.parameter[sample])})
+    periodic = branch.kind is BranchKind.FIXED_POINT
+    order = branch.order if branch.order in (1, 2, 3, 4) else state.order
+    others = (float(branch.columns[name][sample]) for name in given.names[1:])
+    x = (float(branch.x[sample]), *others)
+    return replace(state, x=x, order=order, periodic=periodic)
 
-    def _mark(self, event: MotionEvent, first: float) -> Mark:
-        contacts = tuple(int(k) for k in re.findall(r"\d+", event.symbol))
-        names = [c.name for c in self.given.map_.system.contacts]
-        which = " and ".join(names[k - 1] for k in contacts if 1 <= k <= len(names))
-        told = []
-        for k in contacts if event.impulses.size else ():
-            (cn, ct), (en, et) = event.impulses[0, :, k - 1], event.impulses[1, :, k - 1]
-            told.append(f"contact {k}: Λ_N {cn:.4g} + {en:.4g}, Λ_T {ct:.4g} + {et:.4g} N s")
-        symbols = self.given.map_.system.u or ()
-        speeds = " ".join(
-            f"{name} {a:.4g} → {b:.4g};"
-            for name, a, b in zip(symbols, event.before, event.after, strict=True) if a != b
-        )  # fmt: skip
-        return Mark(
-            event.symbol, event.time - first,
-            f"{EVENTS.get(event.symbol[0], 'event')}: {which}", contacts,
-            "; ".join(told) or "no impulse", speeds,
-        )  # fmt: skip
+
+def _multipliers(map_: SystemMap, state: SystemState) -> dict[str, float]:
+    """The largest multiplier, if the motion is periodic; of a pair its modulus."""
+    cycle = shoot(map_, state.x, order=state.order) if state.periodic else None
+    if cycle is None or not cycle.success:
+        return {}
+    largest = cycle.multipliers[0]
+    return {"multiplier": float(largest.real if largest.imag == 0.0 else abs(largest))}
+
+
+def _cycle(map_: SystemMap, state: SystemState) -> MapCurve:
+    none, lines = np.empty(0), np.empty((0, 4))
+    cycle = shoot(map_, state.x, order=state.order)
+    fixed = cycle.x if cycle.success and state.periodic else np.empty((0, map_.d))
+    stable = np.full(len(fixed), cycle.stable)
+    return MapCurve(none, none, lines, lines, lines, fixed, stable)
+
+
+def _mark(given: Explored, event: MotionEvent, first: float) -> Mark:
+    contacts = tuple(int(k) for k in re.findall(r"\d+", event.symbol))
+    names = [c.name for c in given.map_.system.contacts]
+    which = " and ".join(names[k - 1] for k in contacts if 1 <= k <= len(names))
+    told = []
+    for k in contacts if event.impulses.size else ():
+        (cn, ct), (en, et) = event.impulses[0, :, k - 1], event.impulses[1, :, k - 1]
+        told.append(f"contact {k}: Λ_N {cn:.4g} + {en:.4g}, Λ_T {ct:.4g} + {et:.4g} N s")
+    symbols = given.map_.system.u or ()
+    speeds = " ".join(
+        f"{name} {a:.4g} → {b:.4g};"
+        for name, a, b in zip(symbols, event.before, event.after, strict=True) if a != b
+    )  # fmt: skip
+    return Mark(
+        event.symbol, event.time - first,
+        f"{EVENTS.get(event.symbol[0], 'event')}: {which}", contacts,
+        "; ".join(told) or "no impulse", speeds,
+    )  # fmt: skip
 
 
 def _curve(x: Floats, y: Floats, words: Any) -> MapCurve:
@@ -228,15 +216,9 @@ def _curve(x: Floats, y: Floats, words: Any) -> MapCurve:
 
 def answers(path: str, state: SystemState) -> Iterator[Any]:
     """Everything that a page shows of a state, the quick answers first."""
-    model = SystemModel(explored(path))
-    state, message = model.settled(state)
+    given = explored(path)
+    state, message = settled(given, state)
     yield state, message
-    yield model.motion(state)
-    yield model.orbit(state)
-    yield from model.curves(state, fine=True)
-
-
-def diagram(path: str, state: SystemState) -> Iterator[DiagramProgress]:
-    """The diagram of a state, from its periodic motion."""
-    model = SystemModel(explored(path))
-    yield from model.diagram(model.settled(state)[0])
+    yield motion(given, state)
+    yield orbit(given, state)
+    yield from curves(given, state, fine=True)

@@ -14,16 +14,14 @@ import numpy as np
 from bokeh.document import Document
 
 from pwmap import Branch
-from pwmap.explore.diagrams import summary
 from pwmap.explore.figures import patch
 from pwmap.explore.jobs import Failure, is_warm, warm_up
 from pwmap.explore.page import Control, asked, numbers
-from pwmap.explore.serving import Site, serve
+from pwmap.explore.serving import serve
 from pwmap.explore.tab import Demand, Tab, put_on_page
-from woodpecker.explore.branches import DiagramProgress
 from woodpecker.explore.model import DrawnMotion, MapCurve
 from woodpecker.explore.system_exports import FILES, export
-from woodpecker.explore.system_model import SystemModel, answers, diagram
+from woodpecker.explore.system_model import answers, at_sample, diagram
 from woodpecker.explore.system_state import (
     Explored,
     SystemState,
@@ -52,7 +50,9 @@ class SystemTab(Tab[SystemState]):
         self.map = MapView(names[0], "") if len(names) == 1 else PlaneView(names[0], names[1])
         self.motion, self.word = HistoryView(), WordView()
         patch(self.word.now, x=[])  # no instant is shown
-        super().__init__(state, self.map.figure, names[0])
+        motion = self.motion
+        figures = self.word.figure, motion.position, motion.velocity, motion.portrait
+        super().__init__(state, [self.map.figure, *figures], names[0])
         self._due, self._told, self._search_at = True, False, 0.0
         self._key: Any = None
         self._now: DrawnMotion | None = None
@@ -61,18 +61,6 @@ class SystemTab(Tab[SystemState]):
         else:
             self.map.look(state.window)
         self.show(state)
-
-    @property
-    def roots(self) -> list[Any]:
-        """The figures, for the page."""
-        motion = self.motion
-        return [self.map.figure, self.diagram.figure, self.graph.figure, self.word.figure,
-                motion.position, motion.velocity, motion.portrait]  # fmt: skip
-
-    @property
-    def value(self) -> float:
-        """The value of the diagram's parameter."""
-        return self.state.value
 
     # --- State -> views ---------------------------------------------------------------------------
 
@@ -101,7 +89,7 @@ class SystemTab(Tab[SystemState]):
             self._search_at = np.inf
             if self._key_of(self.state) != self._key:
                 self._search()
-        for name, take in (("answers", self._take), ("diagram", self._take_progress)):
+        for name, take in (("answers", self._take), ("diagram", self.take_progress)):
             for result in self.results(name):
                 take(result)
                 self.say(self.answer())
@@ -136,17 +124,9 @@ class SystemTab(Tab[SystemState]):
         self.diagram.look(self.state.span)
         self.begin("diagram", diagram, self.given.path, self.state, seconds=DIAGRAM)
 
-    def _take_progress(self, result: Any) -> None:
-        if isinstance(result, DiagramProgress):
-            self.stage = summary(result.shown) if result.done else result.stage
-            self.draw_diagram(result.shown)
-        elif isinstance(result, Failure):
-            so_far = f"; so far {summary(self.shown)}" if self.shown else ""
-            self.stage = result.sentence + so_far
-
     def at_sample(self, branch: Branch, sample: int) -> SystemState:
         """The state that shows a sample of a branch."""
-        return SystemModel(self.given).at_sample(self.state, branch, sample)
+        return at_sample(self.given, self.state, branch, sample)
 
     def told(self, *, whole: bool) -> dict[str, Any]:
         """What the script of the page shows besides the views."""
@@ -166,8 +146,6 @@ class SystemTab(Tab[SystemState]):
     def demands(self) -> Mapping[str, Demand]:
         """Requests of the browser that only this tab answers, by name."""
         return {
-            "set": self._set,
-            "back": self._back,
             "reset": lambda _: self.show(first_state(self.given)),
             "start": lambda wish: self.change(
                 x=point(str(wish["value"]), len(self.state.x)), periodic=False
@@ -178,13 +156,13 @@ class SystemTab(Tab[SystemState]):
             "search": lambda _: self._search(),
         }
 
-    def _set(self, wish: Mapping[str, Any]) -> None:
-        values = numbers(wish["values"], tuple(self.given.ranges))
-        self.show(self.state.at(values), moving=bool(wish.get("drag")))
+    def at(self, values: Any) -> SystemState:
+        """The state with other values of parameters, by name."""
+        return self.state.at(numbers(values, tuple(self.given.ranges)))
 
-    def _back(self, wish: Mapping[str, Any]) -> None:
-        name = str(wish["name"])
-        self.show(self.state.at({name: self.given.values[name]}))
+    def default(self, name: str) -> float:
+        """The value of a parameter in the file."""
+        return self.given.values.get(name, 0.0)
 
     def _coordinate(self, wish: Mapping[str, Any]) -> None:
         self.state = replace(self.state, coordinate=int(wish["value"]))
@@ -232,11 +210,7 @@ def run(path: str, port: int | None, *, stay: bool, ready: Callable[[str], None]
     os.environ["WOODPECKER_EXPLORED"] = path  # for the process that jobs are forked from
     warm_up(["woodpecker.explore.system_warm"])
 
-    def page(document: Document) -> None:
-        make_page(document, given)
-
-    site = Site(
-        page=page, export=lambda name, query: (export, path, name, query),
-        compare=f"{Path(path).stem}: two states",
+    serve(
+        partial(make_page, given=given), lambda *asked: (export, path, *asked),
+        f"{Path(path).stem}: two states", port, stay=stay, ready=ready,
     )  # fmt: skip
-    serve(site, port, stay=stay, ready=ready)

@@ -44,6 +44,10 @@ class Explored:
         """Names of the coordinates of the map."""
         return tuple(map(str, self.map_.section.free))
 
+    def at(self, state: SystemState) -> SystemMap:
+        """The return map with the parameters of a state."""
+        return self.map_.holding(**dict(state.values))
+
 
 @lru_cache(maxsize=1)
 def explored(path: str) -> Explored:

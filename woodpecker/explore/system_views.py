@@ -6,8 +6,17 @@ import numpy as np
 import numpy.typing as npt
 from bokeh.models import Range1d
 
-from pwmap.explore.figures import DASHED, hover, new_figure, patch, set_range, source
-from pwmap.plot import STABLE, UNSTABLE, VIOLET
+from pwmap.explore.figures import (
+    DASHED,
+    hover,
+    judged,
+    new_figure,
+    patch,
+    set_range,
+    solutions,
+    source,
+)
+from pwmap.plot import STABLE, VIOLET
 from woodpecker.explore.model import DrawnMotion, MapCurve
 from woodpecker.explore.views import color_of
 
@@ -28,8 +37,7 @@ class PlaneView:
         figure = self.figure
         figure.line("x", "y", source=self.points, color=VIOLET, line_alpha=0.3)
         figure.scatter("x", "y", source=self.points, size=5, color=VIOLET)
-        fixed = figure.scatter("x", "y", source=self.fixed, size=10, fill_color="fill",
-                               line_color="color", line_width=2)  # fmt: skip
+        fixed = solutions(figure, self.fixed)
         figure.scatter("x", "y", source=self.start, size=8, marker="square", color=VIOLET)
         figure.add_tools(hover(fixed, OF_POINT))
 
@@ -40,12 +48,7 @@ class PlaneView:
 
     def show(self, found: MapCurve, _: int) -> None:
         """Draw the points of a cycle."""
-        color = [STABLE if stable else UNSTABLE for stable in found.stable]
-        patch(
-            self.fixed, x=found.fixed[:, 0], y=found.fixed[:, 1], color=color,
-            fill=[c if s else "white" for c, s in zip(color, found.stable, strict=True)],
-            kind=["stable" if stable else "unstable" for stable in found.stable],
-        )  # fmt: skip
+        patch(self.fixed, x=found.fixed[:, 0], y=found.fixed[:, 1], **judged(found.stable))
 
     def follow(self, orbit: Floats) -> None:
         """Draw an orbit (n, d), from the start on."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections import OrderedDict
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from dataclasses import replace
 from typing import Any
 
@@ -12,16 +12,17 @@ import numpy as np
 from bokeh.events import RangesUpdate
 
 from pwmap import Branch
-from pwmap.explore.diagrams import Shown, nearest_line, summary
+from pwmap.explore.diagram_views import scale_of
+from pwmap.explore.diagrams import DiagramProgress, Shown, nearest_line, summary
 from pwmap.explore.figures import Put, patch
-from pwmap.explore.jobs import Failure, JobFinished, is_warm
+from pwmap.explore.jobs import is_warm
 from pwmap.explore.page import DrawnFrame, numbers
 from pwmap.explore.tab import Demand, Tab
-from woodpecker import Toy, parameters
+from woodpecker import parameters
 from woodpecker.explore import model
-from woodpecker.explore.branches import DiagramProgress, Key, at_sample, diagram, key_of, orbits
+from woodpecker.explore.branches import at_sample, diagram, key_of, of_orbits, orbits
 from woodpecker.explore.model import DrawnMotion, MapCurve, fine_map
-from woodpecker.explore.state import PageState, python_of, to_query
+from woodpecker.explore.state import TOY, PageState, python_of, to_query
 from woodpecker.explore.tour import TOUR
 from woodpecker.explore.views import PHI, MapView, MotionView, WordView, axis_label
 from woodpecker.mechanics.toy import limits
@@ -33,7 +34,7 @@ KNOWN = 12  # diagrams that are kept
 SECONDS = 600.0  # s that a diagram may take
 SHAPE = ("r_0", "r_m", "h_m", "l_m", "l_g", "h_s", "l_s", "phi_m_max", "phi_s_max")
 
-known_diagrams: OrderedDict[Key, Shown] = OrderedDict()  # complete ones, shared by all tabs
+known_diagrams: OrderedDict[Hashable, Shown] = OrderedDict()  # complete ones, shared by all tabs
 
 
 class ToyTab(Tab[PageState]):
@@ -41,12 +42,14 @@ class ToyTab(Tab[PageState]):
 
     def __init__(self, state: PageState) -> None:
         self.map, self.motion, self.word = MapView(), MotionView(), WordView()
-        super().__init__(state, self.map.figure, PHI)
+        motion = self.motion
+        figures = self.word.figure, motion.angles, motion.fall, motion.portrait
+        super().__init__(state, [self.map.figure, *figures], PHI)
         self._now: DrawnMotion | None = None
         self._frame: DrawnFrame | None = None  # from a change until Bokeh has drawn it
         self._rest_at, self._refine_at, self._search_at = np.inf, np.inf, np.inf
         self._still_at = -np.inf
-        self._key: Key | None = None
+        self._key: Hashable = None
         self._orbits_of: Any = None
         self.map.figure.on_event(RangesUpdate, self._zoom_map)
         self.diagram.figure.on_event(RangesUpdate, self._zoom_diagram)
@@ -72,7 +75,7 @@ class ToyTab(Tab[PageState]):
         now = time.monotonic()
         self._rest_at = np.inf if moving else now + REST
         self._refine_at, self._still_at = now + REST, now + QUIET
-        if key_of(state) != self._key or (state.orbits and self._orbits_of != self._of_orbits()):
+        if key_of(state) != self._key or (state.orbits and self._orbits_of != of_orbits(state)):
             self._search_at = now + QUIET
             self.stage = "another diagram is begun soon"
         if not moving:
@@ -97,21 +100,9 @@ class ToyTab(Tab[PageState]):
         self.say({"rest": True})
 
     @property
-    def value(self) -> float:
-        """The toy's own value of the parameter of the diagram."""
-        return self.state.value
-
-    @property
     def _put(self) -> Put:
         """Where columns of tables go: into a letter while a slider moves."""
         return patch if self._frame is None else self._frame.put
-
-    @property
-    def roots(self) -> list[Any]:
-        """The figures, for the page."""
-        motion = self.motion
-        return [self.map.figure, self.diagram.figure, self.graph.figure, self.word.figure,
-                motion.angles, motion.fall, motion.portrait]  # fmt: skip
 
     def told(self, *, whole: bool) -> dict[str, Any]:
         """What the script of the page shows besides the views."""
@@ -150,7 +141,7 @@ class ToyTab(Tab[PageState]):
         """The branch that goes through where the page is."""
         if self.shown is None:
             return ""
-        scale = self.diagram.scale
+        scale = scale_of(self.diagram.figure)
         branch, away = nearest_line(self.shown.lines, self.state.value, self.state.phi_s, scale)
         return branch if away < ON_BRANCH else ""
 
@@ -175,7 +166,7 @@ class ToyTab(Tab[PageState]):
         # After a change the diagram waits, for it takes long to draw; not while a slider is held.
         if self._frame is None or time.monotonic() > self._still_at:
             for result in self.results("diagram"):
-                self._take_progress(result)
+                self.take_progress(result)
         for result in self.results("orbits"):
             if isinstance(result, tuple):
                 self.diagram.orbits.stream({"x": result[0], "y": result[1]})
@@ -186,18 +177,14 @@ class ToyTab(Tab[PageState]):
         elif self.shown is not None and not self.is_running("diagram"):
             self.stage = summary(self.shown)
             self.say(self.progress())
-        if self.state.orbits and self._orbits_of != self._of_orbits():
-            self._orbits_of = self._of_orbits()
+        if self.state.orbits and self._orbits_of != of_orbits(self.state):
+            self._orbits_of = of_orbits(self.state)
             self.diagram.orbits.data = {"x": [], "y": []}
             self.begin("orbits", orbits, self.state, seconds=SECONDS)
         if not self.state.orbits:
             self.stop("orbits")
             patch(self.diagram.orbits, x=[], y=[])
             self._orbits_of = None
-
-    def _of_orbits(self) -> Any:
-        key = key_of(self.state)
-        return key.toy, key.parameter, key.span
 
     def search(self, *, known: bool) -> None:
         """Look for a diagram; one that is known is shown at once, if that will do."""
@@ -212,38 +199,30 @@ class ToyTab(Tab[PageState]):
             self.stage = "begins"
         else:
             self.stage = summary(found)
-        self._take(found)
-
-    def _take(self, found: Shown | None) -> None:
         self.draw_diagram(found)
+        self._tell_branches()
+
+    def _tell_branches(self) -> None:
         self.mark(self._branch_here())
         self.say({"branches": self.branches(), **self.progress()})
 
-    def _take_progress(self, result: Any) -> None:
-        if isinstance(result, DiagramProgress):
-            self.stage = summary(result.shown) if result.done else result.stage
-            if result.done and self._key is not None:
-                known_diagrams[self._key] = result.shown
-                while len(known_diagrams) > KNOWN:
-                    known_diagrams.popitem(last=False)
-            self._take(result.shown)
-        elif isinstance(result, Failure):
-            self.stage = (
-                f"{result.sentence}; so far {summary(self.shown)}"
-                if self.shown
-                else (result.sentence)
-            )
+    def take_progress(self, result: Any) -> None:
+        """Show a diagram as far as it was found, and keep one that is complete."""
+        super().take_progress(result)
+        if not isinstance(result, DiagramProgress):
             self.say(self.progress())
-        elif isinstance(result, JobFinished):
-            self.say(self.progress())
+            return
+        if result.done:
+            known_diagrams[self._key] = result.shown
+            while len(known_diagrams) > KNOWN:
+                known_diagrams.popitem(last=False)
+        self._tell_branches()
 
     # --- What a user may ask for ------------------------------------------------------------------
 
     def demands(self) -> Mapping[str, Demand]:
         """Requests of the browser that only this tab answers, by name."""
         return {
-            "set": self._set,
-            "back": lambda wish: self._default(str(wish["name"])),
             "reset": lambda _: self.show(PageState(tour=self.state.tour)),
             "law": lambda wish: self.change(
                 toy=self.state.toy.replace(expansion_friction=wish["value"])
@@ -259,14 +238,13 @@ class ToyTab(Tab[PageState]):
             "home": lambda wish: self._home(str(wish["value"])),
         }
 
-    def _set(self, wish: Mapping[str, Any]) -> None:
-        values = numbers(wish["values"], parameters())
-        self.show(self.state.with_values(values), moving=bool(wish.get("drag")))
+    def at(self, values: Any) -> PageState:
+        """The state with other values of parameters, by name."""
+        return self.state.with_values(numbers(values, parameters()))
 
-    def _default(self, name: str) -> None:
-        if name not in parameters():
-            raise ValueError(f"unknown parameter {name[:40]!r}")
-        self.show(self.state.with_values({name: getattr(Toy(), name)}))
+    def default(self, name: str) -> float:
+        """The paper's value of a parameter."""
+        return float(getattr(TOY, name, 0.0))
 
     def _start(self, phi_s: float) -> None:
         if not phi_s < self.state.toy.phi_s_max:

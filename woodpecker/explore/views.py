@@ -15,14 +15,16 @@ from pwmap.explore.figures import (
     Put,
     cobweb,
     hover,
+    judged,
     keep_in,
     new_figure,
     patch,
     set_range,
+    solutions,
     source,
     strokes,
 )
-from pwmap.plot import GREY, INK, JUMP, STABLE, UNSTABLE, VIOLET
+from pwmap.plot import GREY, INK, JUMP, STABLE, VIOLET
 from woodpecker import Toy
 from woodpecker.explore.model import DrawnMotion, MapCurve, Mark, as_columns
 from woodpecker.explore.state import PORTRAITS, PageState
@@ -79,8 +81,7 @@ class MapView:
         figure.line("x", "y", source=self.web, color=VIOLET, line_width=1.2)
         figure.scatter("x", "y", source=self.rings, size=11, fill_color=None, line_color=JUMP,
                        line_width=2)  # fmt: skip
-        fixed = figure.scatter("x", "y", source=self.fixed, size=10, fill_color="fill",
-                               line_color="color", line_width=2)  # fmt: skip
+        fixed = solutions(figure, self.fixed)
         figure.scatter("x", "y", source=self.start, size=8, marker="square", color=VIOLET)
         figure.add_tools(hover(fixed, OF_FIXED))
 
@@ -98,12 +99,9 @@ class MapView:
             put(table, **strokes(lines[:, ::2], lines[:, 1::2]))
         at = found.crossings[:, 0]
         put(self.rings, x=at, y=at)
-        colors = [STABLE if stable else UNSTABLE for stable in found.stable]
         put(
-            self.fixed, x=found.fixed, y=found.fixed, color=colors,
-            fill=[c if stable else "white" for c, stable in zip(colors, found.stable, strict=True)],
-            kind=["stable" if stable else "unstable" for stable in found.stable],
-            order=[order] * len(colors),
+            self.fixed, x=found.fixed, y=found.fixed, order=[order] * len(found.fixed),
+            **judged(found.stable),
         )  # fmt: skip
         self.figure.yaxis.axis_label = self._told(f"+{order}")
 

@@ -24,13 +24,7 @@ from woodpecker.systems.simulation.motion import (
     MotionStatus,
     Run,
 )
-from woodpecker.systems.simulation.paths import (
-    FollowedPath,
-    Following,
-    MotionPath,
-    NoRootError,
-    path_of,
-)
+from woodpecker.systems.simulation.paths import Following, MotionPath, NoRootError
 from woodpecker.systems.simulation.sections import Embedding, Section
 
 TOO_FAR = "the path does not reach so far"
@@ -117,9 +111,7 @@ class SystemMap:
         z, _ = self.embedding.state(x, values)
         if not np.isfinite(z).all():
             return Run(z, MotionStatus.OVERFLOW)
-        search = MotionSearch(
-            self.machine, values, self.embedding, events_most=self.events_most, describes=False
-        )
+        search = MotionSearch(self.machine, values, self.embedding, events_most=self.events_most)
         return search.run(z, self.embedding.touch)
 
     def image(self, x: Floats, p: Floats) -> Floats | None:
@@ -136,17 +128,16 @@ class SystemMap:
         """The return from a point (d,) of the section along the path that the system takes."""
         run = self.search(x, p)
         if not run.status.success:
-            return self._nowhere(run.status.value)
+            reason = run.status.value
+            nowhere = SystemPiece(self, MotionPath((), None, 0, reason), np.zeros(0))
+            return nowhere.undefined(reason)
         turns = self.embedding.turns(run.z, self.values(p))
-        path, times = path_of(run, turns)
-        return SystemPiece(self, path, times).at(x, p)
+        path = MotionPath(tuple(run.legs), run.last, turns, " ".join(run.symbols))
+        return SystemPiece(self, path, np.array(run.durations)).at(x, p)
 
     def beside(self, x: Floats, p: Floats, direction: Floats) -> SpaceImage:
         """The return along the path that the system takes infinitesimally beside a point."""
         return proposed(self, x, p, direction, (*self.x_scale, *self.p_scale))
-
-    def _nowhere(self, reason: str) -> SpaceImage:
-        return undefined(SystemPiece(self, MotionPath((), None, 0, reason), np.zeros(0)), reason)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -167,38 +158,30 @@ class SystemPiece:
         """The sequence of events."""
         return self.path.word
 
-    def along(self, x: Floats, p: Floats) -> FollowedPath | None:
-        """The return along the path; None if it does not reach so far."""
-        whole = self.whole
-        following = Following(whole.machine, whole.embedding, self.path, whole.values(p))
-        try:
-            found = following.follow(np.asarray(x, dtype=float), self.times)
-        except (NoRootError, LostError, np.linalg.LinAlgError):
-            return None
-        return found if np.isfinite(found.jacobian).all() else None
-
     def at(self, x: Floats, p: Floats) -> SpaceImage:
         """The return along this path, also where the system takes another one."""
         if not self.path.legs:
-            return undefined(self, self.path.word)
-        found = self.along(x, p)
-        if found is None:
-            return undefined(self, TOO_FAR)
-        here = SystemPiece(self.whole, self.path, found.times)
+            return self.undefined(self.path.word)
+        whole = self.whole
+        following = Following(whole.machine, whole.embedding, self.path, whole.values(p))
+        try:
+            found, times = following.follow(np.asarray(x, dtype=float), self.times)
+        except (NoRootError, LostError, np.linalg.LinAlgError):
+            return self.undefined(TOO_FAR)
+        _, jacobian, *_ = found
+        if not np.isfinite(jacobian).all():
+            return self.undefined(TOO_FAR)
+        return SpaceImage(*found, SystemPiece(whole, self.path, times))
+
+    def undefined(self, reason: str) -> SpaceImage:
+        """An image without a value."""
+        d, columns = self.whole.d, self.whole.d + self.whole.k
+        none: Ints = np.zeros(0, dtype=np.int64)
         return SpaceImage(
-            found.value, found.jacobian, found.margins, found.gradients, found.codes, here
-        )
+            np.full(d, np.nan), np.full((d, columns), np.nan), np.zeros(0), np.zeros((0, columns)),
+            none, self, reason,
+        )  # fmt: skip
 
     def cause(self, code: int) -> str:
         """A sentence on what happens where a margin vanishes."""
         return cause_of(self.path.legs, code, self.whole.names)
-
-
-def undefined(piece: SystemPiece, reason: str) -> SpaceImage:
-    """An image without a value."""
-    d, columns = piece.whole.d, piece.whole.d + piece.whole.k
-    none: Ints = np.zeros(0, dtype=np.int64)
-    return SpaceImage(
-        np.full(d, np.nan), np.full((d, columns), np.nan), np.zeros(0), np.zeros((0, columns)),
-        none, piece, reason,
-    )  # fmt: skip

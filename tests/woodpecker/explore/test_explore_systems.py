@@ -13,7 +13,8 @@ from woodpecker import Toy, shoot
 pytest.importorskip("bokeh")
 pytest.importorskip("heyoka")
 from pwmap.explore.diagrams import shown, summary
-from woodpecker.explore.system_model import SystemModel, answers, diagram
+from woodpecker.explore import system_model as model
+from woodpecker.explore.system_model import answers, diagram
 from woodpecker.explore.system_state import (
     explored,
     first_state,
@@ -64,17 +65,16 @@ def test_the_toy_as_a_system_moves_as_the_toy_does(tmp_path: Path) -> None:
     path = tmp_path / "toy.py"
     path.write_text(TOY, encoding="utf-8")
     given = explored(str(path))
-    model = SystemModel(given)
-    state, message = model.settled(first_state(given))
+    state, message = model.settled(given, first_state(given))
     assert message == ""
     orbit = shoot(Toy(), -0.53)
     assert state.x[0] == pytest.approx(orbit.phi_s, abs=1e-11)
-    motion = model.motion(state)
+    motion = model.motion(given, state)
     assert motion.numbers["period"] == pytest.approx(orbit.period, abs=1e-11)
     assert motion.numbers["multiplier"] == pytest.approx(orbit.multiplier, abs=1e-8)
     assert " ".join(mark.symbol for mark in motion.marks) == orbit.word
     assert motion.q[-1, 2] == pytest.approx(orbit.phi_s, abs=1e-10)
-    first = next(model.curves(state, fine=False))
+    first = next(model.curves(given, state, fine=False))
     assert len(first.x) >= 17
 
 
@@ -103,7 +103,7 @@ def test_a_diagram_is_the_branches_connected_with_the_motion(stop: str) -> None:
     line = found.branches[0]
     away = replace(state, x=(0.0, 9.0))  # a sample holds both coordinates, wherever the page is
     for k in (1, len(line) // 2):
-        there, message = SystemModel(given).settled(SystemModel(given).at_sample(away, line, k))
+        there, message = model.settled(given, model.at_sample(given, away, line, k))
         assert message == ""
         place = (float(line.x[k]), float(line.columns["u_x"][k]))
         assert there.x == pytest.approx(place, abs=1e-9)
@@ -117,7 +117,7 @@ def test_a_periodic_motion_is_looked_for_where_orbits_go(tmp_path: Path) -> None
     given = explored(str(path))
     first = first_state(given)
     assert not shoot_system(given.map_, first.x).success
-    state, message = SystemModel(given).settled(first)
+    state, message = model.settled(given, first)
     assert message.endswith("this one is where orbits go")
     cycle = shoot_system(given.map_, state.x)
     assert cycle.success

@@ -7,7 +7,7 @@ of the parameters, which are called free.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import sympy
@@ -15,62 +15,25 @@ import sympy
 from woodpecker.base.arrays import Bools, Floats
 from woodpecker.systems.mechanics.model import ContactSystem, are_equal
 
-Parts = tuple[tuple[int, int, tuple[int, ...]], ...]
-"""Where arrays begin and end in a row of numbers, and their shapes."""
 
-
-class _Part:
-    """An array among the numbers of the terms, made when it is first asked for."""
-
-    def __init__(self, place: int) -> None:
-        self._place = place
-
-    def __set_name__(self, _: type[Terms], name: str) -> None:
-        self._name = name
-
-    def __get__(self, terms: Terms, _: type[Terms] | None = None) -> Floats:
-        low, high, shape = terms.parts[self._place]
-        found = terms.flat[..., low:high]
-        if len(shape) > 1:
-            found = found.reshape(*found.shape[:-1], *shape)
-        terms.__dict__[self._name] = found  # the next time it is found there
-        return found
-
-
-class Terms:
+class Terms(NamedTuple):
     """What Eq. (1)-(3) consist of, at one state or at a batch (...) of them.
 
     The gap rates are w_N u + w-hat_N, the slips w_T u + w-hat_T, and their derivatives
     w_N u' + w-bar_N and w_T u' + w-bar_T.
-
-    Parameters
-    ----------
-    flat
-        (..., count) all their numbers.
-    parts
-        Where each of them stands.
     """
 
-    mass = _Part(0)  # (..., n, n)
-    force = _Part(1)  # (..., n), h
-    w_n = _Part(2)  # (..., m, n)
-    w_t = _Part(3)  # (..., m, n)
-    gap = _Part(4)  # (..., m)
-    gap_rate = _Part(5)
-    slip = _Part(6)
-    bar_n = _Part(7)
-    bar_t = _Part(8)
-    mu = _Part(9)
-    eps = _Part(10)
-
-    def __init__(self, flat: Floats, parts: Parts) -> None:
-        self.flat, self.parts = flat, parts
-
-    def with_gap_rate(self, rate: Floats) -> Terms:
-        """The same at one state, with other gap rates (m,)."""
-        found = Terms(self.flat.copy(), self.parts)
-        found.gap_rate[:] = rate
-        return found
+    mass: Floats  # (..., n, n)
+    force: Floats  # (..., n), h
+    w_n: Floats  # (..., m, n)
+    w_t: Floats  # (..., m, n)
+    gap: Floats  # (..., m)
+    gap_rate: Floats
+    slip: Floats
+    bar_n: Floats
+    bar_t: Floats
+    mu: Floats
+    eps: Floats
 
 
 class Function:
@@ -78,36 +41,40 @@ class Function:
 
     def __init__(self, symbols: Sequence[sympy.Symbol], arrays: Sequence[Any]) -> None:
         ends = np.cumsum([each.size for each in arrays]).tolist()
-        begins = [0, *ends[:-1]]
         shapes = [each.shape for each in arrays]
-        self.parts: Parts = tuple(zip(begins, ends, shapes, strict=True))
-        self.flat = [sympy.sympify(entry) for each in arrays for entry in each.ravel().tolist()]
-        self._one: Callable[..., Any] = sympy.lambdify(symbols, self.flat, modules="math", cse=True)
+        parts = map(slice, [0, *ends[:-1]], ends)
+        self._parts = list(zip(parts, shapes, strict=True))
+        self._flat = [sympy.sympify(entry) for each in arrays for entry in each.ravel().tolist()]
         self._symbols = symbols
+        self._one: Callable[..., Any] = self._compiled("math")
         self._many: Callable[..., Any] | None = None
 
+    def _compiled(self, modules: str) -> Callable[..., Any]:
+        made: Callable[..., Any] = sympy.lambdify(
+            self._symbols, self._flat, modules=modules, cse=True
+        )
+        return made
+
     def __call__(self, *numbers: Floats) -> list[Floats]:
-        """Arrays at one point, whose coordinates are given in parts."""
-        flat = self.numbers(*numbers)
-        return [flat[low:high].reshape(shape) for low, high, shape in self.parts]
-
-    def numbers(self, *numbers: Floats) -> Floats:
-        """All numbers of the arrays, one after the other."""
+        """Arrays at one point, whose coordinates are given in parts; nan where there are none."""
         try:
-            return np.array(self._one(*np.concatenate(numbers).tolist()), dtype=float)
+            flat = np.array(self._one(*np.concatenate(numbers).tolist()), dtype=float)
         except (ValueError, ZeroDivisionError, OverflowError, TypeError):  # TypeError: complex
-            return np.full(len(self.flat), np.nan)
+            flat = np.full(len(self._flat), np.nan)
+        return [
+            flat[part] if len(shape) == 1 else flat[part].reshape(shape)
+            for part, shape in self._parts
+        ]
 
-    def batch(self, z: Floats, p: Floats) -> Floats:
+    def batch(self, z: Floats, p: Floats) -> list[Floats]:
         """The same at many states (b, N), the batch first."""
         if self._many is None:
-            self._many = sympy.lambdify(self._symbols, self.flat, modules="numpy", cse=True)
+            self._many = self._compiled("numpy")
+        flat = np.empty((len(z), len(self._flat)))
         with np.errstate(all="ignore"):
-            values = self._many(*z.T, *p)
-        flat = np.empty((len(z), len(values)))
-        for k, value in enumerate(values):
-            flat[:, k] = value
-        return flat
+            for k, value in enumerate(self._many(*z.T, *p)):
+                flat[:, k] = value
+        return [flat[:, part].reshape(-1, *shape) for part, shape in self._parts]
 
 
 class Equations:
@@ -133,10 +100,8 @@ class Equations:
         feet of a body do, and only the sum of their friction is known.
     along
         The symbols in which derivatives are taken.
-    expressions, kinematics
-        M, h, w_N, w_T, w-bar_N, w-bar_T and mu; gaps, gap rates and slips.
-    flat
-        All expressions of the terms, in their order.
+    expressions
+        The terms as arrays of expressions.
     kinematic_changes(z, p)
         Derivatives of gaps, gap rates and slips, (m, columns) each.
     motion_changes(z, p, a, lambda_N, lambda_T)
@@ -148,8 +113,6 @@ class Equations:
     jets
         Makes of a mode a compiled function of state and parameters, see
         :func:`woodpecker.systems.simulation.taylor.jets`; None without a compiler.
-    compiled
-        A compiled function of state and parameters for the terms; None without a compiler.
     """
 
     def __init__(self, system: ContactSystem, free: Sequence[str] = ()) -> None:
@@ -169,7 +132,6 @@ class Equations:
         self.symbols = (*system.state, *system.parameters)
         self.along = (*system.state, *(known[name] for name in free))
         self._last: tuple[bytes, bytes, Terms] | None = None
-        self.compiled: Callable[[Floats, Floats], Floats] | None = None
         self.jets: Callable[[tuple[int, ...]], Callable[..., Floats]] | None = None
         self._derive()
 
@@ -189,13 +151,11 @@ class Equations:
         rate = w_n * u + gap.diff(t)
         bar_n = rate.jacobian(q) * u + rate.diff(t)
         bar_t = slip.jacobian(q) * u + slip.diff(t)
-        self.expressions = system.M, system.h, w_n, w_t, bar_n, bar_t, mu
-        self.kinematics = gap, rate, slip
-        columns = [gap, rate, slip, bar_n, bar_t, mu, eps]
-        flat = [np.array(each).ravel() for each in columns]
-        whole = [np.array(system.M), np.array(system.h).ravel(), np.array(w_n), np.array(w_t)]
-        self._terms = Function(self.symbols, [*whole, *flat])
-        self.flat = self._terms.flat
+        parts = system.M, system.h, w_n, w_t, gap, rate, slip, bar_n, bar_t, mu, eps
+        made = [np.array(each, dtype=object) for each in parts]
+        flat = [each.ravel() if each.shape[1] == 1 else each for each in made]
+        self.expressions = Terms(made[0], flat[1], made[2], made[3], *flat[4:])
+        self._terms = Function(self.symbols, self.expressions)
         pull = w_n.T * l_n + w_t.T * l_t
         motion = [system.M * a - system.h - pull, w_n * a + bar_n, w_t * a + bar_t, mu]
         after = dict(zip(system.state[self.n : -1], new, strict=True))
@@ -212,11 +172,10 @@ class Equations:
     def terms(self, z: Floats, p: Floats) -> Terms:
         """The terms at one state (N,), or at a batch (b, N); the last ones are remembered."""
         if z.ndim > 1:
-            return Terms(self._terms.batch(z, p), self._terms.parts)
+            return Terms(*self._terms.batch(z, p))
         key = z.tobytes(), p.tobytes()
         if self._last is None or self._last[:2] != key:
-            numbers = self.compiled or self._terms.numbers
-            self._last = *key, Terms(numbers(z, p), self._terms.parts)
+            self._last = *key, Terms(*self._terms(z, p))
         return self._last[2]
 
     def function(self, arrays: Sequence[Any], more: Sequence[sympy.Symbol] = ()) -> Function:

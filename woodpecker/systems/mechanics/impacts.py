@@ -18,7 +18,7 @@ equations.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Set
+from collections.abc import Set
 from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
@@ -43,6 +43,7 @@ from woodpecker.mechanics.one_contact import NO_SOLUTION, SOLVED, given, one_con
 from woodpecker.systems.mechanics.equations import Equations, Terms
 from woodpecker.systems.mechanics.model import FrictionBound, ImpactLaw
 
+EXPANSION = 2  # the phase after the compression and its second end
 ENUMERATED = 3  # contacts of an impact of which all 216 cases are tried
 
 Cases = tuple[int, ...]
@@ -126,20 +127,14 @@ class ImpactPhase(NamedTuple):
     rubs: tuple[bool, ...]  # (c,) which contacts have friction
 
 
-class Decision(NamedTuple):
-    """What a contact problem of an impact comes to."""
-
-    outcome: Outcome  # whether it is solved
-    impact: Impact | None  # its cases; None if it is not
-    u: Floats  # (n,) velocities afterwards
-    impulses: Floats  # (2, 2, m) normal and tangential impulses of compression and expansion
-
-
 def decide(
     eq: Equations, terms: Terms, contacts: tuple[int, ...], u: Floats,
     closed: Set[int] = frozenset(), held: Set[int] = frozenset(),
-) -> Decision:  # fmt: skip
+) -> tuple[Outcome, Impact | None, Floats, Floats]:  # fmt: skip
     """Find the cases of an impact at a state whose velocities and terms are given.
+
+    Whether it is solved, the cases if it is, the velocities (n,) afterwards, and normal and
+    tangential impulses of compression and expansion (2, 2, m).
 
     Contacts that have been closed have no gap rate, and those held no slip, whatever rounding has
     made of them: an impact of another contact often leaves them on the boundary of two cases, as
@@ -154,23 +149,22 @@ def decide(
         free[:count] *= 1.0 + eps
     none, impulses = np.zeros(count), np.zeros((2, 2, eq.m))
     feeds = none if newton else eps
-    phase = ImpactPhase(delassus, free, mu[:, None] * _shares(count), none, rubs)
+    phase = ImpactPhase(delassus, free, np.diag(mu), none, rubs)
     outcome, ends, impulse = solutions(phase, feeds)
     if impulse is None:
-        return Decision(outcome, None, u, impulses)
+        return outcome, None, u, impulses
     after, left, floor = given(delassus, response, free, u, impulse, feeds, c, impulses[0])
     stores = tuple(i for i, least in zip(contacts, floor.tolist(), strict=True) if least > 0.0)
     if not stores:
         back = newton & (eps > 0.0) & (free[:count] < -SLACK * np.abs(free[:count]).max())
         reversed_ = tuple(i for i, is_back in zip(contacts, back, strict=True) if is_back)
-        return Decision(outcome, Impact(contacts, ends, rebounds=reversed_), after, impulses)
-    _zero(left, ends[0])
+        return outcome, Impact(contacts, ends, rebounds=reversed_), after, impulses
     phase = ImpactPhase(delassus, left, _bound(eq, mu), floor, rubs)
     final, cases, impulse = solutions(phase, none)
     if impulse is None:
-        return Decision(final, None, u, impulses)
+        return final, None, u, impulses
     after, _, _ = given(delassus, response, left, after, impulse, none, c, impulses[1])
-    return Decision(outcome, Impact(contacts, ends, cases[0], stores), after, impulses)
+    return outcome, Impact(contacts, ends, cases[0], stores), after, impulses
 
 
 @lru_cache(maxsize=1024)
@@ -183,28 +177,12 @@ def _taking_part(
 
 
 def _bound(eq: Equations, mu: Floats) -> Floats:
-    """Bounds (c, c) of friction in the expansion."""
-    return mu[:, None] * _shares(len(mu), summed=_is_summed(eq))
-
-
-@lru_cache(maxsize=64)
-def _shares(count: int, *, summed: bool = False) -> Floats:
-    """(c, c) which normal impulses bound the friction of which contact."""
-    return np.ones((count, count)) if summed else np.eye(count)
+    """Bounds (c, c) of friction in the expansion: mu times which normal impulses."""
+    return np.outer(mu, np.ones(len(mu))) if _is_summed(eq) else np.diag(mu)
 
 
 def _is_summed(eq: Equations) -> bool:
     return eq.system.expansion_friction is FrictionBound.SUMMED
-
-
-def _zero(velocity: Floats, cases: Cases) -> None:
-    """Exact zeros where the cases say so."""
-    n = len(cases)
-    for k, case in enumerate(cases):
-        if case // 3 == REST:
-            velocity[k] = 0.0
-        if case % 3 == HOLD:
-            velocity[n + k] = 0.0
 
 
 Solution = tuple[Outcome, tuple[Cases, ...], Floats | None]
@@ -336,34 +314,26 @@ def solved(matrix: Floats, right: Floats) -> Floats:
 # --- With the cases prescribed --------------------------------------------------------------------
 
 
-class Struck(NamedTuple):
-    """A state after an impact."""
-
-    z: Floats  # the state (N,)
-    tangents: Floats  # and its derivatives (N, columns)
-    # of all strict inequalities (s,), their derivatives (s, columns), and what they are: the phase
-    # (0 compression, 1 its second end, 2 expansion) * 4m + 4 * contact + which
-    slacks: Floats
-    gradients: Floats
-    items: list[int]
-
-
 NORMAL_SIDE, ALONG, CONE_PLUS, CONE_MINUS = range(4)  # the inequalities of a contact
 
+Slack = tuple[int, float, Floats]
+"""What a strict inequality is, its value, and its derivatives (columns,).
 
-def carry_out(eq: Equations, impact: Impact, z: Floats, p: Floats, tangents: Floats) -> Struck:
-    """The state after an impact with its cases prescribed, and its derivatives."""
-    contacts, c, columns = impact.contacts, len(impact.contacts), tangents.shape[1]
-    none = np.zeros(c), np.zeros((c, columns))
+It is the phase (0 compression, 1 its second end, 2 expansion) * 4m + 4 * contact + which.
+"""
+
+
+def carry_out(
+    eq: Equations, impact: Impact, z: Floats, p: Floats, tangents: Floats
+) -> tuple[Floats, Floats, list[Slack]]:
+    """The state after an impact with its cases prescribed, with derivatives; all inequalities."""
+    contacts, c = impact.contacts, len(impact.contacts)
+    none = np.zeros(c), np.zeros((c, tangents.shape[1]))
     ends = [
-        _carry(eq, contacts, cases, z, p, tangents, none, expands=False)
-        for cases in impact.compression
+        _carry(eq, contacts, cases, z, p, tangents, none, side)
+        for side, cases in enumerate(impact.compression)
     ]
-    rows = [
-        row
-        for side, (end, cases) in enumerate(zip(ends, impact.compression, strict=True))
-        for row in _slacks(eq, contacts, cases, end, side)
-    ]
+    slacks = [slack for *_, each in ends for slack in each]
     z, tangents, impulse, change = (
         np.mean(part, axis=0) for part in zip(*(end[:4] for end in ends), strict=True)
     )
@@ -373,29 +343,22 @@ def carry_out(eq: Equations, impact: Impact, z: Floats, p: Floats, tangents: Flo
         d_eps = eq.impact_changes(z, p, z[eq.n : 2 * eq.n], *np.zeros((2, eq.m)))[5]
         d_floor = eps[:, None] * change[:c] + impulse[:c, None] * total(eq, d_eps[at], tangents)
         floor = eps * impulse[:c], d_floor
-        end = _carry(eq, contacts, impact.expansion, z, p, tangents, floor, expands=True)
-        rows += _slacks(eq, contacts, impact.expansion, end, 2)
-        z, tangents = end.z, end.tangents
-    found = np.array([row for row, _ in rows]).reshape(-1, 1 + columns)
-    return Struck(z, tangents, found[:, 0], found[:, 1:], [item for _, item in rows])
-
-
-class _End(NamedTuple):
-    """State, impulses (2c,) and their derivatives after a phase; what its inequalities say."""
-
-    z: Floats
-    tangents: Floats
-    impulse: Floats
-    change: Floats
-    sides: Floats  # (4, c) values of the inequalities
-    turns: Floats  # (4, c, columns)
+        z, tangents, _, _, more = _carry(
+            eq, contacts, impact.expansion, z, p, tangents, floor, EXPANSION
+        )
+        slacks += more
+    return z, tangents, slacks
 
 
 def _carry(
     eq: Equations, contacts: tuple[int, ...], cases: Cases, z: Floats, p: Floats,
-    tangents: Floats, floor: tuple[Floats, Floats], *, expands: bool,
-) -> _End:  # fmt: skip
-    """One phase: solve for u' and Lambda at once, and for their derivatives."""
+    tangents: Floats, floor: tuple[Floats, Floats], side: int,
+) -> tuple[Floats, Floats, Floats, Floats, list[Slack]]:  # fmt: skip
+    """One phase: solve for u' and Lambda at once, and for their derivatives.
+
+    It gives the state and the impulses (2c,) after it, each with derivatives, and its inequalities.
+    """
+    expands = side == EXPANSION
     n, c, at = eq.n, len(contacts), list(contacts)
     terms, case = eq.terms(z, p), np.array(cases)
     w_n, w_t, mu = terms.w_n[at], terms.w_t[at], terms.mu[at]
@@ -432,7 +395,14 @@ def _carry(
     turns = _sides(
         rests[:, None], sign, (change[:c] - floor[1], d_rate, d_slip), d_cone, change[c:]
     )
-    return _End(after, moved, impulse, change, sides, turns)
+    slacks = list[Slack]()
+    for j, (i, one) in enumerate(zip(contacts, cases, strict=True)):
+        which = [NORMAL_SIDE]
+        if eq.rubs[i]:
+            which += [CONE_PLUS, CONE_MINUS] if one % 3 == HOLD else [ALONG]
+        item = 4 * (eq.m * side + i)
+        slacks += [(item + each, float(sides[each, j]), turns[each, j]) for each in which]
+    return after, moved, impulse, change, slacks
 
 
 def _prescribed(mass: Floats, w_n: Floats, w_t: Floats, bound: Floats, case: Ints) -> Floats:
@@ -483,16 +453,3 @@ def total(eq: Equations, change: Floats, tangents: Floats) -> Floats:
     if k and tangents.shape[1]:
         found[:, tangents.shape[1] - k :] += change[:, eq.size :]
     return np.asarray(found)
-
-
-def _slacks(
-    eq: Equations, contacts: tuple[int, ...], cases: Cases, end: _End, side: int
-) -> Iterator[tuple[Floats, int]]:
-    """The strict inequalities of a phase (1 + columns,), and what they are."""
-    for k, (i, case) in enumerate(zip(contacts, cases, strict=True)):
-        which = [NORMAL_SIDE]
-        if eq.rubs[i]:
-            which += [CONE_PLUS, CONE_MINUS] if case % 3 == HOLD else [ALONG]
-        for each in which:
-            row = np.append(end.sides[each, k], end.turns[each, k])
-            yield row, 4 * (eq.m * side + i) + each

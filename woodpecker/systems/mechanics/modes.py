@@ -11,11 +11,11 @@ A guard is a function of the state that is positive as long as the mode lasts.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence, Set
+from collections.abc import Callable, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import sympy
@@ -30,7 +30,6 @@ OPEN, STICK, SLIDE_UP, SLIDE_DOWN = range(4)  # states of a contact; SLIDE_UP: i
 GAP, NORMAL, CONE_UP, CONE_DOWN, SLIP = range(5)  # kinds of guards: kind * m + contact
 SECTION = 5  # 5 m is the guard of a section
 MOST_MODES = 256  # combinations that are tried on acceleration level
-ROUNDING = 1e-12  # relative size of a force that rounding may have made of zero
 SAME = 1e-9  # relative: accelerations that are closer are one motion
 
 # derivatives of guards in time that are known
@@ -93,20 +92,25 @@ class Balance(NamedTuple):
     l_t: Floats  # (..., m)
 
 
-def balance(eq: Equations, mode: Mode, terms: Terms) -> Balance:
-    """Accelerations and forces in a mode, at one state or a batch; nan where there are none."""
-    n, m = eq.n, eq.m
-    closed, stuck, sign = _parts(mode, eq.slips)
+def balance(
+    eq: Equations, mode: Mode, terms: Terms, solve: Callable[[Floats, Floats], Floats] | None = None
+) -> Balance:
+    """Accelerations and forces in a mode, at one state or a batch; nan where there are none.
+
+    With a way to solve linear systems of expressions the terms may be expressions.
+    """
+    n, m, kind = eq.n, eq.m, terms.force.dtype
+    closed, stuck, sign = parts_of(mode, eq.slips)
     batch = terms.force.shape[:-1]
     middle, size = n + len(closed), n + len(closed) + len(stuck)
-    right = np.zeros((*batch, size))
+    right = np.zeros((*batch, size), kind)
     right[..., :n] = terms.force
     right[..., n:middle], right[..., middle:] = (
         -terms.bar_n[..., closed],
         -terms.bar_t[..., stuck],
     )
-    x = _solve(_matrix(eq, mode, terms), right)
-    l_n, l_t = np.zeros((*batch, m)), np.zeros((*batch, m))
+    x = (solve or _solve)(_matrix(eq, mode, terms), right)
+    l_n, l_t = np.zeros((*batch, m), kind), np.zeros((*batch, m), kind)
     l_n[..., closed] = x[..., n:middle]
     l_t[...] = sign * terms.mu * l_n
     l_t[..., stuck] = x[..., middle:]
@@ -116,9 +120,9 @@ def balance(eq: Equations, mode: Mode, terms: Terms) -> Balance:
 def _matrix(eq: Equations, mode: Mode, terms: Terms) -> Floats:
     """The matrix (..., n + c, n + c) of the linear system that they solve."""
     n = eq.n
-    closed, stuck, sign = _parts(mode, eq.slips)
+    closed, stuck, sign = parts_of(mode, eq.slips)
     middle, size = n + len(closed), n + len(closed) + len(stuck)
-    k = np.zeros((*terms.force.shape[:-1], size, size))
+    k = np.zeros((*terms.force.shape[:-1], size, size), terms.force.dtype)
     k[..., :n, :n] = terms.mass
     if len(closed):
         pull = terms.w_n + (sign * terms.mu)[..., None] * terms.w_t
@@ -130,7 +134,7 @@ def _matrix(eq: Equations, mode: Mode, terms: Terms) -> Floats:
 
 
 @lru_cache(maxsize=1024)
-def _parts(mode: Mode, slips: tuple[int, ...]) -> tuple[Ints, Ints, Floats]:
+def parts_of(mode: Mode, slips: tuple[int, ...]) -> tuple[Ints, Ints, Floats]:
     """Closed contacts, the first of each team that sticks, signs of lambda_T = sign mu lambda_N."""
     states = np.array(mode)
     sign = np.where(states == SLIDE_UP, -1.0, np.where(states == SLIDE_DOWN, 1.0, 0.0))
@@ -158,23 +162,19 @@ def _solve_columns(k: Floats, right: Floats) -> Floats:
         return np.full_like(right, np.nan)
 
 
-def guard_values(eq: Equations, mode: Mode, guards: Sequence[int], terms: Terms) -> Floats:
-    """Values (guards, b) of guards at a batch of states."""
-    m = eq.m
-    kinds = {guard // m for guard in guards}
-    forces = balance(eq, mode, terms) if kinds & {NORMAL, CONE_UP, CONE_DOWN} else None
+def guard_values(eq: Equations, mode: Mode, terms: Terms, forces: Balance) -> list[Any]:
+    """Values (...) of all guards of a mode, at one state or a batch, or as expressions."""
     rows = []
-    for guard in guards:
-        kind, i = divmod(guard, m)
+    for guard in guards_of(eq, mode):
+        kind, i = divmod(guard, eq.m)
         if kind == GAP:
-            rows.append(terms.gap[:, i])
+            rows.append(terms.gap[..., i])
         elif kind == SLIP:
-            rows.append(terms.slip[:, i] if mode[i] == SLIDE_UP else -terms.slip[:, i])
+            rows.append(terms.slip[..., i] if mode[i] == SLIDE_UP else -terms.slip[..., i])
         else:
-            assert forces is not None
             bound = _bound(eq, mode, i, terms.mu, forces.l_n)
-            rows.append(_force_guard(kind, forces.l_n[:, i], bound, forces.l_t[:, i]))
-    return np.array(rows).reshape(len(guards), len(terms.gap))
+            rows.append(_force_guard(kind, forces.l_n[..., i], bound, forces.l_t[..., i]))
+    return rows
 
 
 def _force_guard(kind: int, l_n: Floats, bound: Floats, l_t: Floats) -> Floats:
@@ -186,7 +186,8 @@ def _force_guard(kind: int, l_n: Floats, bound: Floats, l_t: Floats) -> Floats:
 def _bound(eq: Equations, mode: Mode, i: int, mu: Floats, l_n: Floats) -> Floats:
     """The bound (...) of the friction of all that stick together with a contact."""
     team = list(team_of(mode, eq.slips, i))
-    return np.asarray((mu[..., team] * l_n[..., team]).sum(axis=-1))
+    found: Floats = (mu[..., team] * l_n[..., team]).sum(axis=-1)
+    return found
 
 
 class SectionGuard:
@@ -206,7 +207,7 @@ class SectionGuard:
 
     def values(self, z: Floats, p: Floats) -> Floats:
         """Values (b,) at states (b, N)."""
-        return self._value.batch(z, p)[:, 0]
+        return self._value.batch(z, p)[0].reshape(-1)
 
     def jet(self, here: Local) -> list[float]:
         """Value and rate."""
@@ -264,7 +265,7 @@ class Local:
         """Derivatives (.., columns) of accelerations and forces, in z and free parameters."""
         eq, t, n = self.eq, self.terms, self.eq.n
         l_n, k = self.balance.l_n, _matrix(eq, self.mode, self.terms)
-        closed, stuck, sign = _parts(self.mode, eq.slips)
+        closed, stuck, sign = parts_of(self.mode, eq.slips)
         motion, d_n, d_t, d_mu = self._partial
         load = (sign * l_n)[:, None] * d_mu
         right = -np.vstack([motion - t.w_t.T @ load, d_n[closed], d_t[stuck]])
@@ -332,19 +333,6 @@ class Local:
         """(n,) accelerations without contact forces."""
         return np.asarray(np.linalg.solve(self.terms.mass, self.terms.force))
 
-    def size(self, guard: int) -> float:
-        """How large the terms are that a force, or an acceleration of a contact, is the sum of."""
-        t, (a, l_n, l_t) = self.terms, self.balance
-        kind, i = divmod(guard, self.eq.m)
-        if kind not in (GAP, SLIP):
-            return float(np.abs(l_n).max() + np.abs(l_t).max() + np.abs(t.force).max())
-        w, bar = (t.w_n, t.bar_n) if kind == GAP else (t.w_t, t.bar_t)
-        return float(np.abs(w[i]) @ (np.abs(a) + np.abs(self.free)) + np.abs(bar[i]))
-
-    def rate(self, guard: int) -> float:
-        """The derivative of a guard in time."""
-        return self.derivative(guard, 1)
-
     def gradient(self, guard: int, order: int = 0) -> Floats:
         """Derivatives (columns,) of a guard, or of its derivative in time of an order.
 
@@ -407,23 +395,20 @@ def settle(eq: Equations, z: Floats, p: Floats, touch: Touch) -> tuple[Outcome, 
     """The mode that starts now: all combinations of states of the closed contacts are tried.
 
     One is admissible if all its guards of these contacts are positive right after now, judged by
-    the first derivative that the event has not made zero. If none is, forces and accelerations
-    within rounding of zero are passed over.
+    the first derivative that the event has not made zero.
     """
     if not touch.closed:
         return Outcome.SOLVED, (OPEN,) * eq.m
     tried = [Local(eq, mode, z, p) for mode in _modes(eq, eq.terms(z, p), touch)]
-    for slack in (0.0, ROUNDING):
-        kept = [each for each in tried if _admissible(each, touch, slack)]
-        if not kept:
-            continue
-        first, size = kept[0], 0.0
-        for other in kept[1:]:
-            size = size or float(np.abs(first.balance.a).max() + np.abs(first.free).max())
-            if np.abs(other.balance.a - first.balance.a).max() > SAME * size:
-                return Outcome.AMBIGUOUS, first.mode
-        return Outcome.SOLVED, first.mode
-    return Outcome.NO_SOLUTION, (OPEN,) * eq.m
+    kept = [each for each in tried if _admissible(each, touch)]
+    if not kept:
+        return Outcome.NO_SOLUTION, (OPEN,) * eq.m
+    first, size = kept[0], 0.0
+    for other in kept[1:]:
+        size = size or float(np.abs(first.balance.a).max() + np.abs(first.free).max())
+        if np.abs(other.balance.a - first.balance.a).max() > SAME * size:
+            return Outcome.AMBIGUOUS, first.mode
+    return Outcome.SOLVED, first.mode
 
 
 def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | None:
@@ -438,13 +423,10 @@ def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | No
     slides = any(eq.rubs[i] and i not in touch.held for i in closed)
     if slides or len(closed) + len(held) <= eq.n:
         return None
-    still = z.copy()
-    still[eq.n : 2 * eq.n] = 0.0
-    terms = eq.terms(still, p)
-    rows = np.vstack([terms.w_n[closed], terms.w_t[held]])
-    moved = terms.gap_rate[closed].any() or terms.slip[held].any()  # by a belt, a support
-    if moved or int(np.linalg.matrix_rank(rows)) < eq.n:
+    rank, moved, terms = holding(eq, z, p, closed, held)
+    if moved or rank < eq.n:
         return None
+    rows = np.vstack([terms.w_n[closed], terms.w_t[held]])
     cones = np.zeros((2 * len(held), len(rows)))
     for k, i in enumerate(held):
         cones[2 * k : 2 * k + 2, closed.index(i)] = -terms.mu[i]
@@ -459,6 +441,20 @@ def resting_mode(eq: Equations, z: Floats, p: Floats, touch: Touch) -> Mode | No
     return tuple(
         OPEN if i not in touch.closed else STICK if i in held else SLIDE_UP for i in range(eq.m)
     )
+
+
+def holding(
+    eq: Equations, z: Floats, p: Floats, closed: Sequence[int], stuck: Sequence[int]
+) -> tuple[int, bool, Terms]:
+    """In how many directions contacts hold a system, and whether they move by themselves.
+
+    The terms are those without velocities: a belt or a support has some all the same.
+    """
+    still = z.copy()
+    still[eq.n : 2 * eq.n] = 0.0
+    terms = eq.terms(still, p)
+    rank = int(np.linalg.matrix_rank(np.vstack([terms.w_n[closed], terms.w_t[stuck]])))
+    return rank, bool(terms.gap_rate[closed].any() or terms.slip[stuck].any()), terms
 
 
 def _modes(eq: Equations, terms: Terms, touch: Touch) -> Sequence[Mode]:
@@ -521,7 +517,7 @@ def _proposed(eq: Equations, terms: Terms, touch: Touch) -> list[Mode]:
     return [tuple(mode)]
 
 
-def _admissible(here: Local, touch: Touch, slack: float) -> bool:
+def _admissible(here: Local, touch: Touch) -> bool:
     """Whether all guards of the closed contacts are positive right after now.
 
     A guard has the sign of the first derivative that the event has not made zero; one that stays
@@ -533,8 +529,7 @@ def _admissible(here: Local, touch: Touch, slack: float) -> bool:
     for guard, place, order, most in _watched(eq.n, here.mode, eq.friction, eq.slips, touch):
         for k in range(order, most + 1):
             value = here.derivative(guard, k) if numbers is None else numbers[place + k]
-            rounding = slack * here.size(guard) if slack and k == order else 0.0
-            if not abs(value) <= rounding:
+            if value != 0.0:
                 if not value > 0.0:
                     return False
                 break

@@ -169,7 +169,7 @@ class _Impacts:
     def strikes(self) -> bool:
         """Carry out the impact at the end of a flight; whether the contact laws give one."""
         eq, n, z = self._eq, self._eq.n, self.z
-        terms = eq.terms(z, self._p).with_gap_rate(self._rate)
+        terms = eq.terms(z, self._p)._replace(gap_rate=self._rate)
         contacts = tuple(sorted(self.striking | self.touch.closed))
         outcome, impact, u, impulses = decide(
             eq, terms, contacts, z[n : 2 * n], self.touch.closed, self.touch.held
@@ -178,7 +178,7 @@ class _Impacts:
             return False
         self.is_open |= outcome is Outcome.INDETERMINATE
         if self.tangents.shape[1]:
-            self.tangents = carry_out(eq, impact, z, self._p, self.tangents).tangents
+            self.tangents = carry_out(eq, impact, z, self._p, self.tangents)[1]
         self.z = z.copy()
         self.z[n : 2 * n] = u
         given = impulses.sum(axis=0)

@@ -2,59 +2,65 @@
 
 from __future__ import annotations
 
+import math
 import warnings
-from collections.abc import Iterator
-from typing import Protocol
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import NamedTuple, Protocol
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from scipy.integrate import DOP853
 
 from woodpecker.base.arrays import Floats
+from woodpecker.base.polynomials import HALVINGS
 from woodpecker.systems.mechanics.equations import Equations
-from woodpecker.systems.mechanics.modes import Local, Mode
+from woodpecker.systems.mechanics.modes import (
+    KNOWN,
+    SECTION,
+    Local,
+    Mode,
+    SectionGuard,
+    balance,
+    guard_values,
+    guards_of,
+)
 
 RELATIVE, ABSOLUTE = 1e-13, 1e-16  # tolerances of DOP853, near what its step control can resolve
 STEPS_MOST = 100_000  # of one phase
 KEPT_MOST = 2000  # of a phase: far off, where Newton's method may ask, a motion has millions
+NODES = 8  # of a guard over a step: as many coefficients as the dense output has
+SIZE = NODES + max(KNOWN.values()) + 1  # of a power series of a guard, with known derivatives
+RESOLVED = 1e-9  # relative: last coefficients of a guard that is resolved
+NOISE = 1e-12  # a guard that is no larger is zero all along, such as the slip of a block at rest
+
+_ANGLES = math.pi * (np.arange(NODES) + 0.5) / NODES
+_POINTS = 0.5 - 0.5 * np.cos(_ANGLES)  # Chebyshev's, ascending in (0, 1)
+_TO_SERIES = np.linalg.inv(chebyshev.chebvander(2.0 * _POINTS - 1.0, NODES - 1))
+_TO_POWERS = np.linalg.inv(np.vander(_POINTS, increasing=True))
+_NONE: Floats = np.empty((0, 0))
 
 
 class LostError(Exception):
     """The motion leaves the numbers that doubles can hold."""
 
 
-class Step(Protocol):
+class Step(NamedTuple):
     """A piece of a motion, over times [0, length] from its own start."""
 
-    @property
-    def length(self) -> float:
-        """How long it is."""
-
-    @property
-    def guards(self) -> Floats:
-        """(g, order + 1) Taylor coefficients of the guards, if its flow has them."""
-
-    def states(self, times: Floats) -> Floats:
-        """States (b, N) at some times, a little outside too."""
-
-    def exact(self, t: float) -> tuple[Floats, Floats]:
-        """The state (N,) and its derivatives (N, columns) in state and parameters at the start.
-
-        As exact as the backend can; the latter are empty if the flow has none.
-        """
+    length: float
+    guards: Floats  # (g, size) their power series in time; none of a flow with derivatives
+    states: Callable[[Floats], Floats]  # (b, N) at some times (b,), a little outside too
+    # the state (N,) at a time and its derivatives (N, columns) in state and parameters at the
+    # start, as exact as the backend can; the latter are empty if the flow has none
+    exact: Callable[[float], tuple[Floats, Floats]]
 
 
 class Flow(Protocol):
     """The motion in one mode."""
 
-    @property
-    def has_guards(self) -> bool:
-        """Whether its steps have the Taylor coefficients of guards."""
-
-    def steps(self, z: Floats, p: Floats, most: float, *, keeps: bool = True) -> Iterator[Step]:
-        """Steps in turn from a state, the last one to a time; LostError if there are none.
-
-        If they are not kept each may be used only until the next one is asked for.
-        """
+    def steps(self, z: Floats, p: Floats, most: float) -> Iterator[Step]:
+        """Steps in turn, the last one to a time; LostError if there are none."""
 
 
 class KeptSteps:
@@ -70,11 +76,6 @@ class KeptSteps:
     def first(self) -> Step:
         """The first step."""
         return self.step(0)
-
-    def all(self) -> Iterator[Step]:
-        """All steps, one after the other."""
-        for k in range(KEPT_MOST):
-            yield self.step(k)
 
     def exact(self, t: float) -> tuple[Floats, Floats]:
         """State and derivatives at a time, also before the start of the phase."""
@@ -95,14 +96,17 @@ class KeptSteps:
 
 
 class RungeFlow:
-    """The motion in one mode by DOP853, with its variational equations if asked."""
+    """The motion in one mode by DOP853, with its variational equations or else with guards.
 
-    has_guards = False
+    Steps with guards are as short as polynomials resolve these.
+    """
 
-    def __init__(self, eq: Equations, mode: Mode, *, varies: bool) -> None:
-        self._eq, self._mode, self._varies = eq, mode, varies
+    def __init__(
+        self, eq: Equations, mode: Mode, *, varies: bool, section: SectionGuard | None = None
+    ) -> None:
+        self._eq, self._mode, self._varies, self._section = eq, mode, varies, section
 
-    def steps(self, z: Floats, p: Floats, most: float, *, keeps: bool = True) -> Iterator[Step]:
+    def steps(self, z: Floats, p: Floats, most: float) -> Iterator[Step]:
         """Steps in turn; the last one ends at a time that may be negative."""
         eq = self._eq
         start = z if not self._varies else np.concatenate(
@@ -118,7 +122,14 @@ class RungeFlow:
                 solver.step()
             if solver.status == "failed" or not np.isfinite(solver.y).all():
                 raise LostError
-            yield _RungeStep(self, state, p, at, solver)
+            states = partial(self._states, solver.dense_output())
+            windows = [(0.0, solver.t - at, _NONE)]
+            for low, length, guards in (
+                windows if self._varies else self._windows(states, state, p, at, solver.t - at)
+            ):
+                yield Step(
+                    length, guards, partial(states, at + low), partial(self._exact, state, p, low)
+                )
         raise LostError
 
     def _solver(self, start: Floats, p: Floats, most: float) -> DOP853:
@@ -136,32 +147,77 @@ class RungeFlow:
         turned[:, size:] += jacobian[:, size:]
         return np.concatenate([here.flow, turned.ravel()])
 
+    def _states(self, dense: Callable[[Floats], Floats], at: float, times: Floats) -> Floats:
+        """By the dense output, which is less exact than the step itself."""
+        return dense(at + times).T[:, : self._eq.size]
 
-class _RungeStep:
-    """A step of DOP853; its dense output is less exact than itself."""
-
-    guards: Floats = np.empty((0, 0))
-
-    def __init__(
-        self, flow: RungeFlow, start: Floats, p: Floats, at: float, solver: DOP853
-    ) -> None:
-        self._flow, self._start, self._p, self._at = flow, start, p, at
-        self.length, self._dense = solver.t - at, solver.dense_output()
-
-    def states(self, times: Floats) -> Floats:
-        """States (b, N) by the dense output."""
-        found: Floats = self._dense(self._at + times).T[:, : self._flow._eq.size]
-        return found
-
-    def exact(self, t: float) -> tuple[Floats, Floats]:
+    def _exact(self, y: Floats, p: Floats, low: float, t: float) -> tuple[Floats, Floats]:
         """The state by steps that end there, and derivatives from the start of the first step."""
-        eq = self._flow._eq
-        y = self._start
-        if t != 0.0:
-            solver = self._flow._solver(y, self._p, t)
+        if low + t != 0.0:
+            solver = self._solver(y, p, low + t)
             while solver.status == "running":
                 solver.step()
             if solver.status == "failed" or not np.isfinite(solver.y).all():
                 raise LostError
             y = solver.y
-        return y[: eq.size], y[eq.size :].reshape(eq.size, -1)
+        size = self._eq.size
+        return y[:size], y[size:].reshape(size, -1)
+
+    # --- Guards -----------------------------------------------------------------------------------
+
+    def _windows(
+        self, states: Callable[[float, Floats], Floats], z: Floats, p: Floats, at: float,
+        whole: float,
+    ) -> Iterator[tuple[float, float, Floats]]:  # fmt: skip
+        """Parts of a step, halved until polynomials resolve all guards, and these (g, size).
+
+        Where the phase begins they have all derivatives that are known there.
+        """
+        left = [(0.0, whole, 0)]
+        while left:
+            low, length, depth = left.pop()
+            times = low + _POINTS * length
+            values = self._guards(states(at, times), p)
+            if depth < HALVINGS and not _are_resolved(values):
+                half = 0.5 * length
+                left += [(low + half, half, depth + 1), (low, half, depth + 1)]
+                continue
+            jets: list[list[float]] = [[] for _ in values]
+            if at == 0.0 == low:
+                here = Local(self._eq, self._mode, z, p, self._section)
+                jets = [here.jet(guard) for guard in self._watched]
+            guards = np.zeros((len(values), SIZE))
+            for row, value, jet in zip(guards, values, jets, strict=True):
+                row[:] = _series(value, jet, length)
+            yield low, length, guards
+
+    @property
+    def _watched(self) -> list[int]:
+        own = guards_of(self._eq, self._mode)
+        return [*own] if self._section is None else [*own, SECTION * self._eq.m]
+
+    def _guards(self, states: Floats, p: Floats) -> Floats:
+        """Values (g, b) of all guards at states (b, N)."""
+        eq, mode, rows = self._eq, self._mode, np.empty((0, len(states)))
+        terms = eq.terms(states, p)
+        found = guard_values(eq, mode, terms, balance(eq, mode, terms))
+        if self._section is not None:
+            found.append(self._section.values(states, p))
+        return np.vstack([rows, *found])
+
+
+def _are_resolved(values: Floats) -> bool:
+    """Whether the last coefficients of all guards are small, or rounding."""
+    c = np.abs(values @ _TO_SERIES.T)
+    size = np.maximum(RESOLVED * c.max(axis=1, initial=0.0), NOISE)
+    return bool((c[:, -3:].max(axis=1, initial=0.0) <= size).all())
+
+
+def _series(values: Floats, jet: Sequence[float], length: float) -> Floats:
+    """The power series (SIZE,) of a guard with these values and with derivatives at the start."""
+    order = len(jet)
+    c = np.array([each / math.factorial(k) * length**k for k, each in enumerate(jet)])
+    rest = (values - _POINTS[:, None] ** np.arange(order) @ c) / _POINTS**order
+    found = np.zeros(SIZE)
+    found[:order], found[order : order + NODES] = c, _TO_POWERS @ rest
+    return found / length ** np.arange(SIZE)

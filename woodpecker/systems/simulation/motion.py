@@ -18,6 +18,7 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats
 from woodpecker.base.compiled import announce
+from woodpecker.base.polynomials import bernstein, first_fall
 from woodpecker.mechanics.one_contact import stated
 from woodpecker.systems.mechanics.equations import Equations
 from woodpecker.systems.mechanics.impacts import Impact, Outcome, decide
@@ -34,20 +35,23 @@ from woodpecker.systems.mechanics.modes import (
     Mode,
     SectionGuard,
     Touch,
+    holding,
     resting_mode,
     settle,
     team_of,
 )
 from woodpecker.systems.simulation.accumulation import TOGETHER, Tail, after, implied, tail_of
 from woodpecker.systems.simulation.flows import Flow, LostError, RungeFlow, Step
-from woodpecker.systems.simulation.guards import TIME, Phase
+from woodpecker.systems.simulation.guards import beginning
 from woodpecker.systems.simulation.sections import Embedding
 
 EVENTS_MOST = 2000  # of one return, unless a caller says otherwise
 STEPS_MOST = 20_000  # of one phase of one return
 PENETRATED = 1e-7  # relative: far more than rounding leaves of a gap
 BRIEF = 2.0**-10  # of the longest phase: before flights are as short as this none need be looked at
-POLISHED = 1e-6  # of a window: Newton's step from a root of the series is shorter, or not taken
+SHORT = 1e-3  # of a step: known derivatives of a guard at its start place a root to 1e-12 of it
+POLISHED = 1e-6  # of a step: Newton's step from a root of an interpolant is shorter, or not taken
+TIME = -2  # the guard of a phase that lasts to the end of time asked for
 NO_FORCE = 1e-9  # relative: a normal force that vanishes where a cone is reached
 
 
@@ -83,11 +87,6 @@ class MotionStatus(Enum):
         return self in (
             MotionStatus.RETURNED, MotionStatus.RETURNED_INDETERMINATE, MotionStatus.TIME_REACHED,
         )  # fmt: skip
-
-
-_OF_OUTCOME = {
-    Outcome.NO_SOLUTION: MotionStatus.NO_SOLUTION, Outcome.AMBIGUOUS: MotionStatus.AMBIGUOUS,
-}  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -149,31 +148,25 @@ class Machine:
             backend = Backend.TAYLOR if find_spec("heyoka") else Backend.RUNGE
         self.backend = Backend(backend)
         self.eq = Equations(system, free)
-        self._flows: dict[tuple[Mode, bool, SectionGuard | None], Flow] = {}
+        self.flow = cache(self._flow)  # of a mode: it is compiled when it is first asked for
         time = system.time
         parts = [*system.M, *system.h, *(c.gap for c in system.contacts)]
         parts += [c.slip for c in system.contacts if c.slip is not None]
         self.is_autonomous = not any(part.has(time) for part in parts)
 
         if self.backend is Backend.TAYLOR:
-            from woodpecker.systems.simulation.taylor import jets, terms_function
+            from woodpecker.systems.simulation.taylor import jets
 
-            self.eq.jets, self.eq.compiled = cache(partial(jets, self.eq)), terms_function(self.eq)
+            self.eq.jets = cache(partial(jets, self.eq))
 
-    def flow(
+    def _flow(
         self, mode: Mode, *, varies: bool = False, section: SectionGuard | None = None
     ) -> Flow:
-        """The flow of a mode; it is compiled when it is first asked for."""
-        key = mode, varies, section
-        if key not in self._flows:
-            if self.backend is Backend.TAYLOR:
-                from woodpecker.systems.simulation.taylor import TaylorFlow
+        if self.backend is Backend.RUNGE:
+            return RungeFlow(self.eq, mode, varies=varies, section=section)
+        from woodpecker.systems.simulation.taylor import TaylorFlow
 
-                when = None if section is None else section.when
-                self._flows[key] = TaylorFlow(self.eq, mode, varies=varies, when=when)
-            else:
-                self._flows[key] = RungeFlow(self.eq, mode, varies=varies)
-        return self._flows[key]
+        return TaylorFlow(self.eq, mode, varies=varies, section=section)
 
 
 @dataclass(slots=True, eq=False)
@@ -186,7 +179,7 @@ class Run:
     legs: list[Leg] = field(default_factory=list)
     durations: list[float] = field(default_factory=list)
     last: Impact | None = None  # the impact that it ended with, on a section of impacts
-    # what happened; equal bounces that accumulate are one symbol. Descriptions only if asked for
+    # what happened; equal bounces that accumulate are one symbol
     symbols: list[str] = field(default_factory=list)
     events: list[MotionEvent] = field(default_factory=list)
     # where each step began [s], and the step, if they are kept
@@ -208,18 +201,15 @@ class MotionSearch:
         So many events at most.
     keeps
         Whether steps are kept, for samples.
-    describes
-        Whether events are described, and not only named.
     """
 
     def __init__(
         self, machine: Machine, p: Floats, embedding: Embedding | None = None, *,
         t_end: float = math.inf, events_most: int = EVENTS_MOST, keeps: bool = False,
-        describes: bool = True,
     ) -> None:  # fmt: skip
         self.machine, self.eq, self.p, self.embedding = machine, machine.eq, p, embedding
         self.t_end, self.events_most = t_end, events_most
-        self.keeps, self._describes = keeps, describes
+        self.keeps = keeps
 
     def run(self, z: Floats, touch: Touch, striking: Sequence[int] = ()) -> Run:
         """The loop of Figure 1 [Leine2001]."""
@@ -236,7 +226,7 @@ class MotionSearch:
                 self._check_rest(before, touch)
                 outcome, mode = settle(self.eq, found.z, self.p, touch)
                 if outcome is not Outcome.SOLVED:
-                    raise _StoppedError(_OF_OUTCOME[outcome])
+                    raise _StoppedError(MotionStatus[outcome.name])
                 self._name_transitions(before, mode, touch)
                 self._check_forces(mode)
                 guard = self._flow(mode, touch)  # integrate until an event
@@ -288,44 +278,37 @@ class MotionSearch:
 
     def first_event(
         self, mode: Mode, z: Floats, touch: Touch, most: float, *, on_section: bool = False,
-        ignored: frozenset[int] = frozenset(), keeps: bool = True,
+        ignored: Set[int] = frozenset(), keeps: bool = True,
     ) -> tuple[int, float, Floats]:  # fmt: skip
-        """The guard that fires first in a phase, when, and the state there."""
+        """The guard that fires first in a phase, when, and the state there; TIME if none does."""
         if most <= 0.0:
             return TIME, 0.0, z
-        section = self.embedding.guard_in(mode) if self.embedding else None
+        eq, section = self.eq, self.embedding.guard_in(mode) if self.embedding else None
         flow = self.machine.flow(mode, section=section)
-        phase = Phase(self.eq, mode, z, self.p, flow, touch, section, on_section=on_section)
-        t, step, keeps = 0.0, None, keeps and self.keeps
-        for count, step in enumerate(phase.flow.steps(z, self.p, most, keeps=keeps)):
-            if keeps:
+        guards, orders, before = beginning(
+            mode, eq.friction, eq.slips, touch, section is not None, on_section
+        )
+        none = skipped = 0 * orders
+        if ignored:
+            skipped = np.array([int(guard in ignored) for guard in guards])
+        t, step = 0.0, None
+        for count, step in enumerate(flow.steps(z, self.p, most)):
+            if keeps and self.keeps:
                 self._run.steps.append((float(z[-1]) + t, step))
-            guard, time = phase.fired(step, t, ignored)
-            if guard != TIME:
-                return guard, *self._polished(phase, guard, step, t, time)
-            t += step.length
+            k, time, before = first_fall(
+                step.guards, step.length, orders, before, skipped, bernstein(step.guards.shape[1])
+            )
+            if k >= 0:
+                if self.machine.backend is Backend.RUNGE and (t or time > SHORT * step.length):
+                    # here an interpolant does not know the root from derivatives at the start
+                    here = Local(eq, mode, step.exact(time)[0], self.p, section)
+                    time += _correction(here, guards[k], step, step.guards[k, : orders[k]], time)
+                return guards[k], t + time, step.exact(time)[0]
             if count > STEPS_MOST:
                 raise _StoppedError(MotionStatus.STEPS_LIMIT)
+            t, orders = t + step.length, none
         assert step is not None
         return TIME, t, step.exact(step.length)[0]
-
-    def _polished(
-        self, phase: Phase, guard: int, step: Step, begin: float, t: float
-    ) -> tuple[float, Floats]:
-        """The state at a root; that of an interpolant is made exact by a step of Newton's method.
-
-        One that is known from the derivatives of its guard is so already.
-        """
-        z, _ = step.exact(t - begin)
-        if phase.width == 0.0:
-            return t, z
-        value, rate = Local(self.eq, phase.mode, z, self.p, phase.section).jet(guard, 1)
-        if begin == 0.0:
-            value -= float(phase.starts[phase.watched.index(guard)].noise(np.array(t)))
-        if rate < 0.0 and abs(value) < POLISHED * phase.width * -rate:
-            t -= value / rate
-            z, _ = step.exact(t - begin)
-        return t, z
 
     # --- Events -----------------------------------------------------------------------------------
 
@@ -370,7 +353,7 @@ class MotionSearch:
             touch.closed, touch.held,
         )  # fmt: skip
         if impact is None:
-            raise _StoppedError(_OF_OUTCOME.get(outcome, MotionStatus.AMBIGUOUS))
+            raise _StoppedError(MotionStatus[outcome.name])
         self._open |= outcome is Outcome.INDETERMINATE
         found.z = found.z.copy()
         found.z[n : 2 * n] = u
@@ -383,8 +366,6 @@ class MotionSearch:
     ) -> None:
         found, n = self._run, self.eq.n
         found.symbols.append(symbol)
-        if not self._describes:
-            return
         u = found.z[n : 2 * n]
         found.events.append(
             MotionEvent(
@@ -424,17 +405,13 @@ class MotionSearch:
 
     def _check_forces(self, mode: Mode) -> None:
         """Stop where contacts hold all coordinates."""
-        eq, z = self.eq, self._run.z
+        eq = self.eq
         held = [i for i, state in enumerate(mode) if state != OPEN]
         stuck = [i for i in held if mode[i] == STICK and team_of(mode, eq.slips, i)[0] == i]
         count = len(held) + len(stuck)
         if count < eq.n:
             return
-        still = z.copy()
-        still[eq.n : 2 * eq.n] = 0.0
-        terms = eq.terms(still, self.p)
-        rank = int(np.linalg.matrix_rank(np.vstack([terms.w_n[held], terms.w_t[stuck]])))
-        moved = terms.gap_rate[held].any() or terms.slip[stuck].any()  # by a belt, a support
+        rank, moved, _ = holding(eq, self._run.z, self.p, held, stuck)
         if rank == eq.n and self.machine.is_autonomous and not moved:
             raise _StoppedError(MotionStatus.AT_REST)
         if rank < count:
@@ -516,6 +493,13 @@ class _StoppedError(Exception):
 
     def __init__(self, status: MotionStatus) -> None:
         self.status = status
+
+
+def _correction(here: Local, guard: int, step: Step, zero: Floats, t: float) -> float:
+    """A step of Newton's method to the root of a guard, of which some coefficients are zero."""
+    value, rate = here.jet(guard, 1)
+    value -= float(zero @ t ** np.arange(len(zero)))
+    return -value / rate if rate < 0.0 and abs(value) < POLISHED * step.length * -rate else 0.0
 
 
 def _before(eq: Equations, touch: Touch) -> Mode:

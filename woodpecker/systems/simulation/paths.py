@@ -8,9 +8,8 @@ impacts. Where it is admissible is said by margins.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 import numpy as np
 
@@ -39,17 +38,8 @@ from woodpecker.systems.simulation.causes import (
     START,
 )
 from woodpecker.systems.simulation.flows import KeptSteps
-from woodpecker.systems.simulation.guards import (
-    GuardStart,
-    Least,
-    Polynomials,
-    Power,
-    Series,
-    series,
-    starts_of,
-    watching,
-)
-from woodpecker.systems.simulation.motion import Leg, Machine, Run
+from woodpecker.systems.simulation.guards import GuardStart, Polynomials, starts_of
+from woodpecker.systems.simulation.motion import Leg, Machine
 from woodpecker.systems.simulation.sections import Embedding
 
 NEWTON_MOST = 12  # iterations of an event time; more say that there is no root nearby
@@ -77,24 +67,8 @@ class MotionPath:
     word: str = field(compare=False)  # for people; it is no part of what tells paths apart
 
 
-def path_of(run: Run, turns: int) -> tuple[MotionPath, Floats]:
-    """The path of a motion, and the durations of its phases."""
-    return (
-        MotionPath(tuple(run.legs), run.last, turns, " ".join(run.symbols)),
-        np.array(run.durations),
-    )
-
-
-class FollowedPath(NamedTuple):
-    """A return along a path, with derivatives in the point and in free parameters."""
-
-    value: Floats  # (d,)
-    jacobian: Floats  # (d, d + k)
-    margins: Floats  # (s,)
-    gradients: Floats  # (s, d + k)
-    codes: Ints  # (s,) ascending
-    times: Floats  # durations of the phases
-    z: Floats  # the state that is reached
+Followed = tuple[Floats, Floats, Floats, Floats, Ints]
+"""The parts of an image, as :class:`woodpecker.engine.maps.SpaceImage` has them."""
 
 
 class NoRootError(Exception):
@@ -112,8 +86,11 @@ class Following:
         self._flight: tuple[float, Floats] | None = None  # its duration, if it began at rest
         self._slow: tuple[float, Floats] | None = None  # the rate at which it ended, if it is slow
 
-    def follow(self, x: Floats, times: Floats) -> FollowedPath:
-        """The return; NoRootError or LostError if the path does not reach so far."""
+    def follow(self, x: Floats, times: Floats) -> tuple[Followed, Floats]:
+        """The return, and the durations of its phases.
+
+        NoRootError or LostError if the path does not reach so far.
+        """
         z, tangents = self.embedding.state(x, self.p)
         self._z, self._tangents, found = z, tangents, times.copy()
         self._marks = list[tuple[Floats, Floats]]()  # where phases begin
@@ -121,50 +98,45 @@ class Following:
         k = repeated = 0
         struck = False
         while k < len(self.path.legs):
-            leg = self.path.legs[k]
-            if not struck and not self._begin(leg, k):
+            leg = self._leg = self.path.legs[k]
+            self._k = k
+            if not struck and not self._begin():
                 k, struck, repeated = k - leg.lap, True, repeated + 1
                 self._marks.append((self._z, self._tangents))
                 continue
             struck = False
-            here = self._local(leg, self._z)
-            self._start_margins(here, leg, k)
+            here = self._local(self._z)
+            self._start_margins(here)
             if repeated > BOUNCES_MOST:
                 raise NoRootError
-            t = self._phase(here, leg, k, None if repeated else float(times[k]))
+            t = self._phase(here, None if repeated else float(times[k]))
             if not repeated:
                 found[k] = t
             k += 1
+        self._k = k
         if self.path.last is not None:
-            self._impact(self.path.last, k)
-        return self._result(found)
+            self._impact(self.path.last)
+        return self._result(), found
 
-    def _result(self, times: Floats) -> FollowedPath:
+    def _result(self) -> Followed:
         """The image, with all margins in ascending order of their codes."""
         embedding, turns, p = self.embedding, self.path.turns, self.p
         value = embedding.point(self._z, p, turns)
         jacobian = embedding.changes(self._tangents, p, turns)
         if embedding.section.period is not None:
-            margins, rows = embedding.phase_margins(value, p)
-            for item in range(2):
-                gradient = rows[item, 0] * jacobian[embedding.of_time]
-                k = len(self.eq.free)
-                if k:
-                    gradient[-k:] += rows[item, 1:]
-                self._note(len(times), PHASE, item, float(margins[item]), gradient)
+            ends = embedding.phase_margins(value, jacobian, p)
+            for item, (margin, gradient) in enumerate(ends):
+                self._note(PHASE, item, margin, gradient)
         codes = sorted(self.notes)
-        columns = jacobian.shape[1]
-        return FollowedPath(
-            value, jacobian, np.array([self.notes[c][0] for c in codes]),
-            np.array([self.notes[c][1] for c in codes]).reshape(len(codes), columns),
-            np.array(codes, dtype=np.int64), times, self._z,
-        )  # fmt: skip
+        rows = np.array([self.notes[c][1] for c in codes]).reshape(len(codes), jacobian.shape[1])
+        margins = np.array([self.notes[c][0] for c in codes])
+        return value, jacobian, margins, rows, np.array(codes, dtype=np.int64)
 
-    def _note(self, k: int, kind: int, item: int, margin: float, gradient: Floats) -> None:
+    def _note(self, kind: int, item: int, margin: float, gradient: Floats) -> None:
         """Enter a margin; where a bounce repeats the least one of each code counts."""
         if abs(margin) <= NOTHING and np.abs(gradient).max(initial=0.0) <= NOTHING:
             return
-        code = (KINDS * k + kind) * ITEMS + item
+        code = (KINDS * self._k + kind) * ITEMS + item
         if code not in self.notes or margin < self.notes[code][0]:
             self.notes[code] = margin, gradient
 
@@ -174,32 +146,31 @@ class Following:
 
     # --- Events -----------------------------------------------------------------------------------
 
-    def _begin(self, leg: Leg, k: int) -> bool:
+    def _begin(self) -> bool:
         """Carry out what begins a phase; False where laps of impacts are to be repeated first."""
-        if leg.impact is not None:
-            self._impact(leg.impact, k)
-            if leg.closes and not self._tail(leg, k, leg.impact):
+        impact = self._leg.impact
+        if impact is not None:
+            self._impact(impact)
+            if self._leg.closes and not self._tail(impact):
                 return False
         self._marks.append((self._z, self._tangents))
         return True
 
-    def _impact(self, impact: Impact, k: int) -> None:
-        struck = carry_out(self.eq, impact, self._z, self.p, self._tangents)
+    def _impact(self, impact: Impact) -> None:
+        z, tangents, slacks = carry_out(self.eq, impact, self._z, self.p, self._tangents)
         fast, turn = self._gap_rate(self._fired, self._z, self._tangents)
         if fast == 0.0:
             raise NoRootError
-        for slack, gradient, item in zip(
-            struck.slacks, struck.gradients, struck.items, strict=True
-        ):
-            quotient = float(slack)
+        for item, quotient, gradient in slacks:
             if item % 4 != ALONG:  # in proportion to the speed at which the gap closes
                 quotient /= -fast
                 gradient = -(gradient + quotient * turn) / fast
-            self._note(k, SLACK, item, quotient, gradient)
-        self._z, self._tangents = struck.z, struck.tangents
+            self._note(SLACK, item, quotient, gradient)
+        self._z, self._tangents = z, tangents
 
-    def _tail(self, leg: Leg, k: int, impact: Impact) -> bool:
+    def _tail(self, impact: Impact) -> bool:
         """The state in which impacts end that accumulate; whether flights are short enough."""
+        leg = self._leg
         touch = implied(self.eq, self._z, self.p, after(impact), impact.held)
         tail = tail_of(self.eq, self._z, self.p, self._tangents, impact, touch)
         if tail is None or tail.group != leg.closes:
@@ -212,7 +183,7 @@ class Following:
             fast, fast_turn = self._gap_rate(i, *self._marks[-leg.lap])
             if fast == 0.0:
                 raise NoRootError
-            self._note(k, BOUNCES, i, 1.0 - speed / fast, -(turn - speed / fast * fast_turn) / fast)
+            self._note(BOUNCES, i, 1.0 - speed / fast, -(turn - speed / fast * fast_turn) / fast)
         self._z, self._tangents = tail.z, tail.tangents
         return True
 
@@ -222,48 +193,49 @@ class Following:
 
     # --- Phases -----------------------------------------------------------------------------------
 
-    def _phase(self, here: Local, leg: Leg, k: int, near: float | None) -> float:
+    _k: int  # which phase it is
+    _leg: Leg
+    _steps: KeptSteps
+    _starts: dict[int, GuardStart]  # how its guards begin
+
+    def _phase(self, here: Local, near: float | None) -> float:
         """Follow the motion to the event that ends a phase; how long it takes."""
-        eq = self.eq
-        starts = starts_of(here, leg.touch, on_section=k == 0)
-        most = self.embedding.section.horizon
-        steps = KeptSteps(self.machine.flow(leg.mode, varies=True), here.z, self.p, most)
-        t, left = self._root(steps, leg, starts, near)
-        z, changes = steps.exact(t)
-        there = self._local(leg, z)
-        tangents = total(eq, changes, self._tangents)
-        length = steps.first.length
-        start = starts[leg.guard]
-        delay = self._fired_margins(there, leg, k, t, start, tangents, length, left)
-        for guard, other in starts.items():
+        eq, leg = self.eq, self._leg
+        starts = self._starts = starts_of(here, leg.touch, on_section=self._k == 0)
+        flow = self.machine.flow(leg.mode, varies=True)
+        self._steps = KeptSteps(flow, here.z, self.p, self.embedding.section.horizon)
+        start, (t, left) = starts[leg.guard], self._root(near)
+        z, changes = self._steps.exact(t)
+        there, tangents = self._local(z), total(eq, changes, self._tangents)
+        delay = self._fired_margins(there, t, tangents, left)
+        for guard in starts:
             if guard != leg.guard:
-                self._meeting(there, guard, k, t, other, tangents, delay, length)
-        self._dips(steps, leg, k, t, starts)
+                self._meeting(there, guard, t, tangents, delay)
+        self._dips(t)
         self._z, self._tangents = z, tangents + np.outer(there.flow, delay)
         self._fired = leg.guard % eq.m
         rested = leg.guard // eq.m == GAP and start.order == 2
         self._flight = (t, delay) if rested else None
         return t
 
-    def _local(self, leg: Leg, z: Floats) -> Local:
-        return Local(self.eq, leg.mode, z, self.p, self.embedding.guard_in(leg.mode))
+    def _local(self, z: Floats) -> Local:
+        mode = self._leg.mode
+        return Local(self.eq, mode, z, self.p, self.embedding.guard_in(mode))
 
-    def _root(
-        self, steps: KeptSteps, leg: Leg, starts: dict[int, GuardStart], near: float | None
-    ) -> tuple[float, float]:
+    def _root(self, near: float | None) -> tuple[float, float]:
         """When the guard fires, and what is left of it there; NoRootError if it does not soon."""
         if near is not None:
-            t = self._root_near(steps, leg, starts[leg.guard], near)
+            t = self._root_near(near)
             if abs(t - near) <= NEARBY * abs(near):
                 return t, 0.0
-            touches = self._touches(steps, leg, near)
+            touches = self._touches(near)
             if touches is not None:
                 return touches
             if math.isfinite(t):
                 return t, 0.0
-        return self._first_root(steps, leg, starts, near), 0.0
+        return self._first_root(near), 0.0
 
-    def _touches(self, steps: KeptSteps, leg: Leg, near: float) -> tuple[float, float] | None:
+    def _touches(self, near: float) -> tuple[float, float] | None:
         """Where the guard that fires just touches zero near a neighbour's time, if it does.
 
         Right at the border at which its two roots meet there is none or there are two, as rounding
@@ -272,46 +244,46 @@ class Following:
         Motions with a force or a slip that is zero are the same before and after, and so is the
         slope of the image; impacts, and the time of a return, go like a root.
         """
-        if leg.guard // self.eq.m in (GAP, SECTION):
+        guard, steps = self._leg.guard, self._steps
+        if guard // self.eq.m in (GAP, SECTION):
             return None
         t, step = near, math.inf
         for _ in range(NEWTON_MOST):
             z, _ = steps.exact(t)
-            here = self._local(leg, z)
-            value, rate = here.jet(leg.guard, 1)
-            bends = self._second_rate(here, leg.guard)
+            here = self._local(z)
+            value, rate = here.jet(guard, 1)
+            bends = self._second_rate(here, guard)
             step = -rate / bends if bends > 0.0 else math.inf
             if not abs(t + step - near) <= NEARBY * abs(near):
                 return None
             if abs(step) <= TOUCHED * abs(near):
                 break
             t += step
-        terms = np.abs(here.gradient(leg.guard)[: self.eq.size]) @ np.maximum(np.abs(z), 1.0)
+        terms = np.abs(here.gradient(guard)[: self.eq.size]) @ np.maximum(np.abs(z), 1.0)
         least = TOUCHES * float(terms)
         if not abs(value) <= least:
             return None
         return t - math.sqrt(2.0 * least / bends), value + least
 
-    def _root_near(self, steps: KeptSteps, leg: Leg, start: GuardStart, near: float) -> float:
+    def _root_near(self, near: float) -> float:
         """The root of the guard that fires, by Newton's method from a neighbour's; nan if none.
 
         Where a guard falls from the start the phase is beyond the border at which it has no
         duration, and the root may be negative.
         """
-        t, order = start.soon(steps.first.length, early=True), start.order
+        guard, steps = self._leg.guard, self._steps
+        start = self._starts[guard]
+        t, order = near, start.order
         early = bool(order) and not start.is_section and start.jet[order] < 0.0
-        if t < math.inf:
-            return t
-        t = near
         for _ in range(NEWTON_MOST):
             if abs(t - near) > FURTHER * abs(near) + steps.first.length or (
                 order and not (t > 0.0 or (t < 0.0 and early))
             ):
                 return math.nan
             z, _ = steps.exact(t)
-            value, rate = self._local(leg, z).jet(leg.guard, 1)
+            value, rate = self._local(z).jet(guard, 1)
             if order:
-                value -= float(start.noise(np.array(t)))
+                value -= start.noise(t)
                 rate -= order * value / t
             step = -value / rate if rate != 0.0 else math.nan
             t += step
@@ -321,48 +293,33 @@ class Following:
                 return t if rate < 0.0 else math.nan
         return t if abs(step) <= 1e-9 * abs(t) and rate < 0.0 else math.nan
 
-    def _first_root(
-        self, steps: KeptSteps, leg: Leg, starts: dict[int, GuardStart], near: float | None
-    ) -> float:
+    def _first_root(self, near: float | None) -> float:
         """The first root of the guard that fires; NoRootError if there is none soon."""
-        k, start = list(starts).index(leg.guard), starts[leg.guard]
-        t = start.soon(steps.first.length, early=True)
-        if t < math.inf:
-            return t
-        most = math.inf if near is None else FURTHER * abs(near) + steps.first.length
-        for window in self._windows(steps, leg, most, starts):
-            t = window[k].falls()
+        guard, length = self._leg.guard, self._steps.first.length
+        most = math.inf if near is None else FURTHER * abs(near) + length
+        for guards in self._guards(most):
+            t = guards.falls([*self._starts].index(guard))
             if t < math.inf:
-                better = self._root_near(steps, leg, start, t) if t > 0.0 else t
+                better = self._root_near(t) if t > 0.0 else t
                 return better if math.isfinite(better) else t
         raise NoRootError
 
-    def _windows(
-        self, steps: KeptSteps, leg: Leg, until: float, starts: dict[int, GuardStart]
-    ) -> Iterator[Sequence[Series] | Polynomials]:
-        """The guards until a time, interval by interval."""
-        begin, every = 0.0, list(starts.values())
-        here = self._local(leg, steps.start[0])
-        flow, values = self.machine.flow(leg.mode, section=here.section), watching(here)
-        made = flow.steps(*steps.start) if flow.has_guards else steps.all()
-        before = None
-        for step in made:
+    def _guards(self, until: float) -> Iterator[Polynomials]:
+        """The guards until a time, step by step."""
+        begin, before, mode = 0.0, None, self._leg.mode
+        starts = [*self._starts.values()]
+        flow = self.machine.flow(mode, section=self.embedding.guard_in(mode))
+        for step in flow.steps(*self._steps.start):
             if begin >= until:
                 return
-            if flow.has_guards:
-                found = Polynomials(step.length, step.guards, begin, every, before)
-                before = found.ends()
-                yield found
-            else:
-                for window in series(step, begin, values, every):
-                    if not window or window[0].low >= until:
-                        return
-                    yield window
+            found = Polynomials(step.length, step.guards, begin, starts, before)
+            yield found
+            before = found.ends()
             begin += step.length
 
     # --- Margins ----------------------------------------------------------------------------------
 
-    def _start_margins(self, here: Local, leg: Leg, k: int) -> None:
+    def _start_margins(self, here: Local) -> None:
         """What keeps each contact at rest in its state where a phase begins.
 
         A gap that opens as its force vanishes has, and a slip that starts at the edge of its cone,
@@ -372,6 +329,7 @@ class Following:
         on one side, and leaves from rest on the other. In the distance from there the acceleration
         goes like the power 1/3 and the speed like 2/3: only their product is smooth.
         """
+        leg = self._leg
         for guard in guards_of(self.eq, leg.mode):
             kind, i = divmod(guard, self.eq.m)
             if i not in leg.touch.closed or (kind == SLIP and i not in leg.touch.held):
@@ -388,9 +346,9 @@ class Following:
                 gradient = (gradient - margin * delay) / t
             if self._slow is not None and leg.impact is not None and i == self._fired:
                 rate, turn = self._slow
-                self._note(k, SETTLES, guard, -rate * margin, -rate * gradient - margin * turn)
+                self._note(SETTLES, guard, -rate * margin, -rate * gradient - margin * turn)
             else:
-                self._note(k, START, guard, margin, gradient)
+                self._note(START, guard, margin, gradient)
 
     def _gradients(self, here: Local, guard: int, tangents: Floats) -> tuple[Floats, Floats]:
         """Derivatives of a guard and of its rate, along the tangents at a fixed time."""
@@ -412,20 +370,18 @@ class Following:
                 p = self.p.copy()
                 if column >= len(found) - k:
                     p[eq.places[column - len(found) + k]] += sign * h
-                sides.append(Local(eq, here.mode, here.z + sign * h * way, p).rate(guard))
+                sides.append(Local(eq, here.mode, here.z + sign * h * way, p).derivative(guard, 1))
             found[column] = (sides[0] - sides[1]) / (2.0 * h)
         return found
 
-    def _fired_margins(
-        self, there: Local, leg: Leg, k: int, t: float, start: GuardStart, tangents: Floats,
-        length: float, left: float,
-    ) -> Floats:  # fmt: skip
+    def _fired_margins(self, there: Local, t: float, tangents: Floats, left: float) -> Floats:
         """That the guard which fires falls; how its time changes (d + k,).
 
         The square of its rate f' is -2 f f'' of its minimum f; what is left of it makes that so
         where it only touches zero.
         """
-        rate = there.rate(leg.guard)
+        leg, length = self._leg, self._steps.first.length
+        start, rate = self._starts[leg.guard], there.derivative(leg.guard, 1)
         value_turn, rate_turn = self._gradients(there, leg.guard, tangents)
         if rate == 0.0 or not math.isfinite(rate):
             raise NoRootError
@@ -436,17 +392,18 @@ class Following:
         turn = (rate_turn + bends * delay) / scale
         if start.order and t != 0.0:
             turn -= start.order * slope * delay / t
-        self._slow = (rate, rate_turn + bends * delay) if self._is_slow(there, leg) else None
+        self._slow = (rate, rate_turn + bends * delay) if self._is_slow(there) else None
         certain = start.order and abs(start.root()) < SOON * length  # it falls
         if not certain and self._slow is None:
             square = -slope * abs(slope) - 2.0 * bends * left / scale**2
-            self._note(k, SPEED, leg.guard, square, -2.0 * abs(slope) * turn)
+            self._note(SPEED, leg.guard, square, -2.0 * abs(slope) * turn)
         if leg.guard == SECTION * self.eq.m and start.order == 0 and t < SOON * length:
-            self._note(k, EARLY, leg.guard, t, delay)  # it may not have counted before
+            self._note(EARLY, leg.guard, t, delay)  # it may not have counted before
         return delay
 
-    def _is_slow(self, there: Local, leg: Leg) -> bool:
+    def _is_slow(self, there: Local) -> bool:
         """Whether a gap hardly falls where it closes, and cannot graze nearby for all that."""
+        leg = self._leg
         kind, i = divmod(leg.guard, self.eq.m)
         if kind != GAP or i in leg.touch.closed | leg.touch.leaving:
             return False
@@ -461,53 +418,41 @@ class Following:
         flow = np.column_stack([here.flow, *np.zeros((len(self.eq.free), self.eq.size))])
         return float(self._rate_by_differences(here, guard, flow)[0])
 
-    def _meeting(
-        self, there: Local, guard: int, k: int, t: float, start: GuardStart, tangents: Floats,
-        delay: Floats, length: float,
-    ) -> None:  # fmt: skip
+    def _meeting(self, there: Local, guard: int, t: float, tangents: Floats, delay: Floats) -> None:
         """That another guard has not fired before, or at once.
 
         In a short phase one that begins at zero has the sign of its first derivative, which is
         watched where the phase begins.
         """
-        if start.order and t < min(SOON * length, 0.25 * start.comes_back()):
+        start, length = self._starts[guard], self._steps.first.length
+        if start.order and t < SOON * length and not 0.0 < start.root() <= 4.0 * t:
             return
         value, rate = there.jet(guard, 1)
         if guard == SECTION * self.eq.m and (value <= 0.0 or rate >= 0.0):
             return  # it does not fall through zero
         turn = self._total(there.gradient(guard), tangents) + rate * delay
         if start.order and t > 0.0:
-            value -= float(start.noise(np.array(t)))
+            value -= start.noise(t)
             scale = t**start.order
             value, turn = value / scale, turn / scale - start.order * value / scale / t * delay
-        self._note(k, MEETING, guard, float(value), turn)
+        self._note(MEETING, guard, float(value), turn)
 
-    def _dips(
-        self, steps: KeptSteps, leg: Leg, k: int, t: float, starts: dict[int, GuardStart]
-    ) -> None:
+    def _dips(self, t: float) -> None:
         """Least values of guards at their minima within a phase, however far from zero."""
-        least, highest, watch = Least(), Least(), list(starts)
-        for window in self._windows(steps, leg, t, starts):
-            ones: Iterable[Series | Power] = window
-            for guard, one in zip(watch, ones, strict=True):
-                if guard == leg.guard:
-                    continue
-                least.add(guard, one, t)
-                if guard == SECTION * self.eq.m:
-                    highest.add(guard, one, t, lowest=False)
-        for found, sign in ((least, 1.0), (highest, -1.0)):
-            for guard, value in found.value.items():
-                if guard == SECTION * self.eq.m and value <= 0.0:
-                    continue  # it does not fall through zero there
-                self._note_dip(steps, leg, k, guard, found.time[guard], sign)
-
-    def _note_dip(
-        self, steps: KeptSteps, leg: Leg, k: int, guard: int, t: float, sign: float
-    ) -> None:
-        z, changes = steps.exact(t)
-        here, eq = self._local(leg, z), self.eq
-        tangents = total(eq, changes, self._tangents)
-        value = here.derivative(guard, 0)
-        gradient, _ = self._gradients(here, guard, tangents)
-        item = guard + (0 if sign > 0.0 else 1)
-        self._note(k, DIP, item, sign * value, sign * gradient)
+        starts, fired = [*self._starts], self._leg.guard
+        section = SECTION * self.eq.m
+        asked = [(guard, 1.0) for guard in starts if guard != fired]
+        asked += [(guard, -1.0) for guard in starts if guard == section != fired]
+        least = dict[tuple[int, float], tuple[float, float]]()
+        for guards in self._guards(t):
+            for guard, sign in asked:
+                found = guards.lowest(starts.index(guard), t, sign)
+                least[guard, sign] = min(found, least.get((guard, sign), found))
+        for (guard, sign), (value, time) in least.items():
+            if value < math.inf and (guard != section or value > 0.0):  # else it does not fall
+                z, changes = self._steps.exact(time)
+                here = self._local(z)
+                tangents = total(self.eq, changes, self._tangents)
+                gradient, _ = self._gradients(here, guard, tangents)
+                margin = sign * here.derivative(guard, 0)
+                self._note(DIP, guard + (sign < 0.0), margin, sign * gradient)

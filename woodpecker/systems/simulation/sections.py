@@ -156,15 +156,15 @@ class Embedding:
     def _touching(self) -> Touch:
         """Contacts that touch at every point of the section."""
         closed, held, leaving = set[int](), set[int](), set[int]()
-        gaps, rates, slips = self.eq.kinematics
+        terms = self.eq.expressions
         for i in range(self.eq.m):
-            if not vanishes(gaps[i].subs(self._at)):
+            if not vanishes(terms.gap[i].subs(self._at)):
                 continue
-            if not vanishes(rates[i].subs(self._at)):
+            if not vanishes(terms.gap_rate[i].subs(self._at)):
                 leaving.add(i)
                 continue
             closed.add(i)
-            if self.eq.rubs[i] and vanishes(slips[i].subs(self._at)):
+            if self.eq.rubs[i] and vanishes(terms.slip[i].subs(self._at)):
                 held.add(i)
         return Touch(frozenset(closed), frozenset(held), frozenset(leaving))
 
@@ -196,17 +196,14 @@ class Embedding:
         t = z[self.places[self.of_time]]
         return int(np.floor((t - self.section.first) / period)) if period > 0.0 else 0
 
-    def phase_margins(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
-        """How far time on the section is from both ends of a period (2,), derivatives (2, 1 + k).
-
-        The derivatives are those in time and in the parameters.
-        """
-        values = self._period(p)[0]
-        t = x[self.of_time] - self.section.first
-        rows = np.zeros((2, 1 + len(values) - 1))
-        rows[:, 0] = 1.0, -1.0
-        rows[1, 1:] = values[1:]
-        return np.array([t, values[0] - t]), rows
+    def phase_margins(
+        self, x: Floats, jacobian: Floats, p: Floats
+    ) -> tuple[tuple[float, Floats], tuple[float, Floats]]:
+        """How far time at a point is from both ends of a period, each with derivatives (d + k,)."""
+        period, turned = self._period(p)[0], jacobian[self.of_time]
+        t = float(x[self.of_time]) - self.section.first
+        longer = np.concatenate([np.zeros(len(turned) - len(period) + 1), period[1:]])
+        return (t, turned), (float(period[0]) - t, longer - turned)
 
     @property
     def of_time(self) -> int:

@@ -7,7 +7,8 @@ polynomials say when they fire.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
+from functools import partial
 from typing import Any
 
 import heyoka as hy
@@ -16,19 +17,16 @@ import sympy
 
 from woodpecker.base.arrays import Floats
 from woodpecker.base.polynomials import evaluated
-from woodpecker.systems.mechanics.equations import Equations
+from woodpecker.systems.mechanics.equations import Equations, Terms
 from woodpecker.systems.mechanics.modes import (
-    CONE_UP,
-    GAP,
     KNOWN,
-    NORMAL,
-    OPEN,
-    SLIDE_UP,
-    SLIP,
-    STICK,
+    Balance,
     Mode,
+    SectionGuard,
+    balance,
+    guard_values,
     guards_of,
-    team_of,
+    parts_of,
 )
 from woodpecker.systems.simulation.flows import STEPS_MOST, LostError, Step
 
@@ -46,14 +44,14 @@ class TaylorFlow:
         The equations, and the states of all contacts.
     varies
         Whether there are derivatives; else there are guards.
-    when
-        The expression of a section, whose fall through zero is the last guard; None: no section.
+    section
+        Of which the fall through zero is the last guard; None: no section.
     """
 
     def __init__(
-        self, eq: Equations, mode: Mode, *, varies: bool, when: sympy.Expr | None = None
+        self, eq: Equations, mode: Mode, *, varies: bool, section: SectionGuard | None = None
     ) -> None:
-        self._eq, self._varies, self.has_guards = eq, varies, not varies
+        self._eq, self._varies = eq, varies
         terms = _Expressions(eq, mode)
         system: Any = list(zip(terms.state, terms.rates, strict=True))
         self._starts: Any = None
@@ -62,7 +60,7 @@ class TaylorFlow:
             system = hy.var_ode_sys(system, [*terms.state, *parameters], 1)
             size = eq.size * (1 + eq.columns)
         else:
-            values, rates = terms.guards(when)
+            values, rates = terms.guards(None if section is None else section.when)
             marks = [hy.expression(f"g{k}") for k in range(len(values))]
             system += list(zip(marks, rates, strict=True))
             size = eq.size + len(marks)
@@ -74,78 +72,41 @@ class TaylorFlow:
         )  # fmt: skip
         self._pars, self._state = self._integrator.pars, self._integrator.state
         self._coefficients = self._integrator.tc
-        self._last: Floats | None = None  # the state in which the integrator was left, and for whom
         self._start = np.eye(eq.size, eq.columns).ravel() if varies else np.zeros(0)
 
-    def steps(self, z: Floats, p: Floats, most: float, *, keeps: bool = True) -> Iterator[Step]:
+    def steps(self, z: Floats, p: Floats, most: float) -> Iterator[Step]:
         """Steps in turn; the last one ends at a time that may be negative."""
-        integrator, limited = self._integrator, not math.isinf(most)
-        state, pars, coefficients = self._state, self._pars, self._coefficients
+        integrator, size = self._integrator, self._eq.size
         more = self._start
         if self._starts is not None:
             more = self._starts(z, None, p[: self._starts.nparams])
         kept = np.concatenate([z, more])
         t = 0.0
         for _ in range(STEPS_MOST):
-            if self._last is not kept:  # others have used the integrator since
-                self._last, integrator.time = kept, 0.0
-                pars[:], state[:] = p[: len(pars)], kept
-            if limited:
-                outcome, length = integrator.step(most - t, True)
-            else:
-                outcome, length = integrator.step(write_tc=True)
+            # others may have used the integrator since
+            integrator.time, self._pars[:], self._state[:] = 0.0, p[: len(self._pars)], kept
+            outcome, length = integrator.step(most - t, True)
             ends = outcome != SUCCESS
             if ends and outcome != TIME_LIMIT:
-                self._last = None
                 raise LostError
-            self._last = kept = state.copy()
-            yield TaylorStep(
-                coefficients.copy() if keeps else coefficients, length, self._eq.size,
-                varies=self._varies,
-            )  # fmt: skip
+            kept, c = self._state.copy(), self._coefficients.copy()
+            guards = c[len(c) if self._varies else size :]
+            rows = c if self._varies else c[:size]
+            yield Step(length, guards, partial(_states, c[:size]), partial(_exact, rows, size))
             t += length
             if ends:
                 return
         raise LostError
 
 
-class TaylorStep:
-    """A step: the Taylor polynomials of all numbers of the state, and of guards.
+def _states(c: Floats, times: Floats) -> Floats:
+    found: Floats = times[:, None] ** np.arange(c.shape[1]) @ c.T
+    return found
 
-    Parameters
-    ----------
-    coefficients
-        (rows, order + 1) those of the state, and then of its derivatives or of guards.
-    length
-        How long it is.
-    size
-        Numbers of the state.
-    varies
-        Whether there are derivatives; else there are guards.
-    """
 
-    __slots__ = "_coefficients", "_size", "_varies", "length"
-
-    def __init__(self, coefficients: Floats, length: float, size: int, *, varies: bool) -> None:
-        self._coefficients, self.length = coefficients, length
-        self._size, self._varies = size, varies
-
-    @property
-    def guards(self) -> Floats:
-        """(g, order + 1) Taylor coefficients of the guards; empty if derivatives are known."""
-        return self._coefficients[len(self._coefficients) if self._varies else self._size :]
-
-    def states(self, times: Floats) -> Floats:
-        """States (b, N)."""
-        powers = np.arange(self._coefficients.shape[1])
-        found: Floats = times[:, None] ** powers @ self._coefficients[: self._size].T
-        return found
-
-    def exact(self, t: float) -> tuple[Floats, Floats]:
-        """The state and its derivatives, if any."""
-        size = self._size
-        y = evaluated(self._coefficients[: None if self._varies else size], t)
-        return y[:size], y[size:].reshape(size, -1)
+def _exact(c: Floats, size: int, t: float) -> tuple[Floats, Floats]:
+    y = evaluated(c, t)
+    return y[:size], y[size:].reshape(size, -1)
 
 
 def jets(eq: Equations, mode: Mode) -> Callable[[Floats, Floats], Floats]:
@@ -172,28 +133,6 @@ def jets(eq: Equations, mode: Mode) -> Callable[[Floats, Floats], Floats]:
     return numbers
 
 
-def terms_function(eq: Equations) -> Callable[[Floats, Floats], Floats] | None:
-    """A compiled function of state and parameters: all numbers of the terms, in their order.
-
-    None if heyoka does not know one of them, such as Max in a restitution, which no flow needs.
-    """
-    state = [hy.expression(f"z{k}") for k in range(eq.size)]
-    values = [*state, *(hy.par[k] for k in range(len(eq.p)))]
-    names = dict(zip(eq.symbols, values, strict=True))
-    try:
-        converted = [_converted(each, names) for each in eq.flat]
-    except ValueError:
-        return None
-    function = hy.cfunc(converted, vars=state)
-    needs = function.nparams
-
-    def numbers(z: Floats, p: Floats) -> Floats:
-        found: Floats = function(z, None, p[:needs])
-        return found
-
-    return numbers
-
-
 class _Expressions:
     """The motion in a mode in heyoka's expressions.
 
@@ -210,77 +149,45 @@ class _Expressions:
         self.state = [hy.expression(f"z{k}") for k in range(eq.size)]
         values = [hy.par[k] for k in range(len(eq.p))]
         self._names = dict(zip(eq.symbols, [*self.state, *values], strict=True))
-        self._terms = [self._converted(each) for each in eq.expressions]
-        self._balance()
-        n = eq.n
-        self.rates = [*self.state[n : 2 * n], *self.a, hy.expression(1.0)]
+        empty: Any = np.empty(0)
+        self._terms = Terms(*map(self._converted, eq.expressions._replace(eps=empty)))
+        a, l_n, l_t = balance(eq, mode, self._terms, _eliminated)
+        self.a, self.l_n, self.l_t = self._kept(a), *map(_expressions, (l_n, l_t))
+        self.rates = [*self.state[eq.n : 2 * eq.n], *self.a, hy.expression(1.0)]
 
-    def _converted(self, matrix: Any) -> list[list[Any]]:
-        return [[_converted(entry, self._names) for entry in row] for row in matrix.tolist()]
+    def _converted(self, array: Any) -> Any:
+        found = np.empty(array.shape, dtype=object)
+        for place, entry in np.ndenumerate(array):
+            found[place] = _converted(entry, self._names)
+        return found
 
-    def _balance(self) -> None:
-        """The linear system of :func:`woodpecker.systems.mechanics.modes.balance`, eliminated."""
-        eq, mode, n = self._eq, self._mode, self._eq.n
-        mass, force, w_n, w_t, bar_n, bar_t, mu = self._terms
-        closed = [i for i, state in enumerate(mode) if state != OPEN]
-        stuck = [i for i in closed if mode[i] == STICK and self._team(i)[0] == i]
-        zero, size = hy.expression(0.0), n + len(closed) + len(stuck)
-        rows = [[zero] * (size + 1) for _ in range(size)]
-        for j in range(n):
-            rows[j][:n], rows[j][size] = mass[j], force[j][0]
-            for k, i in enumerate(closed):
-                pull = w_n[i][j]
-                if mode[i] != STICK and eq.rubs[i]:
-                    friction = mu[i][0] * w_t[i][j]
-                    pull = pull - friction if mode[i] == SLIDE_UP else pull + friction
-                rows[j][n + k] = -pull
-            for k, i in enumerate(stuck):
-                rows[j][n + len(closed) + k] = -w_t[i][j]
-        bars = [(w_n[i], bar_n[i]) for i in closed] + [(w_t[i], bar_t[i]) for i in stuck]
-        for k, (row, bar) in enumerate(bars):
-            rows[n + k][:n], rows[n + k][size] = row, -bar[0]
-        x = _eliminated(rows)
-        self.a, self.l_n, self.l_t = _kept(x[:n], bars), [zero] * eq.m, [zero] * eq.m
-        for k, i in enumerate(closed):
-            self.l_n[i] = x[n + k]
-            if mode[i] != STICK and eq.rubs[i]:
-                sign = -1.0 if mode[i] == SLIDE_UP else 1.0
-                self.l_t[i] = sign * mu[i][0] * x[n + k]
-        for k, i in enumerate(stuck):
-            self.l_t[i] = x[n + len(closed) + k]
+    def _kept(self, a: Floats) -> list[Any]:
+        """Accelerations that keep w a + bar at zero but for the rounding of this sum alone.
 
-    def _team(self, i: int) -> tuple[int, ...]:
-        return team_of(self._mode, self._eq.slips, i)
+        That of the whole system would add up over a phase: a contact that is closed would drift.
+        Only where it is safe to divide, by a number or by what alone moves the contact.
+        """
+        found: list[Any] = a.tolist()
+        left, t = set(range(len(a))), self._terms
+        closed, stuck, _ = parts_of(self._mode, self._eq.slips)
+        bars = [(t.w_n[i], t.bar_n[i]) for i in closed] + [(t.w_t[i], t.bar_t[i]) for i in stuck]
+        for row, bar in bars:
+            moves = [j for j, entry in enumerate(row) if not _is_zero(entry)]
+            safe = [j for j in moves if j in left and (len(moves) == 1 or _is_number(row[j]))]
+            if safe:
+                j = safe[0]
+                left.remove(j)
+                found[j] = -(bar + hy.sum([row[k] * found[k] for k in moves if k != j])) / row[j]
+        return found
 
     def guards(self, when: sympy.Expr | None) -> tuple[list[Any], list[Any]]:
-        """All guards of the mode, and their rates."""
-        eq, values, rates = self._eq, list[Any](), list[Any]()
-        w_t, bar_t, mu = self._terms[3], *self._terms[5:]
-        gaps, gap_rates, slips = (
-            [row[0] for row in self._converted(each)] for each in eq.kinematics
-        )
-        for guard in guards_of(eq, self._mode):
-            kind, i = divmod(guard, eq.m)
-            if kind == GAP:
-                values.append(gaps[i])
-                rates.append(gap_rates[i])
-            elif kind == SLIP:
-                sign = 1.0 if self._mode[i] == SLIDE_UP else -1.0
-                values.append(sign * slips[i])
-                turned = [w * a for w, a in zip(w_t[i], self.a, strict=True)]
-                rates.append(sign * (hy.sum(turned) + bar_t[i][0]))
-            else:
-                cone = -1.0 if kind == CONE_UP else 1.0
-                value = self.l_n[i]
-                if kind != NORMAL:
-                    bound = hy.sum([mu[k][0] * self.l_n[k] for k in self._team(i)])
-                    value = bound + cone * self.l_t[i]
-                values.append(value)
-                rates.append(self.rate(value))
+        """All guards of the mode, with that of a section if there is one, and their rates."""
+        forces = Balance(*map(np.array, (self.a, self.l_n, self.l_t)))
+        found = guard_values(self._eq, self._mode, self._terms, forces)
+        values = [np.ravel(each)[0] for each in found]
         if when is not None:
             values.append(-_converted(when, self._names))
-            rates.append(self.rate(values[-1]))
-        return values, rates
+        return values, [self.rate(value) for value in values]
 
     def rate(self, value: Any) -> Any:
         """The derivative of an expression in time."""
@@ -304,12 +211,13 @@ def _converted(entry: sympy.Expr, names: Mapping[sympy.Symbol, Any]) -> Any:
         raise ValueError(f"heyoka has no Taylor series of {entry}: {error}") from error
 
 
-def _eliminated(rows: list[list[Any]]) -> list[Any]:
+def _eliminated(matrix: Any, right: Any) -> Any:
     """The solution of a linear system of expressions, by elimination without pivoting.
 
     The mass matrix is positive definite, and so is what is left after it but for friction.
     """
-    size = len(rows)
+    size = len(matrix)
+    rows = [_expressions(row) for row in np.column_stack([matrix, right]).tolist()]
     for k in range(size):
         for j in range(k + 1, size):
             if _is_zero(rows[j][k]):
@@ -318,7 +226,7 @@ def _eliminated(rows: list[list[Any]]) -> list[Any]:
             rows[j] = [
                 a if _is_zero(b) else a - factor * b for a, b in zip(rows[j], rows[k], strict=True)
             ]
-    x: list[Any] = [None] * size
+    x: Any = np.empty(size, dtype=object)
     for k in range(size - 1, -1, -1):
         total = rows[k][size]
         for j in range(k + 1, size):
@@ -328,21 +236,10 @@ def _eliminated(rows: list[list[Any]]) -> list[Any]:
     return x
 
 
-def _kept(a: list[Any], bars: Sequence[tuple[list[Any], list[Any]]]) -> list[Any]:
-    """Accelerations that keep w a + bar at zero but for the rounding of this sum alone.
-
-    That of the whole system would add up over a phase: a contact that is closed would drift. Only
-    where it is safe to divide, by a number or by what alone moves the contact.
-    """
-    found, left = list(a), set(range(len(a)))
-    for row, bar in bars:
-        moves = [j for j, entry in enumerate(row) if not _is_zero(entry)]
-        safe = [j for j in moves if j in left and (len(moves) == 1 or _is_number(row[j]))]
-        if safe:
-            j = safe[0]
-            left.remove(j)
-            found[j] = -(bar[0] + hy.sum([row[k] * found[k] for k in moves if k != j])) / row[j]
-    return found
+def _expressions(values: Any) -> list[Any]:
+    """The same, numbers too."""
+    return [each if isinstance(each, hy.expression) else hy.expression(float(each))
+            for each in values]  # fmt: skip
 
 
 def _is_number(value: Any) -> bool:
