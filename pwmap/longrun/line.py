@@ -17,10 +17,10 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.arguments import check_mapping
-from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, dense, sign
-from pwmap.algebra.roots import Real, RealRoot, algebraic, real_to_sympy, value_at
+from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, sign
+from pwmap.algebra.roots import Real, RealRoot, algebraic, real_to_sympy
 from pwmap.algebra.terms import own_name
-from pwmap.longrun.numbers import Element, Exact
+from pwmap.longrun.numbers import Exact, value_of
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 
 IDENTITY = Affine(QQ.one, QQ.zero)
@@ -247,20 +247,13 @@ def _of_pieces(map_: PiecewiseLinearMap) -> MapLine:
 def line_at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
     """A map at a rational or algebraic value of its parameter; ValueError if that is excluded."""
     table, ring = map_.definition.table, map_.definition.ring
-
-    def element(polynomial: Any) -> Exact:
-        coefficients = dense(polynomial)
-        if isinstance(place, RealRoot):
-            return Element(place, place.reduced(coefficients))
-        return value_at(coefficients, place)
-
-    broken = map_.definition.region.broken(lambda polynomial: sign(element(polynomial)))
+    broken = map_.definition.region.broken(lambda polynomial: sign(value_of(polynomial, place)))
     if broken is not None:
         value = f"{ring.symbols[0]} = {real_to_sympy(place)}"
         raise ValueError(f"{value} contradicts the assumption {broken}")
-    bottom = element(table.denominator)
+    bottom = value_of(table.denominator, place)
     slopes, intercepts, breaks = (
-        [element(each) / bottom for each in group]
+        [value_of(each, place) / bottom for each in group]
         for group in (table.slopes, table.intercepts, table.breaks)
     )
     layout = table.layouts[map_.chain[0]]

@@ -17,8 +17,8 @@ import sympy
 from sympy import QQ
 from sympy.polys.densearith import dup_add, dup_mul, dup_neg, dup_sub
 
-from pwmap.algebra.exact import Infinite, Number, bits, pair, to_float
-from pwmap.algebra.roots import Dense, RealRoot, bounds, integers
+from pwmap.algebra.exact import Infinite, Number, bits, dense, pair, to_float
+from pwmap.algebra.roots import Dense, Real, RealRoot, bounds, integers, value_at
 from pwmap.maps.budget import cost
 
 Exact = Any  # an element of QQ, or an Element; an end of an interval may be Infinite
@@ -98,6 +98,14 @@ class Element:
 
     def __repr__(self) -> str:
         return str(exact_to_sympy(self))
+
+
+def value_of(polynomial: Number, place: Real) -> Exact:
+    """The value of a polynomial in one parameter at a rational or algebraic place."""
+    coefficients = dense(polynomial)
+    if isinstance(place, RealRoot):
+        return Element(place, place.reduced(coefficients))
+    return value_at(coefficients, place)
 
 
 def key(x: Exact) -> Hashable:

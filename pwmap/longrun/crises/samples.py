@@ -7,13 +7,13 @@ from dataclasses import dataclass
 from functools import cache
 
 from pwmap.algebra.exact import Number, dense
-from pwmap.algebra.roots import Real, RealRoot, bounds, roots_between, simplest_between
+from pwmap.algebra.roots import Real, bounds, roots_between, simplest_between
 from pwmap.longrun.attractors import Attractors, attractors_of
 from pwmap.longrun.crises.covering import DoubleMap, doubles_of
 from pwmap.longrun.cycles import closed_words
 from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import MapLine, line_at
-from pwmap.longrun.numbers import Element, Exact, key
+from pwmap.longrun.numbers import Exact, key, value_of
 from pwmap.maps.budget import BUDGET, Budget, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit, OrbitReturn, Word, first_turn
@@ -142,11 +142,8 @@ class Samples:
 
     def value(self, image: BreakImage, place: Real) -> Exact:
         """Where an image of a break is."""
-        fraction = self.axis.orbits.value(image.k, image.word)
-        if isinstance(place, RealRoot):
-            top, bottom = (Element(place, place.reduced(dense(part))) for part in fraction)
-            return top / bottom
-        return self.axis.value(fraction, place)
+        top, bottom = self.axis.orbits.value(image.k, image.word)
+        return value_of(top, place) / value_of(bottom, place)
 
     def word(self, orbit: GermOrbit) -> Word:
         """The letters of an orbit."""
