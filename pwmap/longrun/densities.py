@@ -22,7 +22,6 @@ import sympy
 from sympy import QQ
 
 from pwmap.longrun.attractors import Bands
-from pwmap.longrun.fates import abs_
 from pwmap.longrun.line import Germ, Interval, MapLine
 from pwmap.longrun.numbers import (
     Exact,
@@ -128,7 +127,7 @@ class Density:
         found = dict[Exact, Any]()
         for interval in self.bands.intervals:
             for branch, (low, high) in self.line.parts(interval):
-                size = abs_(branch.slope)
+                size = abs(branch.slope)
                 part = self.measure(low, high)
                 found[size] = found[size] + part if size in found else part
         return tuple(found.items())
@@ -202,7 +201,7 @@ def _enclosure(x: Exact) -> Any:
 
 def _followed(line: MapLine, germ: Germ, later: float, meter: Meter) -> _BreakSide:
     """An end of a piece with its jumps, until they end in a break, come again, or are small."""
-    branch = line.beside(germ)
+    branch = line.piece(germ)
     x, weight = branch(germ.x), 1 / branch.slope
     seen, found = dict[Exact, int](), list[tuple[Exact, Exact]]()
     while True:
@@ -216,11 +215,11 @@ def _followed(line: MapLine, germ: Germ, later: float, meter: Meter) -> _BreakSi
         found.append((x, weight))
         if x in line.breaks:
             return _BreakSide(germ, tuple(found), 0.0)
-        if len(found) >= LONGEST or abs_(weight) < LEAST:
-            size = max(enclosed(abs_(weight)))
+        if len(found) >= LONGEST or abs(weight) < LEAST:
+            size = max(enclosed(abs(weight)))
             rest = math.nextafter(float(size), math.inf) * later
             return _BreakSide(germ, tuple(found), math.nextafter(rest, math.inf))
-        branch = line.beside(Germ(x, 0))
+        branch = line.piece(Germ(x, 0))
         x, weight = branch(x), weight / branch.slope
 
 
@@ -237,7 +236,7 @@ def _tail(line: MapLine, bands: Bands, meter: Meter) -> float | None:
                 meter.spend(STEP + 3 * (work_of(interval[0]) + work_of(slope)))
                 for branch, part in line.parts(interval):
                     if part[0] < part[1]:
-                        longer.append((line.images([part]), slope * abs_(branch.slope)))
+                        longer.append((line.images([part]), slope * abs(branch.slope)))
         parts = longer
         least = min(slope for _, slope in parts)
         if not least:
@@ -300,7 +299,7 @@ def _solved(matrix: list[list[Any]]) -> list[Any] | None:
 
 def _size(x: Any) -> Any:
     if not isinstance(x, mpmath.ctx_iv.ivmpf):
-        return abs_(x)
+        return abs(x)
     return mpmath.mpf(0) if 0 in x else min(abs(mpmath.mpf(x.a)), abs(mpmath.mpf(x.b)))
 
 

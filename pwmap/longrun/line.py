@@ -47,6 +47,10 @@ class AffinePiece(NamedTuple):
         """The value of its formula at a point."""
         return self.slope * x + self.intercept
 
+    def image(self, germ: Germ) -> Germ:
+        """Where it takes a germ."""
+        return Germ(self(germ.x), germ.side * sign(self.slope))
+
     def after(self, first: Affine) -> Affine:
         """Its formula after another map."""
         return Affine(*self[:2]).after(first)
@@ -80,37 +84,22 @@ class MapLine:
         return tuple(Germ(x, side) for x in self.breaks for side in (-1, 1))
 
     def number(self, germ: Germ) -> int:
-        """The number of the branch on the side of a germ; for a point within a branch of that."""
-        return (bisect_left if germ.side < 0 else bisect_right)(self.breaks, germ.x)
+        """The number of the branch on the side of a germ; of a point the first that ends there."""
+        return (bisect_left if germ.side <= 0 else bisect_right)(self.breaks, germ.x)
 
-    def beside(self, germ: Germ) -> AffinePiece:
-        """The branch on the side of a germ; for a point within a branch that branch."""
-        return self.branches[self.number(germ)]
+    def piece(self, germ: Germ) -> AffinePiece:
+        """The branch on the side of a germ, or the piece in which a point lies."""
+        k = self.number(germ)
+        at_break = not germ.side and k < len(self.breaks) and self.breaks[k] == germ.x
+        return self.owners[k] if at_break else self.branches[k]
 
     def image(self, germ: Germ) -> Germ:
         """Where a germ maps to."""
-        return self.step(germ)[1]
-
-    def step(self, germ: Germ) -> tuple[str, Germ]:
-        """The letter of the piece that a germ is mapped by, and where it maps to."""
-        if not germ.side:
-            return self.letter(germ), Germ(self(germ.x), 0)
-        branch = self.beside(germ)
-        return branch.letter, Germ(branch(germ.x), germ.side * sign(branch.slope))
+        return self.piece(germ).image(germ)
 
     def __call__(self, x: Exact) -> Exact:
         """The value at a point."""
-        return self.piece(x)(x)
-
-    def piece(self, x: Exact) -> AffinePiece:
-        """The piece in which a point lies."""
-        k = bisect_left(self.breaks, x)
-        at_break = k < len(self.breaks) and self.breaks[k] == x
-        return self.owners[k] if at_break else self.branches[k]
-
-    def letter(self, germ: Germ) -> str:
-        """The letter of the piece that a germ is mapped by; at a break itself that of its value."""
-        return self.beside(germ).letter if germ.side else self.piece(germ.x).letter
+        return self.piece(Germ(x, 0))(x)
 
     def parts(self, interval: Interval) -> Iterator[tuple[AffinePiece, Interval]]:
         """An interval, longer than a point, cut at the breaks inside it."""

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cache
+from itertools import chain, islice
 
 from pwmap.algebra.exact import Number, dense
 from pwmap.algebra.roots import Real, bounds, roots_between, simplest_between
 from pwmap.longrun.attractors import Attractors, attractors_of
 from pwmap.longrun.crises.covering import DoubleMap, doubles_of
-from pwmap.longrun.cycles import closed_words
+from pwmap.longrun.cycles import closed_words, levels_of
 from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import MapLine, line_at
 from pwmap.longrun.numbers import Exact, key, value_of
@@ -124,7 +125,9 @@ class Samples:
     @cache  # noqa: B019  as long as the samples live
     def cycles(self, place: Number, order: int) -> list[tuple[tuple[int, ...], Exact]]:
         """Words of cycles up to a period, as numbers of pieces, with their multipliers."""
-        return list(closed_words(line_at(self.map, place), order, self.meter))
+        levels = levels_of(line_at(self.map, place), self.meter)
+        words = closed_words(chain.from_iterable(islice(levels, order)))
+        return [(word, whole.slope) for word, whole, _ in words]
 
     def repelling(self, place: Number, order: int) -> list[tuple[int, ...]]:
         """Those of them that repel."""
