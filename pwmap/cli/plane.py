@@ -145,7 +145,7 @@ def _computed(
 
 def _write(found: ParameterPlane, folder: Path) -> None:
     from pwmap.diagrams.files import write_table
-    from pwmap.plane.tables import curve_columns, point_columns
+    from pwmap.plane.network import curve_columns, point_columns
 
     folder.mkdir(parents=True, exist_ok=True)
     points = point_columns(found.points, (found.across, found.along))
@@ -167,7 +167,7 @@ def tables(found: ParameterPlane) -> Iterator[Table]:
     """Curves and points for a person."""
     from rich.table import Table
 
-    from pwmap.plane.tables import doubles
+    from pwmap.plane.network import doubles
 
     curves = Table("curve", "what", "cycles", "zero on it", "ends", title="Curves")
     for curve in found.curves:

@@ -19,12 +19,11 @@ from fractions import Fraction
 from math import ceil, floor
 from typing import NamedTuple
 
-from sympy import QQ
-
 from pwmap.algebra.arguments import checked_count, explained
-from pwmap.algebra.exact import Affine, Number, constant
+from pwmap.algebra.exact import Affine, Number
+from pwmap.longrun.line import IDENTITY, line_of
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_values
-from pwmap.rotations.pieces import LEFT, RIGHT, increasing_pieces
+from pwmap.rotations.pieces import increasing_pieces
 from pwmap.rotations.words import rotational_word
 
 ITERATES = 1000  # by default; the bounds are then at most 1/1000 apart
@@ -161,14 +160,10 @@ def rotation_interval(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Rot
 
 
 def _lines(map_: PiecewiseLinearMap) -> TwoLines:
-    pieces = increasing_pieces(map_)
+    increasing_pieces(map_)
     check_values(map_)
-    table = map_.definition.table
-    lines = [
-        Affine(constant(table.slopes[i]), constant(table.intercepts[i])) for i in (LEFT, RIGHT)
-    ]
-    top, bottom = map(constant, pieces.at)
-    return TwoLines(lines[0], lines[1], top / bottom)
+    left, right = line_of(map_).branches
+    return TwoLines(Affine(*left[:2]), Affine(*right[:2]), left.upper)
 
 
 def _fixed(lines: TwoLines) -> Fraction | None:
@@ -220,9 +215,9 @@ def _greatest(lines: TwoLines, iterates: int) -> RotationNumber:
 def _has_cycle(lines: TwoLines, rotation: Fraction, level: Number) -> bool:
     """Whether a cycle of a rotation number exists beyond the level piece, or just touches b."""
     word = rotational_word(rotation)
-    whole = Affine(QQ.one, QQ.zero)
+    piece, whole = {"L": lines.left, "R": lines.right}, IDENTITY
     for letter in word:
-        whole = (lines.left if letter == "L" else lines.right).after(whole)
+        whole = piece[letter].after(whole)
     if whole.slope == 1:  # then the orbit of t itself comes back, or no cycle is alone
         return False
     x = whole.fixed_point  # the leftmost point
@@ -231,7 +226,7 @@ def _has_cycle(lines: TwoLines, rotation: Fraction, level: Number) -> bool:
     for letter in word:
         if (x > lines.at) if letter == "L" else (x < lines.at):
             return False
-        x = (lines.left if letter == "L" else lines.right)(x)
+        x = piece[letter](x)
     return True
 
 
