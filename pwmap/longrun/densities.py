@@ -180,7 +180,13 @@ def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
         + _slack(end.rest) * number(top - bands.intervals[0][0])
         for end in ends
     ]
-    found = _normed(rows, mass, number)
+    # of the homogeneous equations one follows from the others
+    matrices = (
+        [*([*row, number(QQ.zero)] for k, row in enumerate(rows) if k != left_out),
+         [*mass, number(QQ.one)]]
+        for left_out in range(len(rows))
+    )  # fmt: skip
+    found = next((each for each in map(_solved, matrices) if each is not None), None)
     if found is None:
         return None
     places, values = _steps(bands, ends, found, number)
@@ -225,18 +231,15 @@ def _followed(line: MapLine, germ: Germ, later: float, meter: Meter) -> _BreakSi
 
 def _tail(line: MapLine, bands: Bands, meter: Meter) -> float | None:
     """A bound of 1/|A_1| + 1/|A_1 A_2| + ..., the slopes along any orbit; None if none is found."""
-    parts: list[tuple[list[Interval], Exact]] = [
-        ([interval], QQ.one) for interval in bands.intervals
-    ]
+    parts: list[tuple[Interval, Exact]] = [(interval, QQ.one) for interval in bands.intervals]
     total = 0.0
     while len(parts) <= MANY:
-        longer = list[tuple[list[Interval], Exact]]()
-        for intervals, slope in parts:
-            for interval in intervals:
-                meter.spend(STEP + 3 * (work_of(interval[0]) + work_of(slope)))
-                for branch, part in line.parts(interval):
-                    if part[0] < part[1]:
-                        longer.append((line.images([part]), slope * abs(branch.slope)))
+        longer = list[tuple[Interval, Exact]]()
+        for interval, slope in parts:
+            meter.spend(STEP + 3 * (work_of(interval[0]) + work_of(slope)))
+            for branch, part in line.parts(interval):
+                if part[0] < part[1]:
+                    longer.append((branch.over(part), slope * abs(branch.slope)))
         parts = longer
         least = min(slope for _, slope in parts)
         if not least:
@@ -258,20 +261,6 @@ def _row(here: Germ, ends: Sequence[_BreakSide], number: Callable[[Any], Any], k
         entry = number(-end.germ.side * sum(before, start=QQ.zero)) + _slack(end.rest)
         row.append(entry + 1 if i == k else entry)
     return row
-
-
-def _normed(
-    rows: list[list[Any]], mass: list[Any], number: Callable[[Any], Any]
-) -> list[Any] | None:
-    """The solution of homogeneous equations, of which one follows from the others, of mass one."""
-    zero, one = number(QQ.zero), number(QQ.one)
-    for left_out in range(len(rows)):
-        kept = [row for k, row in enumerate(rows) if k != left_out]
-        matrix = [[*row, zero] for row in kept] + [[*mass, one]]
-        found = _solved(matrix)
-        if found is not None:
-            return found
-    return None
 
 
 def _solved(matrix: list[list[Any]]) -> list[Any] | None:

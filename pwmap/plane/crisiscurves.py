@@ -22,8 +22,8 @@ from pwmap.algebra.inequalities import along
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, algebraic, real_roots
 from pwmap.diagrams.data import PointKind
+from pwmap.longrun.crises.changes import kind_at
 from pwmap.longrun.crises.diagram import attractor_diagram
-from pwmap.longrun.crises.kinds import kind_at
 from pwmap.longrun.crises.meetings import meeting_polynomial
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap

@@ -23,10 +23,9 @@ from pwmap.algebra.exact import fraction_to_sympy as shown_fraction
 from pwmap.algebra.roots import Real, bounds, real_to_sympy
 from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.shown import counted
-from pwmap.longrun.crises.changes import Changes, Onset
+from pwmap.longrun.crises.changes import Changes, Onset, kind_of
 from pwmap.longrun.crises.cuts import Cuts
 from pwmap.longrun.crises.glimpses import Glimpses
-from pwmap.longrun.crises.kinds import kind_of
 from pwmap.longrun.crises.meetings import Meeting
 from pwmap.longrun.crises.samples import Attracted, Samples
 from pwmap.longrun.dynamics import Dynamics
@@ -102,12 +101,19 @@ class Crisis:
     @property
     def cycles(self) -> tuple[str, ...]:
         """Words of the cycles that are met, each from its first letter in the alphabet on."""
-        return tuple(sorted({first_turn(each.cycle) for each in self.meetings}, key=_by_length))
+        return tuple(
+            sorted(
+                {first_turn(each.cycle) for each in self.meetings},
+                key=lambda word: (len(word), word),
+            )
+        )
 
     @property
     def images(self) -> tuple[str, ...]:
         """Words along which breaks go to these."""
-        return tuple(sorted({each.image for each in self.meetings}, key=_by_length))
+        return tuple(
+            sorted({each.image for each in self.meetings}, key=lambda word: (len(word), word))
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -377,7 +383,3 @@ def _shown(low: Real, high: Real, sample: Number) -> tuple[sympy.Expr, sympy.Exp
 
 def _expression(fraction: Fraction_) -> sympy.Expr:
     return quotient_to_sympy(fraction) if fraction[1] == 1 else shown_fraction(fraction)
-
-
-def _by_length(word: str) -> tuple[int, str]:
-    return len(word), word

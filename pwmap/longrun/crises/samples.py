@@ -76,17 +76,10 @@ class Samples:
         self.layout = map_.definition.table.layouts[map_.chain[0]]
         self.letters = self.layout.slots[::2]
         self.germs = [(k, side) for k in self.layout.breaks for side in (-1, 1)]
-        self._numbers = {map_.letters[letter]: letter for letter in self.letters}
-        self._known = dict[Hashable, Attracted]()
 
+    @cache  # noqa: B019  as long as the samples live
     def at(self, place: Number) -> Attracted:
         """What attracts at a rational place."""
-        found = self._known.get(key(place))
-        if found is None:
-            found = self._known[key(place)] = self._at(place)
-        return found
-
-    def _at(self, place: Number) -> Attracted:
         line = line_at(self.map, place)
         left = self.meter.budget.work - self.meter.work
         meter = Meter(Budget(work=max(1, min(WORK, left))))  # what takes more is open
@@ -134,10 +127,6 @@ class Samples:
         return [word for word, multiplier in self.cycles(place, order)
                 if not -1 <= multiplier <= 1]  # fmt: skip
 
-    def lettered(self, numbers: tuple[int, ...]) -> Word:
-        """Numbers of pieces as letters."""
-        return tuple(self.letters[k] for k in numbers)
-
     def roots(self, polynomial: Number, low: Real, high: Real) -> tuple[Real, ...]:
         """The places between two others at which a polynomial is zero; none if it is everywhere."""
         self.meter.spend(1 + len(polynomial))
@@ -150,7 +139,7 @@ class Samples:
 
     def word(self, orbit: GermOrbit) -> Word:
         """The letters of an orbit."""
-        return tuple(map(self._numbers.__getitem__, orbit.letters))
+        return tuple(map(self.map.letters.index, orbit.letters))
 
     def _is_special(self, line: MapLine, orbit: GermOrbit, k: int, word: Word) -> bool:
         """Whether an orbit meets a break, or comes back, but not so at all places."""

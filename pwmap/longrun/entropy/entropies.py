@@ -158,12 +158,9 @@ def entropy_of(
 
 def exact_entropy(growth: Real, order: int) -> Entropy:
     """The entropy of a map whose laps grow like the powers of a number, at least 1."""
-    low, high = (0.0, 0.0) if growth == 1 else log_bounds(_number(growth))
+    number = Element(growth, (QQ.one, QQ.zero)) if isinstance(growth, RealRoot) else growth
+    low, high = (0.0, 0.0) if growth == 1 else log_bounds(number)
     return Entropy(low=low, high=high, value=sympy.log(real_to_sympy(growth)), order=order)
-
-
-def _number(x: Real) -> Exact:
-    return Element(x, (QQ.one, QQ.zero)) if isinstance(x, RealRoot) else x
 
 
 def _log(x: Fraction) -> tuple[float, float]:
