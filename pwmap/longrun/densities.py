@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import accumulate
 from typing import Any
 
@@ -26,9 +26,9 @@ from pwmap.longrun.line import Germ, Interval, MapLine
 from pwmap.longrun.numbers import (
     Exact,
     enclosed,
+    enclosure,
     exact_to_sympy,
     log_bounds,
-    quotient_enclosure,
     work_of,
 )
 from pwmap.maps.budget import BudgetError, Meter
@@ -110,11 +110,11 @@ class Density:
         for a, b, value in self.steps():
             part = min(b, high) - max(a, low)
             if part > 0:
-                total = total + (part * value if self.exact else _enclosure(part) * value)
+                total = total + (part * value if self.exact else enclosure(part, BITS) * value)
         if self.exact:
             return total
         part = min(high, self.places[-1]) - max(low, self.places[0])
-        slack = _enclosure(max(part, QQ.zero)) * mpmath.iv.mpf([-self.error, self.error])
+        slack = enclosure(max(part, QQ.zero), BITS) * mpmath.iv.mpf([-self.error, self.error])
         return Enclosure(total + slack)
 
     def steps(self) -> Iterator[tuple[Exact, Exact, Any]]:
@@ -147,7 +147,7 @@ class Density:
         total = mpmath.iv.mpf(0)
         for size, part in self.shares:
             low, high = log_bounds(size)
-            total += (_enclosure(part) if self.exact else part) * mpmath.iv.mpf([low, high])
+            total += (enclosure(part, BITS) if self.exact else part) * mpmath.iv.mpf([low, high])
         return math.nextafter(float(total.a), -math.inf), math.nextafter(float(total.b), math.inf)
 
 
@@ -172,8 +172,16 @@ def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
         if x in line.breaks  # the ends of bands are images of these
     ]
     exact = all(end.rest == 0.0 for end in ends)
-    number: Callable[[Any], Any] = (lambda x: x) if exact else _enclosure
-    rows = [_row(end.germ, ends, number, k) for k, end in enumerate(ends)]
+    number: Callable[[Any], Any] = (lambda x: x) if exact else partial(enclosure, bits=BITS)
+    rows = list[list[Any]]()  # of the values at all ends: that at one, less the jumps before it
+    for here in ends:
+        x, side = here.germ
+        jumps = (
+            (end, sum((w for y, w in end.jumps if y < x or (side > 0 and y == x)), start=QQ.zero))
+            for end in ends
+        )
+        rows.append([number(-end.germ.side * jump) + _slack(end.rest) + (end is here)
+                     for end, jump in jumps])  # fmt: skip
     top = bands.intervals[-1][1]
     mass = [
         number(end.germ.side * sum((w * (top - x) for x, w in end.jumps), start=QQ.zero))
@@ -198,11 +206,6 @@ def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
 def _slack(rest: float) -> Any:
     """What is left of a sum, if anything is, as an interval around zero."""
     return mpmath.iv.mpf([-rest, rest]) if rest else 0
-
-
-def _enclosure(x: Exact) -> Any:
-    low, high = map(quotient_enclosure, enclosed(x, BITS))
-    return mpmath.iv.mpf([low.a, high.b])
 
 
 def _followed(line: MapLine, germ: Germ, later: float, meter: Meter) -> _BreakSide:
@@ -251,16 +254,6 @@ def _tail(line: MapLine, bands: Bands, meter: Meter) -> float | None:
                 1.0 + 2.0**-50
             )
     return None
-
-
-def _row(here: Germ, ends: Sequence[_BreakSide], number: Callable[[Any], Any], k: int) -> list[Any]:
-    """Coefficients of the values at all ends: that at one of them, less the jumps before it."""
-    row = []
-    for i, end in enumerate(ends):
-        before = (w for x, w in end.jumps if x < here.x or (here.side > 0 and x == here.x))
-        entry = number(-end.germ.side * sum(before, start=QQ.zero)) + _slack(end.rest)
-        row.append(entry + 1 if i == k else entry)
-    return row
 
 
 def _solved(matrix: list[list[Any]]) -> list[Any] | None:

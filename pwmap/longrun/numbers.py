@@ -157,12 +157,13 @@ def enclosed(x: Exact, bits: int = 64) -> tuple[Fraction, Fraction]:
         x.root.refine()
 
 
-def quotient_enclosure(x: Fraction) -> Any:
-    """A fraction as an interval of mpmath."""
-    return mpmath.iv.mpf(x.numerator) / mpmath.iv.mpf(x.denominator)
+def enclosure(x: Exact, bits: int = 64) -> Any:
+    """A number as an interval of mpmath, of about so many bits."""
+    low, high = (mpmath.iv.mpf(end.numerator) / end.denominator for end in enclosed(x, bits))
+    return mpmath.iv.mpf([low.a, high.b])
 
 
 def log_bounds(x: Exact) -> tuple[float, float]:
     """Doubles below and above the logarithm of a positive number."""
-    low, high = (mpmath.iv.log(quotient_enclosure(end)) for end in enclosed(x))
-    return math.nextafter(float(low.a), -math.inf), math.nextafter(float(high.b), math.inf)
+    found = mpmath.iv.log(enclosure(x))
+    return math.nextafter(float(found.a), -math.inf), math.nextafter(float(found.b), math.inf)

@@ -96,7 +96,11 @@ class Tongue:
         if len(self._map.parameters) != 1:
             names = ", ".join(map(str, self._map.parameters)) or "none"
             raise ValueError(f"the map must have exactly one parameter, it has {names}")
-        return _as_set([piece for piece in self._axis_pieces() if self._holds(inside(piece))])
+        pieces = (piece for piece in self._axis_pieces() if self._holds(inside(piece)))
+        return sympy.Union(
+            *(sympy.Interval(*map(real_to_sympy, piece), *2 * (piece[0] is not piece[1],))
+              for piece in pieces)
+        )  # fmt: skip
 
     @property
     def lower(self) -> sympy.Expr:
@@ -196,20 +200,3 @@ def _nearest(rotation: Fraction) -> tuple[int, ...]:
         return (0,)
     # step k is at point k p modulo q: the smallest on the right, q - p, is the last
     return (-1 - pow(p, -1, q)) % q, q - 1
-
-
-def _as_set(pieces: list[Piece_]) -> sympy.Set:
-    """Gaps and roots that hold, joined to intervals where one follows the other."""
-    joined: list[list[Piece_]] = []
-    for piece in pieces:
-        if joined and joined[-1][-1][1] is piece[0]:
-            joined[-1].append(piece)
-        else:
-            joined.append([piece])
-    return sympy.Union(*(_interval(group[0], group[-1]) for group in joined))
-
-
-def _interval(first: Piece_, last: Piece_) -> sympy.Set:
-    """From a gap or root to another, with the ends that are roots of their own."""
-    low, high = real_to_sympy(first[0]), real_to_sympy(last[1])
-    return sympy.Interval(low, high, first[0] is not first[1], last[0] is not last[1])

@@ -9,7 +9,7 @@ then is open.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise, product
@@ -73,10 +73,12 @@ class Changes:
         if self._are_long(left, right) and self._is_gap(left, right):
             yield self._open(left, right)
             return
-        met = self.places(left, right)
-        row = self._row(left, right, sorted(met)) if 0 < len(met) <= MANY else None
-        if row is not None:
-            for place, (x, y) in zip(sorted(met), pairwise(row), strict=True):
+        met = sorted(self.places(left, right))
+        row = list[Attracted]()  # samples between neighbouring places
+        if 0 < len(met) <= MANY:
+            row = [left, *(self.samples.between(a, b) for a, b in pairwise(met)), right]
+        if row and not any(each.is_open for each in row):
+            for place, (x, y) in zip(met, pairwise(row), strict=True):
                 yield from self._at(place, x, y, effort)
         elif effort > 0:
             third = (right.place - left.place) / 3
@@ -90,13 +92,6 @@ class Changes:
             yield self._open(left, right)
         else:
             yield Onset(left.place, right.place, left, right)
-
-    def _row(
-        self, left: Attracted, right: Attracted, places: Sequence[Real]
-    ) -> list[Attracted] | None:
-        """Samples between neighbouring places; None if one is open."""
-        row = [left, *(self.samples.between(a, b) for a, b in pairwise(places)), right]
-        return None if any(each.is_open for each in row) else row
 
     def _at(self, place: Real, x: Attracted, y: Attracted, effort: int) -> Iterator[Onset]:
         """What happens between samples on both sides of a place at which something may."""
@@ -204,18 +199,14 @@ class Changes:
         rows = [[ends for bands in each.ends for ends in bands] for each in (left, right)]
         if len(rows[0]) != len(rows[1]):
             return False
-        return all(
-            self._passes(one, other, left.place, right.place)
-            for ours, theirs in zip(*rows, strict=True)
-            for one, other in zip(ours, theirs, strict=True)
-            if one != other
-        )
-
-    def _passes(self, one: BreakImage, other: BreakImage, low: Number, high: Number) -> bool:
-        """Whether two images of breaks are in different orders at two places, or always equal."""
-        a, b = (self.orbits.value(each.k, each.word) for each in (one, other))
-        difference = dense(a[0] * b[1] - b[0] * a[1])
-        return not difference or sign_at(difference, low) * sign_at(difference, high) <= 0
+        for ours, theirs in zip(*rows, strict=True):
+            for one, other in zip(ours, theirs, strict=True):
+                a, b = (self.orbits.value(each.k, each.word) for each in (one, other))
+                order = dense(a[0] * b[1] - b[0] * a[1]) if one != other else ()
+                # they must be in different orders at both places, or always equal
+                if order and sign_at(order, left.place) * sign_at(order, right.place) > 0:
+                    return False
+        return True
 
     # --- Where something may end --------------------------------------------------------------
 
@@ -317,7 +308,13 @@ def kind_of(samples: Samples, change: Onset) -> PointKind | None:
         return None
     if not (left.counts and right.counts):
         chaotic, other = (left, right) if left.counts else (right, left)
-        return _end(samples, chaotic, other, change)
+        new = [word for word in other.cycles if word not in chaotic.cycles]
+        for word in new if change.is_exact else ():
+            letters = tuple(sorted(map(samples.map.letters.index, word)))
+            flip = samples.axis.orbits.polynomial(MultiplierSign(letters, -1))
+            if samples.axis.sign(flip, change.low) == 0:
+                return PointKind.PD
+        return PointKind.BC if new else PointKind.FC
     if change.is_exact:
         ours, theirs = (
             joined((samples.value(a, change.low), samples.value(b, change.low))
@@ -330,19 +327,6 @@ def kind_of(samples: Samples, change: Onset) -> PointKind | None:
     if not same:
         return PointKind.XC
     return None if left.counts == right.counts else PointKind.MC
-
-
-def _end(samples: Samples, chaotic: Attracted, other: Attracted, change: Onset) -> PointKind:
-    """How bands end beyond which there are none."""
-    new = [word for word in other.cycles if word not in chaotic.cycles]
-    if not new:
-        return PointKind.FC
-    for word in new if change.is_exact else ():
-        letters = tuple(sorted(map(samples.map.letters.index, word)))
-        flip = samples.axis.orbits.polynomial(MultiplierSign(letters, -1))
-        if samples.axis.sign(flip, change.low) == 0:
-            return PointKind.PD
-    return PointKind.BC
 
 
 def _close(left: Attracted, right: Attracted) -> bool:
