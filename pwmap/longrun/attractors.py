@@ -62,16 +62,12 @@ class Bands:
 class Attractors:
     """Everything bounded that orbits settle to."""
 
-    line: MapLine
     cycles: tuple[AttractingCycle, ...]  # these and the next from left to right
     neutral: tuple[NeutralIntervals, ...]
     bands: tuple[Bands, ...]
     orbits: tuple[GermOrbit, ...]  # of all germs at breaks, with their fates
     open: tuple[Exact, ...]  # breaks of which it is not known what grows from them
     left_out: str = ""  # a sentence if a budget or an interrupt is the cause
-
-    def __len__(self) -> int:
-        return len(self.cycles) + len(self.neutral) + len(self.bands)
 
 
 class _Settled(Exception):  # noqa: N818  it is not an error
@@ -121,7 +117,7 @@ def attractors_of(line: MapLine, meter: Meter) -> Attractors:
     cycles = sorted(fates.cycles, key=lambda each: each.points[0])
     bands.sort(key=lambda each: each.intervals[0][0])
     return Attractors(
-        line, tuple(cycles), neutral, tuple(bands), tuple(orbits), tuple(sorted(open_)),
+        tuple(cycles), neutral, tuple(bands), tuple(orbits), tuple(sorted(open_)),
         meter.stopped,
     )  # fmt: skip
 

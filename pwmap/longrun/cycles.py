@@ -230,14 +230,12 @@ def _cut(slope: Exact, intercept: Exact, low: Exact, high: Exact) -> Interval | 
 def _through_breaks(line: MapLine, order: int, meter: Meter) -> Iterator[FoundCycle]:
     seen = set[Any]()
     for x in line.breaks:
-        points = [x]
-        for _ in range(order):
-            meter.spend(work_of(points[-1]))
-            image = line(points[-1])
-            if image == x:
-                break
+        points, image = [x], line(x)
+        while image != x and len(points) < order:
+            meter.spend(work_of(image))
             points.append(image)
-        if len(points) > order or line(points[-1]) != x:
+            image = line(image)
+        if image != x:
             continue
         least = min(points)
         if key(least) in seen:

@@ -210,17 +210,12 @@ def _of_pieces(map_: PiecewiseLinearMap) -> MapLine:
 
     last: Exact = LOWEST
     for cylinder in map_.cylinders:
-        slope, intercept = (
-            quotient(orbits.slope(cylinder.word)),
-            quotient(orbits.intercept(cylinder.word)),
-        )
-        upper = cylinder.upper
-        end = (
-            HIGHEST
-            if upper is None
-            else quotient(orbits.preimage(upper.k, cylinder.word[: upper.steps]))
-        )
-        piece = AffinePiece(slope, intercept, last, end, map_.spelled(cylinder.word))
+        word, upper = cylinder.word, cylinder.upper
+        slope, intercept = quotient(orbits.slope(word)), quotient(orbits.intercept(word))
+        end: Exact = HIGHEST
+        if upper is not None:
+            end = quotient(orbits.preimage(upper.k, word[: upper.steps]))
+        piece = AffinePiece(slope, intercept, last, end, map_.spelled(word))
         if cylinder.is_point:
             owners.append(piece._replace(upper=last))
             continue
@@ -253,9 +248,7 @@ def line_at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
     )
     owners = list[AffinePiece]()
     for i, letter in enumerate(layout.slots[1::2]):
-        beside = [k for k in (i, i + 1) if layout.slots[2 * k] == letter]
-        point = AffinePiece(
-            slopes[letter], intercepts[letter], cuts[i + 1], cuts[i + 1], map_.letters[letter]
-        )
-        owners.append(branches[beside[0]] if beside else point)
+        beside = [branches[k] for k in (i, i + 1) if layout.slots[2 * k] == letter]
+        numbers = slopes[letter], intercepts[letter], cuts[i + 1], cuts[i + 1]
+        owners.append(beside[0] if beside else AffinePiece(*numbers, map_.letters[letter]))
     return MapLine(branches, tuple(owners))

@@ -198,10 +198,11 @@ class _Points:
     def at(self, parameter: sympy.Expr, x: float, branch: str) -> str:
         """The point in which a band ends: that of a crisis, or one of its own."""
         crisis = self._crises.get(parameter)
-        name = self._known.get(parameter, "") if crisis is not None else ""
-        if not name and crisis is not None:
-            name = self._known[parameter] = self._own(crisis) or self._added(crisis, x)
-        if not name:
+        if crisis is not None:
+            if parameter not in self._known:
+                self._known[parameter] = self._own(crisis) or self._added(crisis, x)
+            name = self._known[parameter]
+        else:
             ends = self._found.cells[0].lower, self._found.cells[-1].upper
             is_end = parameter in ends
             note = "end of the parameter span" if is_end else "beyond, what attracts is open"
