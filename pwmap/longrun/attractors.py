@@ -21,7 +21,7 @@ from pwmap.algebra.exact import pair
 from pwmap.longrun.fates import AttractingCycle, Fate, Fates, GermOrbit
 from pwmap.longrun.line import AffinePiece, Germ, Interval, MapLine, add, joined, length, outside
 from pwmap.longrun.neutral import NeutralIntervals, neutral_intervals
-from pwmap.longrun.numbers import Element, Exact, enclosed, work_of
+from pwmap.longrun.numbers import Element, Exact, enclosed, in_order, work_of
 from pwmap.maps.budget import Meter
 
 STEPS = 600  # of an orbit, and of what grows from a break
@@ -222,7 +222,7 @@ class _Growth:
         self.scale = _scale(self.line)
         self.close = self.scale * QQ(1, 1 << (CLOSE + HEIGHT * high))
         self.grid = 2 * bits(self.close) + ROUNDED
-        self.images = sorted(germ.x for orbit in orbits for germ in orbit.germs)
+        self.images = in_order(germ.x for orbit in orbits for germ in orbit.germs)
         self.neutral = [pair for each in neutral for pair in each.intervals]
 
     def smallest(self, intervals: Intervals) -> Intervals | None:

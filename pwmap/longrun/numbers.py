@@ -7,7 +7,7 @@ same operators.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Iterable
 from fractions import Fraction
 from functools import total_ordering
 from typing import Any
@@ -124,6 +124,14 @@ def work_of(x: Exact) -> int:
         longest = max(map(bits, x.value), default=0)
         return len(x.root.polynomial) ** 2 * cost(longest + 2 * max(map(bits, x.root.polynomial)))
     return cost(bits(x))
+
+
+def in_order(numbers: Iterable[Exact]) -> list[Exact]:
+    """Numbers from the smallest on: by their nearest doubles, exactly where these are equal."""
+    listed = list(numbers)
+    if any(isinstance(x, Element) for x in listed):
+        return sorted(listed)
+    return sorted(listed, key=lambda x: (to_float(x), x))
 
 
 def to_double(x: Exact) -> float:
