@@ -16,11 +16,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from math import ceil, floor
 from typing import NamedTuple
 
+from sympy import QQ
+
 from pwmap.algebra.arguments import checked_count, explained
-from pwmap.algebra.exact import Affine, Number
+from pwmap.algebra.exact import Affine, Number, pair
+from pwmap.algebra.roots import simplest_between
 from pwmap.longrun.line import IDENTITY, line_of
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_values
 from pwmap.rotations.pieces import increasing_pieces
@@ -205,7 +207,10 @@ def _greatest(lines: TwoLines, iterates: int) -> RotationNumber:
         # k/n, the first if it is on the level piece, the second if it is back at t
         lower = max(lower, Fraction(turns - (x != top), n))
         upper = min(upper, Fraction(turns - (x <= level), n))
-        simplest = lower if lower == upper else _simplest(lower, upper)
+        simplest = lower
+        if lower < upper:
+            inner = simplest_between(*(QQ(*end.as_integer_ratio()) for end in (lower, upper)))
+            simplest = min(lower, upper, Fraction(*pair(inner)), key=lambda x: x.denominator)
         if lower == upper or (simplest not in tried and _has_cycle(lines, simplest, level)):
             return RotationNumber(lower=simplest, upper=simplest, iterates=n)
         tried.add(simplest)
@@ -228,11 +233,3 @@ def _has_cycle(lines: TwoLines, rotation: Fraction, level: Number) -> bool:
             return False
         x = piece[letter](x)
     return True
-
-
-def _simplest(lower: Fraction, upper: Fraction) -> Fraction:
-    """The rational of the smallest denominator between two others, ends included."""
-    if ceil(lower) <= upper:
-        return Fraction(ceil(lower))
-    whole = floor(lower)
-    return whole + 1 / _simplest(1 / (upper - whole), 1 / (lower - whole))
