@@ -261,7 +261,7 @@ def _univariate(
             symbol: polynomial
             for symbol in (u, v)
             for polynomial in basis.polys
-            if polynomial.LM(order="lex").exponents == _unit(symbol, (v, u, t))
+            if polynomial.LM(order="lex").as_expr(v, u, t) == symbol
         }
         if len(shape) == 2:
             pair = tuple(line.from_expr(sympy.expand(g - shape[g].as_expr())) for g in (u, v))
@@ -273,10 +273,6 @@ def _abscissae(given: list[sympy.Expr], other: sympy.Symbol, symbol: sympy.Symbo
     """A polynomial in one symbol without multiple roots, which are those of all common zeros."""
     last = sympy.groebner(given, other, symbol, order="lex", domain=QQ).exprs[-1]
     return sympy.sqf_part(last, symbol) if last.free_symbols else last
-
-
-def _unit(symbol: sympy.Symbol, symbols: tuple[sympy.Symbol, ...]) -> tuple[int, ...]:
-    return tuple(int(symbol == other) for other in symbols)
 
 
 # --- What is there --------------------------------------------------------------------------------
