@@ -223,6 +223,7 @@ class _Growth:
         self.close = self.scale * QQ(1, 1 << (CLOSE + HEIGHT * high))
         self.grid = 2 * bits(self.close) + ROUNDED
         self.images = in_order(germ.x for orbit in orbits for germ in orbit.germs)
+        self.known = dict[Interval, Intervals]()
         self.neutral = [pair for each in neutral for pair in each.intervals]
 
     def smallest(self, intervals: Intervals) -> Intervals | None:
@@ -232,13 +233,15 @@ class _Growth:
         images = expanded(self.line, intervals, self.meter)
         if images is None:
             return None
+        enough: Interval | None = None
         for part in sorted(images, key=_length, reverse=True):
             try:
-                found = self.whole(part)
+                found = self.whole(part, enough)
             except _Settled:
                 return None
             if found != intervals:
                 return found or None
+            enough = enough or part
         return intervals
 
     def grown(self, germ: Germ) -> Intervals | None:
@@ -258,10 +261,12 @@ class _Growth:
             return ()
         return None
 
-    def whole(self, part: Interval) -> Intervals | None:
-        """All late images of an interval."""
+    def whole(self, part: Interval, enough: Interval | None = None) -> Intervals | None:
+        """All late images of an interval, the same as of another if that is reached."""
         known, new = [part], [part]
         while new:
+            if enough is not None and not outside([enough], known):
+                return self.known[enough]
             pieces = [self.image(*piece) for each in new for piece in self.line.parts(each)]
             new = outside(joined(pieces), known)
             add(known, new)
@@ -271,6 +276,7 @@ class _Growth:
             self.note(known)
             exact = self.exact(known)
             if exact and self.line.images(exact) == exact:
+                self.known[part] = tuple(exact)
                 return tuple(exact)
             images = self.line.images(known)
             if len(images) > PARTS:
