@@ -41,7 +41,7 @@ ENGINE = {
     "pwmap.maps.scopes.CellScope": "or those of a cell",
     "pwmap.maps.words.Orbits": "polynomials of words, which the iterates of a map share",
     "pwmap.maps.words.SignOracle": "decides signs of these",
-    "pwmap.plane.marks.PlaneMark": "where curves of the plane meet",
+    "pwmap.plane.marks.PlaneEvent": "what happens to cycles, and to which",
     "pwmap.plane.network.PlaneArc": "a part of a curve over one strip",
     "woodpecker.search.curves.BranchCurve": "a curve of one branch, as a run keeps it",
     "woodpecker.search.ends.Collision": "how a branch ends at a border, as a run keeps it",

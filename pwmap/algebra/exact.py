@@ -134,6 +134,9 @@ class Infinite:
     def __neg__(self) -> Infinite:
         return Infinite(-self.side)
 
+    def __abs__(self) -> Infinite:
+        return HIGHEST
+
     def __add__(self, other: Any) -> Infinite:
         return self
 

@@ -131,7 +131,7 @@ def _computed(
 
 def _write(found: ParameterPlane, folder: Path) -> None:
     from pwmap.diagrams.files import write_table
-    from pwmap.plane.tables import curve_columns, point_columns
+    from pwmap.plane.network import curve_columns, point_columns
 
     folder.mkdir(parents=True, exist_ok=True)
     points = point_columns(found.points, (found.across, found.along))
@@ -151,7 +151,7 @@ def _draw(
 
 def tables(found: ParameterPlane) -> Iterator[Table]:
     """Curves and points for a person."""
-    from pwmap.plane.tables import doubles
+    from pwmap.plane.network import doubles
 
     curves = (
         (curve.id, f"{curve.kind.label}{', ' * bool(curve.note)}{curve.note}",

@@ -13,14 +13,14 @@ from bisect import bisect_left
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
-from math import gcd
+from math import gcd, prod
 
 from sympy import QQ
 
 from pwmap.algebra.exact import pair
-from pwmap.longrun.fates import AttractingCycle, Fate, Fates, GermOrbit, abs_
+from pwmap.longrun.fates import AttractingCycle, Fate, Fates, GermOrbit
 from pwmap.longrun.line import AffinePiece, Germ, Interval, MapLine, add, joined, length, outside
-from pwmap.longrun.neutral import NeutralIntervals, is_neutral, neutral_intervals
+from pwmap.longrun.neutral import NeutralIntervals, neutral_intervals
 from pwmap.longrun.numbers import Element, Exact, enclosed, in_order, work_of
 from pwmap.maps.budget import Meter
 
@@ -62,16 +62,12 @@ class Bands:
 class Attractors:
     """Everything bounded that orbits settle to."""
 
-    line: MapLine
     cycles: tuple[AttractingCycle, ...]  # these and the next from left to right
     neutral: tuple[NeutralIntervals, ...]
     bands: tuple[Bands, ...]
     orbits: tuple[GermOrbit, ...]  # of all germs at breaks, with their fates
     open: tuple[Exact, ...]  # breaks of which it is not known what grows from them
     left_out: str = ""  # a sentence if a budget or an interrupt is the cause
-
-    def __len__(self) -> int:
-        return len(self.cycles) + len(self.neutral) + len(self.bands)
 
 
 class _Settled(Exception):  # noqa: N818  it is not an error
@@ -80,7 +76,7 @@ class _Settled(Exception):  # noqa: N818  it is not an error
 
 def attractors_of(line: MapLine, meter: Meter) -> Attractors:
     """The attractors of a map; what the budget does not reach are open breaks."""
-    expands = all(abs_(branch.slope) > 1 for branch in line.branches)
+    expands = all(abs(branch.slope) > 1 for branch in line.branches)
     fates = Fates(line, EXPANDING if expands else STEPS, meter)
     orbits, open_, bands = list[GermOrbit](), set(line.breaks), list[Bands]()
     with meter.keeping(line.branches):
@@ -93,7 +89,7 @@ def attractors_of(line: MapLine, meter: Meter) -> Attractors:
             fates.orbit(
                 Germ(QQ.zero, 1)
             )  # all orbits come to the cycle of one piece, if it has one
-    orbits += [GermOrbit((germ,), (line.letter(germ),), Fate.OPEN)
+    orbits += [GermOrbit((germ,), (line.piece(germ).letter,), Fate.OPEN)
                for germ in line.germs[len(orbits) :]]  # fmt: skip
     neutral = neutral_intervals(line, orbits)
     with meter.keeping(line.branches):
@@ -121,7 +117,7 @@ def attractors_of(line: MapLine, meter: Meter) -> Attractors:
     cycles = sorted(fates.cycles, key=lambda each: each.points[0])
     bands.sort(key=lambda each: each.intervals[0][0])
     return Attractors(
-        line, tuple(cycles), neutral, tuple(bands), tuple(orbits), tuple(sorted(open_)),
+        tuple(cycles), neutral, tuple(bands), tuple(orbits), tuple(sorted(open_)),
         meter.stopped,
     )  # fmt: skip
 
@@ -131,7 +127,7 @@ def _like_the_last(line: MapLine, germ: Germ, orbits: Sequence[GermOrbit]) -> Ge
     last = orbits[-1] if orbits else None
     if last is None or last.fate is Fate.FINITE or line.image(germ) not in last.germs[1:2]:
         return None
-    letters = line.letter(germ), *last.letters[1:]
+    letters = line.piece(germ).letter, *last.letters[1:]
     return replace(last, germs=(germ, *last.germs[1:]), letters=letters)
 
 
@@ -143,23 +139,27 @@ def _beside(
     image = sides[0].germs[1:2]
     same = image and image == sides[1].germs[1:2]  # then the same grows from both
     for orbit in sides[:1] if same else sides:
-        if _ends_at_a_break(fates.line, orbit, fates):
-            return None
-        each = () if _is_settled(fates.line, orbit, fates) else growth.candidate(orbit.germs[0])
+        each = _grown(fates, growth, orbit)
         if each is None:
             return None
         found.add(each)
     return found
 
 
-def _is_settled(line: MapLine, orbit: GermOrbit, fates: Fates) -> bool:
-    """Whether it is known that points beside a break come to no chaotic attractor."""
-    return (
-        orbit.fate in (Fate.DRAWN, Fate.LOST)
-        or not line.beside(orbit.germs[0]).slope  # beside it all points have one orbit
-        or _ends_in_a_cycle(orbit, fates)
-        or is_neutral(line, orbit)
-    )
+def _grown(fates: Fates, growth: _Growth, orbit: GermOrbit) -> Intervals | None:
+    """What grows from one side of a break, () if that settles; None if it is open."""
+    if orbit.fate is Fate.FINITE:
+        again = [(germ, fates.line.piece(germ)) for germ in orbit.germs[orbit.start :]]
+        if any(germ.x in cycle.points for germ, _ in again for cycle in fates.cycles):
+            return ()
+        size = prod((abs(piece.slope) for _, piece in again), start=QQ.one)
+        if size < 1 or not all(germ.side for germ, _ in again):
+            return None  # it ends in a cycle that attracts on one side, since it meets a break
+        if size == 1:
+            return ()
+    if orbit.fate in (Fate.DRAWN, Fate.LOST) or not fates.line.piece(orbit.germs[0]).slope:
+        return ()  # beside a flat piece all points have one orbit
+    return growth.grown(orbit.germs[0])
 
 
 def _inside(line: MapLine, intervals: Intervals) -> tuple[Exact, ...]:
@@ -197,35 +197,11 @@ def _fixed(low: tuple[Exact, ...], high: tuple[Exact, ...]) -> Interval | None:
     return None if not size else (((1 - e) * c + b * f) / size, (d * c + (1 - a) * f) / size)
 
 
-def height(line: MapLine) -> int:
-    """Bits of the largest denominator of a map's coefficients."""
-    return max(map(bits, (*line.breaks, *(x for branch in line.branches for x in branch[:2]))))
-
-
 def bits(x: Exact) -> int:
     """Of the largest denominator of a number's coefficients."""
     if isinstance(x, Element):
         return max(map(bits, x.value), default=1)
     return pair(x)[1].bit_length()
-
-
-def _ends_in_a_cycle(orbit: GermOrbit, fates: Fates) -> bool:
-    """Whether a finite orbit ends in an attracting cycle."""
-    if orbit.fate is not Fate.FINITE:
-        return False
-    end = {germ.x for germ in orbit.germs[orbit.start :]}
-    return any(end & set(cycle.points) for cycle in fates.cycles)
-
-
-def _ends_at_a_break(line: MapLine, orbit: GermOrbit, fates: Fates) -> bool:
-    """Whether a finite orbit ends in a cycle that attracts on one side, since it meets a break."""
-    if orbit.fate is not Fate.FINITE or _ends_in_a_cycle(orbit, fates):
-        return False
-    size = QQ.one
-    for germ in orbit.germs[orbit.start :]:
-        size = size * abs_(line.beside(germ).slope) if germ.side else size
-    held = any(not germ.side for germ in orbit.germs[orbit.start :])
-    return held or size < 1
 
 
 class _Growth:
@@ -241,20 +217,14 @@ class _Growth:
         self, fates: Fates, orbits: Sequence[GermOrbit], neutral: Sequence[NeutralIntervals]
     ) -> None:
         self.fates, self.line, self.meter = fates, fates.line, fates.meter
-        high = height(self.line)
+        numbers = (*self.line.breaks, *(x for branch in self.line.branches for x in branch[:2]))
+        high = max(map(bits, numbers))  # of the coefficients
         self.scale = _scale(self.line)
         self.close = self.scale * QQ(1, 1 << (CLOSE + HEIGHT * high))
         self.grid = 2 * bits(self.close) + ROUNDED
         self.images = in_order(germ.x for orbit in orbits for germ in orbit.germs)
         self.known = dict[Interval, Intervals]()
         self.neutral = [pair for each in neutral for pair in each.intervals]
-
-    def candidate(self, germ: Germ) -> Intervals | None:
-        """What grows from one side of a break, () if it settles; None if that is not known."""
-        try:
-            return self.grown(germ, self.close)
-        except _Settled:
-            return ()
 
     def smallest(self, intervals: Intervals) -> Intervals | None:
         """What grew, or the smallest that grows in it; None if that is not known."""
@@ -274,19 +244,21 @@ class _Growth:
             enough = enough or part
         return intervals
 
-    def grown(self, germ: Germ, away: Exact) -> Intervals | None:
-        """All late images of one side of a break, as intervals."""
-        ends = germ.x, germ.x + germ.side * away
+    def grown(self, germ: Germ) -> Intervals | None:
+        """All late images of one side of a break, () if it settles; None if that is not known."""
+        ends = germ.x, germ.x + germ.side * self.close
         part: Interval = (min(ends), max(ends))
         longest, since = part, 0
-        for _ in range(GROWTH):
-            if since > STILL or not _length(longest) < self.scale * LONG:
-                return self.whole(part)
-            pieces = [self.image(*piece) for piece in self.line.parts(part)]
-            part = max(pieces, key=_length)
-            since += 1
-            if _length(longest) < _length(part):
-                longest, since = part, 0
+        try:
+            for _ in range(GROWTH):
+                if since > STILL or not _length(longest) < self.scale * LONG:
+                    return self.whole(part)
+                part = max((self.image(*each) for each in self.line.parts(part)), key=_length)
+                since += 1
+                if _length(longest) < _length(part):
+                    longest, since = part, 0
+        except _Settled:
+            return ()
         return None
 
     def whole(self, part: Interval, enough: Interval | None = None) -> Intervals | None:
@@ -325,8 +297,8 @@ class _Growth:
     def nearest(self, x: Exact) -> Exact | None:
         """The image of a break that is close to a number."""
         k = bisect_left(self.images, x)
-        near = min(self.images[max(0, k - 1) : k + 1], key=lambda each: abs_(each - x))
-        return near if abs_(near - x) < self.close else None
+        near = min(self.images[max(0, k - 1) : k + 1], key=lambda each: abs(each - x))
+        return near if abs(near - x) < self.close else None
 
     def image(self, branch: AffinePiece, part: Interval) -> Interval:
         """The image of an interval on one piece, if it does not settle."""
@@ -369,7 +341,7 @@ def expanded(line: MapLine, intervals: Intervals, meter: Meter) -> set[Interval]
             meter.spend(STEP + 3 * (work_of(interval[0]) + work_of(size)))
             for branch, part in line.parts(interval):
                 looked += 1
-                product = size * abs_(branch.slope)
+                product = size * abs(branch.slope)
                 if not product:
                     return None
                 image = branch.over(part)
@@ -402,10 +374,3 @@ def common_period(ways: Sequence[Sequence[int]]) -> int:
                 depth[there] = depth[here] + 1
                 waiting.append(there)
     return found
-
-
-def share(intervals: Sequence[Interval], window: Interval) -> Exact:
-    """The part of a window that intervals cover."""
-    low, high = window
-    inside = [(max(a, low), min(b, high)) for a, b in intervals if a < high and low < b]
-    return length(inside) / (high - low)

@@ -206,7 +206,7 @@ def _pieces(line: MapLine, end: Exact, side: int, orders: int, meter: Meter) -> 
     germ = Germ(end, side)
     for _ in range(orders):
         meter.spend(STEP + 3 * work_of(germ.x))
-        branch = line.beside(germ)
+        branch = line.piece(germ)
         stop = branch.upper if germ.side > 0 else branch.lower
         limit = _nearer((stop - intercept) / slope, limit, side)
         slope, intercept = branch.slope * slope, branch.slope * intercept + branch.intercept

@@ -8,7 +8,7 @@ times the order. Cycles through breaks are found by following the breaks themsel
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from itertools import chain, islice
 from math import prod
@@ -20,7 +20,6 @@ from sympy import QQ
 from pwmap.algebra.arguments import check_functions, explained
 from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, sign
 from pwmap.diagrams.shown import counted
-from pwmap.longrun.fates import abs_
 from pwmap.longrun.line import IDENTITY, AffinePiece, Germ, Interval, MapLine, line_of
 from pwmap.longrun.numbers import Exact, exact_to_sympy, key, work_of
 from pwmap.maps.budget import BUDGET, Budget, Meter, Progress, Report, metered
@@ -70,7 +69,7 @@ class FoundCycle:
     @property
     def stable(self) -> bool | None:
         """Whether it attracts; None if that hangs on both sides of a break."""
-        return None if self.at_break or self.slope is None else bool(abs_(self.slope) < 1)
+        return None if self.at_break or self.slope is None else bool(abs(self.slope) < 1)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -165,12 +164,11 @@ def cycles(
     searched, left_out = 0, ""
     with meter.keeping(levels):
         found += _through_breaks(line, order, meter)
-        for level in meter.each(islice(_levels(line, meter), order), "periods"):
+        for level in meter.each(islice(levels_of(line, meter), order), "periods"):
             searched += len(level)
             cycles_ = [
-                FoundCycle(line, _spelled(line, start.word), x, start.whole.slope)
-                for start in level
-                if (x := _closed(start)) is not None
+                FoundCycle(line, "".join(line.branches[k].letter for k in word), x, whole.slope)
+                for word, whole, x in closed_words(level)
             ]
             done, most = len(levels) + 1, meter.budget.pieces
             if progress is not None:
@@ -191,18 +189,15 @@ def cycles(
     )  # fmt: skip
 
 
-def closed_words(
-    line: MapLine, order: int, meter: Meter
-) -> Iterator[tuple[tuple[int, ...], Exact]]:
-    """Words of cycles without points on breaks, by period, each once, with their multipliers."""
-    for level in islice(_levels(line, meter), order):
-        for start in level:
-            if _closed(start) is not None:
-                yield start.word, start.whole.slope
+def closed_words(level: Iterable[_StartSet]) -> Iterator[tuple[tuple[int, ...], Affine, Exact]]:
+    """Words of cycles without points on breaks, with their maps and leftmost points."""
+    for word, whole, low, high in level:
+        if whole.slope != 1 and low < (x := whole.fixed_point) < high:
+            yield word, whole, x
 
 
-def _levels(line: MapLine, meter: Meter) -> Iterator[list[_StartSet]]:
-    """All words of one letter, of two, and so on, until there are none."""
+def levels_of(line: MapLine, meter: Meter) -> Iterator[list[_StartSet]]:
+    """All words of one letter, of two, and so on, until there are none, with their points."""
     level = [_StartSet((), IDENTITY, LOWEST, HIGHEST)]
     while level := [longer for start in level for longer in _longer(line, start, meter)]:
         yield level
@@ -211,24 +206,16 @@ def _levels(line: MapLine, meter: Meter) -> Iterator[list[_StartSet]]:
 def _longer(line: MapLine, start: _StartSet, meter: Meter) -> Iterator[_StartSet]:
     """The words of one letter more that points follow, each with these points."""
     meter.spend(STEP * len(line.branches) * work_of(start.whole.intercept))
+    slope, intercept = start.whole
     for k, branch in enumerate(line.branches):
-        cut = _mapped_into(start, branch)
-        if cut is None:
-            continue
-        yield _StartSet((*start.word, k), branch.after(start.whole), *cut)
-
-
-def _mapped_into(start: _StartSet, branch: AffinePiece) -> Interval | None:
-    """The points of a start whose last image lies in a branch, and not left of themselves."""
-    low, high, (slope, intercept) = start.low, start.high, start.whole
-    for end, side in ((branch.lower, 1), (branch.upper, -1)):
-        cut = _cut(side * slope, side * (intercept - end), low, high)
-        if cut is None:
-            return None
-        low, high = cut
-    if start.word:
-        return _cut(slope - 1, intercept, low, high)
-    return low, high
+        # the last image lies in the branch, and not left of the point itself
+        positive = ((slope, intercept - branch.lower), (-slope, branch.upper - intercept),
+                    (slope - 1, intercept))  # fmt: skip
+        cut: Interval | None = (start.low, start.high)
+        for one in positive if start.word else positive[:2]:
+            cut = cut and _cut(*one, *cut)
+        if cut:
+            yield _StartSet((*start.word, k), branch.after(start.whole), *cut)
 
 
 def _cut(slope: Exact, intercept: Exact, low: Exact, high: Exact) -> Interval | None:
@@ -240,29 +227,15 @@ def _cut(slope: Exact, intercept: Exact, low: Exact, high: Exact) -> Interval | 
     return (low, high) if low < high else None
 
 
-def _closed(start: _StartSet) -> Exact | None:
-    """The fixed point of a word, if it is among the points that follow it."""
-    if start.whole.slope == 1:
-        return None
-    x = start.whole.fixed_point
-    return x if start.low < x < start.high else None
-
-
-def _spelled(line: MapLine, word: tuple[int, ...]) -> str:
-    return "".join(line.branches[k].letter for k in word)
-
-
 def _through_breaks(line: MapLine, order: int, meter: Meter) -> Iterator[FoundCycle]:
     seen = set[Any]()
     for x in line.breaks:
-        points = [x]
-        for _ in range(order):
-            meter.spend(work_of(points[-1]))
-            image = line(points[-1])
-            if image == x:
-                break
+        points, image = [x], line(x)
+        while image != x and len(points) < order:
+            meter.spend(work_of(image))
             points.append(image)
-        if len(points) > order or line(points[-1]) != x:
+            image = line(image)
+        if image != x:
             continue
         least = min(points)
         if key(least) in seen:
@@ -270,7 +243,7 @@ def _through_breaks(line: MapLine, order: int, meter: Meter) -> Iterator[FoundCy
         seen.add(key(least))
         first = points.index(least)
         points = points[first:] + points[:first]
-        pieces = [line.piece(point) for point in points]
+        pieces = [line.piece(Germ(point, 0)) for point in points]
         sides = [side for side in (-1, 1) if _is_followed(line, points, pieces, side)]
         slope = prod((piece.slope for piece in pieces), start=QQ.one) if sides else None
         if slope != 1:
@@ -280,7 +253,7 @@ def _through_breaks(line: MapLine, order: int, meter: Meter) -> Iterator[FoundCy
 def _is_followed(line: MapLine, points: list[Exact], pieces: list[AffinePiece], side: int) -> bool:
     """Whether points beside a cycle through breaks, on one side of its first, follow its pieces."""
     for x, piece in zip(points, pieces, strict=True):
-        if piece.is_point or (side and line.letter(Germ(x, side)) != piece.letter):
+        if piece.is_point or (side and line.piece(Germ(x, side)).letter != piece.letter):
             return False
         side *= sign(piece.slope)
     return True

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import accumulate
 from typing import Any
 
@@ -22,14 +22,13 @@ import sympy
 from sympy import QQ
 
 from pwmap.longrun.attractors import Bands
-from pwmap.longrun.fates import abs_
 from pwmap.longrun.line import Germ, Interval, MapLine
 from pwmap.longrun.numbers import (
     Exact,
     enclosed,
+    enclosure,
     exact_to_sympy,
     log_bounds,
-    quotient_enclosure,
     work_of,
 )
 from pwmap.maps.budget import BudgetError, Meter
@@ -111,11 +110,11 @@ class Density:
         for a, b, value in self.steps():
             part = min(b, high) - max(a, low)
             if part > 0:
-                total = total + (part * value if self.exact else _enclosure(part) * value)
+                total = total + (part * value if self.exact else enclosure(part, BITS) * value)
         if self.exact:
             return total
         part = min(high, self.places[-1]) - max(low, self.places[0])
-        slack = _enclosure(max(part, QQ.zero)) * mpmath.iv.mpf([-self.error, self.error])
+        slack = enclosure(max(part, QQ.zero), BITS) * mpmath.iv.mpf([-self.error, self.error])
         return Enclosure(total + slack)
 
     def steps(self) -> Iterator[tuple[Exact, Exact, Any]]:
@@ -128,7 +127,7 @@ class Density:
         found = dict[Exact, Any]()
         for interval in self.bands.intervals:
             for branch, (low, high) in self.line.parts(interval):
-                size = abs_(branch.slope)
+                size = abs(branch.slope)
                 part = self.measure(low, high)
                 found[size] = found[size] + part if size in found else part
         return tuple(found.items())
@@ -148,7 +147,7 @@ class Density:
         total = mpmath.iv.mpf(0)
         for size, part in self.shares:
             low, high = log_bounds(size)
-            total += (_enclosure(part) if self.exact else part) * mpmath.iv.mpf([low, high])
+            total += (enclosure(part, BITS) if self.exact else part) * mpmath.iv.mpf([low, high])
         return math.nextafter(float(total.a), -math.inf), math.nextafter(float(total.b), math.inf)
 
 
@@ -173,15 +172,29 @@ def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
         if x in line.breaks  # the ends of bands are images of these
     ]
     exact = all(end.rest == 0.0 for end in ends)
-    number: Callable[[Any], Any] = (lambda x: x) if exact else _enclosure
-    rows = [_row(end.germ, ends, number, k) for k, end in enumerate(ends)]
+    number: Callable[[Any], Any] = (lambda x: x) if exact else partial(enclosure, bits=BITS)
+    rows = list[list[Any]]()  # of the values at all ends: that at one, less the jumps before it
+    for here in ends:
+        x, side = here.germ
+        jumps = (
+            (end, sum((w for y, w in end.jumps if y < x or (side > 0 and y == x)), start=QQ.zero))
+            for end in ends
+        )
+        rows.append([number(-end.germ.side * jump) + _slack(end.rest) + (end is here)
+                     for end, jump in jumps])  # fmt: skip
     top = bands.intervals[-1][1]
     mass = [
         number(end.germ.side * sum((w * (top - x) for x, w in end.jumps), start=QQ.zero))
         + _slack(end.rest) * number(top - bands.intervals[0][0])
         for end in ends
     ]
-    found = _normed(rows, mass, number)
+    # of the homogeneous equations one follows from the others
+    matrices = (
+        [*([*row, number(QQ.zero)] for k, row in enumerate(rows) if k != left_out),
+         [*mass, number(QQ.one)]]
+        for left_out in range(len(rows))
+    )  # fmt: skip
+    found = next((each for each in map(_solved, matrices) if each is not None), None)
     if found is None:
         return None
     places, values = _steps(bands, ends, found, number)
@@ -195,14 +208,9 @@ def _slack(rest: float) -> Any:
     return mpmath.iv.mpf([-rest, rest]) if rest else 0
 
 
-def _enclosure(x: Exact) -> Any:
-    low, high = map(quotient_enclosure, enclosed(x, BITS))
-    return mpmath.iv.mpf([low.a, high.b])
-
-
 def _followed(line: MapLine, germ: Germ, later: float, meter: Meter) -> _BreakSide:
     """An end of a piece with its jumps, until they end in a break, come again, or are small."""
-    branch = line.beside(germ)
+    branch = line.piece(germ)
     x, weight = branch(germ.x), 1 / branch.slope
     seen, found = dict[Exact, int](), list[tuple[Exact, Exact]]()
     while True:
@@ -216,28 +224,25 @@ def _followed(line: MapLine, germ: Germ, later: float, meter: Meter) -> _BreakSi
         found.append((x, weight))
         if x in line.breaks:
             return _BreakSide(germ, tuple(found), 0.0)
-        if len(found) >= LONGEST or abs_(weight) < LEAST:
-            size = max(enclosed(abs_(weight)))
+        if len(found) >= LONGEST or abs(weight) < LEAST:
+            size = max(enclosed(abs(weight)))
             rest = math.nextafter(float(size), math.inf) * later
             return _BreakSide(germ, tuple(found), math.nextafter(rest, math.inf))
-        branch = line.beside(Germ(x, 0))
+        branch = line.piece(Germ(x, 0))
         x, weight = branch(x), weight / branch.slope
 
 
 def _tail(line: MapLine, bands: Bands, meter: Meter) -> float | None:
     """A bound of 1/|A_1| + 1/|A_1 A_2| + ..., the slopes along any orbit; None if none is found."""
-    parts: list[tuple[list[Interval], Exact]] = [
-        ([interval], QQ.one) for interval in bands.intervals
-    ]
+    parts: list[tuple[Interval, Exact]] = [(interval, QQ.one) for interval in bands.intervals]
     total = 0.0
     while len(parts) <= MANY:
-        longer = list[tuple[list[Interval], Exact]]()
-        for intervals, slope in parts:
-            for interval in intervals:
-                meter.spend(STEP + 3 * (work_of(interval[0]) + work_of(slope)))
-                for branch, part in line.parts(interval):
-                    if part[0] < part[1]:
-                        longer.append((line.images([part]), slope * abs_(branch.slope)))
+        longer = list[tuple[Interval, Exact]]()
+        for interval, slope in parts:
+            meter.spend(STEP + 3 * (work_of(interval[0]) + work_of(slope)))
+            for branch, part in line.parts(interval):
+                if part[0] < part[1]:
+                    longer.append((branch.over(part), slope * abs(branch.slope)))
         parts = longer
         least = min(slope for _, slope in parts)
         if not least:
@@ -248,30 +253,6 @@ def _tail(line: MapLine, bands: Bands, meter: Meter) -> float | None:
             return math.nextafter(math.nextafter(total, math.inf) / (1.0 - inverse), math.inf) * (
                 1.0 + 2.0**-50
             )
-    return None
-
-
-def _row(here: Germ, ends: Sequence[_BreakSide], number: Callable[[Any], Any], k: int) -> list[Any]:
-    """Coefficients of the values at all ends: that at one of them, less the jumps before it."""
-    row = []
-    for i, end in enumerate(ends):
-        before = (w for x, w in end.jumps if x < here.x or (here.side > 0 and x == here.x))
-        entry = number(-end.germ.side * sum(before, start=QQ.zero)) + _slack(end.rest)
-        row.append(entry + 1 if i == k else entry)
-    return row
-
-
-def _normed(
-    rows: list[list[Any]], mass: list[Any], number: Callable[[Any], Any]
-) -> list[Any] | None:
-    """The solution of homogeneous equations, of which one follows from the others, of mass one."""
-    zero, one = number(QQ.zero), number(QQ.one)
-    for left_out in range(len(rows)):
-        kept = [row for k, row in enumerate(rows) if k != left_out]
-        matrix = [[*row, zero] for row in kept] + [[*mass, one]]
-        found = _solved(matrix)
-        if found is not None:
-            return found
     return None
 
 
@@ -300,7 +281,7 @@ def _solved(matrix: list[list[Any]]) -> list[Any] | None:
 
 def _size(x: Any) -> Any:
     if not isinstance(x, mpmath.ctx_iv.ivmpf):
-        return abs_(x)
+        return abs(x)
     return mpmath.mpf(0) if 0 in x else min(abs(mpmath.mpf(x.a)), abs(mpmath.mpf(x.b)))
 
 

@@ -20,7 +20,6 @@ from pwmap.longrun.attractors import (
     absorbing_of,
     attractors_of,
     common_period,
-    share,
 )
 from pwmap.longrun.basins import WholeBasin, basin_of, staying, whole_basin
 from pwmap.longrun.densities import Density, density_of
@@ -237,7 +236,9 @@ class Attractor:
 
         ValueError if the window is no interval, TypeError if an end is a float.
         """
-        return exact_to_sympy(share(self._basin, checked_span(window, "a window")))
+        low, high = checked_span(window, "a window")
+        inside = sum(max(0, min(b, high) - max(a, low)) for a, b in self._basin)
+        return exact_to_sympy(inside * QQ.one / (high - low))
 
     def __str__(self) -> str:
         if self.points:
@@ -443,7 +444,7 @@ def _minmax(line: MapLine, start: Germ) -> MinMax:
             seen[germ] = len(seen)
             germ = line.image(germ)
         return _from_first_image(
-            [each.side for each in seen], [line.letter(each) for each in seen], seen.get(germ)
+            [each.side for each in seen], [line.piece(each).letter for each in seen], seen.get(germ)
         )
     pieces = [line.branches[k] for k in found.pieces]
     sides = [start.side]

@@ -125,8 +125,9 @@ class Fates:
                 return GermOrbit(tuple(germs), tuple(letters), Fate.DRAWN, cycle=drawn)
             seen[place] = step
             germs.append(germ)
-            letter, germ = self.line.step(germ)
-            letters.append(letter)
+            piece = self.line.piece(germ)
+            germ = piece.image(germ)
+            letters.append(piece.letter)
         return GermOrbit(tuple(germs), tuple(letters), Fate.OPEN)
 
     def _kept(self, cycle: AttractingCycle | None) -> AttractingCycle | None:
@@ -151,10 +152,10 @@ class Fates:
         for _ in range(period):
             if not here.side and here.x in self.line.breaks:
                 return None
-            branch = self.line.beside(here)
+            branch = self.line.piece(here)
             whole = branch.after(whole)
             here = self.line.image(here)
-        if not abs_(whole.slope) < 1:
+        if not abs(whole.slope) < 1:
             return None
         return self.attracting(whole.fixed_point, period)
 
@@ -164,7 +165,7 @@ class Fates:
         for _ in range(period):
             if x in self.line.breaks:
                 return None
-            branch = self.line.beside(Germ(x, 0))
+            branch = self.line.piece(Germ(x, 0))
             points.append(x)
             slopes.append(branch.slope)
             word.append(branch.letter)
@@ -178,25 +179,20 @@ class Fates:
         multiplier = QQ.one
         for each in slopes:
             multiplier = multiplier * each
-        if not abs_(multiplier) < 1:  # the word was that of pieces in which the point does not lie
+        if not abs(multiplier) < 1:  # the word was that of pieces in which the point does not lie
             return None
         reach = self._reach(points, slopes)
         return AttractingCycle(tuple(points), "".join(word), multiplier, reach)
 
     def _reach(self, points: Sequence[Exact], slopes: Sequence[Exact]) -> tuple[Exact, ...]:
         """How close to each point of a cycle orbits follow it once round."""
-        away = [min((abs_(x - at) for at in self.line.breaks), default=HIGHEST) for x in points]
+        away = [min((abs(x - at) for at in self.line.breaks), default=HIGHEST) for x in points]
         found, after = list[Exact](away), HIGHEST
         # twice: the second turn needs less than the first, by the multiplier
         for k in [*reversed(range(len(points)))] * 2:
-            near = after / abs_(slopes[k]) if slopes[k] else HIGHEST
+            near = after / abs(slopes[k]) if slopes[k] else HIGHEST
             after = found[k] = min(away[k], near)
         return tuple(found)
-
-
-def abs_(x: Exact) -> Exact:
-    """The size of a number."""
-    return -x if x < 0 else x
 
 
 def escapes(line: MapLine) -> Interval:

@@ -17,10 +17,10 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.arguments import check_mapping
-from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, dense, sign
-from pwmap.algebra.roots import Real, RealRoot, algebraic, real_to_sympy, value_at
+from pwmap.algebra.exact import HIGHEST, LOWEST, Affine, sign
+from pwmap.algebra.roots import Real, RealRoot, algebraic, real_to_sympy
 from pwmap.algebra.terms import own_name
-from pwmap.longrun.numbers import Element, Exact
+from pwmap.longrun.numbers import Exact, value_of
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 
 IDENTITY = Affine(QQ.one, QQ.zero)
@@ -46,6 +46,10 @@ class AffinePiece(NamedTuple):
     def __call__(self, x: Exact) -> Exact:
         """The value of its formula at a point."""
         return self.slope * x + self.intercept
+
+    def image(self, germ: Germ) -> Germ:
+        """Where it takes a germ."""
+        return Germ(self(germ.x), germ.side * sign(self.slope))
 
     def after(self, first: Affine) -> Affine:
         """Its formula after another map."""
@@ -80,37 +84,22 @@ class MapLine:
         return tuple(Germ(x, side) for x in self.breaks for side in (-1, 1))
 
     def number(self, germ: Germ) -> int:
-        """The number of the branch on the side of a germ; for a point within a branch of that."""
-        return (bisect_left if germ.side < 0 else bisect_right)(self.breaks, germ.x)
+        """The number of the branch on the side of a germ; of a point the first that ends there."""
+        return (bisect_left if germ.side <= 0 else bisect_right)(self.breaks, germ.x)
 
-    def beside(self, germ: Germ) -> AffinePiece:
-        """The branch on the side of a germ; for a point within a branch that branch."""
-        return self.branches[self.number(germ)]
+    def piece(self, germ: Germ) -> AffinePiece:
+        """The branch on the side of a germ, or the piece in which a point lies."""
+        k = self.number(germ)
+        at_break = not germ.side and k < len(self.breaks) and self.breaks[k] == germ.x
+        return self.owners[k] if at_break else self.branches[k]
 
     def image(self, germ: Germ) -> Germ:
         """Where a germ maps to."""
-        return self.step(germ)[1]
-
-    def step(self, germ: Germ) -> tuple[str, Germ]:
-        """The letter of the piece that a germ is mapped by, and where it maps to."""
-        if not germ.side:
-            return self.letter(germ), Germ(self(germ.x), 0)
-        branch = self.beside(germ)
-        return branch.letter, Germ(branch(germ.x), germ.side * sign(branch.slope))
+        return self.piece(germ).image(germ)
 
     def __call__(self, x: Exact) -> Exact:
         """The value at a point."""
-        return self.piece(x)(x)
-
-    def piece(self, x: Exact) -> AffinePiece:
-        """The piece in which a point lies."""
-        k = bisect_left(self.breaks, x)
-        at_break = k < len(self.breaks) and self.breaks[k] == x
-        return self.owners[k] if at_break else self.branches[k]
-
-    def letter(self, germ: Germ) -> str:
-        """The letter of the piece that a germ is mapped by; at a break itself that of its value."""
-        return self.beside(germ).letter if germ.side else self.piece(germ.x).letter
+        return self.piece(Germ(x, 0))(x)
 
     def parts(self, interval: Interval) -> Iterator[tuple[AffinePiece, Interval]]:
         """An interval, longer than a point, cut at the breaks inside it."""
@@ -221,17 +210,12 @@ def _of_pieces(map_: PiecewiseLinearMap) -> MapLine:
 
     last: Exact = LOWEST
     for cylinder in map_.cylinders:
-        slope, intercept = (
-            quotient(orbits.slope(cylinder.word)),
-            quotient(orbits.intercept(cylinder.word)),
-        )
-        upper = cylinder.upper
-        end = (
-            HIGHEST
-            if upper is None
-            else quotient(orbits.preimage(upper.k, cylinder.word[: upper.steps]))
-        )
-        piece = AffinePiece(slope, intercept, last, end, map_.spelled(cylinder.word))
+        word, upper = cylinder.word, cylinder.upper
+        slope, intercept = quotient(orbits.slope(word)), quotient(orbits.intercept(word))
+        end: Exact = HIGHEST
+        if upper is not None:
+            end = quotient(orbits.preimage(upper.k, word[: upper.steps]))
+        piece = AffinePiece(slope, intercept, last, end, map_.spelled(word))
         if cylinder.is_point:
             owners.append(piece._replace(upper=last))
             continue
@@ -247,20 +231,13 @@ def _of_pieces(map_: PiecewiseLinearMap) -> MapLine:
 def line_at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
     """A map at a rational or algebraic value of its parameter; ValueError if that is excluded."""
     table, ring = map_.definition.table, map_.definition.ring
-
-    def element(polynomial: Any) -> Exact:
-        coefficients = dense(polynomial)
-        if isinstance(place, RealRoot):
-            return Element(place, place.reduced(coefficients))
-        return value_at(coefficients, place)
-
-    broken = map_.definition.region.broken(lambda polynomial: sign(element(polynomial)))
+    broken = map_.definition.region.broken(lambda polynomial: sign(value_of(polynomial, place)))
     if broken is not None:
         value = f"{ring.symbols[0]} = {real_to_sympy(place)}"
         raise ValueError(f"{value} contradicts the assumption {broken}")
-    bottom = element(table.denominator)
+    bottom = value_of(table.denominator, place)
     slopes, intercepts, breaks = (
-        [element(each) / bottom for each in group]
+        [value_of(each, place) / bottom for each in group]
         for group in (table.slopes, table.intercepts, table.breaks)
     )
     layout = table.layouts[map_.chain[0]]
@@ -271,9 +248,7 @@ def line_at(map_: PiecewiseLinearMap, place: Real) -> MapLine:
     )
     owners = list[AffinePiece]()
     for i, letter in enumerate(layout.slots[1::2]):
-        beside = [k for k in (i, i + 1) if layout.slots[2 * k] == letter]
-        point = AffinePiece(
-            slopes[letter], intercepts[letter], cuts[i + 1], cuts[i + 1], map_.letters[letter]
-        )
-        owners.append(branches[beside[0]] if beside else point)
+        beside = [branches[k] for k in (i, i + 1) if layout.slots[2 * k] == letter]
+        numbers = slopes[letter], intercepts[letter], cuts[i + 1], cuts[i + 1]
+        owners.append(beside[0] if beside else AffinePiece(*numbers, map_.letters[letter]))
     return MapLine(branches, tuple(owners))

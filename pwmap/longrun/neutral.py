@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from sympy import QQ
 
 from pwmap.algebra.exact import HIGHEST, LOWEST, Infinite
-from pwmap.longrun.fates import Fate, GermOrbit, abs_
+from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import Germ, Interval, MapLine
 from pwmap.longrun.numbers import Exact
 from pwmap.longrun.pointsets import Part, PointSet, point_set
@@ -70,19 +70,19 @@ def neutral_intervals(line: MapLine, orbits: Iterable[GermOrbit]) -> tuple[Neutr
         return _of_one_piece(line)
     found = dict[Interval, NeutralIntervals]()
     for orbit in orbits:
-        if is_neutral(line, orbit):
+        if _is_neutral(line, orbit):
             each = _around(line, orbit.germs[orbit.start :])
             found.setdefault(each.intervals[0], each)
     return tuple(sorted(found.values(), key=lambda each: each.intervals[0]))
 
 
-def is_neutral(line: MapLine, orbit: GermOrbit) -> bool:
+def _is_neutral(line: MapLine, orbit: GermOrbit) -> bool:
     """Whether a germ comes back to itself, or to another, that follows a word of slope 1."""
     if orbit.fate is not Fate.FINITE:
         return False
     size = QQ.one
     for germ in orbit.germs[orbit.start :]:
-        size = size * abs_(line.beside(germ).slope) if germ.side else QQ.zero
+        size = size * abs(line.piece(germ).slope) if germ.side else QQ.zero
     return bool(size == 1)
 
 
@@ -96,8 +96,8 @@ def _around(line: MapLine, germs: tuple[Germ, ...]) -> NeutralIntervals:
         if part in visited:
             break
         visited.append(part)
-        letters.append(line.letter(germ))
-        scale = scale * abs_(line.beside(germ).slope)
+        letters.append(line.piece(germ).letter)
+        scale = scale * abs(line.piece(germ).slope)
     first = min(range(len(visited)), key=visited.__getitem__)
     intervals = tuple(visited[first:] + visited[:first])
     return NeutralIntervals(
@@ -112,10 +112,10 @@ def _room(line: MapLine, germs: tuple[Germ, ...], way: int) -> Exact:
     """How far beside the first germ points follow all of them, on its side or on the other one."""
     found, scale = HIGHEST, QQ.one
     for germ in germs:
-        branch = line.beside(germ)
+        branch = line.piece(germ)
         end = branch.upper if way * germ.side > 0 else branch.lower
-        found = min(found, abs_(end - germ.x) / scale)
-        scale = scale * abs_(branch.slope)
+        found = min(found, abs(end - germ.x) / scale)
+        scale = scale * abs(branch.slope)
     return found
 
 
@@ -127,7 +127,7 @@ def _with_ends(line: MapLine, intervals: Iterable[Interval], period: int) -> tup
             return False
         germ = Germ(x, side)
         for _ in range(period):
-            if line.piece(germ.x).letter != line.letter(germ):
+            if line.piece(Germ(germ.x, 0)).letter != line.piece(germ).letter:
                 return False
             germ = line.image(germ)
         return True

@@ -17,8 +17,8 @@ import sympy
 from sympy import QQ
 from sympy.polys.densearith import dup_add, dup_mul, dup_neg, dup_sub
 
-from pwmap.algebra.exact import Infinite, Number, bits, pair, to_float
-from pwmap.algebra.roots import Dense, RealRoot, bounds, integers
+from pwmap.algebra.exact import Infinite, Number, bits, dense, pair, to_float
+from pwmap.algebra.roots import Dense, Real, RealRoot, bounds, integers, value_at
 from pwmap.maps.budget import cost
 
 Exact = Any  # an element of QQ, or an Element; an end of an interval may be Infinite
@@ -78,6 +78,9 @@ class Element:
     def __rtruediv__(self, other: object) -> Element:
         return Element(self.root, self._dense(other) or ()) / self
 
+    def __abs__(self) -> Element:
+        return -self if self < 0 else self
+
     def __bool__(self) -> bool:
         return bool(self.value)
 
@@ -98,6 +101,14 @@ class Element:
 
     def __repr__(self) -> str:
         return str(exact_to_sympy(self))
+
+
+def value_of(polynomial: Number, place: Real) -> Exact:
+    """The value of a polynomial in one parameter at a rational or algebraic place."""
+    coefficients = dense(polynomial)
+    if isinstance(place, RealRoot):
+        return Element(place, place.reduced(coefficients))
+    return value_at(coefficients, place)
 
 
 def key(x: Exact) -> Hashable:
@@ -154,12 +165,13 @@ def enclosed(x: Exact, bits: int = 64) -> tuple[Fraction, Fraction]:
         x.root.refine()
 
 
-def quotient_enclosure(x: Fraction) -> Any:
-    """A fraction as an interval of mpmath."""
-    return mpmath.iv.mpf(x.numerator) / mpmath.iv.mpf(x.denominator)
+def enclosure(x: Exact, bits: int = 64) -> Any:
+    """A number as an interval of mpmath, of about so many bits."""
+    low, high = (mpmath.iv.mpf(end.numerator) / end.denominator for end in enclosed(x, bits))
+    return mpmath.iv.mpf([low.a, high.b])
 
 
 def log_bounds(x: Exact) -> tuple[float, float]:
     """Doubles below and above the logarithm of a positive number."""
-    low, high = (mpmath.iv.log(quotient_enclosure(end)) for end in enclosed(x))
-    return math.nextafter(float(low.a), -math.inf), math.nextafter(float(high.b), math.inf)
+    found = mpmath.iv.log(enclosure(x))
+    return math.nextafter(float(found.a), -math.inf), math.nextafter(float(found.b), math.inf)

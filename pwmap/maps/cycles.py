@@ -55,9 +55,8 @@ def cycle_of(map_: Decided, word: str) -> Cycle:
             if closed and not over:  # the point is this break
                 continue
             signs.append(((over, bottom), closed))
-            relations = (sympy.Ge, sympy.Gt) if side > 0 else (sympy.Le, sympy.Lt)
-            relation = relations[0 if closed else 1]
-            conditions.append(relation(fraction_to_sympy((top, bottom)), quotient_to_sympy(value)))
+            point, at = fraction_to_sympy((top, bottom)), quotient_to_sympy(value)
+            conditions.append(beyond(point, at, side, closed))
     return Cycle(
         word=word,
         points=tuple(fraction_to_sympy(point) for point in points),
@@ -66,6 +65,12 @@ def cycle_of(map_: Decided, word: str) -> Cycle:
         _signs=tuple(signs),
         _scope=map_.scope,
     )
+
+
+def beyond(point: sympy.Expr, at: sympy.Expr, side: int, closed: bool) -> sympy.Basic:
+    """That a point lies on the right (side 1) of another or on the left (-1), or is it."""
+    relations = (sympy.Ge, sympy.Gt) if side > 0 else (sympy.Le, sympy.Lt)
+    return relations[0 if closed else 1](point, at)
 
 
 def letter_bounds(layout: Layout, letter: int) -> Iterator[tuple[int, int, bool]]:

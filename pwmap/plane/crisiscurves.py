@@ -9,7 +9,7 @@ two such values nothing is proved.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 from sympy import QQ
@@ -22,8 +22,8 @@ from pwmap.algebra.inequalities import along
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, algebraic, real_roots
 from pwmap.diagrams.data import PointKind
-from pwmap.longrun.crises.diagram import Crisis, attractor_diagram
-from pwmap.longrun.crises.kinds import kind_at
+from pwmap.longrun.crises.changes import kind_at
+from pwmap.longrun.crises.diagram import attractor_diagram
 from pwmap.longrun.crises.meetings import meeting_polynomial
 from pwmap.maps.budget import BUDGET, Budget, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -38,13 +38,7 @@ HALVINGS = 12  # of an interval in which a curve ends
 BESIDE = 2**12  # part of the span along: so close to a curve what attracts is compared
 
 
-@dataclass(frozen=True, slots=True)
-class _Family:
-    """What may be a curve: an event, the polynomial, and which of its roots."""
-
-    event: PlaneEvent
-    polynomial: PolyElement
-    number: int
+_Family = tuple[PlaneEvent, PolyElement, int]  # what may be a curve: a polynomial's root of number
 
 
 @explained()
@@ -112,8 +106,9 @@ def with_crises(
         for family in meter.each(found, "curves of crises"):
             meter.spend(1)
             for arc in search.arcs(family, values):
-                count = sum(curve.kind is family.event.kind for curve in curves) + 1
-                curves.append(curve_of(f"{family.event.kind}{count}", [arc]))
+                kind = arc.event.kind
+                count = sum(curve.kind is kind for curve in curves) + 1
+                curves.append(curve_of(f"{kind}{count}", [arc]))
     left_out = "; ".join(filter(None, (plane.left_out, meter.left_out)))
     return replace(plane, curves=(*plane.curves, *curves), left_out=left_out)
 
@@ -136,19 +131,19 @@ class _Search:
         for crisis in found.crises:
             if crisis.kind in CRISES and not crisis.width:
                 place = algebraic(crisis.parameter)
-                for polynomial in self._polynomials(crisis):
+                factors = (
+                    factor
+                    for meeting in crisis.meetings
+                    for factor in irreducible_factors(meeting_polynomial(self.plane.map, meeting))
+                    if degree_in(factor, self.index)
+                )
+                for polynomial in factors:
                     roots = self._roots(polynomial, value)
                     if place in roots:
                         note = f"image {crisis.images[0]}"
                         event = PlaneEvent(crisis.kind, note, crisis.cycles)
-                        yield _Family(event, polynomial, roots.index(place))
+                        yield event, polynomial, roots.index(place)
                         break
-
-    def _polynomials(self, crisis: Crisis) -> Iterator[PolyElement]:
-        for meeting in crisis.meetings:
-            for factor in irreducible_factors(meeting_polynomial(self.plane.map, meeting)):
-                if degree_in(factor, self.index):
-                    yield factor
 
     def _roots(self, polynomial: PolyElement, value: Number) -> tuple[Real, ...]:
         return real_roots(along(polynomial, (value, value), self.index))
@@ -168,14 +163,15 @@ class _Search:
 
     def _happens(self, family: _Family, value: Number) -> bool:
         """Whether a crisis of this kind is at the root of the family's number."""
-        roots = self._roots(family.polynomial, value)
+        event, polynomial, number = family
+        roots = self._roots(polynomial, value)
         low, high = self.plane.along_span
-        if len(roots) <= family.number or not low < roots[family.number] < high:
+        if len(roots) <= number or not low < roots[number] < high:
             return False
-        place, width = roots[family.number], (high - low) * QQ(1, BESIDE)
+        width = (high - low) * QQ(1, BESIDE)
         map_ = self.map_at(value)
-        kind = kind_at(map_, self.along, self.order, place, width, self.meter)
-        return kind is family.event.kind
+        kind = kind_at(map_, self.along, self.order, roots[number], width, self.meter)
+        return kind is event.kind
 
     def _end(self, family: _Family, inside: Number, outside: Number) -> Number:
         """The last value found at which it happens, between one where it does and one not."""
@@ -188,9 +184,9 @@ class _Search:
         return inside
 
     def _arc(self, family: _Family, low: Number, high: Number) -> PlaneArc:
+        event, polynomial, number = family
         symbols = tuple(self.plane.map.parameters)
         column = Column(symbols, self.index, low, high, (low + high) / 2)
-        ends = [(x, self._roots(family.polynomial, x)[family.number]) for x in (low, high)]
-        value = self._roots(family.polynomial, column.sample)[family.number]
-        root = Root(value, family.polynomial, family.number)
-        return PlaneArc(family.event, family.polynomial, (ends[0], ends[1]), column, root)
+        start, value, end = (self._roots(polynomial, x)[number] for x in (low, column.sample, high))
+        root = Root(value, polynomial, number)
+        return PlaneArc(event, polynomial, ((low, start), (high, end)), column, root)

@@ -26,14 +26,10 @@ class PlaneEvent(NamedTuple):
     words: tuple[str, ...]  # of the cycles, each from its first letter in the alphabet on
 
 
-class PlaneMark(NamedTuple):
-    """A place on an axis at which something happens."""
-
-    place: Any
-    event: PlaneEvent
+Mark = tuple[Any, PlaneEvent]  # a place on an axis, and what happens there
 
 
-def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[PlaneMark]:
+def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[Mark]:
     """All bifurcations of cycles along an axis, from left to right, each cycle once.
 
     Where jumps alone end nothing happens to a cycle. Intervals of points of twice a period, at the
@@ -56,7 +52,7 @@ def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[Plane
             spelled = tuple(sorted(map(map_.spelled, words)))
             found[junction.place, spelled].append((kind, note))
     return [
-        PlaneMark(place, PlaneEvent(*_joined(happening), words))
+        (place, PlaneEvent(*_joined(happening), words))
         for (place, words), happening in found.items()
     ]
 

@@ -8,7 +8,7 @@ of one polynomial and event meet they are one curve; all else is of codimension 
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -17,9 +17,9 @@ from sympy import QQ
 from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.arithmetic import rational
-from pwmap.algebra.exact import Portable, to_sympy
+from pwmap.algebra.exact import Portable, to_float, to_sympy
 from pwmap.algebra.rootfunctions import Column, Root, minimal_polynomial
-from pwmap.algebra.roots import Real, real_to_sympy, sign_at, simplest_between
+from pwmap.algebra.roots import Real, bounds, real_to_sympy, sign_at, simplest_between
 from pwmap.diagrams.data import PointKind
 from pwmap.parameters.curves import tips_of, traced
 from pwmap.plane.kinds import PlaneKind
@@ -217,3 +217,40 @@ def _ends(
         for arc, which in tips_of(line)
     )
     return first, last
+
+
+# --- As tables ------------------------------------------------------------------------------------
+
+Columns = Mapping[str, Sequence[object]]
+
+
+def curve_columns(curves: Iterable[PlaneCurve]) -> Columns:
+    """One row for each curve; words are parted by blanks."""
+    rows = list(curves)
+    return {
+        "id": [curve.id for curve in rows],
+        "kind": [curve.kind.value for curve in rows],
+        "note": [curve.note for curve in rows],
+        "words": [" ".join(curve.words) for curve in rows],
+        "polynomial": [curve.polynomial for curve in rows],
+        "from": [curve.ends[0] for curve in rows],
+        "to": [curve.ends[1] for curve in rows],
+    }
+
+
+def point_columns(points: Iterable[CodimensionTwo], symbols: Sequence[sympy.Symbol]) -> Columns:
+    """One row for each point: both parameters as doubles, then exactly; names parted by blanks."""
+    rows = list(points)
+    names = [str(symbol) for symbol in symbols]
+    return (
+        {"id": [point.id for point in rows], "kind": [point.kind.value for point in rows]}
+        | {name: [doubles(point)[k] for point in rows] for k, name in enumerate(names)}
+        | {f"{name}_exact": [point.values[k] for point in rows] for k, name in enumerate(names)}
+        | {"curves": [" ".join(point.curves) for point in rows]}
+    )
+
+
+def doubles(point: CodimensionTwo) -> tuple[float, float]:
+    """Both parameters at a point, as doubles."""
+    across, along = (to_float(bounds(value)[0]) for value in point.node)
+    return across, along

@@ -17,10 +17,15 @@ from pwmap.longrun.dynamics import Dynamics, dynamics
 from pwmap.maps.budget import BUDGET, INTERRUPTED, Budget, BudgetError, Meter, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map
 from pwmap.parameters.cells import checked_orders, checked_span
-from pwmap.plane.network import CodimensionTwo, PlaneCurve, network
+from pwmap.plane.network import (
+    CodimensionTwo,
+    PlaneCurve,
+    curve_columns,
+    network,
+    point_columns,
+)
 from pwmap.plane.regions import PlaneRegion, regions_of
 from pwmap.plane.strips import Rectangle, Strip
-from pwmap.plane.tables import curve_columns, point_columns
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)

@@ -35,7 +35,12 @@ def regions_of(strips: Sequence[Strip]) -> Iterator[PlaneRegion]:
     for strip in strips:
         beside, growing = growing, []
         for region in _of_strip(strip):
-            same = [each for each in beside if _continues(each, region)]
+            same = [
+                each
+                for each in beside
+                if each.across[1] == region.across[0]
+                and replace(each, across=region.across) == region
+            ]
             growing += [replace(each, across=(each.across[0], region.across[1])) for each in same]
             growing += [] if same else [region]
             beside = [each for each in beside if each not in same]
@@ -63,7 +68,3 @@ def _of_strip(strip: Strip) -> Iterator[PlaneRegion]:
                 periods=periods,
                 words=tuple(sorted({word for _, words in opened for word in words})),
             )
-
-
-def _continues(left: PlaneRegion, right: PlaneRegion) -> bool:
-    return left.across[1] == right.across[0] and replace(left, across=right.across) == right

@@ -17,7 +17,7 @@ from pwmap.parameters.axis import Axis, ResampleError
 from pwmap.parameters.cells import Cell, from_all_orders, merged, shown_cells, with_stages
 from pwmap.parameters.recorded import RecordedAxis
 from pwmap.parameters.results import ParameterCells
-from pwmap.plane.marks import PlaneMark, marks
+from pwmap.plane.marks import Mark, marks
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -33,7 +33,7 @@ class Strip:
     column: Column
     cells: ParameterCells
     borders: tuple[Root, ...]
-    marks: tuple[PlaneMark, ...]
+    marks: tuple[Mark, ...]
     upright: tuple[tuple[int, ...], ...]
 
     @property
@@ -79,7 +79,10 @@ class Rectangle:
                 self.meter.advance("strips", len(found))
                 left, right = waiting[-1]
                 sample = simplest_between(left, right)
-                self._check(sample)
+                broken = self.map.definition.region.contains({self.across: sample})
+                if broken is not None:
+                    value = f"{self.across} = {real_to_sympy(sample)}"
+                    raise ValueError(f"{value} in the span contradicts the assumption {broken}")
                 try:
                     strip = self._strip(sample)
                 except ResampleError:  # edges meet here: it is no strip, but lies between two
@@ -100,23 +103,10 @@ class Rectangle:
             found[-1] = replace(found[-1], column=replace(column, high=end))
         return found
 
-    def _check(self, sample: Any) -> None:
-        broken = self.map.definition.region.contains({self.across: sample})
-        if broken is not None:
-            value = f"{self.across} = {real_to_sympy(sample)}"
-            raise ValueError(f"{value} in the span contradicts the assumption {broken}")
-
     def _strip(self, sample: Any) -> Strip:
-        return with_stages(
-            from_all_orders(self._built),
-            self.map,
-            self.along,
-            self.studied,
-            self.along_span,
-            {self.across: sample},
-            with_ends=True,
-            meter=self.meter,
-        )
+        sampled, built = {self.across: sample}, from_all_orders(self._built)
+        return with_stages(built, self.map, self.along, self.studied, self.along_span, sampled,
+                           with_ends=True, meter=self.meter)  # fmt: skip
 
     def _built(self, axis: Axis, cells: list[Cell]) -> Strip:
         assert isinstance(axis, RecordedAxis)
@@ -130,16 +120,9 @@ class Rectangle:
             upright=tuple(map(integers, axis.upright)),
         )
 
-    def upright_marks(self, along: Any, span: tuple[Any, Any]) -> list[PlaneMark]:
+    def upright_marks(self, along: Any, span: tuple[Any, Any]) -> list[Mark]:
         """What happens over the parameter across, at a rational value of the one along."""
         map_ = self.map.at({self.along: QQ.to_sympy(along)})
-        return with_stages(
-            from_all_orders(partial(marks, map_)),
-            map_,
-            self.across,
-            self.studied,
-            span,
-            None,
-            with_ends=True,
-            meter=Meter(BUDGET),
-        )
+        found = from_all_orders(partial(marks, map_))
+        return with_stages(found, map_, self.across, self.studied, span, None,
+                           with_ends=True, meter=Meter(BUDGET))  # fmt: skip

@@ -17,12 +17,11 @@ from pwmap.algebra.exact import to_float
 from pwmap.algebra.roots import bounds, spread
 from pwmap.diagrams.data import FloatArray
 from pwmap.plane.colours import Colours
-from pwmap.plane.network import PlaneCurve
+from pwmap.plane.network import PlaneCurve, doubles
 from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.rasters import PlaneRaster, arc_arrays, root_array
 from pwmap.plane.regions import attracting
 from pwmap.plane.strips import Strip
-from pwmap.plane.tables import doubles
 from pwmap.plot.diagrams import NAMES, axis_label
 from pwmap.plot.drawn import Artists, Drawn, Styles, add, axes_for, below, styled
 from pwmap.plot.labels import LabelledCurve, Labels, Name

@@ -24,21 +24,25 @@ If both slopes lie in (-1, 1), the signs decide [Granados2017; Avrutin2019]:
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import Enum
+from functools import partial
 from itertools import count
-from typing import NamedTuple
+from math import prod
+from typing import Any
 
 import sympy
 from sympy import QQ
+from sympy.polys.fields import FracElement
 from sympy.polys.orderings import lex
 from sympy.polys.rings import PolyElement, PolyRing
 
 from pwmap.algebra.arguments import explained
-from pwmap.algebra.exact import Fraction_, Number, dense, fraction_to_sympy, to_sympy
-from pwmap.algebra.roots import Real, RealRoot, real_roots, sign_at
+from pwmap.algebra.exact import Fraction_, Number, dense, fraction_to_sympy, sign, to_sympy
+from pwmap.algebra.roots import real_roots
 from pwmap.algebra.terms import checked_parameter
+from pwmap.longrun.numbers import exact_to_sympy, value_of
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit
 from pwmap.rotations.pieces import LEFT, RIGHT, TwoPieces, two_pieces
@@ -157,7 +161,7 @@ def organising_centres(
     return tuple(
         _centre(pieces, symbols, equations, place)
         for place in _places(map_, symbols, equations)
-        if map_.definition.region.broken(place.sign) is None
+        if map_.definition.region.broken(partial(_sign, map_, place=place)) is None
     )
 
 
@@ -173,23 +177,22 @@ def _two_parameters(
 
 # --- Where ----------------------------------------------------------------------------------------
 
-
-class _PlanePlace(NamedTuple):
-    """A point of the plane, and what polynomials and their quotients are there."""
-
-    values: tuple[sympy.Expr, sympy.Expr]
-    sign: Callable[[Number], int]
-    value: Callable[[Fraction_], sympy.Expr]
+Place = list[Any]  # the values of all parameters, in a field: of quotients, or of one real root
 
 
 def _places(
     map_: PiecewiseLinearMap, symbols: tuple[sympy.Symbol, sympy.Symbol], equations: list[Number]
-) -> Iterator[_PlanePlace]:
+) -> Iterator[Place]:
     at = [map_.parameters.index(symbol) for symbol in symbols]
     if all(sum(e[i] for i in at) <= 1 for equation in equations for e in equation.monoms()):
         yield from _linear(map_, at, equations)
     elif len(map_.parameters) == 2:
-        yield from _algebraic(map_, at, equations)
+        modulus, coordinates = _univariate(map_, at, equations)
+        for root in real_roots(dense(modulus)):
+            place: Place = [None, None]
+            for k, coordinate in zip(at, coordinates, strict=True):
+                place[k] = value_of(coordinate, root)
+            yield place
     else:
         others = ", ".join(str(s) for s in map_.parameters if s not in symbols)
         raise ValueError(
@@ -198,87 +201,42 @@ def _places(
         )
 
 
-def _linear(
-    map_: PiecewiseLinearMap, at: list[int], equations: list[Number]
-) -> Iterator[_PlanePlace]:
+def _linear(map_: PiecewiseLinearMap, at: list[int], equations: list[Number]) -> Iterator[Place]:
     """The one solution of two linear equations, by Cramer's rule; other parameters may occur."""
-    rows = [[_coefficient(equation, at, i) for i in (0, 1, None)] for equation in equations]
-    (a, b, e), (c, d, f) = rows
+    (a, b), (c, d) = ([equation.diff(k) for k in at] for equation in equations)
     below = a * d - b * c
-    if not below:
+    if not below or not map_.scope.sign(below):
         return
-    sense = map_.scope.sign(below)
-    if not sense:
-        return
-    across, along, below = (sense * part for part in (b * f - d * e, c * e - a * f, below))
-
-    def moved(polynomial: Number, degree: int) -> Number:
-        """The polynomial at the place, times a power of the denominator."""
-        total = polynomial.ring.zero
-        for exponents, coefficient in polynomial.terms():
-            i, j = (exponents[k] for k in at)
-            rest = tuple(0 if k in at else exponent for k, exponent in enumerate(exponents))
-            term = polynomial.ring.from_dict({rest: coefficient})
-            total += term * _power(across, i) * _power(along, j) * _power(below, degree - i - j)
-        return total
-
-    def degree(polynomial: Number) -> int:
-        return max((sum(e[k] for k in at) for e in polynomial.monoms()), default=0)
-
-    def sign(polynomial: Number) -> int:
-        return map_.scope.sign(moved(polynomial, degree(polynomial)))
-
-    def value(fraction: Fraction_) -> sympy.Expr:
-        common = max(map(degree, fraction))
-        top, bottom = (moved(part, common) for part in fraction)
-        return fraction_to_sympy((top, bottom))
-
-    values = fraction_to_sympy((across, below)), fraction_to_sympy((along, below))
-    yield _PlanePlace(values, sign, value)
+    field = below.ring.to_field()
+    place = [field.zero if k in at else gen for k, gen in enumerate(field.gens)]
+    e, f = (_value(equation, place) for equation in equations)
+    for k, above in zip(at, (b * f - d * e, c * e - a * f), strict=True):
+        place[k] = above / field(below)
+    yield place
 
 
-def _power(base: Number, exponent: int) -> Number:
-    """A power; sympy's rings have none of zero to zero."""
-    return base**exponent if exponent else base.ring.one
+def _value(polynomial: Number, place: Place) -> Any:
+    """The value of a polynomial in all parameters."""
+    terms = (
+        prod((x for x, power in zip(place, powers, strict=True) for _ in range(power)), start=c)
+        for powers, c in polynomial.terms()
+    )
+    return sum(terms, start=0 * place[0])
 
 
-def _coefficient(polynomial: Number, at: list[int], which: int | None) -> Number:
-    """Of one of two parameters in a linear polynomial, or what is left without them."""
-    wanted = [int(i == which) for i in (0, 1)]
-    terms = {
-        tuple(0 if k in at else e for k, e in enumerate(exponents)): coefficient
-        for exponents, coefficient in polynomial.terms()
-        if [exponents[k] for k in at] == wanted
-    }
-    return polynomial.ring.from_dict(terms)
+def _sign(map_: PiecewiseLinearMap, polynomial: Number, place: Place) -> int:
+    value = _value(polynomial, place)
+    if not isinstance(value, FracElement):
+        return sign(value)
+    if value.denom.is_ground:
+        return map_.scope.sign(value.numer.quo_ground(value.denom.LC))
+    return map_.scope.sign(value.numer) * map_.scope.sign(value.denom)
 
 
-def _algebraic(
-    map_: PiecewiseLinearMap, at: list[int], equations: list[Number]
-) -> Iterator[_PlanePlace]:
-    modulus, coordinates = _univariate(map_, at, equations)
-    line = modulus.ring
-
-    def moved(polynomial: Number) -> Number:
-        """The polynomial as one in the abscissa t."""
-        total = line.zero
-        for exponents, coefficient in polynomial.terms():
-            term = line.ground_new(coefficient)
-            for k, coordinate in zip(at, coordinates, strict=True):
-                term = (term * _power(coordinate, exponents[k])).rem(modulus)
-            total += term
-        return total
-
-    for root in real_roots(dense(modulus)):
-
-        def sign(polynomial: Number, root: Real = root) -> int:
-            return sign_at(dense(moved(polynomial)), root)
-
-        def value(fraction: Fraction_, root: Real = root) -> sympy.Expr:
-            return _quotient(moved(fraction[0]), moved(fraction[1]), root)
-
-        across, along = (_quotient(coordinate, line.one, root) for coordinate in coordinates)
-        yield _PlanePlace((across, along), sign, value)
+def _shown(value: Any) -> sympy.Expr:
+    if isinstance(value, FracElement):
+        return fraction_to_sympy((value.numer, value.denom))
+    return exact_to_sympy(value)
 
 
 def _univariate(
@@ -303,7 +261,7 @@ def _univariate(
             symbol: polynomial
             for symbol in (u, v)
             for polynomial in basis.polys
-            if polynomial.LM(order="lex").exponents == _unit(symbol, (v, u, t))
+            if polynomial.LM(order="lex").as_expr(v, u, t) == symbol
         }
         if len(shape) == 2:
             pair = tuple(line.from_expr(sympy.expand(g - shape[g].as_expr())) for g in (u, v))
@@ -317,16 +275,6 @@ def _abscissae(given: list[sympy.Expr], other: sympy.Symbol, symbol: sympy.Symbo
     return sympy.sqf_part(last, symbol) if last.free_symbols else last
 
 
-def _unit(symbol: sympy.Symbol, symbols: tuple[sympy.Symbol, ...]) -> tuple[int, ...]:
-    return tuple(int(symbol == other) for other in symbols)
-
-
-def _quotient(top: PolyElement, bottom: PolyElement, root: Real) -> sympy.Expr:
-    if isinstance(root, RealRoot):
-        return root.element_to_sympy(root.quotient(dense(top), dense(bottom)))
-    return QQ.to_sympy(QQ.convert(top.evaluate(0, root)) / QQ.convert(bottom.evaluate(0, root)))
-
-
 # --- What is there --------------------------------------------------------------------------------
 
 
@@ -334,31 +282,35 @@ def _centre(
     pieces: TwoPieces,
     symbols: tuple[sympy.Symbol, sympy.Symbol],
     equations: list[Number],
-    place: _PlanePlace,
+    place: Place,
 ) -> OrganisingCentre:
-    table, letters = pieces.map_.definition.table, pieces.map_.letters
-    first, second = (pieces.map_.parameters.index(symbol) for symbol in symbols)
+    map_ = pieces.map_
+    table = map_.definition.table
+    first, second = (map_.parameters.index(symbol) for symbol in symbols)
     (a, b), (c, d) = ([one.diff(i) for i in (first, second)] for one in equations)
     own = [table.slopes[i] for i in (LEFT, RIGHT)]
-    signs = [place.sign(slope) for slope in own]
-    contract = [_contracts(place, slope, table.denominator) for slope in own]
-    kind = _kind(signs) if all(contract) else CentreKind.EXPANDING
-    if not place.sign(a * d - b * c):
+    signs = [_sign(map_, slope, place) for slope in own]
+    contract = all(
+        _sign(map_, table.denominator + side * slope, place) > 0
+        for slope in own
+        for side in (-1, 1)
+    )
+    kind = _kind(signs) if contract else CentreKind.EXPANDING
+    if not _sign(map_, a * d - b * c, place):
         kind = CentreKind.DEGENERATE
-    slopes = [place.value((slope, table.denominator)) for slope in own]
+
+    def shown(fraction: Fraction_) -> sympy.Expr:
+        return _shown(_value(fraction[0], place) / _value(fraction[1], place))
+
     return OrganisingCentre(
         across=symbols[0],
         along=symbols[1],
-        values=place.values,
-        x=place.value(pieces.at),
-        slopes=(slopes[0], slopes[1]),
+        values=(_shown(place[first]), _shown(place[second])),
+        x=shown(pieces.at),
+        slopes=(shown((own[0], table.denominator)), shown((own[1], table.denominator))),
         kind=kind,
-        patterns=tuple(_patterns(kind, signs, letters)),
+        patterns=tuple(_patterns(kind, signs, map_.letters)),
     )
-
-
-def _contracts(place: _PlanePlace, slope: Number, denominator: Number) -> bool:
-    return place.sign(denominator - slope) > 0 and place.sign(denominator + slope) > 0
 
 
 def _kind(signs: list[int]) -> CentreKind:

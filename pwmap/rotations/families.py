@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import Any
 
 import sympy
 from sympy import QQ
@@ -37,7 +37,7 @@ from pwmap.algebra.exact import (
 )
 from pwmap.algebra.terms import checked_parameter
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
-from pwmap.maps.cycles import letter_bounds
+from pwmap.maps.cycles import beyond, letter_bounds
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Layout, Word
 from pwmap.rotations.patterns import WordRun, read_pattern
@@ -45,6 +45,7 @@ from pwmap.rotations.pieces import checked_map
 
 LONG = 64  # bits of a number that are as much work as a term
 Element = Any  # of the field of quotients in the parameters, n and the powers
+_Bound = tuple[Element, int, int, bool]  # a point on one side of a break, and whether it may be it
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -85,15 +86,14 @@ class WordFamily:
     x: sympy.Expr
     multiplier: sympy.Expr
     conditions: tuple[FamilyCondition, ...]
-    _runs: tuple[WordRun, ...] = field(repr=False)
-    _powers: _Powers = field(repr=False)
+    _field: _FamilyField = field(repr=False)
     _form: tuple[Element, Element] = field(repr=False)  # x and multiplier
 
     def word(self, n: int) -> str:
         """The word for a value of n; ValueError if that is no integer of at least :attr:`least`."""
         count = self._checked(n)
-        return self._powers.map_.spelled(
-            tuple(letter for run in self._runs for letter in run.word * run.count(count))
+        return self._field.map_.spelled(
+            tuple(letter for run in self._field.runs for letter in run.word * run.count(count))
         )
 
     def at(self, n: int, *, budget: Budget | Meter = BUDGET) -> FamilyCycle:
@@ -103,18 +103,18 @@ class WordFamily:
         BudgetError if the word or the formulas take more than the ``budget``.
         """
         count, meter = self._checked(n), metered(budget)
-        letters = sum(len(run.word) * run.count(count) for run in self._runs)
+        letters = sum(len(run.word) * run.count(count) for run in self._field.runs)
         if letters > meter.budget.letters:
             raise BudgetError(
                 f"the word for {self.n} = {count} has {letters} letters, at most "
                 f"{meter.budget.letters} are allowed"
             )
         word = self.word(count)
-        x, multiplier = (self._powers.at(element, count, meter) for element in self._form)
+        x, multiplier = (self._field.at(element, count, meter) for element in self._form)
         if x is None or multiplier is None:
             raise ValueError(f"the slope of {word} is 1: it has no isolated cycle")
         bounds = [c._bound for c in self.conditions if c.since <= count]
-        found = [self._powers.relation_at(bound, count, meter) for bound in bounds]
+        found = [self._field.relation_at(bound, count, meter) for bound in bounds]
         return FamilyCycle(
             word=word,
             x=fraction_to_sympy(x),
@@ -128,9 +128,9 @@ class WordFamily:
         They are formulas in n and the other parameters. Conditions without the parameter are left
         out. ValueError if it is no parameter of the map, or occurs in another way.
         """
-        symbols = self._powers.map_.parameters
+        symbols = self._field.map_.parameters
         index = [str(each) for each in symbols].index(checked_parameter(parameter, symbols))
-        roots = (self._powers.root(condition._bound, index) for condition in self.conditions)
+        roots = (self._field.root(condition._bound, index) for condition in self.conditions)
         return tuple(root for root in roots if root is not None)
 
     def _checked(self, n: int) -> int:
@@ -138,20 +138,6 @@ class WordFamily:
         if count < self.least:
             raise ValueError(f"the exponent {self.n} must be at least {self.least}, got {count}")
         return count
-
-
-class _Bound(NamedTuple):
-    """A point that must lie beyond a break: on its right (side +1) or left (-1)."""
-
-    point: Element
-    k: int  # of the break
-    side: int
-    closed: bool
-
-    def relation(self, point: sympy.Expr, at: sympy.Expr) -> sympy.Basic:
-        if self.side > 0:
-            return (sympy.Ge if self.closed else sympy.Gt)(point, at)
-        return (sympy.Le if self.closed else sympy.Lt)(point, at)
 
 
 @explained()
@@ -201,17 +187,33 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
     if not name.isidentifier() or name in map(str, (*map_.parameters, *map_.letters, map_.x)):
         raise ValueError(f"the exponent needs a name that is not taken by the map, got {name!r}")
     runs = read_pattern(pattern, map_.letters, name)
-    return _Builder(map_, layout, runs, name).family(pattern)
+    family = _FamilyField(map_, layout, runs, name)
+    x, slope = family.cycle(pattern)
+    least = max(1, *(1 - run.shift for run in runs if run.grows))
+    return WordFamily(
+        pattern=pattern,
+        n=family.n,
+        least=least,
+        x=family.to_sympy(x),
+        multiplier=family.to_sympy(slope),
+        conditions=tuple(family.conditions(x, least)),
+        _field=family,
+        _form=(x, slope),
+    )
 
 
-class _Powers:
+class _FamilyField:
     """The field of a family: the parameters, n, and a variable for each s^n (s not 0 or 1)."""
 
-    def __init__(self, map_: PiecewiseLinearMap, bases: tuple[Fraction_, ...], name: str) -> None:
-        self.map_ = map_
+    def __init__(
+        self, map_: PiecewiseLinearMap, layout: Layout, runs: tuple[WordRun, ...], name: str
+    ) -> None:
+        self.map_, self.runs, self._layout = map_, runs, layout
         self.n = sympy.Symbol(name, integer=True, positive=True)
-        self._bases = bases
-        self._generators = tuple(sympy.Dummy(f"power_{i}") for i in range(len(bases)))
+        self._slopes = {run.word: cancelled(map_.orbits.slope(run.word)) for run in runs}
+        bases = (self._slopes[run.word] for run in runs if run.grows)
+        self._bases = tuple(dict.fromkeys(s for s in bases if s[0] and s[0] != s[1]))
+        self._generators = tuple(sympy.Dummy(f"power_{i}") for i in range(len(self._bases)))
         symbols = (*map_.parameters, self.n, *self._generators)
         self.field = FracField(symbols, QQ, lex)
         self._ground = FracField(map_.parameters, QQ, lex) if map_.parameters else QQ
@@ -220,15 +222,6 @@ class _Powers:
         """A quotient of the map's ring as an element of the field."""
         top, bottom = fraction
         return self.field(top) / self.field(bottom)
-
-    def power(self, base: Fraction_, run: WordRun) -> Element:
-        """s^m for a run of m words."""
-        i = self._bases.index(base)
-        variable = self.field.gens[len(self.map_.parameters) + 1 + i]
-        return variable * self.element(base) ** run.shift
-
-    def count(self, run: WordRun) -> Element:
-        return self.field.gens[len(self.map_.parameters)] + run.shift
 
     def to_sympy(self, element: Element) -> sympy.Expr:
         powers = {
@@ -239,7 +232,8 @@ class _Powers:
 
     def at(self, element: Element, n: int, meter: Meter) -> Fraction_ | None:
         """The value for one n as a quotient of the map's ring; None if it has none."""
-        powers = [self._power(self._quotient(base), n, meter) for base in self._bases]
+        ground = self._ground
+        powers = [self._power(ground(top) / ground(low), n, meter) for top, low in self._bases]
         parts = element.numer, element.denom
         top, bottom = (self._value(part, n, powers, meter) for part in parts)
         if not bottom:
@@ -250,10 +244,6 @@ class _Powers:
         if ring is None:
             return value, QQ.one
         return value.numer.set_ring(ring), value.denom.set_ring(ring)
-
-    def _quotient(self, fraction: Fraction_) -> Number:
-        top, bottom = fraction
-        return self._ground(top) / self._ground(bottom)
 
     @staticmethod
     def _power(base: Number, n: int, meter: Meter) -> Number:
@@ -279,7 +269,7 @@ class _Powers:
 
     def root(self, bound: _Bound, index: int) -> sympy.Expr | None:
         """Where a point meets its break, solved for a parameter; None if it does not occur."""
-        margin = bound.point - self.element(self.map_.orbits.preimage(bound.k, ()))
+        margin = bound[0] - self.element(self._break(bound[1]))
         parts = {0: self.field.ring.zero, 1: self.field.ring.zero}
         symbol = self.map_.parameters[index]
         for exponents, coefficient in margin.numer.terms():
@@ -291,52 +281,26 @@ class _Powers:
         return self.to_sympy(self.field(-parts[0]) / self.field(parts[1])) if parts[1] else None
 
     def relation_at(self, bound: _Bound, n: int, meter: Meter) -> sympy.Basic:
-        point = self.at(bound.point, n, meter)
-        assert point is not None  # x has a value
-        at = quotient_to_sympy(self.map_.orbits.preimage(bound.k, ()))
-        return bound.relation(fraction_to_sympy(point), at)
+        point, k, side, closed = bound
+        value = self.at(point, n, meter)
+        assert value is not None  # x has a value
+        return beyond(fraction_to_sympy(value), quotient_to_sympy(self._break(k)), side, closed)
 
-
-class _Builder:
-    def __init__(
-        self, map_: PiecewiseLinearMap, layout: Layout, runs: tuple[WordRun, ...], name: str
-    ) -> None:
-        self._map, self._layout, self._runs = map_, layout, runs
-        self._slopes = {run.word: cancelled(map_.orbits.slope(run.word)) for run in runs}
-        bases = (self._slopes[run.word] for run in runs if run.grows)
-        self._powers = _Powers(
-            map_, tuple(dict.fromkeys(s for s in bases if s[0] and s[0] != s[1])), name
-        )
-
-    def family(self, pattern: str) -> WordFamily:
-        one = self._powers.field.one
+    def cycle(self, pattern: str) -> tuple[Element, Element]:
+        """The first point and the multiplier of all cycles; ValueError if the latter is 1."""
+        one = self.field.one
         whole = Affine(one, one - one)
-        for run in self._runs:
+        for run in self.runs:
             whole = self._whole(run).after(whole)
-        slope = whole.slope
-        if slope == one:
+        if whole.slope == one:
             raise ValueError(f"the slope of {pattern} is 1 for every n: it has no isolated cycle")
-        x = whole.fixed_point
-        shifts = [run.shift for run in self._runs if run.grows]
-        least = max(1, 1 - min(shifts))
-        return WordFamily(
-            pattern=pattern,
-            n=self._powers.n,
-            least=least,
-            x=self._powers.to_sympy(x),
-            multiplier=self._powers.to_sympy(slope),
-            conditions=tuple(self._conditions(x, least)),
-            _runs=self._runs,
-            _powers=self._powers,
-            _form=(x, slope),
-        )
+        return whole.fixed_point, whole.slope
 
     # --- Affine forms ---------------------------------------------------------------------------
 
     def _word(self, word: Word) -> Affine:
-        orbits = self._map.orbits
-        element = self._powers.element
-        return Affine(element(orbits.slope(word)), element(orbits.intercept(word)))
+        orbits = self.map_.orbits
+        return Affine(self.element(orbits.slope(word)), self.element(orbits.intercept(word)))
 
     def _whole(self, run: WordRun) -> Affine:
         return self._repeated(run.word, run) if run.grows else self._word(run.word)
@@ -347,34 +311,37 @@ class _Builder:
         slope, intercept = once = self._word(word)
         if not base[0]:
             return once
-        one = self._powers.field.one
+        one, (n, *powers) = self.field.one, self.field.gens[len(self.map_.parameters) :]
         if base[0] == base[1]:
-            return Affine(one, self._powers.count(run) * intercept)
-        power = self._powers.power(base, run)
+            return Affine(one, (n + run.shift) * intercept)
+        power = powers[self._bases.index(base)] * self.element(base) ** run.shift
         return Affine(power, intercept * (one - power) / (one - slope))
 
     # --- Conditions -----------------------------------------------------------------------------
 
-    def _conditions(self, x: Element, least: int) -> Iterator[FamilyCondition]:
+    def conditions(self, x: Element, least: int) -> Iterator[FamilyCondition]:
+        """The conditions that bind, of a cycle with a first point, for n from some number on."""
         seen = set[tuple[Element, int, int]]()
-        for run, aim in zip(self._runs, self._aims(), strict=True):
+        for run, aim in zip(self.runs, self._aims(), strict=True):
             for letter, place, point in self._decisive(run, x):
                 for k, side, closed in letter_bounds(self._layout, letter):
                     if aim and side != (aim if place == 0 else -aim):
                         continue  # the other end of the run is nearer to this break
-                    bound = _Bound(point, k, side, closed)
-                    margin = side * (point - self._powers.element(self._break(k)))
-                    since = max(least, _needed(place) - run.shift)
+                    margin = side * (point - self.element(self._break(k)))
+                    # so many repetitions there must be for the place to exist
+                    needed = place + 1 if place >= 0 else -place
+                    since = max(least, needed - run.shift)
                     if (margin, side, since) in seen or _holds_always(margin, closed):
                         continue
                     seen.add((margin, side, since))
                     at = quotient_to_sympy(self._break(k))
-                    relation = bound.relation(self._powers.to_sympy(point), at)
+                    relation = beyond(self.to_sympy(point), at, side, closed)
+                    bound = point, k, side, closed
                     yield FamilyCondition(relation=relation, since=since, _bound=bound)
             x = self._whole(run)(x)
 
     def _break(self, k: int) -> Fraction_:
-        return self._map.orbits.preimage(k, ())
+        return self.map_.orbits.preimage(k, ())
 
     def _decisive(self, run: WordRun, x: Element) -> Iterator[tuple[int, int, Element]]:
         """Letters, places and points of a run that may decide; x is its first point."""
@@ -394,26 +361,26 @@ class _Builder:
         """Which repetitions decide: counted from 0 on, or from the end with -1 for the last."""
         if not run.grows:
             return (0,)
-        oracle = self._map.oracle
+        oracle = self.map_.oracle
         sign = oracle.slope(run.word)
         if sign > 0:
             return 0, -1
         try:
-            beyond = oracle.multiplier(run.word, -1) if sign else 1
+            closer = oracle.multiplier(run.word, -1) >= 0 if sign else True
         except UndecidedError:
             return 0, 1, -2, -1
-        return (0, 1) if beyond >= 0 else (-2, -1)
+        return (0, 1) if closer else (-2, -1)
 
     def _aims(self) -> list[int]:
         """Where runs of one letter go: to the right (1), to the left (-1), or unused (0)."""
-        aims, kept = [0] * len(self._runs), set[int]()
-        for i, run in enumerate(self._runs):
-            j = (i + 1) % len(self._runs)
-            letter, after = run.word[-1], self._runs[j].word[0]
+        aims, kept = [0] * len(self.runs), set[int]()
+        for i, run in enumerate(self.runs):
+            j = (i + 1) % len(self.runs)
+            letter, after = run.word[-1], self.runs[j].word[0]
             single = run.grows and len(run.word) == 1 and letter != after
             if i in kept or not single or self._places(run) != (0, -1):
                 continue
-            if 0 in self._places(self._runs[j]) and not aims[j]:
+            if 0 in self._places(self.runs[j]) and not aims[j]:
                 # it follows from the next point, whose condition is kept
                 aims[i] = 1 if after > letter else -1
                 kept.add(j)
@@ -426,11 +393,6 @@ def _size(number: Number) -> int:
         return 1 + bits(number) // LONG
     parts = number.numer, number.denom
     return sum(1 + len(part) + sum(part.degrees()) for part in parts if part)
-
-
-def _needed(place: int) -> int:
-    """How many repetitions there must be for a place to exist."""
-    return place + 1 if place >= 0 else -place
 
 
 def _holds_always(margin: Element, closed: bool) -> bool:

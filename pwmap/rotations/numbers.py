@@ -16,15 +16,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from math import ceil, floor
 from typing import NamedTuple
 
 from sympy import QQ
 
 from pwmap.algebra.arguments import checked_count, explained
-from pwmap.algebra.exact import Affine, Number, constant
+from pwmap.algebra.exact import Affine, Number, pair
+from pwmap.algebra.roots import simplest_between
+from pwmap.longrun.line import IDENTITY, line_of
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_values
-from pwmap.rotations.pieces import LEFT, RIGHT, increasing_pieces
+from pwmap.rotations.pieces import increasing_pieces
 from pwmap.rotations.words import rotational_word
 
 ITERATES = 1000  # by default; the bounds are then at most 1/1000 apart
@@ -161,14 +162,10 @@ def rotation_interval(map_: PiecewiseLinearMap, iterates: int = ITERATES) -> Rot
 
 
 def _lines(map_: PiecewiseLinearMap) -> TwoLines:
-    pieces = increasing_pieces(map_)
+    increasing_pieces(map_)
     check_values(map_)
-    table = map_.definition.table
-    lines = [
-        Affine(constant(table.slopes[i]), constant(table.intercepts[i])) for i in (LEFT, RIGHT)
-    ]
-    top, bottom = map(constant, pieces.at)
-    return TwoLines(lines[0], lines[1], top / bottom)
+    left, right = line_of(map_).branches
+    return TwoLines(Affine(*left[:2]), Affine(*right[:2]), left.upper)
 
 
 def _fixed(lines: TwoLines) -> Fraction | None:
@@ -210,7 +207,10 @@ def _greatest(lines: TwoLines, iterates: int) -> RotationNumber:
         # k/n, the first if it is on the level piece, the second if it is back at t
         lower = max(lower, Fraction(turns - (x != top), n))
         upper = min(upper, Fraction(turns - (x <= level), n))
-        simplest = lower if lower == upper else _simplest(lower, upper)
+        simplest = lower
+        if lower < upper:
+            inner = simplest_between(*(QQ(*end.as_integer_ratio()) for end in (lower, upper)))
+            simplest = min(lower, upper, Fraction(*pair(inner)), key=lambda x: x.denominator)
         if lower == upper or (simplest not in tried and _has_cycle(lines, simplest, level)):
             return RotationNumber(lower=simplest, upper=simplest, iterates=n)
         tried.add(simplest)
@@ -220,9 +220,9 @@ def _greatest(lines: TwoLines, iterates: int) -> RotationNumber:
 def _has_cycle(lines: TwoLines, rotation: Fraction, level: Number) -> bool:
     """Whether a cycle of a rotation number exists beyond the level piece, or just touches b."""
     word = rotational_word(rotation)
-    whole = Affine(QQ.one, QQ.zero)
+    piece, whole = {"L": lines.left, "R": lines.right}, IDENTITY
     for letter in word:
-        whole = (lines.left if letter == "L" else lines.right).after(whole)
+        whole = piece[letter].after(whole)
     if whole.slope == 1:  # then the orbit of t itself comes back, or no cycle is alone
         return False
     x = whole.fixed_point  # the leftmost point
@@ -231,13 +231,5 @@ def _has_cycle(lines: TwoLines, rotation: Fraction, level: Number) -> bool:
     for letter in word:
         if (x > lines.at) if letter == "L" else (x < lines.at):
             return False
-        x = (lines.left if letter == "L" else lines.right)(x)
+        x = piece[letter](x)
     return True
-
-
-def _simplest(lower: Fraction, upper: Fraction) -> Fraction:
-    """The rational of the smallest denominator between two others, ends included."""
-    if ceil(lower) <= upper:
-        return Fraction(ceil(lower))
-    whole = floor(lower)
-    return whole + 1 / _simplest(1 / (upper - whole), 1 / (lower - whole))

@@ -35,7 +35,10 @@ def read_pattern(text: str, letters: Sequence[str], n: str = "n") -> tuple[WordR
     """The runs of a pattern; ValueError says in one sentence what is wrong with it."""
     if not isinstance(text, str):
         raise ValueError(f"a pattern must be text such as 'R L^n', got {shortened(repr(text))}")
-    runs = _PatternReader(text, tuple(letters), n).all()
+    reader = _PatternReader(text, tuple(letters), n)
+    runs = reader.pattern()
+    if reader.rest:
+        raise reader.wrong("a parenthesis is closed that was not opened")
     if not any(run.grows for run in runs):
         raise ValueError(f"a pattern must have an exponent {n}, got {shortened(repr(text))}")
     return runs
@@ -44,62 +47,56 @@ def read_pattern(text: str, letters: Sequence[str], n: str = "n") -> tuple[WordR
 class _PatternReader:
     def __init__(self, text: str, letters: tuple[str, ...], n: str) -> None:
         self._text, self._letters, self._n = text, letters, n
-        self._rest = re.sub(r"\s", "", text)
+        self.rest = re.sub(r"\s", "", text)
 
-    def all(self) -> tuple[WordRun, ...]:
-        runs = self._pattern()
-        if self._rest:
-            raise self._wrong("a parenthesis is closed that was not opened")
-        return runs
-
-    def _pattern(self) -> tuple[WordRun, ...]:
+    def pattern(self) -> tuple[WordRun, ...]:
         runs: list[WordRun] = []
-        while self._rest and self._rest[0] != ")":
+        while self.rest and self.rest[0] != ")":
             runs += self._item()
             if len(runs) > MAX_LETTERS:
-                raise self._wrong(f"it has more than {MAX_LETTERS} letters")
+                raise self.wrong(f"it has more than {MAX_LETTERS} letters")
         return tuple(runs)
 
     def _item(self) -> Sequence[WordRun]:
-        first, self._rest = self._rest[0], self._rest[1:]
+        first, self.rest = self.rest[0], self.rest[1:]
         if first == "(":
-            inner = self._pattern()
+            inner = self.pattern()
             if not self._taken(")"):
-                raise self._wrong("a parenthesis is not closed")
+                raise self.wrong("a parenthesis is not closed")
             if not inner:
-                raise self._wrong("a parenthesis is empty")
+                raise self.wrong("a parenthesis is empty")
         elif first in self._letters:
             inner = (WordRun((self._letters.index(first),), False, 1),)
         else:
-            raise self._wrong(f"{first!r} is no piece of this map, it has {self._letters}")
+            raise self.wrong(f"{first!r} is no piece of this map, it has {self._letters}")
         return self._raised(inner) if self._taken("^") else inner
 
     def _raised(self, inner: tuple[WordRun, ...]) -> Sequence[WordRun]:
         grows, shift = self._exponent()
         if not grows:
             if not 1 <= shift * len(inner) <= MAX_LETTERS:
-                raise self._wrong(f"an exponent must lie in 1 to {MAX_LETTERS}, {shift} does not")
+                raise self.wrong(f"an exponent must lie in 1 to {MAX_LETTERS}, {shift} does not")
             return inner * shift
         if any(run.grows for run in inner):
-            raise self._wrong(f"a power of {self._n} stands in a power of {self._n}")
+            raise self.wrong(f"a power of {self._n} stands in a power of {self._n}")
         return (WordRun(tuple(letter for run in inner for letter in run.word), True, shift),)
 
     def _exponent(self) -> tuple[bool, int]:
         n = re.escape(self._n)
         for form in (rf"(?P<n>{n})", rf"\((?P<n>{n})(?P<k>[+-]\d+)?\)", r"(?P<k>\d+)",
                      r"\((?P<k>\d+)\)"):  # fmt: skip
-            found = re.match(form, self._rest)
+            found = re.match(form, self.rest)
             if found and len(found.group()) < 20:
-                self._rest = self._rest[found.end() :]
+                self.rest = self.rest[found.end() :]
                 parts = found.groupdict()
                 return parts.get("n") is not None, int(parts.get("k") or 0)
-        raise self._wrong(f"an exponent must be an integer, {self._n} or such as ({self._n}+1)")
+        raise self.wrong(f"an exponent must be an integer, {self._n} or such as ({self._n}+1)")
 
     def _taken(self, sign: str) -> bool:
-        if not self._rest.startswith(sign):
+        if not self.rest.startswith(sign):
             return False
-        self._rest = self._rest[1:]
+        self.rest = self.rest[1:]
         return True
 
-    def _wrong(self, why: str) -> ValueError:
+    def wrong(self, why: str) -> ValueError:
         return ValueError(f"the pattern {shortened(repr(self._text))} cannot be read: {why}")

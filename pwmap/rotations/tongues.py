@@ -30,10 +30,10 @@ from pwmap.algebra.roots import (
     sign_at,
 )
 from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
-from pwmap.maps.cycles import Cycle
+from pwmap.maps.cycles import Cycle, beyond
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Word
-from pwmap.rotations.pieces import LEFT, RIGHT, TwoPieces, increasing_pieces
+from pwmap.rotations.pieces import RIGHT, TwoPieces, increasing_pieces
 from pwmap.rotations.words import farey, rotational_word
 
 LETTER = 4  # work that a letter of a word takes
@@ -68,7 +68,14 @@ class Tongue:
 
         A fixed point has one of them only.
         """
-        return tuple(_border(self._pieces, word) for word in self._nearest())
+        orbits, at = self._map.orbits, quotient_to_sympy(self._pieces.at)
+        return tuple(
+            beyond(
+                fraction_to_sympy(orbits.fixed_point(word)), at, 1 if word[0] == RIGHT else -1,
+                closed=self._pieces.owner == word[0],
+            )
+            for word in self._nearest()
+        )  # fmt: skip
 
     @property
     def _map(self) -> PiecewiseLinearMap:
@@ -89,7 +96,11 @@ class Tongue:
         if len(self._map.parameters) != 1:
             names = ", ".join(map(str, self._map.parameters)) or "none"
             raise ValueError(f"the map must have exactly one parameter, it has {names}")
-        return _as_set([piece for piece in self._axis_pieces() if self._holds(inside(piece))])
+        pieces = (piece for piece in self._axis_pieces() if self._holds(inside(piece)))
+        return sympy.Union(
+            *(sympy.Interval(*map(real_to_sympy, piece), *2 * (piece[0] is not piece[1],))
+              for piece in pieces)
+        )  # fmt: skip
 
     @property
     def lower(self) -> sympy.Expr:
@@ -189,30 +200,3 @@ def _nearest(rotation: Fraction) -> tuple[int, ...]:
         return (0,)
     # step k is at point k p modulo q: the smallest on the right, q - p, is the last
     return (-1 - pow(p, -1, q)) % q, q - 1
-
-
-def _border(pieces: TwoPieces, word: Word) -> sympy.Basic:
-    closed = pieces.owner == word[0]
-    relations = {
-        LEFT: (sympy.Lt, sympy.Le),
-        RIGHT: (sympy.Gt, sympy.Ge),
-    }
-    point = fraction_to_sympy(pieces.map_.orbits.fixed_point(word))
-    return relations[word[0]][closed](point, quotient_to_sympy(pieces.at))
-
-
-def _as_set(pieces: list[Piece_]) -> sympy.Set:
-    """Gaps and roots that hold, joined to intervals where one follows the other."""
-    joined: list[list[Piece_]] = []
-    for piece in pieces:
-        if joined and joined[-1][-1][1] is piece[0]:
-            joined[-1].append(piece)
-        else:
-            joined.append([piece])
-    return sympy.Union(*(_interval(group[0], group[-1]) for group in joined))
-
-
-def _interval(first: Piece_, last: Piece_) -> sympy.Set:
-    """From a gap or root to another, with the ends that are roots of their own."""
-    low, high = real_to_sympy(first[0]), real_to_sympy(last[1])
-    return sympy.Interval(low, high, first[0] is not first[1], last[0] is not last[1])

@@ -85,7 +85,7 @@ class _Row:
     parameter: FloatArray
     low: FloatArray
     high: FloatArray
-    formulas: tuple[sympy.Expr, sympy.Expr] | None
+    formulas: dict[str, object]
 
 
 def _branch(name: str, rows: Sequence[_Row], points: _Points) -> Branch:
@@ -98,7 +98,7 @@ def _branch(name: str, rows: Sequence[_Row], points: _Points) -> Branch:
     middle = 0.5 * (low + high)
     starts = np.cumsum([0, *(len(row.parameter) for row in rows[:-1])]).tolist()
     words = tuple(
-        Stretch(start, "", exact=_formulas(row)) for start, row in zip(starts, rows, strict=True)
+        Stretch(start, "", exact=row.formulas) for start, row in zip(starts, rows, strict=True)
     )
     return Branch(
         id=name,
@@ -117,17 +117,6 @@ def _branch(name: str, rows: Sequence[_Row], points: _Points) -> Branch:
         words=words,
         columns={"low": low, "high": high},
     )
-
-
-def _formulas(row: _Row) -> dict[str, object]:
-    if row.formulas is None:
-        return {}
-    lower, upper = row.formulas
-    return {
-        "lower": lower,
-        "upper": upper,
-        "interval": sympy.Interval.open(row.cell.lower, row.cell.upper),
-    }
 
 
 def _pieces(found: AttractorDiagram) -> Iterator[tuple[_Row, ...]]:
@@ -174,7 +163,11 @@ def _rows(found: AttractorDiagram, cell: AttractorCell) -> list[_Row]:
         ]
         for formula, line in zip(known or (), lines, strict=False):
             line[[0, -1]] = [float(formula.subs(name, end)) for end in (cell.lower, cell.upper)]
-        rows.append(_Row(cell, bands[0][k][1], np.array(over), lines[0], lines[1], known))
+        exact: dict[str, object] = {}
+        if known is not None:
+            interval = sympy.Interval.open(cell.lower, cell.upper)
+            exact = {"lower": known[0], "upper": known[1], "interval": interval}
+        rows.append(_Row(cell, bands[0][k][1], np.array(over), lines[0], lines[1], exact))
     return rows
 
 
@@ -205,10 +198,11 @@ class _Points:
     def at(self, parameter: sympy.Expr, x: float, branch: str) -> str:
         """The point in which a band ends: that of a crisis, or one of its own."""
         crisis = self._crises.get(parameter)
-        name = self._known.get(parameter, "") if crisis is not None else ""
-        if not name and crisis is not None:
-            name = self._known[parameter] = self._own(crisis) or self._added(crisis, x)
-        if not name:
+        if crisis is not None:
+            if parameter not in self._known:
+                self._known[parameter] = self._own(crisis) or self._added(crisis, x)
+            name = self._known[parameter]
+        else:
             ends = self._found.cells[0].lower, self._found.cells[-1].upper
             is_end = parameter in ends
             note = "end of the parameter span" if is_end else "beyond, what attracts is open"

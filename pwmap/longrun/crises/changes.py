@@ -9,23 +9,29 @@ then is open.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from itertools import pairwise, product
 
 from pwmap.algebra.exact import Number, dense
 from pwmap.algebra.roots import Real, bounds, sign_at
+from pwmap.diagrams.data import PointKind
 from pwmap.longrun.crises.meetings import earliest
 from pwmap.longrun.crises.samples import CLOSER, Attracted, BreakImage, Samples
+from pwmap.longrun.line import joined
 from pwmap.longrun.numbers import to_double
+from pwmap.maps.budget import Meter
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit, MultiplierSign, Word
+from pwmap.parameters.recorded import axis_of
 
 EFFORT = 24  # halvings of an interval in which samples differ, at most
 PLACE = 3  # halvings that a place counts for which does not explain what happens at it
 LONG = 24  # and where a cycle is longer than the order: between two there may be any number
 MANY = 12  # places that are looked at together: of more an interval is halved first
 PERIOD = 8  # of repelling cycles that ends of bands may meet, at least
+SAME = 1e-4  # of their length: so little may bands differ that are the same, in a short interval
 NEAR = 1e-9  # of the numbers at hand: closer ones are compared exactly
 
 
@@ -67,10 +73,12 @@ class Changes:
         if self._are_long(left, right) and self._is_gap(left, right):
             yield self._open(left, right)
             return
-        met = self.places(left, right)
-        row = self._row(left, right, sorted(met)) if 0 < len(met) <= MANY else None
-        if row is not None:
-            for place, (x, y) in zip(sorted(met), pairwise(row), strict=True):
+        met = sorted(self.places(left, right))
+        row = list[Attracted]()  # samples between neighbouring places
+        if 0 < len(met) <= MANY:
+            row = [left, *(self.samples.between(a, b) for a, b in pairwise(met)), right]
+        if row and not any(each.is_open for each in row):
+            for place, (x, y) in zip(met, pairwise(row), strict=True):
                 yield from self._at(place, x, y, effort)
         elif effort > 0:
             third = (right.place - left.place) / 3
@@ -84,13 +92,6 @@ class Changes:
             yield self._open(left, right)
         else:
             yield Onset(left.place, right.place, left, right)
-
-    def _row(
-        self, left: Attracted, right: Attracted, places: Sequence[Real]
-    ) -> list[Attracted] | None:
-        """Samples between neighbouring places; None if one is open."""
-        row = [left, *(self.samples.between(a, b) for a, b in pairwise(places)), right]
-        return None if any(each.is_open for each in row) else row
 
     def _at(self, place: Real, x: Attracted, y: Attracted, effort: int) -> Iterator[Onset]:
         """What happens between samples on both sides of a place at which something may."""
@@ -198,18 +199,14 @@ class Changes:
         rows = [[ends for bands in each.ends for ends in bands] for each in (left, right)]
         if len(rows[0]) != len(rows[1]):
             return False
-        return all(
-            self._passes(one, other, left.place, right.place)
-            for ours, theirs in zip(*rows, strict=True)
-            for one, other in zip(ours, theirs, strict=True)
-            if one != other
-        )
-
-    def _passes(self, one: BreakImage, other: BreakImage, low: Number, high: Number) -> bool:
-        """Whether two images of breaks are in different orders at two places, or always equal."""
-        a, b = (self.orbits.value(each.k, each.word) for each in (one, other))
-        difference = dense(a[0] * b[1] - b[0] * a[1])
-        return not difference or sign_at(difference, low) * sign_at(difference, high) <= 0
+        for ours, theirs in zip(*rows, strict=True):
+            for one, other in zip(ours, theirs, strict=True):
+                a, b = (self.orbits.value(each.k, each.word) for each in (one, other))
+                order = dense(a[0] * b[1] - b[0] * a[1]) if one != other else ()
+                # they must be in different orders at both places, or always equal
+                if order and sign_at(order, left.place) * sign_at(order, right.place) > 0:
+                    return False
+        return True
 
     # --- Where something may end --------------------------------------------------------------
 
@@ -265,7 +262,7 @@ class Changes:
         lines = [self.samples.doubles(place) for place in (low, high)]
         at = [[to_double(self.samples.value(end, place)) for end in ends] for place in (low, high)]
         for numbers in self.samples.repelling(sample.place, max(PERIOD, self.order)):
-            word = self.samples.lettered(numbers)
+            word = tuple(self.samples.letters[k] for k in numbers)
             points = [line.cycle(numbers)[0] for line in lines]
             for i in range(len(word)):
                 for end, *values in zip(ends, *at, strict=True):
@@ -285,3 +282,58 @@ class Changes:
             return self.samples.roots(polynomial, low, high)
         self.samples.meter.spend(1 + len(polynomial))  # for the signs
         return ()
+
+
+# --- What happens to bands: they merge, grow, are lost, or a cycle begins -------------------------
+
+
+def kind_at(
+    map_: PiecewiseLinearMap, name: str, order: int, place: Real, width: Number,
+    meter: Meter,
+) -> PointKind | None:  # fmt: skip
+    """What happens to bands at a place, from what attracts a half and one width beside it."""
+    samples = Samples(map_, axis_of(map_.definition, name, {}), meter)
+    low, high = bounds(place)
+    left = samples.between(low - width, low - width / 2)
+    right = samples.between(high + width / 2, high + width)
+    if left.is_open or right.is_open or Changes(samples, order).same(left, right):
+        return None
+    return kind_of(samples, Onset(place, place, left, right))
+
+
+def kind_of(samples: Samples, change: Onset) -> PointKind | None:
+    """What happens to bands at a change; None if nothing does."""
+    left, right = change.before, change.after
+    if not left.counts and not right.counts:
+        return None
+    if not (left.counts and right.counts):
+        chaotic, other = (left, right) if left.counts else (right, left)
+        new = [word for word in other.cycles if word not in chaotic.cycles]
+        for word in new if change.is_exact else ():
+            letters = tuple(sorted(map(samples.map.letters.index, word)))
+            flip = samples.axis.orbits.polynomial(MultiplierSign(letters, -1))
+            if samples.axis.sign(flip, change.low) == 0:
+                return PointKind.PD
+        return PointKind.BC if new else PointKind.FC
+    if change.is_exact:
+        ours, theirs = (
+            joined((samples.value(a, change.low), samples.value(b, change.low))
+                   for bands in sample.ends for a, b in bands)
+            for sample in (left, right)
+        )  # fmt: skip
+        same = ours == theirs
+    else:
+        same = left.counts == right.counts and _close(left, right)
+    if not same:
+        return PointKind.XC
+    return None if left.counts == right.counts else PointKind.MC
+
+
+def _close(left: Attracted, right: Attracted) -> bool:
+    """Whether bands at two places may be the same by what they are there."""
+    one, other = (
+        [to_double(x) for bands in each.found.bands for pair in bands.intervals for x in pair]
+        for each in (left, right)
+    )
+    scale = max(one) - min(one)
+    return max(abs(a - b) for a, b in zip(one, other, strict=True)) <= SAME * scale

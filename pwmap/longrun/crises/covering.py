@@ -69,10 +69,13 @@ def is_covered(line: DoubleMap, word: Sequence[int], side: int) -> bool:
     for _ in range(STEPS):
         images = [image for part in new for image in line.images(part)]
         new = []
-        for part in images:
-            joined = _joined(known, part)
-            if joined is not None:
-                new.append(joined)
+        for low, high in images:
+            if any(a <= low and high <= b for a, b in known):
+                continue
+            met = [(a, b) for a, b in known if a < high and low < b]
+            lows, highs = zip((low, high), *met, strict=True)
+            new.append((min(lows), max(highs)))
+            known = [*(part for part in known if part not in met), new[-1]]
         if any(_surrounds(part, x) for part in new for x in points):
             return True
         if not new or len(known) > PARTS:
@@ -97,21 +100,6 @@ def _first_part(line: DoubleMap, word: Sequence[int], x: float, side: int) -> Pa
         side = side if line.slopes[k] > 0.0 else -side
         x = line.slopes[k] * x + line.intercepts[k]
     return found
-
-
-def _joined(known: list[Part], part: Part) -> Part | None:
-    """An interval with those that it overlaps, which it replaces; None if one has all of it."""
-    low, high = part
-    apart = list[Part]()
-    for a, b in known:
-        if a <= low and high <= b:
-            return None
-        if a < high and low < b:
-            low, high = min(low, a), max(high, b)
-        else:
-            apart.append((a, b))
-    known[:] = [*apart, (low, high)]
-    return low, high
 
 
 def _surrounds(part: Part, x: float) -> bool:

@@ -8,7 +8,6 @@ begins or ends, except where a multiplier passes through one.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
 
@@ -18,14 +17,7 @@ from pwmap.longrun.crises.covering import is_covered
 from pwmap.longrun.crises.samples import BreakImage, Samples
 from pwmap.maps.words import CriticalOrbit, MultiplierSign, SignOracle, Slope, Word
 
-
-@dataclass(frozen=True, slots=True, eq=False)
-class AxisPart:
-    """A part of the axis in which the words of images are constant."""
-
-    low: Real
-    high: Real
-    words: tuple[Word, ...]  # of each germ, as far as it was followed
+AxisPart = tuple[Real, Real, tuple[Word, ...]]  # where words of germs, as far as followed, are kept
 
 
 class Cuts:
@@ -41,7 +33,7 @@ class Cuts:
         """All such places strictly between two others, with whether a cycle meets a break there."""
         found = dict[Real, bool]()
         for part in self._parts(low, high):
-            found |= {end: end in self._returns for end in (part.low, part.high)}
+            found |= {end: end in self._returns for end in part[:2]}
             found |= dict.fromkeys(self._meetings(part), False)
         return {place: found[place] for place in sorted(found) if low < place < high}
 
@@ -52,28 +44,31 @@ class Cuts:
         cuts = {low, high}
         for letter in set(self.samples.letters):
             cuts.update(self.samples.roots(self.orbits.polynomial(Slope(letter)), low, high))
-        parts = [AxisPart(a, b, tuple(() for _ in self.germs)) for a, b in pairwise(sorted(cuts))]
+        parts: list[AxisPart] = [
+            (a, b, tuple(() for _ in self.germs)) for a, b in pairwise(sorted(cuts))
+        ]
         for length in range(self.order + 1):
             parts = [new for part in parts for new in self._longer(part, length)]
         return [new for part in parts for new in self._by_multipliers(part)]
 
     def _longer(self, part: AxisPart, length: int) -> Iterator[AxisPart]:
         """A part cut where an image meets a break, with words one letter longer."""
-        cuts = {part.low, part.high}
-        for (k, _), word in zip(self.germs, part.words, strict=True):
+        start, end, words = part
+        cuts = {start, end}
+        for (k, _), word in zip(self.germs, words, strict=True):
             if len(word) == length and word:
                 for other in self.layout.breaks:
                     polynomial = self.orbits.polynomial(CriticalOrbit(k, word, other))
-                    found = self.samples.roots(polynomial, part.low, part.high)
+                    found = self.samples.roots(polynomial, start, end)
                     cuts.update(found)
                     self._returns.update(found if k == other else ())
         for low, high in pairwise(sorted(cuts)):
             oracle = self.axis.oracle(self.axis.between(low, high))
-            words = tuple(
+            longer = tuple(
                 self._with_letter(k, side, word, oracle) if len(word) == length else word
-                for (k, side), word in zip(self.germs, part.words, strict=True)
+                for (k, side), word in zip(self.germs, words, strict=True)
             )
-            yield AxisPart(low, high, words)
+            yield low, high, longer
 
     def _with_letter(self, k: int, side: int, word: Word, oracle: SignOracle) -> Word:
         """The word of a germ with the letter of its piece; as it is on a break after a flat one."""
@@ -87,15 +82,16 @@ class Cuts:
 
     def _by_multipliers(self, part: AxisPart) -> Iterator[AxisPart]:
         """A part cut where the multiplier of a cycle is 1 or -1."""
-        cuts = {part.low, part.high}
+        start, end, words = part
+        cuts = {start, end}
         if self._changes_slopes:
-            place = self.axis.between(part.low, part.high)
-            cycles = self.samples.cycles(place, self.order)
-            for letters in {tuple(sorted(self.samples.lettered(word))) for word, _ in cycles}:
+            cycles = self.samples.cycles(self.axis.between(start, end), self.order)
+            own = self.samples.letters
+            for letters in {tuple(sorted(own[k] for k in word)) for word, _ in cycles}:
                 for unit in (1, -1):
                     polynomial = self.orbits.polynomial(MultiplierSign(letters, unit))
-                    cuts.update(self.samples.roots(polynomial, part.low, part.high))
-        yield from (AxisPart(low, high, part.words) for low, high in pairwise(sorted(cuts)))
+                    cuts.update(self.samples.roots(polynomial, start, end))
+        yield from ((low, high, words) for low, high in pairwise(sorted(cuts)))
 
     @cached_property
     def _changes_slopes(self) -> bool:
@@ -105,11 +101,12 @@ class Cuts:
     # --- Meetings -----------------------------------------------------------------------------
 
     def _meetings(self, part: AxisPart) -> set[Real]:
-        """Places of a part at which an image first meets a repelling cycle and may end bands."""
-        place = self.axis.between(part.low, part.high)
-        oracle = self.axis.oracle(place)
+        """Places of a part at which an image first meets a repelling cycle that is not covered."""
+        low, high, words = part
+        place = self.axis.between(low, high)
+        oracle, own = self.axis.oracle(place), self.samples.letters
         images = dict[Dense, tuple[BreakImage, int]]()  # of both sides of a continuous break one
-        for (k, side), word in zip(self.germs, part.words, strict=True):
+        for (k, side), word in zip(self.germs, words, strict=True):
             for n in range(1, min(len(word), self.order) + 1):
                 here = side * oracle.slope(word[:n])
                 if here:
@@ -119,16 +116,13 @@ class Cuts:
         for word in self.samples.repelling(place, self.order):
             for i in range(len(word)):
                 turned = word[i:] + word[:i]
+                cycle = tuple(own[k] for k in turned)
                 for image, side in images.values():
-                    if image.word[-1] != self.samples.letters[turned[-1]]:
-                        found.update(self._met(part, image, side, turned))
+                    if image.word[-1] == cycle[-1]:
+                        continue
+                    meeting = self.orbits.meeting(image.k, image.word, cycle)
+                    for root in self.samples.roots(meeting, low, high):
+                        doubles = self.samples.doubles(bounds(root)[0])
+                        if not is_covered(doubles, turned, side):
+                            found.add(root)
         return found
-
-    def _met(
-        self, part: AxisPart, image: BreakImage, side: int, cycle: tuple[int, ...]
-    ) -> Iterator[Real]:
-        """Where an image meets a cycle in a part, unless the cycle is covered there."""
-        meeting = self.orbits.meeting(image.k, image.word, self.samples.lettered(cycle))
-        for root in self.samples.roots(meeting, part.low, part.high):
-            if not is_covered(self.samples.doubles(bounds(root)[0]), cycle, side):
-                yield root

@@ -18,15 +18,13 @@ import sympy
 from sympy import QQ
 
 from pwmap.algebra.arguments import explained, shortened
-from pwmap.algebra.exact import Fraction_, Number, quotient_to_sympy
-from pwmap.algebra.exact import fraction_to_sympy as shown_fraction
+from pwmap.algebra.exact import Number, quotient_to_sympy
 from pwmap.algebra.roots import Real, bounds, real_to_sympy
 from pwmap.diagrams.data import PointKind
 from pwmap.diagrams.shown import counted
-from pwmap.longrun.crises.changes import Changes, Onset
+from pwmap.longrun.crises.changes import Changes, Onset, kind_of
 from pwmap.longrun.crises.cuts import Cuts
 from pwmap.longrun.crises.glimpses import Glimpses
-from pwmap.longrun.crises.kinds import kind_of
 from pwmap.longrun.crises.meetings import Meeting
 from pwmap.longrun.crises.samples import Attracted, Samples
 from pwmap.longrun.dynamics import Dynamics
@@ -102,12 +100,19 @@ class Crisis:
     @property
     def cycles(self) -> tuple[str, ...]:
         """Words of the cycles that are met, each from its first letter in the alphabet on."""
-        return tuple(sorted({first_turn(each.cycle) for each in self.meetings}, key=_by_length))
+        return tuple(
+            sorted(
+                {first_turn(each.cycle) for each in self.meetings},
+                key=lambda word: (len(word), word),
+            )
+        )
 
     @property
     def images(self) -> tuple[str, ...]:
         """Words along which breaks go to these."""
-        return tuple(sorted({each.image for each in self.meetings}, key=_by_length))
+        return tuple(
+            sorted({each.image for each in self.meetings}, key=lambda word: (len(word), word))
+        )
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -329,7 +334,19 @@ class _Sweep:
         inside = [each for each in self._inside if low < each.place < high]
         if inside:
             sample = min(inside, key=lambda each: QQ.denom(each.place))
-            self.cells.append(self._known(low, high, sample))
+            value = self.samples.axis.orbits.value
+            bands = tuple(
+                tuple(
+                    (quotient_to_sympy(value(a.k, a.word)), quotient_to_sympy(value(b.k, b.word)))
+                    for a, b in each
+                )
+                for each in sample.ends
+            )
+            place = QQ.to_sympy(sample.place)
+            self.cells.append(AttractorCell(
+                real_to_sympy(low), real_to_sympy(high), place, sample.cycles, bands, sample.line,
+                sample.neutral,
+            ))  # fmt: skip
             self._low, self._inside = high, []
 
     def _open(self, low: Number, high: Number) -> None:
@@ -342,19 +359,10 @@ class _Sweep:
             self.cells.pop()
         sample = self.samples.axis.between(low, high)
         line = line_at(self.samples.map, sample)
-        self.cells.append(AttractorCell(*_shown(low, high, sample), (), (), line, is_open=True))
+        ends = real_to_sympy(low), real_to_sympy(high)
+        cell = AttractorCell(*ends, QQ.to_sympy(sample), (), (), line, is_open=True)
+        self.cells.append(cell)
         self._opened, self._low, self._inside = low, high, []
-
-    def _known(self, low: Real, high: Real, sample: Attracted) -> AttractorCell:
-        value = self.samples.axis.orbits.value
-        bands = tuple(
-            tuple(
-                (_expression(value(a.k, a.word)), _expression(value(b.k, b.word))) for a, b in each
-            )
-            for each in sample.ends
-        )
-        ends = _shown(low, high, sample.place)
-        return AttractorCell(*ends, sample.cycles, bands, sample.line, sample.neutral)
 
     def _crisis(self, change: Onset, kind: PointKind) -> Crisis:
         spelled, breaks = self.samples.map.spelled, self.samples.layout.breaks
@@ -369,15 +377,3 @@ class _Sweep:
             ),
             width=0.0 if change.is_exact else width,
         )
-
-
-def _shown(low: Real, high: Real, sample: Number) -> tuple[sympy.Expr, sympy.Expr, sympy.Rational]:
-    return real_to_sympy(low), real_to_sympy(high), QQ.to_sympy(sample)
-
-
-def _expression(fraction: Fraction_) -> sympy.Expr:
-    return quotient_to_sympy(fraction) if fraction[1] == 1 else shown_fraction(fraction)
-
-
-def _by_length(word: str) -> tuple[int, str]:
-    return len(word), word

@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Hashable
 from dataclasses import dataclass
 from functools import cache
+from itertools import chain, islice
 
 from pwmap.algebra.exact import Number, dense
-from pwmap.algebra.roots import Real, RealRoot, bounds, roots_between, simplest_between
+from pwmap.algebra.roots import Real, bounds, roots_between, simplest_between
 from pwmap.longrun.attractors import Attractors, attractors_of
 from pwmap.longrun.crises.covering import DoubleMap, doubles_of
-from pwmap.longrun.cycles import closed_words
+from pwmap.longrun.cycles import closed_words, levels_of
 from pwmap.longrun.fates import Fate, GermOrbit
 from pwmap.longrun.line import MapLine, line_at
-from pwmap.longrun.numbers import Element, Exact, key
+from pwmap.longrun.numbers import Exact, key, value_of
 from pwmap.maps.budget import BUDGET, Budget, Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import CriticalOrbit, OrbitReturn, Word, first_turn
@@ -75,17 +76,10 @@ class Samples:
         self.layout = map_.definition.table.layouts[map_.chain[0]]
         self.letters = self.layout.slots[::2]
         self.germs = [(k, side) for k in self.layout.breaks for side in (-1, 1)]
-        self._numbers = {map_.letters[letter]: letter for letter in self.letters}
-        self._known = dict[Hashable, Attracted]()
 
+    @cache  # noqa: B019  as long as the samples live
     def at(self, place: Number) -> Attracted:
         """What attracts at a rational place."""
-        found = self._known.get(key(place))
-        if found is None:
-            found = self._known[key(place)] = self._at(place)
-        return found
-
-    def _at(self, place: Number) -> Attracted:
         line = line_at(self.map, place)
         left = self.meter.budget.work - self.meter.work
         meter = Meter(Budget(work=max(1, min(WORK, left))))  # what takes more is open
@@ -124,16 +118,14 @@ class Samples:
     @cache  # noqa: B019  as long as the samples live
     def cycles(self, place: Number, order: int) -> list[tuple[tuple[int, ...], Exact]]:
         """Words of cycles up to a period, as numbers of pieces, with their multipliers."""
-        return list(closed_words(line_at(self.map, place), order, self.meter))
+        levels = levels_of(line_at(self.map, place), self.meter)
+        words = closed_words(chain.from_iterable(islice(levels, order)))
+        return [(word, whole.slope) for word, whole, _ in words]
 
     def repelling(self, place: Number, order: int) -> list[tuple[int, ...]]:
         """Those of them that repel."""
         return [word for word, multiplier in self.cycles(place, order)
                 if not -1 <= multiplier <= 1]  # fmt: skip
-
-    def lettered(self, numbers: tuple[int, ...]) -> Word:
-        """Numbers of pieces as letters."""
-        return tuple(self.letters[k] for k in numbers)
 
     def roots(self, polynomial: Number, low: Real, high: Real) -> tuple[Real, ...]:
         """The places between two others at which a polynomial is zero; none if it is everywhere."""
@@ -142,15 +134,12 @@ class Samples:
 
     def value(self, image: BreakImage, place: Real) -> Exact:
         """Where an image of a break is."""
-        fraction = self.axis.orbits.value(image.k, image.word)
-        if isinstance(place, RealRoot):
-            top, bottom = (Element(place, place.reduced(dense(part))) for part in fraction)
-            return top / bottom
-        return self.axis.value(fraction, place)
+        top, bottom = self.axis.orbits.value(image.k, image.word)
+        return value_of(top, place) / value_of(bottom, place)
 
     def word(self, orbit: GermOrbit) -> Word:
         """The letters of an orbit."""
-        return tuple(map(self._numbers.__getitem__, orbit.letters))
+        return tuple(map(self.map.letters.index, orbit.letters))
 
     def _is_special(self, line: MapLine, orbit: GermOrbit, k: int, word: Word) -> bool:
         """Whether an orbit meets a break, or comes back, but not so at all places."""

@@ -19,6 +19,7 @@ from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from heapq import heappop, heappush
+from math import prod
 
 from sympy import QQ
 
@@ -81,13 +82,9 @@ class _Proved:
     matches: bool
 
 
-@dataclass(frozen=True, slots=True, eq=False)
-class Proof:
-    """The growth of laps at a place, and what was decided to know it."""
-
-    growth: Real  # at least 1
-    decisions: tuple[Decision, ...]  # it is the same wherever their polynomials have the same signs
-    matches: bool = False  # whether orbits of a break match
+# the growth of laps at a place, at least 1, the decisions whose signs make it the same elsewhere,
+# and whether orbits of a break match
+Proof = tuple[Real, tuple[Decision, ...], bool]
 
 
 @explained()
@@ -165,14 +162,11 @@ class _Study:
         region = self.axis.definition.region
         return region.broken(lambda polynomial: self.axis.sign(polynomial, place)) is None
 
-    def line(self, place: Real) -> MapLine:
-        return line_at(self.map, place)
-
     def proof(self, line: MapLine) -> Proof | GapCause:
         """What is known of the growth of laps of the map at a place."""
         if all(-1 <= branch.slope <= 1 for branch in line.branches):
             units = [MultiplierSign((k,), unit) for k in set(self.letters) for unit in (1, -1)]
-            return Proof(QQ.one, tuple(units))
+            return QQ.one, tuple(units), False
         itineraries = self.itineraries(line)
         endings = {each.ending for each in itineraries}
         if Fate.OPEN in endings:
@@ -185,7 +179,7 @@ class _Study:
         decided: dict[Decision, None] = {Slope(k): None for k in self.letters}
         for number, itinerary in enumerate(itineraries):
             decided |= dict.fromkeys(self.decisions(line, number // 2, itinerary))
-        return Proof(growth, tuple(decided), None in endings)
+        return growth, tuple(decided), None in endings
 
     def itineraries(self, line: MapLine) -> list[Itinerary]:
         """Of all germs, each to the end, or up to where it matches that of the other side."""
@@ -205,7 +199,7 @@ class _Study:
         if family is None:
             return None
         sample = simplest_between(low, high)
-        line = self.line(sample)
+        line = line_at(self.map, sample)
         itineraries = self.itineraries(line)
         changing = {
             number // 2
@@ -249,10 +243,11 @@ class _Study:
             for other in self.around(piece) if n else ():
                 yield CriticalOrbit(k, word[:n], other)
         again = word[itinerary.start :]
+        slope = prod(sign(line.branches[k].slope) for k in itinerary.word)
         match itinerary.ending:
             case Fate.FINITE | Fate.LOST:
                 yield OrbitReturn(k, word, itinerary.start)
-            case Fate.DRAWN if self.slope(line, itinerary) < 0:
+            case Fate.DRAWN if slope < 0:
                 yield MultiplierSign(tuple(sorted(again)), -1)
             case Fate.DRAWN:
                 yield MultiplierSign(tuple(sorted(again)), 1)
@@ -262,14 +257,6 @@ class _Study:
 
     def around(self, piece: int) -> tuple[int, ...]:
         return self.layout.breaks[max(0, piece - 1) : piece + 1]
-
-    @staticmethod
-    def slope(line: MapLine, itinerary: Itinerary) -> int:
-        """The sign of the slope of the word that comes again and again."""
-        found = 1
-        for k in itinerary.word:
-            found *= sign(line.branches[k].slope)
-        return found
 
     def polynomials(self, decisions: Iterable[Decision]) -> list[Dense]:
         """The polynomials of decisions that are not zero everywhere, simple ones first."""
@@ -284,17 +271,18 @@ class _Study:
         if not self.admits(place):
             return None
         try:
-            found = self.proof(self.line(place))
+            found = self.proof(line_at(self.map, place))
         except BudgetError:  # what was proved before is kept
             return None
-        return found.growth if isinstance(found, Proof) else None
+        return None if isinstance(found, GapCause) else found[0]
 
     def proved(self, low: Real, high: Real, sample: Number) -> _Proved | GapCause:
         """The largest interval between two places in which a proof at a sample holds."""
-        proof = self.proof(self.line(sample))
+        proof = self.proof(line_at(self.map, sample))
         if isinstance(proof, GapCause):
             return proof
-        polynomials = self.polynomials(proof.decisions)
+        growth, decisions, matches = proof
+        polynomials = self.polynomials(decisions)
         if any(not sign_at(each, sample) for each in polynomials):
             return GapCause.SPECIAL
         for each in polynomials:
@@ -306,11 +294,11 @@ class _Study:
             return self.admits(end) and all(sign_at(each, end) for each in polynomials)
 
         ends = holds(low), holds(high)
-        return _Proved(low, high, ends, proof.growth, sample, matches=proof.matches)
+        return _Proved(low, high, ends, growth, sample, matches)
 
     def cycles(self, sample: Number) -> list[str]:
         """Words of the attracting cycles at a sample, to which orbits of breaks come."""
-        line = self.line(sample)
+        line = line_at(self.map, sample)
         fates = Fates(line, self.steps, Meter(BUDGET))
         found = list[AttractingCycle | None]()
         for germ in line.germs:
@@ -319,9 +307,9 @@ class _Study:
                 x = drawn_to(line, itinerary.word)
                 found.append(fates.attracting(x, len(itinerary.word)))
             elif itinerary.ending is Fate.FLAT:
-                found.append(fates.orbit(germ).cycle)
-                found += fates.cycles
-        known = {cycle.points: cycle.word for cycle in found if cycle is not None}
+                fates.orbit(germ)
+        every = [cycle for cycle in (*found, *fates.cycles) if cycle is not None]
+        known = {cycle.points: cycle.word for cycle in every}
         return [known[points] for points in sorted(known)]
 
 
@@ -390,14 +378,15 @@ def _reached(study: _Study, start: Real, stop: Real, least: Number) -> _Proved |
         return study.proved_at_once(*sorted((start, end)))
 
     ahead = 1 if start < stop else -1
-    good, bad = _between(start, bounds(start)[0] + ahead * least), stop
+    good, bad = _near(*sorted((start, bounds(start)[0] + ahead * least))), stop
     found = tried(good)
     if found is None:
         return None
     whole = tried(stop)
     while whole is None:
-        last = _width(*sorted((good, bad))) <= least
-        end = simplest_between(*sorted((good, bad))) if last else _between(good, bad)
+        ends = sorted((good, bad))
+        last = _width(*ends) <= least
+        end = simplest_between(*ends) if last else _near(*ends)
         longer = tried(end)
         if longer is None:
             bad = end
@@ -408,18 +397,12 @@ def _reached(study: _Study, start: Real, stop: Real, least: Number) -> _Proved |
     return whole
 
 
-def _between(one: Real, other: Real) -> Number:
-    """The simplest rational near the middle between two places."""
-    low, high = sorted((one, other))
-    return _near(low, high, (1, 2))
-
-
 def _width(low: Real, high: Real) -> Number:
     return bounds(high)[1] - bounds(low)[0]
 
 
-def _near(low: Real, high: Real, part: tuple[int, int]) -> Number:
-    """The simplest rational near a place between two others."""
+def _near(low: Real, high: Real, part: tuple[int, int] = (1, 2)) -> Number:
+    """The simplest rational near a place between two others, by default the middle."""
     a, b = bounds(low)[1], bounds(high)[0]
     middle, off = a + (b - a) * QQ(*part), (b - a) / NEAR
     return simplest_between(middle - off, middle + off)
@@ -438,18 +421,16 @@ def _contiguous(left: Sequence[Left]) -> list[Left]:
 def _joined(study: _Study, proved: Sequence[_Proved]) -> Iterator[ConstantEntropy]:
     run = list[_Proved]()
     for each in proved:
-        if run and not _goes_on(study, run[-1], each):
-            yield _interval(study, run)
-            run = []
+        if run:
+            last = run[-1]
+            touches = last.high == each.low and last.growth == each.growth
+            known = last.closed[1] or each.closed[0]
+            if not touches or not (known or study.growth(last.high) == last.growth):
+                yield _interval(study, run)
+                run = []
         run.append(each)
     if run:
         yield _interval(study, run)
-
-
-def _goes_on(study: _Study, one: _Proved, other: _Proved) -> bool:
-    if one.high != other.low or one.growth != other.growth:
-        return False
-    return one.closed[1] or other.closed[0] or study.growth(one.high) == one.growth
 
 
 def _interval(study: _Study, run: Sequence[_Proved]) -> ConstantEntropy:

@@ -84,7 +84,11 @@ Ways = tuple[tuple[int, ...], ...]  # from each node to others, by their numbers
 
 def laps_of(line: MapLine, found: Attractors, order: int, meter: Meter) -> tuple[Ways, Ways]:
     """The graph of laps up to an order, without further nodes, and with them as whole pieces."""
-    cut_off = _without_laps(line, found)
+    # iterates have no further laps where orbits are lost, or cycles draw them in
+    below, above = escapes(line)
+    drawn = sorted(part for cycle in found.cycles for part in cycle.drawn_in)
+    ends = ((LOWEST, below), *drawn, (above, HIGHEST))
+    cut_off = [part for part in ends if part[0] < part[1]]
     pieces = [(k, *part) for k, branch in enumerate(line.branches)
               for part in outside([(branch.lower, branch.upper)], cut_off)]  # fmt: skip
     number = {node: k for k, node in enumerate(pieces)}
@@ -112,13 +116,6 @@ def laps_of(line: MapLine, found: Attractors, order: int, meter: Meter) -> tuple
 
 def _work(node: Node) -> int:
     return STEP + 3 * sum(map(work_of, node[1:]))
-
-
-def _without_laps(line: MapLine, found: Attractors) -> list[Interval]:
-    """Where the iterates have no further laps, sorted: what is lost, and what cycles draw in."""
-    below, above = escapes(line)
-    parts = sorted(part for cycle in found.cycles for part in cycle.drawn_in)
-    return [part for part in ((LOWEST, below), *parts, (above, HIGHEST)) if part[0] < part[1]]
 
 
 def _onward(line: MapLine, node: Node, cut_off: Sequence[Interval]) -> Iterator[Node]:
@@ -158,12 +155,9 @@ def entropy_of(
 
 def exact_entropy(growth: Real, order: int) -> Entropy:
     """The entropy of a map whose laps grow like the powers of a number, at least 1."""
-    low, high = (0.0, 0.0) if growth == 1 else log_bounds(_number(growth))
+    number = Element(growth, (QQ.one, QQ.zero)) if isinstance(growth, RealRoot) else growth
+    low, high = (0.0, 0.0) if growth == 1 else log_bounds(number)
     return Entropy(low=low, high=high, value=sympy.log(real_to_sympy(growth)), order=order)
-
-
-def _number(x: Real) -> Exact:
-    return Element(x, (QQ.one, QQ.zero)) if isinstance(x, RealRoot) else x
 
 
 def _log(x: Fraction) -> tuple[float, float]:
