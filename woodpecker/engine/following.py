@@ -191,15 +191,14 @@ def _strays(curve: SolutionCurve, a: Sample, b: Sample, bent: float) -> bool:
 def _leaps(curve: SolutionCurve, a: Sample, b: Sample, length: float) -> bool:
     """Whether a margin is another one at a sample than its rates make of it in a step."""
     # Beyond the end of a root the same events may be found at other times, with usual slopes.
-    both = zip(a.orbit.taken, b.orbit.taken, curve.rates(a), curve.rates(b), strict=True)
-    for one, other, before, after in both:
+    for n, (one, other) in enumerate(zip(a.orbit.taken, b.orbit.taken, strict=True)):
         if not is_steep(one, other):
             continue
         _, i, k = np.intersect1d(one.codes, other.codes, True, return_indices=True)
         ends = one.margins[i], other.margins[k]
-        allowed = LEAPT * length * np.maximum(np.abs(before[i]), np.abs(after[k]))
+        rates = np.maximum(np.abs(curve.rates(a)[n][i]), np.abs(curve.rates(b)[n][k]))
         size = np.maximum(np.abs(ends[0]), np.abs(ends[1]))
-        if (np.abs(ends[1] - ends[0]) > allowed + LEAPT_PART * size).any():
+        if (np.abs(ends[1] - ends[0]) > LEAPT * length * rates + LEAPT_PART * size).any():
             return True
     return False
 

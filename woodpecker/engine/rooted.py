@@ -76,9 +76,7 @@ def nearest_border(curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[float, int,
 
 def _grows(before: SpaceOrbit, last: SpaceOrbit, i: int) -> bool:
     """Whether the largest slope of a piece is more than 1, and grows along a curve."""
-    d = last.x.shape[1]
-    one, other = (float(np.abs(each.images[i].jacobian[:, :d]).max()) for each in (before, last))
-    return 1.0 < one < other
+    return 1.0 < _steepest(before.images[i]) < _steepest(last.images[i])
 
 
 def settled(arc: Arc) -> tuple[Arc, SpaceImage | None]:
@@ -132,9 +130,12 @@ def _from_inside(curve: SolutionCurve, orbit: SpaceOrbit, i: int, inward: Floats
 
 def is_steep(inner: SpaceImage, outer: SpaceImage) -> bool:
     """Whether a piece has the slopes of a root's end, and another image has not."""
-    d = len(inner.value)
-    one, other = (float(np.abs(each.jacobian[:, :d]).max()) for each in (inner, outer))
-    return one > ROOTED * max(1.0, other)
+    return _steepest(inner) > ROOTED * max(1.0, _steepest(outer))
+
+
+def _steepest(image: SpaceImage) -> float:
+    """The largest slope of an image."""
+    return max(map(abs, image.jacobian[:, : len(image.value)].ravel().tolist()))
 
 
 def _moved_to(arc: Arc, i: int, outer: SpaceImage) -> tuple[Arc, SpaceImage]:
