@@ -29,6 +29,7 @@ FIRST, DOUBLED = 17, 4  # starts of a map of one dimension, and how often others
 SAMPLES = 400  # of a motion
 BREAK = 0.05  # of the height: neighbours with other words that differ more are not joined
 AFTER = 60  # returns of an orbit until a periodic motion is looked for beside it
+LOOKED = 5  # from every so many-th of these, the last one first
 NEAR = 0.25  # of the window: a periodic motion that is followed jumps no further
 BRANCHES = (1, 4, 16, 64)  # that are followed at most, for a diagram that grows
 ORDERS = (1, 2)  # of a diagram
@@ -55,16 +56,18 @@ def settled(given: Explored, state: SystemState) -> tuple[SystemState, str]:
 
 def _on_orbit(given: Explored, state: SystemState, orders: Sequence[int]) -> SystemCycle:
     """A periodic motion near where the orbit of the start is after a while, of some order."""
-    map_, x = given.at(state), np.array(state.x)
+    # If none of these orders attracts there, one may lie beside where the orbit was before.
+    map_, points = given.at(state), [np.array(state.x)]
     for _ in range(AFTER):
-        image = return_map(map_, x[None]).images[0]
+        image = return_map(map_, points[-1][None]).images[0]
         if not np.isfinite(image).all():
             break
-        x = image
-    for order in orders:
-        cycle = shoot(map_, x, order=order)
-        if cycle.success:
-            break
+        points.append(image)
+    for x in points[::-LOOKED]:
+        for order in orders:
+            cycle = shoot(map_, x, order=order)
+            if cycle.success:
+                return cycle
     return cycle
 
 
