@@ -183,7 +183,7 @@ def _strays(curve: SolutionCurve, a: Sample, b: Sample, bent: float) -> bool:
     chord = curve.problem.step_between(a.orbit, b.orbit)
     length, mean = norm(chord), a.tangent + b.tangent
     if length == 0.0 or _leaps(curve, a, b, length):
-        return True  # rounding lets it come no farther, or to another solution of a piece
+        return True  # rounding lets it come no farther, or a piece has another solution there
     off = norm(chord / length - mean / norm(mean))
     return off > 0.5 * max(angle(a, b), bent) + STRAIGHT + ROUNDED_OFF / length
 

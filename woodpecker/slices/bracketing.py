@@ -20,7 +20,7 @@ def bracketed(
 ) -> tuple[float, Image] | None:
     """Where a function of a piece vanishes between two samples; None if it does not.
 
-    It is one of an image and its point.
+    The function takes an image and its point.
     """
     images = {a.x: a.image, b.x: b.image}
 
@@ -29,8 +29,9 @@ def bracketed(
 
     if not value(a.x) * value(b.x) <= 0.0:
         return None
+    finest = max(math.ulp(a.x), math.ulp(b.x))  # of both: a root at zero is reached, too
     try:
-        root = float(brentq(value, a.x, b.x, xtol=math.ulp(a.x)))
+        root = float(brentq(value, a.x, b.x, xtol=finest))
     except ValueError:  # the piece has no value on the way
         return None
     return root, _image_near(images, root, p)
