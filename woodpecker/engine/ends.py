@@ -69,6 +69,12 @@ def ends_between(
     return found
 
 
+def met_at_end(curve: SolutionCurve, a: Sample, b: Sample, step: float) -> list[ArcEnd]:
+    """The limit of a jump that is met just at the end of the span, where the second sample lies."""
+    limits = (each for each in _bounds(curve, b, ROUNDED_OFF) if each.stop is Stop.SHARE)
+    return [ArcEnd(step, test, b) for test in limits if test.value(a) > ROUNDED_OFF]
+
+
 def asked_before(
     curve: SolutionCurve,
     a: Sample,
@@ -104,7 +110,10 @@ def _multipliers(
         before, after = test.value(a), test.value(b)
         if not (before * after < 0.0 or (after == 0.0 and before != 0.0)):
             continue
-        if max(abs(before), abs(after)) <= test.noise:
+        noise = test.noise
+        if test.stop in (Stop.PD, Stop.NS):
+            noise = max(_noise(a.orbit), _noise(b.orbit))
+        if max(abs(before), abs(after)) <= noise:
             continue
         if starts and abs(before) <= BEGINS * abs(after):
             continue  # the curve begins where it vanishes, but for rounding
@@ -119,6 +128,13 @@ def _multipliers(
             left = abs(test.value(sample) / (test.value(b) - test.value(a)))
             found.append(ArcEnd(distance, test, sample, LOCATED + left * step))
     return found
+
+
+def _noise(orbit: SpaceOrbit) -> float:
+    """What rounding leaves of the functions of multipliers that vanish at PD and NS."""
+    # They may vanish all along: where the map preserves areas, or a slope is -1 / p after one of p.
+    sizes = [max(1.0, float(np.linalg.norm(image.jacobian))) for image in orbit.images]
+    return ROUNDED_OFF * float(math.prod(sizes) ** orbit.x.shape[1])
 
 
 def _special(curve: SolutionCurve, orbit: SpaceOrbit) -> Iterator[TestFunction]:
@@ -223,14 +239,14 @@ def _newly_beyond(curve: SolutionCurve, a: Sample, b: Sample) -> Iterator[TestFu
             yield test
 
 
-def _bounds(curve: SolutionCurve, sample: Sample) -> Iterator[TestFunction]:
-    """Ends of spans, of the window and of the share that a sample lies beyond."""
+def _bounds(curve: SolutionCurve, sample: Sample, slack: float = 0.0) -> Iterator[TestFunction]:
+    """Ends of spans, of the window and of the share that a sample lies beyond, or that near."""
     orbit = sample.orbit
     columns, low, high, stops = curve.bounds(orbit)
     at = orbit.unknowns[columns]
-    for k in np.flatnonzero((at < low) | (at > high)).tolist():
+    for k in np.flatnonzero((at < low + slack) | (at > high - slack)).tolist():
         column = int(columns[k])
-        end, inward = (low[k], 1.0) if at[k] < low[k] else (high[k], -1.0)
+        end, inward = (low[k], 1.0) if at[k] < low[k] + slack else (high[k], -1.0)
         condition: Condition = Held(column, float(end))
         if stops[k] is Stop.SHARE and orbit.x.shape[1] == 1:
             condition = AtLimit(end > 0.0)

@@ -13,7 +13,14 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
-from woodpecker.engine.ends import ROUNDED_OFF, ArcEnd, UnclearError, asked_before, ends_between
+from woodpecker.engine.ends import (
+    ROUNDED_OFF,
+    ArcEnd,
+    UnclearError,
+    asked_before,
+    ends_between,
+    met_at_end,
+)
 from woodpecker.engine.maps import SpacePiece, margins_decide, taken
 from woodpecker.engine.newton import STEEP, solve
 from woodpecker.engine.orbits import Held, held_at
@@ -117,6 +124,8 @@ def _step(
         raise _TooLongError(max(0.25, min(0.5, KEPT_TURN * most / turn)))
     try:
         ends = ends_between(curve, last, found, step, starts=before is None)
+        if to_end is not None and not ends:
+            ends = met_at_end(curve, last, found, step)
         if halt.asked is not None:
             ends = asked_before(curve, last, found, step, ends, halt.asked)
     except UnclearError:
@@ -194,7 +203,9 @@ def _leaps(curve: SolutionCurve, a: Sample, b: Sample, length: float) -> bool:
     for n, (one, other) in enumerate(zip(a.orbit.taken, b.orbit.taken, strict=True)):
         if not is_steep(one, other):
             continue
-        _, i, k = np.intersect1d(one.codes, other.codes, True, return_indices=True)
+        both, i, k = np.intersect1d(one.codes, other.codes, True, return_indices=True)
+        moves = np.array([(n, code) not in curve.ignored for code in both.tolist()], dtype=bool)
+        i, k = i[moves], k[moves]
         ends = one.margins[i], other.margins[k]
         rates = np.maximum(np.abs(curve.rates(a)[n][i]), np.abs(curve.rates(b)[n][k]))
         size = np.maximum(np.abs(ends[0]), np.abs(ends[1]))

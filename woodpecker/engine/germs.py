@@ -18,8 +18,17 @@ import numpy as np
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Sample, SolutionCurve
-from woodpecker.engine.maps import ACCUMULATE, TIE, Chain, SpaceImage, SpaceMap, chained, image_at
-from woodpecker.engine.newton import MERGED, Problem
+from woodpecker.engine.maps import (
+    ACCUMULATE,
+    CLOSER,
+    TIE,
+    Chain,
+    SpaceImage,
+    SpaceMap,
+    chained,
+    image_at,
+)
+from woodpecker.engine.newton import BLUR, MERGED, Problem
 from woodpecker.engine.orbits import Chained, Closed, OnBorder, SpaceOrbit, orbit_of
 
 SAME = 1e-7  # scaled: values of a map that are closer are one
@@ -257,7 +266,8 @@ def _between(
     for one, other in combinations(all_, 2):
         parts = [a.piece.key != b.piece.key for a, b in zip(one.images, other.images, strict=True)]
         head = parts.index(True) + 1
-        if problem.same(one.images[head - 1].value, other.images[head - 1].value, SAME):
+        sides = one.images[head - 1], other.images[head - 1]
+        if problem.same(sides[0].value, sides[1].value, _resolved(sides)):
             opens = _opening(base, one, other, head, p) if problem.same(one.end, x, SAME) else None
             if opens is not None:
                 yield opens
@@ -272,10 +282,18 @@ def _between(
         share = 0.0 if abs(share) <= SAME else 1.0 if abs(share - 1.0) <= SAME else share
         if not problem.same(one.end + share * (other.end - one.end), x, SAME):
             continue
-        sides = one.images[head - 1 :], other.images[head - 1 :]
-        found = joined(base, one.images[: head - 1], sides, one.x[:head], p, share)
+        limits = one.images[head - 1 :], other.images[head - 1 :]
+        found = joined(base, one.images[: head - 1], limits, one.x[:head], p, share)
         if found is not None:
             yield found
+
+
+def _resolved(sides: tuple[SpaceImage, SpaceImage]) -> float:
+    """How far apart, scaled, the limits of two pieces at their border are at least if it jumps."""
+    # The end of a root is known to the root of rounding: b sqrt(h) of it is left, where slopes at
+    # the distance of limits are b / (2 sqrt(CLOSER)).
+    steepest = max(float(np.abs(side.jacobian).max()) for side in sides)
+    return max(SAME, 2.0 * steepest * math.sqrt(CLOSER * BLUR))
 
 
 def _opening(

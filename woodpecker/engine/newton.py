@@ -73,6 +73,11 @@ class Problem:
             self._along_borders(found, [len(block) for block in blocks])
         return found
 
+    def is_steep(self, orbit: SpaceOrbit) -> bool:
+        """Whether rounding of an unknown may change a residual by more than its root."""
+        rows = np.concatenate([each.rows(orbit) for each in self.conditions])
+        return _largest(rows.ravel()) > STEEP
+
     def _along_borders(self, rows: Floats, counts: list[int]) -> None:
         """Take from equations what changes across a border: there a root is infinitely steep."""
         if _largest(rows.ravel()) <= STEEP:
@@ -202,7 +207,7 @@ def solve(problem: Problem, start: SpaceOrbit) -> Solution:
         if not orbit.is_defined:
             break
         residual = problem.residual(orbit)
-        if shortened:
+        if shortened and (size > ROUNDED * far or problem.is_steep(orbit)):
             before = math.inf
             continue
         ahead = _largest(dgetrs(factors, swaps, residual)[0])

@@ -16,9 +16,9 @@ from typing import Protocol
 import numpy as np
 
 from woodpecker.base.arrays import STEP, Complexes, Floats
-from woodpecker.engine.maps import Chain, SpaceImage, SpacePiece, chained
+from woodpecker.engine.maps import Chain, SpaceImage, SpacePiece, chained, length_of, limit
 
-INSIDE = 2.0**-50  # of the size of a point: rounding may put one on a border beyond it
+INSIDE = 2.0**-22  # of the size of a point on a border: how far inside its piece is looked at
 CLEAR = 2.0**-10  # of the distance from a border: over that a difference is taken beside a root
 SHORTEST = 2.0**-40  # of such a difference: rounding of an orbit is some 2**-50
 
@@ -397,12 +397,23 @@ def completed(head: SpaceOrbit, crossing: SpaceOrbit) -> SpaceOrbit:
 def _inside(
     before: SpaceImage, image: SpaceImage, orbit: SpaceOrbit, x: Floats, p: Floats
 ) -> SpaceImage:
-    """An image of a border point; from just inside if its piece has no value or slopes there."""
+    """An image of a border point; the limit from inside if its piece has no value or slopes."""
+    # Only its first piece has its end there: what follows starts from the limit of that one.
     if not image.reason and np.isfinite(image.jacobian).all():
         return image
-    codes = np.flatnonzero(before.tied(orbit.x[-1], orbit.p))
-    if not len(codes):
+    length = length_of(before)
+    first = before.tied(orbit.x[-1], orbit.p) & (before.codes % length == 0)
+    if not first.any():
         return image
-    inward = before.gradients[codes[0], : len(x)]
-    found = before.piece.at(x + INSIDE * max(1.0, np.abs(x).max()) * np.sign(inward), p)
-    return found if image.reason or found.reason else found._replace(value=image.value)
+    inward = before.gradients[first.argmax(), : len(x)]
+    unit = np.append(max(1.0, np.abs(x).max()) * np.sign(inward), np.zeros(len(p)))
+    pieces = before.piece.pieces if isinstance(before.piece, Chain) else (before.piece,)
+    near = pieces[0].at(x + INSIDE * unit[: len(x)], p)
+    if near.reason:
+        return image
+    images = [limit(near, x, p, unit)]
+    for piece in pieces[1:]:
+        if images[-1].reason:
+            return image
+        images.append(piece.at(images[-1].value, p))
+    return image if images[-1].reason else chained(images)

@@ -81,14 +81,19 @@ def _grows(before: SpaceOrbit, last: SpaceOrbit, i: int) -> bool:
 
 def settled(arc: Arc) -> tuple[Arc, SpaceImage | None]:
     """An arc with its end as both sides of the border say; for cycles, also the image beyond it."""
-    if arc.stop is not Stop.BORDER or arc.samples[-1].orbit.outer is not None:
+    if arc.stop is not Stop.BORDER:
         return arc, None
     assert arc.border is not None
     i, code = arc.border
     orbit = arc.samples[-1].orbit
+    if orbit.outer is not None and i >= len(orbit.x) - 1:  # a limit of a jump meets it
+        return arc, None
     image = orbit.images[i]
     gradient = image.gradients[image.place(code)]
     outer = arc.curve.map.beside(orbit.x[i], orbit.p, -gradient)
+    if orbit.outer is not None:
+        is_root = not outer.reason and is_steep(image, outer)
+        return _at_limit(arc, i, code) if is_root else arc, None
     is_reached = image.tied(orbit.x[i], orbit.p)[image.place(code)]
     if outer.piece.key == image.piece.key and not is_reached:  # there its own piece is all there is
         outer = outer._replace(reason=outer.reason or ACCUMULATE)

@@ -153,7 +153,7 @@ def _met(
     if arc.stop in (Stop.LP, Stop.PD, Stop.BP, Stop.NS):
         return _at_multiplier(begin, arc)
     if outer is not None:
-        return _at_border(begin, arc, outer)
+        return _at_border(begin, arc, outer, orders)
     if arc.stop in (Stop.BORDER, Stop.SHARE):
         return _at_crossing(begin, arc, orders, dense=dense)
     if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE):
@@ -196,7 +196,9 @@ def _at_flip(begin: Beginning, arc: Arc) -> Arrival | None:
 # --- Cycles at borders ----------------------------------------------------------------------------
 
 
-def _at_border(begin: Beginning, arc: Arc, outer: SpaceImage) -> Arrival | Onward:
+def _at_border(
+    begin: Beginning, arc: Arc, outer: SpaceImage, orders: Sequence[int]
+) -> Arrival | Onward:
     """What cycles come to at a border; ``outer`` is the image that the map has beyond it."""
     orbit, curve = arc.samples[-1].orbit, begin.curve
     cause = cause_of(arc)
@@ -214,16 +216,16 @@ def _at_border(begin: Beginning, arc: Arc, outer: SpaceImage) -> Arrival | Onwar
         return given_up(begin, arc, ACCUMULATE, cause)
     collision = Arrival(PointKind.BC, cycle, "", cause, arc.precision, collides=True)
     smooth = bool(np.abs(outer.jacobian - image.jacobian).max() <= KINK)
-    ahead, doubles = _straight_on(begin, arc, outer, smooth=smooth), False
+    ahead, others_start = _straight_on(begin, arc, outer, smooth=smooth), False
     if ahead is not None and smooth:
         return ahead, cause, True
     there = ahead if ahead is not None and is_inside(curve, ahead.sample) else None
-    in_line = orbit.x.shape[1] == 1  # there cycles double just where the others change stability
+    in_line = orbit.x.shape[1] == 1  # there others start just where these change stability
     if there is None or not in_line:
         arrived = replace(begin, sample=arc.samples[-1]).key
-        wanted = [begin.order] if in_line else [begin.order, 2 * begin.order]
-        starts = list(beginnings(curve, orbit.x, orbit.p, wanted))
-        doubles = any(each.order > begin.order for each in starts)
+        wanted = {begin.order} if in_line else {*orders, begin.order, 2 * begin.order}
+        starts = list(beginnings(curve, orbit.x, orbit.p, sorted(wanted)))
+        others_start = any(each.order != begin.order for each in starts)
         others = [each for each in starts if each.order == begin.order and each.key != arrived]
         if len(others) > 1 or (others and others[0].is_crossing):
             return collision
@@ -233,7 +235,7 @@ def _at_border(begin: Beginning, arc: Arc, outer: SpaceImage) -> Arrival | Onwar
         return passed_over(begin, arc, cause, outer) or collision
     folds = there.ahead * arc.samples[-1].tangent[orbit.x.size] < 0.0
     before, after = (each.orbit.monodromy for each in (arc.samples[-1], there.sample))
-    if folds or doubles or _changes_stability(before, after):
+    if folds or others_start or _changes_stability(before, after):
         return replace(
             collision,
             note="fold" if folds else "persistence",
@@ -368,8 +370,8 @@ def _at_nearest(arc: Arc) -> Arc:
         return arc
     orbit, problem = arc.samples[-1].orbit, arc.curve.problem
     away, *border = nearest_border(arc.curve, orbit)
-    if away > NEAR:
-        return arc
+    if away > NEAR or arc.curve.rate(arc.samples[-1], *border) > 0.0:
+        return arc  # none is near, or the curve leaves it
     on = OnBorder(*border)
     found = solve(problem.with_(on), orbit)
     samples = arc.samples

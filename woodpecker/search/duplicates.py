@@ -76,7 +76,9 @@ class Known:
         curve, problem = self.network.curves[number], problem_of(self.settings, *closing)
         one, other = (
             to_engine(
-                orbit_of(orbit.pieces, np.roll(curve.points[j], -shift), float(curve.parameter[j]))
+                orbit_of(
+                    orbit.pieces, _seen_from(curve, j, shift, orbit), float(curve.parameter[j])
+                )
             )
             for j in (k, k + 1)
         )
@@ -141,8 +143,8 @@ class Known:
         chords, found = self._at.chords, []
         for number, k, shift in chords.numbers[self._near(chords, float(orbit.x[0]))].tolist():
             curve = self.network.curves[number]
-            one, other = (np.roll(curve.points[j], -shift) for j in (k, k + 1))
-            if len(one) != len(orbit) or len(other) != len(orbit):  # jumps met later or earlier
+            one, other = (_seen_from(curve, j, shift, orbit) for j in (k, k + 1))
+            if len(one) != len(orbit) or len(other) != len(orbit):
                 continue
             p0, p1 = curve.parameter[k], curve.parameter[k + 1]
             part = min(1.0, max(0.0, (orbit.p - p0) / (p1 - p0))) if p1 != p0 else 0.5
@@ -231,3 +233,9 @@ class _SamplePlace(NamedTuple):
     chord: tuple[int, int, int]
     x: Floats
     keys: tuple[Keys, ...]
+
+
+def _seen_from(curve: BranchCurve, sample: int, shift: int, orbit: Orbit) -> Floats:
+    """The points of a branch at a sample from one of them on, as many as those of an orbit."""
+    # Where a jump is met earlier from a sample on, the orbit of that sample is longer.
+    return np.roll(curve.points[sample], -shift)[: len(orbit)]

@@ -63,6 +63,23 @@ def test_rule_of_feigin(normal_form: ExpressionMap, count: int) -> None:
     assert len(seen) == 4
 
 
+def test_cycles_of_every_order_start_at_a_border_that_is_passed(
+    normal_form: ExpressionMap,
+) -> None:
+    """A stable fixed point stays one while two cycles of three points are born."""
+    # By hand: with slopes (t_l, d_l, t_r, d_r) only L L R and L R R have points on their sides.
+    values = (-1.76, 1.6, 0.92, 1.44)
+    settings = CurveSettings(spans=((-1, 1),), window=LARGE)
+    right = 1.0 / (1.0 - values[2] + values[3])
+    start = [right, -values[3] * right]
+    found = connected(normal_form, start, [1.0, *values], settings, orders=(1, 2, 3))
+    words = sorted(branch.word for branch in found.diagram.branches)
+    assert words == ["L", *3 * ["L | L | R"], *3 * ["L | R | R"], "R"]
+    (met,) = [point for point in found.diagram.points if point.kind is PointKind.BC]
+    assert abs(met.parameter) < 1e-15
+    assert len(met.branches) == 8
+
+
 def test_crossings_of_the_plane_solve_linear_equations() -> None:
     """With one matrix A on both sides: x_b = A x_b + m_l + s (m_r - m_l), linear in y and s.
 

@@ -75,3 +75,111 @@ def test_crossings_from_both_sides_of_a_corner_are_one() -> None:
         )
     )
     assert not [point for point in diagram.points if point.status is PointStatus.OPEN]
+
+
+# Two pieces begin with a root at their common border, and one at the next border.
+ROOTS_AT_BORDERS = Piecewise(
+    (
+        -17 * p / 64 - 79 * x / 192 - 17 * sqrt(-p / 32 - x - Rational(11, 16)) / 16
+        - Rational(29, 32),
+        x < -p / 32 - Rational(11, 16),
+    ),
+    (21 * p / 32 + 49 * x**2 / 128 + 43 * x / 32 + Rational(1, 2), x < -p / 32 - Rational(1, 2)),
+    (
+        11 * p / 16 - 31 * x / 96 - 13 * sqrt(-p / 32 - x + Rational(5, 64)) / 16
+        - Rational(17, 16),
+        x < Rational(5, 64) - p / 32,
+    ),
+    (-35 * p / 64 - 11 * sympy.sin(53 * x / 16) / 32 - Rational(75, 64), True),
+)  # fmt: skip
+
+
+@pytest.mark.slow
+def test_the_limit_of_a_root_at_its_own_border_is_exact() -> None:
+    """Rounding puts a border point beyond its border, or leaves the root of a spacing of it."""
+    first, second = -p / 32 - Rational(11, 16), -p / 32 - Rational(1, 2)
+    at_a, at_b = (piece for piece, _ in ROOTS_AT_BORDERS.args[:2])
+    met = sympy.solve(at_a.subs(x, first) - first, p)[0]  # 394/1361
+    ends = sympy.nsolve(at_a.subs(x, at_b.subs(x, second)) - second, p, -0.94)  # a cycle A B
+    diagram = bifurcation_diagram(
+        from_sympy(ROOTS_AT_BORDERS, x, p, words=["A", "B", "C", "D"]), "p", SPAN, (1, 2),
+        (-2.0, 2.0), search=Search(slices=15),
+    )  # fmt: skip
+    collisions = [point.parameter for point in diagram.points if point.cause.startswith("x = ")]
+    for exact in (met, ends):
+        near = [abs(each - float(exact)) for each in collisions if abs(each - exact) < 1e-6]
+        assert near
+        assert max(near) < 1e-13
+    # One crossing of P_2 goes from the one border, along it, and round a corner: none leaps.
+    (round_corner,) = [each for each in diagram.branches if each.word == "A | C / B | B"]
+    assert abs(round_corner.parameter[-1] - float(ends)) < 1e-13
+    assert np.abs(np.diff(round_corner.x)).max() < 0.05
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("pieces", "parameter", "expected"),
+    [
+        (  # at 0.8857 one crossing, which turns into the other border where both are met
+            (
+                (
+                    -11 * p * x / 16 - 39 * p / 32 - 13 * x**3 / 32 + 35 * x / 32
+                    + Rational(77, 64),
+                    x < -13 * p / 64 - Rational(13, 64),
+                ),
+                (
+                    25 * p / 64 + 95 * x / 192 + 45 * sqrt(-13 * p / 64 - x + Rational(15, 64)) / 32
+                    - Rational(77, 64),
+                    x < Rational(15, 64) - 13 * p / 64,
+                ),
+                (
+                    p * (1 - 87 * x / 256) - 3 * sqrt(13 * p / 64 + x - Rational(15, 64)) / 64
+                    + Rational(95, 64),
+                    x < Rational(13, 16) - 13 * p / 64,
+                ),
+                (13 * p / 16 - x**2 / 128 - 57 * x / 64 - Rational(39, 32), True),
+            ),
+            0.8857,
+            [-0.3830328125],  # the border x = -13 (p + 1)/64
+        ),
+        (  # at -0.4 two crossings: of the border -23/32 itself, and where D leads to it
+            (
+                (
+                    -7 * p / 64 - 7 * x**2 / 16 - 11 * x / 8 + Rational(17, 64),
+                    x < Rational(-95, 64),
+                ),
+                (
+                    9 * p / 16 + 87 * x**2 / 128 - 7 * x / 64 - Rational(71, 64),
+                    x < Rational(-23, 32),
+                ),
+                (
+                    9 * p * x / 16 - 21 * p / 64 - 7 * x**3 / 64 + x / 8 + Rational(93, 64),
+                    x < -Rational(11, 16),
+                ),
+                (
+                    -5 * p * (1 - x / 64) / 8 - 81 * sqrt(x + Rational(11, 16)) / 64
+                    - Rational(57, 64),
+                    True,
+                ),
+            ),
+            -0.4,
+            [-0.71875, -0.6834247],  # D = -23/32 by bisection
+        ),
+    ],
+)  # fmt: skip
+def test_a_crossing_is_drawn_once_where_both_borders_of_a_corner_are_met(
+    pieces: tuple[tuple[sympy.Expr, sympy.Expr]], parameter: float, expected: list[float]
+) -> None:
+    *rest, (last, _) = pieces
+    diagram = bifurcation_diagram(
+        from_sympy(Piecewise(*rest, (last, True)), x, p), "p", SPAN, (1, 2), (-2.0, 2.0),
+        search=Search(slices=63),
+    )  # fmt: skip
+    found = sorted(
+        hit.x
+        for hit in diagram.at(parameter)
+        if hit.branch.order == 2
+        and hit.branch.kind.value == "jump"
+        and min(abs(hit.x - each) for each in expected) < 1e-3
+    )
+    assert len(found) == len(expected)

@@ -75,6 +75,16 @@ def test_a_neutral_saddle_is_no_neimark_sacker_point() -> None:
     assert places(focus, PointKind.NS, 1) == pytest.approx([-1.0], abs=TOLERANCE)
 
 
+def test_a_map_that_preserves_areas_has_no_neimark_sacker_points() -> None:
+    """Its determinant is 1 for every a: rounding alone gives it a sign."""
+    bent = y - a * x**2
+    pieces = {"T": (0.6 * x - 0.8 * bent + a / 10, 0.8 * x + 0.6 * bent)}
+    turned = expression_map((x, y), (a,), pieces)
+    settings = CurveSettings(spans=((-1, 1),), window=WINDOW)
+    found = connected(turned, [0.0, 0.0], [0.1], settings, orders=(1,))
+    assert {point.kind for point in found.diagram.points} == {PointKind.EP}
+
+
 @pytest.mark.parametrize(
     ("kind", "exact"),
     [(PointKind.LP, lambda b: -((1 - b) ** 2) / 4), (PointKind.PD, lambda b: 3 * (1 - b) ** 2 / 4)],

@@ -41,9 +41,18 @@ from maps import (
     two_cycle,
     two_lines,
 )
+from sympy import Piecewise, symbols
 
 from pwmap.diagrams.diagram import Diagram, PointStatus
-from woodpecker import FormulaMap, FormulaPiece, PiecewiseMap, Search
+from woodpecker import (
+    FormulaMap,
+    FormulaPiece,
+    PiecewiseMap,
+    Search,
+    continuation,
+    from_sympy,
+    shoot,
+)
 from woodpecker.base.settings import Settings
 from woodpecker.maps.formulas import NOWHERE
 from woodpecker.search import Stage
@@ -137,6 +146,23 @@ def test_a_jump_cut_by_the_span() -> None:
     diagram = explored(two_lines(), -0.5, -0.25, (-0.5, 2.0))
     assert_graph(diagram, chain("EP F BC J EP"))
     assert_places(diagram, {"BC": [(0.0, 0.0)], "EP": [(-0.5, -1.0), (-0.5, 0.0)]})
+
+
+def test_a_jump_that_ends_at_the_end_of_the_span_leads_on() -> None:
+    """x/2 + p below zero, p + 1 - x/2 beyond: its jump ends at p = -1, as the span does."""
+    x, p = symbols("x p")
+    map_ = from_sympy(Piecewise((x / 2 + p, x < 0), (p + 1 - x / 2, True)), x, p)
+    found = continuation(map_, shoot(map_, -0.6, p=-0.3), "p", (-1, 2))
+    ends = [tuple(branch.parameter[[0, -1]]) for branch in found.branches]
+    assert ends == [(-1.0, 0.0), (0.0, -1.0), (-1.0, 2.0)]
+
+
+def test_a_multiplier_that_is_minus_one_all_along_has_no_flips() -> None:
+    """The slopes p and -1/p of a cycle of two points have the product -1 for every p."""
+    x, p = symbols("x p")
+    map_ = from_sympy(Piecewise((p * x + 1, x <= 0), (1 - x / p, True)), x, p)
+    found = continuation(map_, shoot(map_, -0.45, p=0.5, order=2), "p", (0.2, 0.9))
+    assert {str(point.kind) for point in found.points} == {"EP"}
 
 
 @pytest.mark.parametrize("jump", [1e-5, 1e-3, 1.0, -1e-5, -1e-3, -1.0])

@@ -58,6 +58,19 @@ def test_continuation_finds_the_fold_and_the_flip() -> None:
         assert min(abs(p - exactly) for p in places) < CLOSE
 
 
+@NEEDS_HEYOKA
+@pytest.mark.slow
+@pytest.mark.parametrize(("eps", "w"), [(0.9, 2.6), (0.8, 2.6)])
+def test_the_map_does_not_jump_at_a_grazing(eps: float, w: float) -> None:
+    """The limit of the root is known to the root of rounding only: some 1e-7 are no jump."""
+    map_ = strobed("F").holding(w=w, eps=eps, sigma=1.0, zeta=0.05)
+    cycle = shoot(map_, [-0.8, 2.0], p=[6.6])
+    found = continuation(map_, cycle, (4.5, 7.5), [(-8.0, 1.0), (-10.0, 10.0)], orders=(1,))
+    assert sorted(branch.word for branch in found.diagram.branches) == ["", "I1"]
+    (met,) = [point for point in found.diagram.points if point.kind is PointKind.BC]
+    assert abs(met.parameter - np.hypot(1.0 - w**2, 0.1 * w)) < CLOSE  # amplitude 1: the gap
+
+
 @pytest.fixture(scope="module")
 def grazing() -> tuple[Connected, float]:
     return through_grazing()
