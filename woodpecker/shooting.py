@@ -15,6 +15,7 @@ from pwmap.diagrams.shown import brief, table
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, number, real_array, whole
 from woodpecker.base.settings import Settings
+from woodpecker.engine.curves import SAME_VALUE
 from woodpecker.engine.newton import STEPS
 from woodpecker.engine.orbits import Closed
 from woodpecker.maps.pieces import PiecewiseMap
@@ -283,8 +284,13 @@ def _corrected(mapped: Mapped, start: Orbit, settings: Settings) -> tuple[Orbit,
 
 def _is_taken(mapped: Mapped, found: Orbit, settings: Settings) -> bool:
     """Whether the map takes the pieces of a cycle at its points; one may lie on a border."""
-    if _taken(mapped, found.x).keys == found.keys:
-        return True
+    # The same events may follow at other times, too: then the map has another value.
+    there = _taken(mapped, found.x)
+    if there.keys == found.keys:
+        return all(
+            abs(own.value - image.value) <= SAME_VALUE * max(settings.x_scale, abs(own.slope))
+            for own, image in zip(found.images, there.images, strict=True)
+        )
     least = -settings.converged * max(settings.x_scale, float(np.abs(found.x).max()))
     return all(depth(image) >= least for image in found.images)
 

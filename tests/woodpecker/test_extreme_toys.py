@@ -191,6 +191,16 @@ def test_what_is_followed_refuses_or_has_a_status() -> None:
 # --- What was found by such toys ------------------------------------------------------------------
 
 
+@NEEDS_NUMBA
+def test_a_cycle_is_one_of_the_motion_that_the_toy_makes() -> None:
+    """The same events at other times return to x = -2.11448, from where the toy does not."""
+    toy = Toy(r_0=0.0008232615219422209, r_m=0.0025, expansion_friction="separate")
+    orbit = shoot(toy, -2.366036302125449)
+    if orbit.success:
+        # what rounding leaves of x grows by the slope, some 140
+        assert abs(first_return(toy, orbit.phi_s).phi_s - orbit.phi_s) < 1e-11
+
+
 def test_a_start_that_is_not_decided_is_a_status() -> None:
     """The contact problem has several solutions before the first phase."""
     orbit = shoot(Toy(mu_2=2.0), -0.1015)
