@@ -40,7 +40,14 @@ from woodpecker.systems.mechanics.modes import (
     settle,
     team_of,
 )
-from woodpecker.systems.simulation.accumulation import TOGETHER, Tail, after, implied, tail_of
+from woodpecker.systems.simulation.accumulation import (
+    TOGETHER,
+    EndlessError,
+    Tail,
+    after,
+    implied,
+    tail_of,
+)
 from woodpecker.systems.simulation.flows import Flow, LostError, RungeFlow, Step
 from woodpecker.systems.simulation.guards import beginning
 from woodpecker.systems.simulation.sections import Embedding
@@ -78,6 +85,7 @@ class MotionStatus(Enum):
     NO_SOLUTION = "a contact problem has no solution"
     AMBIGUOUS = "a contact problem has several solutions"
     OVERFLOW = "the motion leaves the numbers that double precision can hold"
+    ENDLESS = "impacts follow each other in no time, and lose no speed"
     PASSED = "rounding has carried the system through a contact, where impacts accumulate in turns"
     NO_FORCES = "more contacts hold than there are coordinates: their forces are open"
 
@@ -240,6 +248,8 @@ class MotionSearch:
             found.status = stop.status
             if stop.status is MotionStatus.RETURNED and self._open:
                 found.status = MotionStatus.RETURNED_INDETERMINATE
+        except EndlessError:
+            found.status = MotionStatus.ENDLESS
         except LostError:
             found.status = MotionStatus.OVERFLOW
         return found
