@@ -25,7 +25,7 @@ from woodpecker.systems.simulation.motion import (
     Run,
 )
 from woodpecker.systems.simulation.paths import Following, MotionPath, NoRootError
-from woodpecker.systems.simulation.sections import Embedding, Section
+from woodpecker.systems.simulation.sections import Embedding, PenetratedError, Section
 
 TOO_FAR = "the path does not reach so far"
 
@@ -111,8 +111,12 @@ class SystemMap:
         z, _ = self.embedding.state(x, values)
         if not np.isfinite(z).all():
             return Run(z, MotionStatus.OVERFLOW)
+        try:
+            touch, striking = self.embedding.begin(z, values)
+        except PenetratedError:
+            return Run(z, MotionStatus.INSIDE)
         search = MotionSearch(self.machine, values, self.embedding, events_most=self.events_most)
-        return search.run(z, self.embedding.touch)
+        return search.run(z, touch, striking)
 
     def image(self, x: Floats, p: Floats) -> Floats | None:
         """Where a point (d,) of the section returns, without derivatives; None if it does not."""

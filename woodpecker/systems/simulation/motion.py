@@ -86,6 +86,7 @@ class MotionStatus(Enum):
     AMBIGUOUS = "a contact problem has several solutions"
     OVERFLOW = "the motion leaves the numbers that double precision can hold"
     ENDLESS = "impacts follow each other in no time, and lose no speed"
+    INSIDE = "the start lies inside a contact, or moves into the one that it has just left"
     PASSED = "rounding has carried the system through a contact, where impacts accumulate in turns"
     NO_FORCES = "more contacts hold than there are coordinates: their forces are open"
 
@@ -282,7 +283,8 @@ class MotionSearch:
         terms = eq.terms(z, self.p)
         if min(terms.gap.tolist()) >= -PENETRATED:
             return
-        size = 1.0 + np.abs(terms.w_n) @ np.abs(z[: eq.n])
+        flown = np.abs(terms.gap_rate) * self._run.durations[-1]
+        size = 1.0 + np.abs(terms.w_n) @ np.abs(z[: eq.n]) + flown
         if (terms.gap < -PENETRATED * size)[np.array(mode) == OPEN].any():
             raise _StoppedError(MotionStatus.PASSED)
 
