@@ -8,6 +8,7 @@ from pwmap.diagrams.diagram import PointKind
 from woodpecker.engine.curves import CurveSettings, Stop
 from woodpecker.engine.formulas import expression_map
 from woodpecker.engine.network import Connected, connected
+from woodpecker.engine.orbits import orbit_of
 from woodpecker.engine.two_parameters import special_curve
 
 x, y, a, b = sympy.symbols("x y a b")
@@ -97,6 +98,36 @@ def test_curve_of_neimark_sacker() -> None:
     at = 1.0 / curve.p[:, 0]
     assert curve.p[:, 1] == pytest.approx(2.0 * at - 1.0, abs=TOLERANCE)
     assert curve.x[:, 0, 0] == pytest.approx(at, abs=TOLERANCE)
+
+
+@pytest.mark.parametrize("a0", [-0.9, 0.0, 2.0, 2.9])
+def test_a_curve_of_neimark_sacker_ends_at_resonances(a0: float) -> None:
+    """At b = -1 the trace is t = -2 a x with a x^2 + 2 x = 1, so that a = t^2 / 4 - t.
+
+    It is 2 at a = -1 and -2 at a = 3. Beyond, multipliers t / 2 +- sqrt(t^2 / 4 - 1) are real.
+    """
+    x0 = 1.0 / (1.0 + np.sqrt(1.0 + a0))
+    settings = CurveSettings(spans=((-1.01, -0.99),), window=WINDOW)
+    found = connected(HENON, [x0, -x0], [a0, -1.0 + 1e-4], settings, orders=(1,), free=1)
+    both = CurveSettings(spans=((-4.0, 8.0), (-2.0, 2.0)), window=WINDOW)
+    curve = special_curve(HENON, found.orbits["NS1"], PointKind.NS, (0, 1), both)
+    ends = dict(zip(curve.causes, curve.p[[0, -1]], strict=True))
+    one, two = (ends[f"resonance 1:{k}, two multipliers are {s}1"] for k, s in ((1, ""), (2, "-")))
+    assert one == pytest.approx([-1.0, -1.0], abs=TOLERANCE)
+    assert two == pytest.approx([3.0, -1.0], abs=TOLERANCE)
+    trace = -2.0 * curve.p[:, 0] * curve.x[:, 0, 0]
+    assert np.abs(trace).max() <= 2.0 + TOLERANCE
+    assert curve.p[:, 0] == pytest.approx(trace**2 / 4.0 - trace, abs=TOLERANCE)
+
+
+def test_no_curve_of_neimark_sacker_begins_at_a_neutral_saddle() -> None:
+    """At a = 2, b = -1 the other fixed point has the trace 2 + sqrt(12)."""
+    x0 = (-1.0 - np.sqrt(3.0)) / 2.0
+    piece, p = HENON.at(np.array([x0, -x0]), np.array([2.0, -1.0])).piece, [2.0, -1.0]
+    saddle = orbit_of([piece], np.array([[x0, -x0]]), np.array(p))
+    both = CurveSettings(spans=((-4.0, 8.0), (-2.0, 2.0)), window=WINDOW)
+    with pytest.raises(ValueError, match=r"neutral saddle with the multipliers 5\.27451, 0\.18959"):
+        special_curve(HENON, saddle, PointKind.NS, (0, 1), both)
 
 
 def test_a_start_that_is_no_cycle_is_refused() -> None:
