@@ -10,6 +10,8 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
+from woodpecker.base.checks import instance, lengths, whole
+from woodpecker.base.shown import shown
 from woodpecker.engine.curves import Arc, CurveSettings, Sample, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.following import follow
 from woodpecker.engine.maps import SpaceMap
@@ -79,9 +81,11 @@ def special_curve(
 
     Raises
     ------
+    TypeError
+        If ``orbit`` is no orbit, or ``kind`` none of a point.
     ValueError
-        If the kind has no such curve, no margin vanishes at a BC, Newton's method does not
-        converge to a point of this kind, or it is a neutral saddle.
+        If an argument does not fit the cycle, the kind has no such curve, no margin vanishes at a
+        BC, Newton's method does not converge to a point of this kind, or it is a neutral saddle.
 
     Examples
     --------
@@ -101,8 +105,15 @@ def special_curve(
     """  # noqa: E501
     if len(settings.spans) != 2:
         raise ValueError(f"expected a span of each of two parameters, got {len(settings.spans)}")
+    instance("orbit", orbit, SpaceOrbit)
+    instance("kind", kind, PointKind)
     d, k = orbit.x.shape[1], len(orbit.p)
-    base = cycles(free, x_scale or (1.0,) * d, p_scale or (1.0,) * k)
+    if len(settings.window) != d:
+        raise ValueError(f"expected a window of {d} intervals, got {len(settings.window)}")
+    which = {whole("free", each, 0) for each in free} if np.ndim(free) == 1 else set[int]()
+    if not len(which) == np.size(free) == 2 or max(which) >= k:
+        raise ValueError(f"free must name two of {k} parameters, from 0 on, got {shown(free)}")
+    base = cycles(free, lengths("x_scale", x_scale, d), lengths("p_scale", p_scale, k))
     condition, ignored = _condition(orbit, kind)
     problem: Problem = base.with_(condition)
     own = RESONANCES if kind is PointKind.NS else ()

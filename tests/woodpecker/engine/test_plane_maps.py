@@ -1,5 +1,7 @@
 """Cycles of maps of the plane: folds, flips, pairs on the unit circle, and their curves."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import sympy
@@ -148,3 +150,60 @@ def test_virtual_cycles_are_refused() -> None:
     settings = CurveSettings(spans=((-1.0, 1.0),), window=((-9.0, 9.0),))
     with pytest.raises(ValueError, match="is virtual"):
         connected(lines, [-1.0], [0.5], settings)
+
+
+ARGUMENTS: list[tuple[dict[str, Any], str]] = [
+    ({"x_scale": (1.0,)}, r"x_scale must be 2 positive numbers, got \(1.0,\)"),
+    ({"x_scale": (0.0, 1.0)}, "x_scale must be positive and finite, got 0.0"),
+    ({"p_scale": np.ones(3)}, "p_scale must be 2 positive numbers, got array"),
+    ({"orders": (0,)}, "orders must be a whole number of at least 1, got 0"),
+    ({"orders": ()}, r"orders must name at least one iterate, got \(\)"),
+    ({"orders": 1}, r"orders must be whole numbers such as \(1, 2\), got 1"),
+    ({"free": 0.5}, "free must be a whole number of at least 0, got 0.5"),
+    ({"free": True}, "free must be a whole number of at least 0, got True"),
+    ({"free": 2}, "free must name one of 2 parameters, from 0 on, got 2"),
+    ({"names": ("a",)}, r"names must be 2 to 3 names, .* got \('a',\)"),
+    ({"names": "ax"}, "names must be 2 to 3 names, .* got 'ax'"),
+    ({"max_branches": 0}, "max_branches must be a whole number of at least 1, got 0"),
+    ({"x": "here"}, "x must be real numbers, got 'here'"),
+    ({"x": [[[0.6, 0.2]]]}, r"x must have shape \(n, d\) and p \(k,\), got \(1, 1, 2\) and \(2,\)"),
+    ({"p": [0.1]}, "the map has 2 coordinates and 2 parameters, got points of 2 and 1 values"),
+]
+
+
+@pytest.mark.parametrize(("wrong", "sentence"), ARGUMENTS, ids=[each for _, each in ARGUMENTS])
+def test_arguments_that_do_not_fit_a_map(wrong: dict[str, Any], sentence: str) -> None:
+    good: dict[str, Any] = {"x": [0.6, 0.2], "p": [0.1, 0.3], "orders": (1,)} | wrong
+    settings = CurveSettings(spans=((-1.0, 1.2),), window=WINDOW)
+    with pytest.raises(ValueError, match=f"^{sentence}"):
+        connected(HENON, good.pop("x"), good.pop("p"), settings, **good)
+
+
+def test_scales_may_be_arrays(henon: Connected) -> None:
+    settings = CurveSettings(spans=((0.1, 0.2),), window=WINDOW)
+    found = connected(
+        HENON, [0.6, 0.2], [0.1, 0.3], settings, orders=(1,), x_scale=np.ones(2), p_scale=[1, 1]
+    )
+    assert len(found.diagram.branches) == 1
+    both = CurveSettings(spans=((-1.0, 1.5), (-0.4, 0.4)), window=WINDOW)
+    at = henon.orbits["PD1"]
+    curve = special_curve(HENON, at, PointKind.PD, (0, 1), both, x_scale=np.ones(2))
+    assert set(curve.stops) == {Stop.SPAN}
+    for free in ((0, 0), (0,), (0, 2), 1):
+        with pytest.raises(ValueError, match="free must name two of 2 parameters"):
+            special_curve(HENON, at, PointKind.PD, free, both)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="p_scale must be 2 positive numbers, got 3"):
+        special_curve(HENON, at, PointKind.PD, (0, 1), both, p_scale=3)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"kind must be pwmap.PointKind, got 'PD'"):
+        special_curve(HENON, at, "PD", (0, 1), both)  # type: ignore[arg-type]
+
+
+def test_formulas_that_are_no_map() -> None:
+    with pytest.raises(ValueError, match="x is used twice among variables and parameters"):
+        expression_map((x, x), (a,), {"H": (x, x)})
+    with pytest.raises(TypeError, match="variables and parameters must be symbols, got 'x'"):
+        expression_map(("x",), (a,), {"H": (1,)})  # type: ignore[arg-type]
+    with pytest.raises(
+        ValueError, match=r"smooth, sympy has no formula for a slope of a\*Abs\(x\)"
+    ):
+        expression_map((x,), (a,), {"H": (a * sympy.Abs(x),)})
