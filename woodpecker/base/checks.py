@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from pwmap.diagrams.shown import counted
 from woodpecker.base.arrays import Floats
 from woodpecker.base.shown import real, shown
 
@@ -91,6 +92,14 @@ def interval(name: str, value: Any, *, finite: bool = False) -> tuple[float, flo
     if finite and not (math.isfinite(low) and math.isfinite(high)):
         raise ValueError(f"{name} must be finite, got ({low}, {high})")
     return low, high
+
+
+def lengths(name: str, value: Any, count: int) -> tuple[float, ...]:
+    """So many positive lengths; all are 1 if none are given."""
+    given = np.ones(count) if value is None else real_array(name, value)
+    if given.shape != (count,):
+        raise ValueError(f"{name} must be {counted(count, 'positive number')}, got {shown(value)}")
+    return tuple(positive(name, each) for each in given.tolist())
 
 
 def real_array(name: str, value: npt.ArrayLike) -> Floats:

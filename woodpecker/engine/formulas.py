@@ -12,6 +12,7 @@ import numpy as np
 import sympy
 
 from woodpecker.base.arrays import Floats
+from woodpecker.base.shown import shown
 from woodpecker.engine.maps import SpaceImage
 
 NOT_REAL = (ValueError, ZeroDivisionError, OverflowError)  # math's words for no real value
@@ -73,6 +74,9 @@ def _compiled(
 ) -> Callable[..., Any]:
     """A function of all symbols that gives each expression, followed by its derivatives."""
     rows = [[each, *(sympy.diff(each, symbol) for symbol in symbols)] for each in expressions]
+    for each, *slopes in rows:
+        if any(slope.has(sympy.Derivative, sympy.Subs) for slope in slopes):
+            raise ValueError(f"a piece must be smooth, sympy has no formula for a slope of {each}")
     flat = [number for row in rows for number in row]
     function: Callable[..., Any] = sympy.lambdify(symbols, flat, modules="math", cse=True)
     return function
@@ -134,9 +138,11 @@ def expression_map(
 
     Raises
     ------
+    TypeError
+        If a variable or parameter is no symbol.
     ValueError
-        If a piece has not d components, an expression has other symbols, or margins are given of a
-        piece that is not there.
+        If one is there twice, a piece has not d components or no formula for its slopes, an
+        expression has other symbols, or margins are given of a piece that is not there.
 
     Examples
     --------
@@ -154,6 +160,11 @@ def expression_map(
     'R'
     """
     margins = margins or {}
+    for each in (*x, *p):
+        if not isinstance(each, sympy.Symbol):
+            raise TypeError(f"variables and parameters must be symbols, got {shown(each)}")
+        if (*x, *p).count(each) > 1:
+            raise ValueError(f"{each} is used twice among variables and parameters")
     for word in margins:
         if word not in pieces:
             raise ValueError(f"margins are given of {word!r}, the pieces are {list(pieces)}")

@@ -8,6 +8,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+import numpy.typing as npt
 
 from pwmap.diagrams.diagram import (
     Branch,
@@ -18,7 +19,10 @@ from pwmap.diagrams.diagram import (
     SpecialPoint,
     Stretch,
 )
+from pwmap.diagrams.shown import counted
 from woodpecker.base.arrays import Floats, norm
+from woodpecker.base.checks import iterates, lengths, real_array, whole
+from woodpecker.base.shown import shown
 from woodpecker.engine.arrivals import Arrival
 from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve, Stop
 from woodpecker.engine.germs import Beginning, beginnings, judged
@@ -52,7 +56,7 @@ class Connected:
 
 
 def connected(
-    map_: SpaceMap, x: object, p: object, settings: CurveSettings, *,
+    map_: SpaceMap, x: npt.ArrayLike, p: npt.ArrayLike, settings: CurveSettings, *,
     orders: Sequence[int] = (1, 2), free: int = 0, x_scale: Sequence[float] | None = None,
     p_scale: Sequence[float] | None = None, names: Sequence[str] = ("p", "x"),
     max_branches: int = 500,
@@ -77,8 +81,8 @@ def connected(
     x_scale, p_scale
         d and k lengths that count as 1; by default all are 1.
     names
-        Of the parameter and the coordinates; the first coordinate is the diagram's x, the others
-        are columns of its branches.
+        Of the parameter and the coordinates, at least the first; that is the diagram's x, the
+        others are columns of its branches.
     max_branches
         So many are followed at most; ``diagram.given`` says how many more begin.
 
@@ -90,7 +94,8 @@ def connected(
     Raises
     ------
     ValueError
-        If Newton's method finds no cycle of the map near the guess, or it lies outside.
+        If an argument does not fit the map, Newton's method finds no cycle of it near the guess, or
+        that lies outside.
 
     Examples
     --------
@@ -108,17 +113,34 @@ def connected(
     PD 0.3675
     LP -0.1225
     """
-    points = np.atleast_2d(np.asarray(x, dtype=float))
-    values = np.atleast_1d(np.asarray(p, dtype=float))
+    points, values = np.atleast_2d(real_array("x", x)), np.atleast_1d(real_array("p", p))
+    if points.ndim != 2 or values.ndim != 1 or not points.size:
+        raise ValueError(
+            f"x must have shape (n, d) and p (k,), got {points.shape} and {values.shape}"
+        )
     d, k = points.shape[1], len(values)
+    wanted = iterates(orders)
+    if whole("free", free, 0) >= k:
+        raise ValueError(f"free must name one of {k} parameters, from 0 on, got {free}")
+    named = not isinstance(names, str) and all(isinstance(each, str) for each in names)
+    if not named or not 2 <= len(names) <= d + 1:
+        raise ValueError(
+            f"names must be 2 to {d + 1} names, of the parameter and the coordinates, got "
+            f"{shown(names)}"
+        )
+    problem = cycles((free,), lengths("x_scale", x_scale, d), lengths("p_scale", p_scale, k))
+    most = whole("max_branches", max_branches)
     if len(settings.window) != d or len(settings.spans) != 1:
         raise ValueError(
             f"expected a window of {d} intervals and one span, got {len(settings.window)} and "
             f"{len(settings.spans)}"
         )
-    if not 0 <= free < k:
-        raise ValueError(f"free must name one of {k} parameters, from 0 on, got {free}")
-    problem = cycles((free,), x_scale or (1.0,) * d, p_scale or (1.0,) * k)
+    own, columns = map_.at(points[0], values).piece.at(points[0], values).jacobian.shape
+    if (own, columns) != (d, d + k):
+        raise ValueError(
+            f"the map has {counted(own, 'coordinate')} and {counted(columns - own, 'parameter')}, "
+            f"got points of {d} and {k} values"
+        )
     start = cycle_near(map_, points, values, problem)
     for name, at, (low, high) in (
         ("the parameter", values[free : free + 1], settings.spans[0]),
@@ -126,7 +148,7 @@ def connected(
     ):
         if at.min() < low or at.max() > high:
             raise ValueError(f"{name} of the cycle must lie in [{low}, {high}], got {at.tolist()}")
-    component = _Component(SolutionCurve(map_, problem, settings), tuple(orders), max_branches)
+    component = _Component(SolutionCurve(map_, problem, settings), wanted, most)
     component.explore(start)
     return component.result(names)
 

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve, Stop
+from woodpecker.base.checks import instance, lengths, whole
+from woodpecker.base.shown import shown
+from woodpecker.engine.curves import Arc, CurveSettings, Sample, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.following import follow
 from woodpecker.engine.maps import SpaceMap
 from woodpecker.engine.newton import Problem, cycles, solve
@@ -28,18 +31,21 @@ class SpecialCurve:
         (m, 2) the parameters, and (m, n, d) the points of the cycle.
     stops
         What ends it where it begins and at its end.
+    causes
+        The same in words, with the resonance at which a curve of Neimark-Sacker points ends.
     """
 
     kind: PointKind
     p: Floats
     x: Floats
     stops: tuple[Stop, Stop]
+    causes: tuple[str, str]
 
     def __repr__(self) -> str:
         first, last = (tuple(round(float(v), 6) for v in self.p[k]) for k in (0, -1))
         return (
             f"SpecialCurve({self.kind.value}, from {first} "
-            f"({self.stops[0].value}) to {last} ({self.stops[1].value}))"
+            f"({self.causes[0]}) to {last} ({self.causes[1]}))"
         )
 
 
@@ -49,6 +55,9 @@ def special_curve(
     x_scale: Sequence[float] | None = None, p_scale: Sequence[float] | None = None,
 ) -> SpecialCurve:  # fmt: skip
     """The curve of a fold, flip, Neimark-Sacker point or border collision in two parameters.
+
+    One of Neimark-Sacker points ends at strong resonances, where two multipliers are 1 or -1:
+    beyond, a pair of product 1 is real, and cycles are neutral saddles.
 
     Parameters
     ----------
@@ -72,9 +81,11 @@ def special_curve(
 
     Raises
     ------
+    TypeError
+        If ``orbit`` is no orbit, or ``kind`` none of a point.
     ValueError
-        If the kind has no such curve, no margin vanishes at a BC, or Newton's method does not
-        converge to a point of this kind.
+        If an argument does not fit the cycle, the kind has no such curve, no margin vanishes at a
+        BC, Newton's method does not converge to a point of this kind, or it is a neutral saddle.
 
     Examples
     --------
@@ -94,24 +105,55 @@ def special_curve(
     """  # noqa: E501
     if len(settings.spans) != 2:
         raise ValueError(f"expected a span of each of two parameters, got {len(settings.spans)}")
+    instance("orbit", orbit, SpaceOrbit)
+    instance("kind", kind, PointKind)
     d, k = orbit.x.shape[1], len(orbit.p)
-    base = cycles(free, x_scale or (1.0,) * d, p_scale or (1.0,) * k)
+    if len(settings.window) != d:
+        raise ValueError(f"expected a window of {d} intervals, got {len(settings.window)}")
+    which = {whole("free", each, 0) for each in free} if np.ndim(free) == 1 else set[int]()
+    if not len(which) == np.size(free) == 2 or max(which) >= k:
+        raise ValueError(f"free must name two of {k} parameters, from 0 on, got {shown(free)}")
+    base = cycles(free, lengths("x_scale", x_scale, d), lengths("p_scale", p_scale, k))
     condition, ignored = _condition(orbit, kind)
     problem: Problem = base.with_(condition)
-    curve = SolutionCurve(map_, problem, settings, ignored, tests=())
+    own = RESONANCES if kind is PointKind.NS else ()
+    curve = SolutionCurve(map_, problem, settings, ignored, tests=(), own=own)
     held = solve(cycles(free[:1], base.x_scale, base.p_scale).with_(condition), orbit)
     if not held.converged:
         raise ValueError(f"Newton's method finds no {kind.value} near this cycle at p = {orbit.p}")
     start = curve.start(held.orbit)
+    if any(test.value(start) < 0.0 for test in own):
+        multipliers = ", ".join(f"{each.real:.6g}" for each in held.orbit.multipliers())
+        raise ValueError(f"expected an NS, got a neutral saddle with the multipliers {multipliers}")
     ahead, behind = (follow(curve, Sample(start.orbit, s * start.tangent)) for s in (1.0, -1.0))
     samples = (*behind.samples[:0:-1], *ahead.samples)
-    stops = behind.stop, ahead.stop
+    ends = behind, ahead
     if ahead.stop is Stop.CLOSED:
-        samples, stops = ahead.samples, (ahead.stop, ahead.stop)
+        samples, ends = ahead.samples, (ahead, ahead)
     return SpecialCurve(
         kind, np.array([sample.orbit.p[list(free)] for sample in samples]),
-        np.array([sample.orbit.x for sample in samples]), stops,
+        np.array([sample.orbit.x for sample in samples]), (ends[0].stop, ends[1].stop),
+        (_cause(ends[0]), _cause(ends[1])),
     )  # fmt: skip
+
+
+def _cause(arc: Arc) -> str:
+    """What ends an arc, in words."""
+    return arc.test.name if arc.test is not None and arc.test.name else arc.stop.value
+
+
+def _from_resonance(sign: float, sample: Sample) -> float:
+    """2 less the sum of the pair with the product 1, or less minus it; negative if it is real."""
+    multipliers = sample.orbit.multipliers()
+    i, j = np.triu_indices(len(multipliers), 1)
+    pair = np.abs(multipliers[i] * multipliers[j] - 1.0).argmin()
+    return 2.0 - sign * float((multipliers[i] + multipliers[j])[pair].real)
+
+
+RESONANCES = tuple(
+    TestFunction(Stop.SPECIAL, partial(_from_resonance, sign), name=f"resonance {name}")
+    for sign, name in ((1.0, "1:1, two multipliers are 1"), (-1.0, "1:2, two multipliers are -1"))
+)
 
 
 def _condition(orbit: SpaceOrbit, kind: PointKind) -> tuple[Condition, frozenset[tuple[int, int]]]:

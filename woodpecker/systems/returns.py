@@ -11,7 +11,7 @@ import numpy as np
 from pwmap.algebra.arguments import explained_fields
 from pwmap.diagrams.shown import brief, counted
 from woodpecker.base.arrays import Floats, Ints
-from woodpecker.base.checks import instance
+from woodpecker.base.checks import instance, lengths, whole
 from woodpecker.engine.maps import SpaceImage, proposed
 from woodpecker.systems.mechanics.model import ContactSystem
 from woodpecker.systems.simulation.causes import cause_of
@@ -25,7 +25,7 @@ from woodpecker.systems.simulation.motion import (
     Run,
 )
 from woodpecker.systems.simulation.paths import Following, MotionPath, NoRootError
-from woodpecker.systems.simulation.sections import Embedding, Section
+from woodpecker.systems.simulation.sections import Embedding, PenetratedError, Section
 
 TOO_FAR = "the path does not reach so far"
 
@@ -52,7 +52,8 @@ class SystemMap:
     Raises
     ------
     ValueError, TypeError
-        If the section is none of the system, or a parameter is unknown.
+        If the section is none of the system, a parameter is unknown or there twice, or there are
+        other than d and k positive scales.
     """
 
     def __init__(
@@ -65,12 +66,14 @@ class SystemMap:
         instance("system", system, ContactSystem)
         instance("section", section, Section)
         self.system, self.section, self.parameters = system, section, tuple(parameters)
+        if len(set(self.parameters)) < len(self.parameters):
+            raise ValueError(f"parameters must differ, got {list(self.parameters)}")
+        self.events_most = whole("events_most", events_most)
         self.machine = Machine(system, self.parameters, backend)
         self.embedding = Embedding(self.machine.eq, section)
         self.d, self.k = self.embedding.d, len(self.parameters)
-        self.x_scale = tuple(x_scale or (1.0,) * self.d)
-        self.p_scale = tuple(p_scale or (1.0,) * self.k)
-        self.events_most = events_most
+        self.x_scale = lengths("x_scale", x_scale, self.d)
+        self.p_scale = lengths("p_scale", p_scale, self.k)
         self.names = self.embedding.names
         self._own = self.machine.eq.p
 
@@ -111,8 +114,12 @@ class SystemMap:
         z, _ = self.embedding.state(x, values)
         if not np.isfinite(z).all():
             return Run(z, MotionStatus.OVERFLOW)
+        try:
+            touch, striking = self.embedding.begin(z, values)
+        except PenetratedError:
+            return Run(z, MotionStatus.INSIDE)
         search = MotionSearch(self.machine, values, self.embedding, events_most=self.events_most)
-        return search.run(z, self.embedding.touch)
+        return search.run(z, touch, striking)
 
     def image(self, x: Floats, p: Floats) -> Floats | None:
         """Where a point (d,) of the section returns, without derivatives; None if it does not."""

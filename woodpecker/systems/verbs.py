@@ -32,7 +32,6 @@ from woodpecker.systems.simulation.motion import (
 from woodpecker.systems.simulation.sections import touching
 
 SAMPLES = 1001  # of a motion unless a caller says otherwise
-ROUNDING = 1e-12  # gaps and rates [m, m/s] of a start that are smaller are zero
 EVENTS_MOST, COUNTED_MOST = 20_000, 10**6
 NEWTON_MOST = 50  # iterations of shooting
 HALVINGS_MOST = 12  # of one step
@@ -132,7 +131,7 @@ def simulate(
     samples = whole("samples", samples, 2, COUNTED_MOST)
     most = whole("max_events", max_events, 1, COUNTED_MOST)
     p = machine.eq.p
-    touch, striking = touching(machine.eq, z, p, ROUNDING)
+    touch, striking = touching(machine.eq, z, p)
     search = MotionSearch(machine, p, t_end=t_end, events_most=most, keeps=True)
     run = search.run(z, touch, striking)
     t, states = _sampled(z, run.z, run.steps, samples, run.events)

@@ -1,5 +1,7 @@
 """Cycles of maps of the plane: folds, flips, pairs on the unit circle, and their curves."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 import sympy
@@ -8,6 +10,7 @@ from pwmap.diagrams.diagram import PointKind
 from woodpecker.engine.curves import CurveSettings, Stop
 from woodpecker.engine.formulas import expression_map
 from woodpecker.engine.network import Connected, connected
+from woodpecker.engine.orbits import orbit_of
 from woodpecker.engine.two_parameters import special_curve
 
 x, y, a, b = sympy.symbols("x y a b")
@@ -109,6 +112,36 @@ def test_curve_of_neimark_sacker() -> None:
     assert curve.x[:, 0, 0] == pytest.approx(at, abs=TOLERANCE)
 
 
+@pytest.mark.parametrize("a0", [-0.9, 0.0, 2.0, 2.9])
+def test_a_curve_of_neimark_sacker_ends_at_resonances(a0: float) -> None:
+    """At b = -1 the trace is t = -2 a x with a x^2 + 2 x = 1, so that a = t^2 / 4 - t.
+
+    It is 2 at a = -1 and -2 at a = 3. Beyond, multipliers t / 2 +- sqrt(t^2 / 4 - 1) are real.
+    """
+    x0 = 1.0 / (1.0 + np.sqrt(1.0 + a0))
+    settings = CurveSettings(spans=((-1.01, -0.99),), window=WINDOW)
+    found = connected(HENON, [x0, -x0], [a0, -1.0 + 1e-4], settings, orders=(1,), free=1)
+    both = CurveSettings(spans=((-4.0, 8.0), (-2.0, 2.0)), window=WINDOW)
+    curve = special_curve(HENON, found.orbits["NS1"], PointKind.NS, (0, 1), both)
+    ends = dict(zip(curve.causes, curve.p[[0, -1]], strict=True))
+    one, two = (ends[f"resonance 1:{k}, two multipliers are {s}1"] for k, s in ((1, ""), (2, "-")))
+    assert one == pytest.approx([-1.0, -1.0], abs=TOLERANCE)
+    assert two == pytest.approx([3.0, -1.0], abs=TOLERANCE)
+    trace = -2.0 * curve.p[:, 0] * curve.x[:, 0, 0]
+    assert np.abs(trace).max() <= 2.0 + TOLERANCE
+    assert curve.p[:, 0] == pytest.approx(trace**2 / 4.0 - trace, abs=TOLERANCE)
+
+
+def test_no_curve_of_neimark_sacker_begins_at_a_neutral_saddle() -> None:
+    """At a = 2, b = -1 the other fixed point has the trace 2 + sqrt(12)."""
+    x0 = (-1.0 - np.sqrt(3.0)) / 2.0
+    piece, p = HENON.at(np.array([x0, -x0]), np.array([2.0, -1.0])).piece, [2.0, -1.0]
+    saddle = orbit_of([piece], np.array([[x0, -x0]]), np.array(p))
+    both = CurveSettings(spans=((-4.0, 8.0), (-2.0, 2.0)), window=WINDOW)
+    with pytest.raises(ValueError, match=r"neutral saddle with the multipliers 5\.27451, 0\.18959"):
+        special_curve(HENON, saddle, PointKind.NS, (0, 1), both)
+
+
 def test_a_start_that_is_no_cycle_is_refused() -> None:
     settings = CurveSettings(spans=((-1.0, 1.2),), window=WINDOW)
     with pytest.raises(ValueError, match="no cycle of 1 points was found"):
@@ -127,3 +160,60 @@ def test_virtual_cycles_are_refused() -> None:
     settings = CurveSettings(spans=((-1.0, 1.0),), window=((-9.0, 9.0),))
     with pytest.raises(ValueError, match="is virtual"):
         connected(lines, [-1.0], [0.5], settings)
+
+
+ARGUMENTS: list[tuple[dict[str, Any], str]] = [
+    ({"x_scale": (1.0,)}, r"x_scale must be 2 positive numbers, got \(1.0,\)"),
+    ({"x_scale": (0.0, 1.0)}, "x_scale must be positive and finite, got 0.0"),
+    ({"p_scale": np.ones(3)}, "p_scale must be 2 positive numbers, got array"),
+    ({"orders": (0,)}, "orders must be a whole number of at least 1, got 0"),
+    ({"orders": ()}, r"orders must name at least one iterate, got \(\)"),
+    ({"orders": 1}, r"orders must be whole numbers such as \(1, 2\), got 1"),
+    ({"free": 0.5}, "free must be a whole number of at least 0, got 0.5"),
+    ({"free": True}, "free must be a whole number of at least 0, got True"),
+    ({"free": 2}, "free must name one of 2 parameters, from 0 on, got 2"),
+    ({"names": ("a",)}, r"names must be 2 to 3 names, .* got \('a',\)"),
+    ({"names": "ax"}, "names must be 2 to 3 names, .* got 'ax'"),
+    ({"max_branches": 0}, "max_branches must be a whole number of at least 1, got 0"),
+    ({"x": "here"}, "x must be real numbers, got 'here'"),
+    ({"x": [[[0.6, 0.2]]]}, r"x must have shape \(n, d\) and p \(k,\), got \(1, 1, 2\) and \(2,\)"),
+    ({"p": [0.1]}, "the map has 2 coordinates and 2 parameters, got points of 2 and 1 values"),
+]
+
+
+@pytest.mark.parametrize(("wrong", "sentence"), ARGUMENTS, ids=[each for _, each in ARGUMENTS])
+def test_arguments_that_do_not_fit_a_map(wrong: dict[str, Any], sentence: str) -> None:
+    good: dict[str, Any] = {"x": [0.6, 0.2], "p": [0.1, 0.3], "orders": (1,)} | wrong
+    settings = CurveSettings(spans=((-1.0, 1.2),), window=WINDOW)
+    with pytest.raises(ValueError, match=f"^{sentence}"):
+        connected(HENON, good.pop("x"), good.pop("p"), settings, **good)
+
+
+def test_scales_may_be_arrays(henon: Connected) -> None:
+    settings = CurveSettings(spans=((0.1, 0.2),), window=WINDOW)
+    found = connected(
+        HENON, [0.6, 0.2], [0.1, 0.3], settings, orders=(1,), x_scale=np.ones(2), p_scale=[1, 1]
+    )
+    assert len(found.diagram.branches) == 1
+    both = CurveSettings(spans=((-1.0, 1.5), (-0.4, 0.4)), window=WINDOW)
+    at = henon.orbits["PD1"]
+    curve = special_curve(HENON, at, PointKind.PD, (0, 1), both, x_scale=np.ones(2))
+    assert set(curve.stops) == {Stop.SPAN}
+    for free in ((0, 0), (0,), (0, 2), 1):
+        with pytest.raises(ValueError, match="free must name two of 2 parameters"):
+            special_curve(HENON, at, PointKind.PD, free, both)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="p_scale must be 2 positive numbers, got 3"):
+        special_curve(HENON, at, PointKind.PD, (0, 1), both, p_scale=3)  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match=r"kind must be pwmap.PointKind, got 'PD'"):
+        special_curve(HENON, at, "PD", (0, 1), both)  # type: ignore[arg-type]
+
+
+def test_formulas_that_are_no_map() -> None:
+    with pytest.raises(ValueError, match="x is used twice among variables and parameters"):
+        expression_map((x, x), (a,), {"H": (x, x)})
+    with pytest.raises(TypeError, match="variables and parameters must be symbols, got 'x'"):
+        expression_map(("x",), (a,), {"H": (1,)})  # type: ignore[arg-type]
+    with pytest.raises(
+        ValueError, match=r"smooth, sympy has no formula for a slope of a\*Abs\(x\)"
+    ):
+        expression_map((x,), (a,), {"H": (a * sympy.Abs(x),)})

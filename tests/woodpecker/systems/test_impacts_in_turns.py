@@ -124,3 +124,26 @@ def test_what_accumulates_in_turns_has_derivatives() -> None:
     exact = differences(image, x, p, 1e-4)
     assert image.jacobian == pytest.approx(exact, abs=1e-8)  # values are known to some 1e-13
     assert np.abs(image.jacobian[:2]).min() > 1e-6  # all of them matter
+
+
+@EACH_BACKEND
+@pytest.mark.parametrize("ratio", [1.0, 1.0 - 2.0**-20])
+def test_two_walls_without_room_between_them(backend: str, ratio: float) -> None:
+    """Every impact turns the velocity round, at once: there is no motion if none is lost."""
+    x = sympy.Symbol("x")
+    walls = [Contact(name=name, gap=gap, eps_n=ratio) for name, gap in (("-", x), ("+", -x))]
+    between = ContactSystem([x], [[1]], [0], walls, {})
+    motion = simulate(between, {"u_x": 1.0}, 5.0, max_events=10, backend=backend)
+    assert (motion.status is MotionStatus.ENDLESS) == (ratio == 1.0)
+    assert motion.z[-1] == 0.0
+    speeds = [event.before[0] for event in motion.events if event.symbol in ("I1", "I2")]
+    assert speeds == pytest.approx([(-ratio) ** k for k in range(len(speeds))], rel=1e-14)
+
+
+def test_elastic_walls_far_apart_are_struck_for_ever() -> None:
+    """A unit speed over a unit of length: an impact each second, with nothing lost."""
+    x = sympy.Symbol("x")
+    walls = [Contact(name=name, gap=gap, eps_n=1) for name, gap in (("-", x), ("+", 1 - x))]
+    motion = simulate(ContactSystem([x], [[1]], [0], walls, {}), {"u_x": 1.0}, 5.5)
+    assert [event.time for event in motion.events] == pytest.approx([1, 2, 3, 4, 5], abs=1e-12)
+    assert motion.status is MotionStatus.TIME_REACHED

@@ -13,7 +13,17 @@ from studies.systems import den_hartog, table
 from studies.systems.toy import map_of
 from woodpecker import Toy, jam_limit
 from woodpecker import return_map as kernel_map
-from woodpecker.systems import Contact, ContactSystem, MotionStatus, return_map, shoot, simulate
+from woodpecker.systems import (
+    Contact,
+    ContactSystem,
+    CycleStatus,
+    MotionStatus,
+    Section,
+    SystemMap,
+    return_map,
+    shoot,
+    simulate,
+)
 
 
 def compare(law: str, numbers: range, *, equal: bool = False) -> None:
@@ -180,3 +190,61 @@ def test_a_brick_slides_sticks_and_is_carried(backend: str) -> None:
     assert stick == pytest.approx(np.pi + np.arcsin(0.25), abs=1e-10)
     at_stick = 3.0 - 2.0 * np.cos(np.arcsin(0.25))
     assert slip - stick == pytest.approx((3.0 - at_stick) / 0.5, abs=1e-10)
+
+
+EPS = 0.75
+
+
+def to_a_wall(force: sympy.Expr, backend: str) -> SystemMap:
+    """A particle of mass 1 once in each second; a wall is at 1."""
+    x, u_x, t = sympy.symbols("x u_x t")
+    wall = Contact(name="the wall", gap=1 - x, eps_n=EPS)
+    system = ContactSystem([x], [[1]], [force], [wall], {})
+    return SystemMap(
+        system, Section(when=sympy.sin(2 * sympy.pi * t), free=[x, u_x], at={t: 0}), backend=backend
+    )
+
+
+@EACH_BACKEND
+def test_a_return_starts_outside_of_contacts(backend: str) -> None:
+    """At the wall a particle of speed 1 strikes at once, within rounding beyond it too."""
+    free = to_a_wall(sympy.Integer(0), backend)
+    found = return_map(free, [[1.0, 1.0], [1.0 + 1e-13, 1.0], [1.0, -1.0]])
+    assert found.images == pytest.approx(np.array([[1 - EPS, -EPS]] * 2 + [[0, -1]]), abs=1e-12)
+    assert found.words == ("I1", "I1", "")
+    assert free.at(np.array([1.0 + 1e-13, 1.0]), np.zeros(0)).reason == ""
+    inside = return_map(free, [[2.0, 0.0], [1.0 + 1e-9, 1.0], [1.5, -1.0]])
+    assert set(inside.status) == {MotionStatus.INSIDE}
+    assert np.isnan(inside.images).all()
+    assert shoot(free, [2.0, 0.0]).status is CycleStatus.LOST
+
+
+@EACH_BACKEND
+def test_a_return_may_start_at_rest_on_a_contact(backend: str) -> None:
+    """What a force holds at the wall stays, what one of -cos^2 pulls off is 1/4 away after 1 s."""
+    t = sympy.Symbol("t")
+    push = sympy.cos(2 * sympy.pi * t) ** 2
+    for force, image in ((push, [1.0, 0.0]), (-push, [0.75, -0.5])):
+        found = return_map(to_a_wall(force, backend), [[1.0, 0.0]])
+        assert found.images[0] == pytest.approx(image, abs=1e-11)
+
+
+def test_a_bounce_begins_as_the_ball_leaves() -> None:
+    y, u_y = sympy.symbols("y u_y")
+    floor = Contact(name="floor", gap=y, eps_n=EPS)
+    ball = ContactSystem([y], [[1]], [-1], [floor], {})
+    found = return_map(SystemMap(ball, Section(when="floor", free=[u_y])), [-1.0, 0.0, 1.0])
+    assert found.status == (MotionStatus.INSIDE, MotionStatus.AT_REST, MotionStatus.RETURNED)
+
+
+@EACH_BACKEND
+@pytest.mark.parametrize("height", 5.0 * 10.0 ** np.arange(-9, 13, 3))
+def test_a_ball_is_dropped_from_any_height(height: float, backend: str) -> None:
+    """It strikes after sqrt(2 h / g), though rounding of the height is more than most gaps."""
+    y, g = sympy.symbols("y g")
+    floor = Contact(name="floor", gap=y, eps_n=EPS)
+    ball = ContactSystem([y], [[1]], [-g], [floor], {g: 10.0})
+    falls = float(np.sqrt(2.0 * height / 10.0))
+    motion = simulate(ball, {"y": height}, 2.0 * falls, backend=backend)
+    assert motion.status is MotionStatus.TIME_REACHED
+    assert [event.time for event in motion.events] == pytest.approx([falls], rel=1e-12)

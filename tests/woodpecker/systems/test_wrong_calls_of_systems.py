@@ -131,6 +131,12 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: section(horizon=0.0), "horizon must be positive and finite"),
     (lambda: SystemMap(BALL, SECTION, ["k"]), "unknown parameter 'k'"),
     (lambda: SystemMap(BALL, SECTION, "g"), "parameters must be a list of names"),
+    (lambda: SystemMap(BALL, SECTION, ["g", "g"]), r"parameters must differ, got \['g', 'g'\]"),
+    (lambda: SystemMap(BALL, SECTION, events_most=-1), "events_most must be a whole number of at"),
+    (lambda: SystemMap(BALL, SECTION, x_scale=[1.0]), "x_scale must be 2 positive numbers, got"),
+    (lambda: SystemMap(BALL, SECTION, x_scale=(0, 1)), "x_scale must be positive and finite, got"),
+    (lambda: SystemMap(BALL, SECTION, ["g"], p_scale=(1, 1)), "p_scale must be 1 positive number"),
+    (lambda: Section(when="floor", free=[v, v]), "u_x is used twice in free"),
     (lambda: SystemMap(BALL, SECTION, backend="euler"), "'euler' is not a valid Backend"),
     (lambda: simulate(BALL, [1.0], 1.0), "start must be a mapping"),
     (lambda: simulate(BALL, {"z": 1.0}, 1.0), "start has 'z', the state has"),
@@ -152,6 +158,11 @@ CASES: list[tuple[Callable[[], object], str]] = [
 def test_what_is_wrong_is_said(call: Callable[[], object], sentence: str) -> None:
     with pytest.raises((TypeError, ValueError), match=sentence):
         call()
+
+
+def test_scales_of_a_map_may_be_arrays() -> None:
+    map_ = SystemMap(BALL, SECTION, ["g"], x_scale=np.array([1, 2]), p_scale=[3], backend="scipy")
+    assert (map_.x_scale, map_.p_scale) == ((1.0, 2.0), (3.0,))
 
 
 def test_there_are_many() -> None:

@@ -335,6 +335,8 @@ def names(name: str, value: Any) -> tuple[sympy.Symbol, ...]:
         if not isinstance(each, sympy.Symbol):
             hint = "; from_kane takes dynamic symbols" if isinstance(each, AppliedUndef) else ""
             raise TypeError(f"{name} must be symbols, got {shown(each)}{hint}")
+        if found.count(each) > 1:
+            raise ValueError(f"{each} is used twice in {name}")
     if not found:
         raise ValueError(f"{name} must not be empty")
     return found

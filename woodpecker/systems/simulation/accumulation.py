@@ -9,7 +9,7 @@ contact that bounces is a lap of one impact.
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable
+from collections.abc import Hashable, Iterator
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -19,6 +19,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.systems.mechanics.equations import Equations
 from woodpecker.systems.mechanics.impacts import Impact, Outcome, carry_out, decide, total
 from woodpecker.systems.mechanics.modes import GAP, OPEN, Local, Mode, Touch, settle
+from woodpecker.systems.simulation.flows import LostError
 
 IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
 SHORT = 2.0**-17  # of a motion's own time: what follows a gap's cubic is below rounding
@@ -27,7 +28,13 @@ PRECISE = VANISHED / SHORT  # of the first short flight, as the motion before is
 TOGETHER = 2.0**-44  # of a phase: gaps that close within it do so at once
 IMPACTS_MOST = 3000  # a ratio of 0.99 needs so many from short flights to none
 LAP_MOST = 8  # impacts of a lap
+LASTS = VANISHED / PRECISE  # a lap that loses a smaller part of its speeds has no sum, and so many
+# impacts leave nearly all of them
 SOLVED = 4  # iterations of Newton's method for a cubic, from the root of its quadratic part
+
+
+class EndlessError(LostError):
+    """Impacts repeat in no time, and lose no speed."""
 
 
 class Tail(NamedTuple):
@@ -49,7 +56,8 @@ def tail_of(
 ) -> Tail | None:  # fmt: skip
     """What becomes of a state after an impact if short flights and impacts close contacts.
 
-    None if flights are not short, or lead away, or to the contact of a section of impacts.
+    None if flights are not short, or lead away, or to the contact of a section of impacts, or if
+    impacts lose hardly any speed; EndlessError if they lose none in no time.
     """
     tail, found = _Impacts(eq, z, p, tangents, impact, touch), None
     for _ in range(IMPACTS_MOST):
@@ -60,6 +68,8 @@ def tail_of(
             tail.close(closed)
             group = tuple(sorted(tail.touch.closed - touch.closed))
             found = Tail(tail.z, tail.tangents, tail.touch, group, tail.struck, tail.is_open)
+        elif tail.lasts():
+            break
     return found
 
 
@@ -205,17 +215,38 @@ class _Impacts:
 
     def series(self) -> frozenset[int]:
         """Contacts whose laps of impacts shrink in proportion, at the sum of what is left."""
-        for lap in range(1, LAP_MOST + 1):
-            if len(self._marks) < 2 * lap + 1:
-                break
-            last = self._marks[-1 - 2 * lap :]
-            if any(last[k].what != last[k + lap].what for k in range(lap + 1)):
-                continue
-            group = frozenset[int]().union(*(self._left(each.what) for each in last))
+        for lap, group in self._laps():
             ratio = self._ratio(lap, sorted(group))
             if 0.0 <= ratio < 1.0 and self._sum(lap, ratio, group):
                 return group
         return frozenset()
+
+    def lasts(self) -> bool:
+        """Whether laps lose hardly any speed, and nothing else is struck.
+
+        EndlessError if they lose none, and take no time.
+        """
+        for lap, group in self._laps():
+            new, old = self._marks[-1], self._marks[-1 - lap]
+            struck, others = sorted(group), sorted(set(range(self._eq.m)) - group)
+            speed = np.abs(old.rate[struck]).max(initial=0.0)
+            lost = np.abs(new.rate - old.rate)[struck].max(initial=0.0)
+            nears = new.gap + IMPACTS_MOST * np.minimum(new.gap - old.gap, 0.0)
+            if lost >= LASTS * speed or (nears[others] < 0.0).any():
+                continue
+            if new.z[-1] == old.z[-1] and lost <= PRECISE * speed:
+                raise EndlessError
+            return True
+        return False
+
+    def _laps(self) -> Iterator[tuple[int, frozenset[int]]]:
+        """Laps that the last impacts have run through twice, and the contacts that they close."""
+        for lap in range(1, LAP_MOST + 1):
+            if len(self._marks) < 2 * lap + 1:
+                break
+            last = self._marks[-1 - 2 * lap :]
+            if all(last[k].what == last[k + lap].what for k in range(lap + 1)):
+                yield lap, frozenset[int]().union(*(self._left(each.what) for each in last))
 
     def _left(self, what: Hashable) -> frozenset[int]:
         if isinstance(what, Impact):

@@ -40,7 +40,14 @@ from woodpecker.systems.mechanics.modes import (
     settle,
     team_of,
 )
-from woodpecker.systems.simulation.accumulation import TOGETHER, Tail, after, implied, tail_of
+from woodpecker.systems.simulation.accumulation import (
+    TOGETHER,
+    EndlessError,
+    Tail,
+    after,
+    implied,
+    tail_of,
+)
 from woodpecker.systems.simulation.flows import Flow, LostError, RungeFlow, Step
 from woodpecker.systems.simulation.guards import beginning
 from woodpecker.systems.simulation.sections import Embedding
@@ -78,6 +85,8 @@ class MotionStatus(Enum):
     NO_SOLUTION = "a contact problem has no solution"
     AMBIGUOUS = "a contact problem has several solutions"
     OVERFLOW = "the motion leaves the numbers that double precision can hold"
+    ENDLESS = "impacts follow each other in no time, and lose no speed"
+    INSIDE = "the start lies inside a contact, or moves into the one that it has just left"
     PASSED = "rounding has carried the system through a contact, where impacts accumulate in turns"
     NO_FORCES = "more contacts hold than there are coordinates: their forces are open"
 
@@ -240,6 +249,8 @@ class MotionSearch:
             found.status = stop.status
             if stop.status is MotionStatus.RETURNED and self._open:
                 found.status = MotionStatus.RETURNED_INDETERMINATE
+        except EndlessError:
+            found.status = MotionStatus.ENDLESS
         except LostError:
             found.status = MotionStatus.OVERFLOW
         return found
@@ -272,7 +283,8 @@ class MotionSearch:
         terms = eq.terms(z, self.p)
         if min(terms.gap.tolist()) >= -PENETRATED:
             return
-        size = 1.0 + np.abs(terms.w_n) @ np.abs(z[: eq.n])
+        flown = np.abs(terms.gap_rate) * self._run.durations[-1]
+        size = 1.0 + np.abs(terms.w_n) @ np.abs(z[: eq.n]) + flown
         if (terms.gap < -PENETRATED * size)[np.array(mode) == OPEN].any():
             raise _StoppedError(MotionStatus.PASSED)
 

@@ -95,6 +95,9 @@ class Following:
         self._z, self._tangents, found = z, tangents, times.copy()
         self._marks = list[tuple[Floats, Floats]]()  # where phases begin
         self._fired, self._flight, self._slow = 0, None, None
+        if self.path.legs[0].impact is not None:  # it starts as contacts close
+            rates = self.eq.terms(z, self.p).gap_rate
+            self._fired = min(self.path.legs[0].impact.contacts, key=lambda i: float(rates[i]))
         k = repeated = 0
         struck = False
         while k < len(self.path.legs):

@@ -16,6 +16,7 @@ from woodpecker.systems.mechanics.equations import Equations, Function
 from woodpecker.systems.mechanics.model import ContactSystem, expression, names, vanishes
 from woodpecker.systems.mechanics.modes import STICK, SectionGuard, Touch
 
+ROUNDING = 1e-12  # gaps and rates [m, m/s] of a start that are smaller are zero
 HORIZON = 1e4  # of one return [s] unless a section says otherwise
 
 
@@ -82,6 +83,10 @@ class Section:
             put(self, "period", expression("period", self.period))
         put(self, "first", number("first", self.first))
         put(self, "horizon", positive("horizon", self.horizon))
+
+
+class PenetratedError(ValueError):
+    """A start lies inside a contact."""
 
 
 class Embedding:
@@ -173,6 +178,22 @@ class Embedding:
         z, tangents = self._embed(x, p)
         return z, tangents
 
+    def begin(self, z: Floats, p: Floats) -> tuple[Touch, list[int]]:
+        """What touches at a state on the section, and what strikes; or PenetratedError.
+
+        Besides what touches at every point others may do here.
+        """
+        terms, known = self.eq.terms(z, p), self.touch
+        clear = (terms.gap > 0.0) | ((terms.gap == 0.0) & (terms.gap_rate < 0.0))
+        clear[list(known.leaving)] = terms.gap_rate[list(known.leaving)] > 0.0
+        clear[list(known.closed)] = True
+        if clear.all():
+            return known, []
+        touch, striking = touching(self.eq, z, p)
+        if known.leaving & {*striking}:
+            raise PenetratedError("the start moves into the contact that it has just left")
+        return Touch(touch.closed | known.closed, touch.held | known.held, touch.leaving), striking
+
     def point(self, z: Floats, p: Floats, turns: int) -> Floats:
         """The coordinates (d,) of a state on the section, time less so many periods."""
         x = z[self.places].copy()
@@ -215,28 +236,29 @@ class Embedding:
         return self.guard if all(mode[i] == STICK for i in self.sticking) else None
 
 
-def touching(eq: Equations, z: Floats, p: Floats, rounding: float) -> tuple[Touch, list[int]]:
+def touching(eq: Equations, z: Floats, p: Floats) -> tuple[Touch, list[int]]:
     """The contacts that touch at any state: those that stay or leave, and those that strike.
 
     Raises
     ------
-    ValueError
+    PenetratedError
         If a contact is penetrated.
     """
     terms = eq.terms(z, p)
+    size = 1.0 + np.abs(terms.w_n) @ np.abs(z[: eq.n])  # of what gaps are differences of
     closed, held, leaving, striking = set[int](), set[int](), set[int](), list[int]()
     for i, each in enumerate(eq.system.contacts):
         gap, rate, slip = terms.gap[i], terms.gap_rate[i], terms.slip[i]
-        if gap < -rounding:
-            raise ValueError(f"the start penetrates {each.name!r}: its gap is {gap:.3g}")
-        if gap > rounding:
+        if gap < -ROUNDING * size[i]:
+            raise PenetratedError(f"the start penetrates {each.name!r}: its gap is {gap:.3g}")
+        if gap > ROUNDING * size[i]:
             continue
-        if rate < -rounding:
+        if rate < -ROUNDING:
             striking.append(i)
-        elif rate > rounding:
+        elif rate > ROUNDING:
             leaving.add(i)
         else:
             closed.add(i)
-            if abs(slip) <= rounding:
+            if abs(slip) <= ROUNDING:
                 held.add(i)
     return Touch(frozenset(closed), frozenset(held), frozenset(leaving)), striking
