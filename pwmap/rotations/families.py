@@ -114,7 +114,7 @@ class WordFamily:
         count, meter = self._checked(n), metered(budget)
         word = self.word(count, budget=meter)
         x, multiplier = (self._field.at(element, count, meter) for element in self._form)
-        if x is None or multiplier is None:
+        if x is None or multiplier is None or multiplier[0] == multiplier[1]:
             raise ValueError(f"the slope of {word} is 1: it has no isolated cycle")
         bounds = [c._bound for c in self.conditions if c.since <= count]
         found = [self._field.relation_at(bound, count, meter) for bound in bounds]
