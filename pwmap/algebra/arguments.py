@@ -90,10 +90,12 @@ def check_mapping(name: str, values: object, such_as: str = "{'a': '5/4'}") -> N
 
 
 def checked_number(name: str, value: object) -> float:
-    """A real number as a float; TypeError if it is none."""
+    """A real number as a float; TypeError if it is none, ValueError if it is too large for one."""
     if not isinstance(value, str):
         try:
             return float(value)  # type: ignore[arg-type]
+        except OverflowError:
+            raise ValueError(f"{name} must fit into a double, got {shown(value)}") from None
         except (TypeError, ValueError):
             pass
     raise TypeError(f"{name} must be a number, got {shown(value)}")

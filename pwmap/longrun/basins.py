@@ -4,7 +4,8 @@ The immediate basin has the largest intervals around an attractor in which all o
 but for those that end in a repelling cycle. An interval is extended while what lies beside it is
 mapped into known intervals; on a steep rising piece that converges to a repelling fixed point,
 which is taken at once. The whole basin is all its preimages, exactly, as sets with ends and single
-points. It is complete when no preimage leads out of it.
+points. It is complete when no preimage leads out of it, since what comes ever closer to an end of
+bands or neutral intervals without entering is in it from the start.
 """
 
 from __future__ import annotations
@@ -12,12 +13,14 @@ from __future__ import annotations
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from math import prod
 
 import sympy
 from sympy import QQ
 
 from pwmap.algebra.exact import HIGHEST, Infinite
 from pwmap.longrun.line import Germ, Interval, MapLine, joined
+from pwmap.longrun.neutral import room
 from pwmap.longrun.numbers import Exact, work_of
 from pwmap.longrun.pointsets import (
     Part,
@@ -125,6 +128,33 @@ def staying(line: MapLine, intervals: Sequence[Interval]) -> PointSet:
     return point_set(
         ((low, -1 if kept[low] else 1), (high, 1 if kept[high] else -1)) for low, high in intervals
     )
+
+
+def drawn_beside(line: MapLine, core: PointSet) -> PointSet:
+    """What comes ever closer from outside to ends of intervals that a map permutes.
+
+    It never enters: the outer side of an end comes back to itself, by those of other ends, with a
+    product of slopes below one. All that follows the same pieces for one round comes closer.
+    """
+    images = {
+        germ: line.image(germ)
+        for ends in core.closure.interior
+        for germ in map(Germ, ends, (-1, 1))
+        if not isinstance(germ.x, Infinite)
+    }
+    found = list[Interval]()
+    while images:
+        germ, way = next(iter(images)), list[Germ]()
+        while germ in images:
+            way.append(germ)
+            germ = images.pop(germ)
+        turn = way[way.index(germ) :] if germ in way else []
+        if prod((abs(line.piece(each).slope) for each in turn), start=QQ.one) < 1:
+            part = (germ.x, germ.x + germ.side * room(line, turn, 1))
+            for each in turn:
+                found.append((min(part), max(part)))
+                part = line.piece(each).over(part)
+    return open_intervals(found)
 
 
 def _comes(line: MapLine, core: PointSet, x: Exact, meter: Meter) -> bool | None:

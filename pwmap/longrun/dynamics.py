@@ -21,7 +21,7 @@ from pwmap.longrun.attractors import (
     attractors_of,
     common_period,
 )
-from pwmap.longrun.basins import WholeBasin, basin_of, staying, whole_basin
+from pwmap.longrun.basins import WholeBasin, basin_of, drawn_beside, staying, whole_basin
 from pwmap.longrun.densities import Density, density_of
 from pwmap.longrun.entropy.entropies import ORDERS, Entropy, entropy_of, lap_numbers
 from pwmap.longrun.entropy.itineraries import STEPS, itinerary_of
@@ -209,7 +209,10 @@ class Attractor:
     def _core(self) -> PointSet:
         """What stays at it, or is known to be drawn in."""
         core = self.core
-        return staying(self.line, core.intervals) if isinstance(core, Bands) else core.region
+        if isinstance(core, AttractingCycle):
+            return core.region
+        kept = staying(self.line, core.intervals) if isinstance(core, Bands) else core.region
+        return kept | drawn_beside(self.line, kept)
 
     @cached_property
     def _basin(self) -> tuple[Interval, ...]:

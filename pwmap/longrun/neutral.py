@@ -8,7 +8,7 @@ at a break that comes back with slope 1.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from sympy import QQ
@@ -88,7 +88,7 @@ def _is_neutral(line: MapLine, orbit: GermOrbit) -> bool:
 
 def _around(line: MapLine, germs: tuple[Germ, ...]) -> NeutralIntervals:
     """The intervals beside the points of a cycle of germs of slope 1 that follow them."""
-    ahead, behind = (_room(line, germs, way) for way in (1, -1))
+    ahead, behind = (room(line, germs, way) for way in (1, -1))
     visited, letters, scale = list[Interval](), list[str](), QQ.one
     for germ in germs:
         far, back = germ.x + germ.side * scale * ahead, germ.x - germ.side * scale * behind
@@ -108,7 +108,7 @@ def _around(line: MapLine, germs: tuple[Germ, ...]) -> NeutralIntervals:
     )
 
 
-def _room(line: MapLine, germs: tuple[Germ, ...], way: int) -> Exact:
+def room(line: MapLine, germs: Sequence[Germ], way: int) -> Exact:
     """How far beside the first germ points follow all of them, on its side or on the other one."""
     found, scale = HIGHEST, QQ.one
     for germ in germs:

@@ -7,7 +7,7 @@ junction.
 
 from __future__ import annotations
 
-from collections import defaultdict
+from collections import ChainMap, defaultdict
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, cmp_to_key
@@ -35,7 +35,7 @@ from pwmap.parameters.segments import (
 )
 
 Borders = set[tuple[int, int]]  # edge and word length of fixed points that others may end on
-EndValues = dict[Any, dict[Any, float]]  # for each place exact values, and their floats
+EndValues = dict[Any, dict[int, dict[Any, float]]]  # by place and word length; with floats
 EPSILON = 2.0**-52  # spacing of doubles at 1
 NOWHERE = (Inclusion.VIRTUAL, Inclusion.NONE)  # then a cylinder holds no fixed point
 
@@ -170,18 +170,19 @@ class Continuation:
         passed = {
             self.cells[i].lower for key, s in stretches for i in self._exposed(key, s, borders)
         }
-        found: EndValues = {place: {} for place in passed}
+        found: EndValues = {place: defaultdict(dict) for place in passed}
         for key, stretch in stretches if passed else ():
             segment = self._segment(key, stretch)
             for k, place in enumerate(segment.places):
                 value = self._value(segment, k) if place in passed else None
                 if value is not None and not isinstance(value, Infinite):
-                    found[place][value] = self._number(key, place)
+                    found[place][len(key.word)][value] = self._number(key, place)
         for cylinder, place in bands:
             for cut in (cylinder.lower, cylinder.upper):
                 if cut is not None and place in passed:
                     x = self.orbits.preimage(cut.k, cylinder.word[: cut.steps])
-                    found[place][self.axis.value(x, place)] = self.axis.number(x, place)
+                    values = found[place][len(cylinder.word)]
+                    values[self.axis.value(x, place)] = self.axis.number(x, place)
         return found
 
     def _exposed(self, key: BranchKey, stretch: Sequence[int], borders: Borders) -> Iterator[int]:
@@ -200,11 +201,16 @@ class Continuation:
     def _cut(
         self, key: BranchKey, stretch: Sequence[int], borders: Borders, values: EndValues
     ) -> Iterator[Sequence[int]]:
-        """The parts of a stretch between the places where other segments end on it."""
+        """The parts of a stretch between the places where other segments end on it.
+
+        A jump passes those of other orders.
+        """
         start = 0
         for i in self._exposed(key, stretch, borders):
             place = self.cells[i].lower
-            if self._is_among(key, place, values[place]):
+            ends = values[place]
+            own = [ends[len(key.word)]] if key.kind is BranchKind.JUMP else ends.values()
+            if self._is_among(key, place, ChainMap(*own)):
                 stop = stretch.index(i)
                 yield stretch[start : stop + 1]
                 start = stop

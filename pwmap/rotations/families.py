@@ -23,7 +23,7 @@ from sympy import QQ
 from sympy.polys.fields import FracElement, FracField
 from sympy.polys.orderings import lex
 
-from pwmap.algebra.arguments import checked_count, explained
+from pwmap.algebra.arguments import checked_count, explained, shown
 from pwmap.algebra.assumptions import UndecidedError
 from pwmap.algebra.exact import (
     Affine,
@@ -89,9 +89,18 @@ class WordFamily:
     _field: _FamilyField = field(repr=False)
     _form: tuple[Element, Element] = field(repr=False)  # x and multiplier
 
-    def word(self, n: int) -> str:
-        """The word for a value of n; ValueError if that is no integer of at least :attr:`least`."""
-        count = self._checked(n)
+    def word(self, n: int, *, budget: Budget | Meter = BUDGET) -> str:
+        """The word for a value of n; ValueError if that is no integer of at least :attr:`least`.
+
+        BudgetError if it has more letters than the ``budget`` allows.
+        """
+        count, most = self._checked(n), metered(budget).budget.letters
+        letters = sum(len(run.word) * run.count(count) for run in self._field.runs)
+        if letters > most:
+            raise BudgetError(
+                f"the word for {self.n} = {shown(count)} has {shown(letters)} letters, at most "
+                f"{most} are allowed"
+            )
         return self._field.map_.spelled(
             tuple(letter for run in self._field.runs for letter in run.word * run.count(count))
         )
@@ -103,15 +112,9 @@ class WordFamily:
         BudgetError if the word or the formulas take more than the ``budget``.
         """
         count, meter = self._checked(n), metered(budget)
-        letters = sum(len(run.word) * run.count(count) for run in self._field.runs)
-        if letters > meter.budget.letters:
-            raise BudgetError(
-                f"the word for {self.n} = {count} has {letters} letters, at most "
-                f"{meter.budget.letters} are allowed"
-            )
-        word = self.word(count)
+        word = self.word(count, budget=meter)
         x, multiplier = (self._field.at(element, count, meter) for element in self._form)
-        if x is None or multiplier is None:
+        if x is None or multiplier is None or multiplier[0] == multiplier[1]:
             raise ValueError(f"the slope of {word} is 1: it has no isolated cycle")
         bounds = [c._bound for c in self.conditions if c.since <= count]
         found = [self._field.relation_at(bound, count, meter) for bound in bounds]

@@ -14,12 +14,13 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from decimal import Context, Decimal
 from fractions import Fraction
 from functools import cached_property
 
 import sympy
 
-from pwmap.algebra.arguments import checked_count, explained
+from pwmap.algebra.arguments import checked_count, explained, shown
 from pwmap.algebra.exact import Fraction_, Number, dense, fraction_to_sympy, quotient_to_sympy
 from pwmap.algebra.roots import (
     Real,
@@ -180,9 +181,10 @@ def tongues(
     last = checked_count(q_max, "the largest denominator")
     work = LETTER * last**3 // 5  # the words have about 2/pi**2 q_max**3 letters
     if work > meter.budget.work:
+        about = Decimal(work).normalize(Context(prec=3))  # it may be too large for a double
         raise BudgetError(
-            f"tongues up to the denominator {last} take about {work:.3g} units of work, at most "
-            f"{meter.budget.work} are allowed"
+            f"tongues up to the denominator {shown(last)} take about {about:g} units of work, "
+            f"at most {meter.budget.work} are allowed"
         )
     for rotation in meter.each(farey(last), "tongues"):
         meter.spend(LETTER * rotation.denominator)

@@ -256,6 +256,8 @@ WRONG_VALUE = {
     'T2.cycle("")': "the word of a cycle must have at least one letter",
     'found().at(float("nan"))': "a slice needs a finite value of the parameter, got nan",
     'found().of_order("1")': "order must be an integer of at least 1, got '1'",
+    "found().within(0, 10**400)": "an interval must fit into a double, got 10000000",
+    'found().named({"A": (0, 10**400)})': "a place must fit into a double, got 10000000",
     "found().within(1, 0)": "expected an interval from low to high, got (1.0, 0.0)",
     'found().stable_intervals("1")': "order must be an integer of at least 1, got '1'",
     "prove(3)": "a map, or a diagram and its map, was expected, got 3",

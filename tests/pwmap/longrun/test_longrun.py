@@ -135,6 +135,31 @@ def test_basins_are_complete_only_where_nothing_comes_from_elsewhere() -> None:
     assert set(each.whole_basin.parts[1:]) >= {sympy.FiniteSet(Rational(5, 2)), sympy.FiniteSet(5)}
 
 
+@pytest.mark.parametrize(
+    ("text", "basin"),
+    [("Piecewise((x/2, x < 0), (2*x, x < 1/2), (2 - 2*x, True))", Interval(-sympy.oo, sympy.oo)),
+     ("Piecewise((-3, x < -1), (x/2, x < 0), (2*x, x < 1/2), (2 - 2*x, True))",
+      Interval(-1, Rational(3, 2))),
+     ("Piecewise((2 - 2*x/3, x < -1/2), (11/6 - x, True))", Interval(-sympy.oo, sympy.oo)),
+     ("Piecewise((x/2, x <= 0), (x, x < 1), (1/2, True))", Interval(-sympy.oo, sympy.oo)),
+     ("Piecewise((-20, x < -6), (x/2 + 5, x < 0), (2*x, x < 1/2), (2 - 2*x, x < 2), (x - 5, x < 5),"
+      " (-20, True))", Interval(0, 1))],
+)  # fmt: skip
+def test_a_basin_holds_what_comes_to_an_end_of_its_attractor_from_outside(
+    text: str, basin: Interval
+) -> None:
+    """Beside 0 the slope is 1/2; round (-1/2, 7/3) 2/3. In the last 0 and 5 draw in together.
+
+    In the second x < -1 comes to -3, and x > 1 goes to 2 - 2 x, which is less than -1 from 3/2 on.
+    """
+    (each,) = (each for each in dynamics(PiecewiseLinearMap.from_sympy(text)).attractors
+               if not each.points)  # fmt: skip
+    assert each.whole_basin.parts == (basin,)
+    assert each.whole_basin.complete
+    assert each.basin_is_complete
+    assert [part.closure for part in each.basin] == [basin]
+
+
 def test_bands_are_found_where_they_expand_slowly() -> None:
     """The 8 bands of the skew tent map merge to 4 at b = -8.239167880405 for a = 1/2."""
     for b, bands in ((Rational(-33, 4), 4), (Rational(-82392, 10000), 4),

@@ -196,7 +196,11 @@ def test_what_is_too_long_is_refused_at_once_with_its_cost() -> None:
     began = time.process_time()
     with pytest.raises(BudgetError, match=r"up to the denominator 1000000 take about 8e\+17 units"):
         tongues(CIRCLE, 10**6)
+    with pytest.raises(BudgetError, match=r" take about 8e\+1199 units of work"):
+        tongues(CIRCLE, 10**400)  # 4/5 of the cube
     family = word_family(P1L, "L R^n")
+    with pytest.raises(BudgetError, match=f"has {2**70 + 1} letters, at most 10000 are allowed"):
+        family.word(2**70)
     with pytest.raises(BudgetError, match="has 10001 letters, at most 10000 are allowed"):
         family.at(10**4)
     with pytest.raises(BudgetError, match="more than 50000000 units of work are needed"):

@@ -130,6 +130,23 @@ def test_a_jump_ends_at_a_cycle_that_is_not_shown() -> None:
         (PointKind.FF, 0.0), (PointKind.BC, 0.0)]  # fmt: skip
 
 
+def test_a_jump_passes_where_one_of_another_order_changes() -> None:
+    """P_2 jumps at 1 from 2 p + 3/4 to -2 p, over the diagonal for p > 1/8, until 2 p - 1/2 = 1.
+
+    At p = 1/2 these are 7/4 and the break -1, so that there a jump of P_3 has another word.
+    """
+    map_ = PiecewiseLinearMap(
+        [("2*p - x/2", "x < -1"), ("-x - 1/2", "(-1 <= x) & (x <= 1)"), ("2*p - x + 1/2", "x > 1")]
+    )
+    for orders in ((2,), (2, 3), (1, 2, 3)):
+        diagram = bifurcation_diagram(map_, "p", (-2, 3), orders)
+        (branch,) = [hit.branch for hit in diagram.at("1/2")
+                     if hit.branch.order == 2 and hit.branch.kind is BranchKind.JUMP]  # fmt: skip
+        (stretch,) = [each for each in branch.words if each.word == "ML|RM"]
+        assert stretch.exact["interval"] == Interval.Lopen(Rational(1, 8), Rational(3, 4))
+        assert not any("touches" in each.cause for each in branch.words)
+
+
 # --- Curves ---------------------------------------------------------------------------------------
 
 

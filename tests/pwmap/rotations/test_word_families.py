@@ -200,3 +200,6 @@ def test_slopes_without_a_sign_are_undecided() -> None:
     mixed = PiecewiseLinearMap([("x/2 + 1", "x < 0"), ("8*x - 1", "x >= 0")])
     with pytest.raises(ValueError, match="the slope of RLLL is 1: it has no isolated cycle"):
         word_family(mixed, "R L^n").at(3)
+    turning = PiecewiseLinearMap([("-3*x + u", "x <= 0"), ("1 - x", "x > 0")])  # (-1)^2 is 1
+    with pytest.raises(ValueError, match="the slope of RR is 1: it has no isolated cycle"):
+        word_family(turning, "R^n").at(2)
