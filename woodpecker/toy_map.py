@@ -116,7 +116,8 @@ class _ThreadRoom:
         """Images and slopes at points (n,), nan where there is none; ValueError if no toy is."""
         self._take(values)
         out, codes, _, _ = sweep(self._numbers, self._change, x, 1, self._seed)
-        out[codes > RETURNED] = math.nan
+        starts = np.isfinite(x) & (x < self._numbers[CONTACT, LIMIT])
+        out[(codes > RETURNED) | ~starts] = math.nan
         return Sweep(out[:, 0], out[:, 3])
 
 
@@ -241,8 +242,8 @@ class ToyPieces(ToyMap):
     def sweep(self, x: Floats, p: float | Floats) -> Sweep:
         """Returns from many points (n,) [rad] at once, without pieces: images [rad] and slopes [-].
 
-        There is one parameter for all, or one for each. They are nan where the toy does not return;
-        ValueError if it cannot have this value of the parameter.
+        There is one parameter for all, or one for each. They are nan where the toy cannot start or
+        does not return; ValueError if it cannot have this value of the parameter.
         """
         points = real_array("x", x).ravel()
         if np.ndim(p) == 0:

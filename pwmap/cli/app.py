@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import signal
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from itertools import chain
@@ -97,7 +97,6 @@ def analyse(
     kept = _Kept({"map": formula, "set": set_ or []})
     with screen.told(lambda: kept.lost):
         from pwmap.cli.longrun import LongRun
-        from pwmap.diagrams.record import keep_record
 
         screen.check_folder(out)
         form = screen.picture_format(picture)
@@ -119,15 +118,17 @@ def analyse(
                 )  # fmt: skip
                 if not kept.interrupts:
                     kept.keep(more.added(found))
-        tables, pictures = _written(kept, more, out), list[str]()
+        tables, pictures, failed = _written(kept, more, out), list[str](), ""
         with kept.going_on():
             if not kept.interrupts:
                 _tell(map_, kept.diagram, more)
-                for name in chain(_draw(found, more, out, form), more.draw(out, form)):
-                    pictures.append(name)  # each is there, if the next one is interrupted
-        names = [*tables, *pictures]
-        gone = keep_record(out, "analyse", names, asked)
-    _tell_end(kept, more, out, names, gone, without="" if pictures else ", without pictures")
+                try:
+                    for name in chain(_draw(found, more, out, form), more.draw(out, form)):
+                        pictures.append(name)  # each is there, if the next one is not
+                except OSError as error:
+                    failed = screen.in_words(error)
+        failed = screen.record(out, "analyse", [*tables, *pictures], asked) or failed
+    _tell_end(kept, more, failed, without="" if pictures else ", without pictures")
 
 
 @dataclass
@@ -218,17 +219,15 @@ def _tell(map_: PiecewiseLinearMap, found: Diagram, more: LongRun) -> None:
     screen.show(table_of_branches(found), table_of_points(found), *more.tables())
 
 
-def _tell_end(
-    kept: _Kept, more: LongRun, out: Path, names: Sequence[str], gone: Sequence[str], without: str
-) -> None:
-    from pwmap.diagrams.record import record_of
-
-    screen.tell_written(out, (*names, record_of("analyse")), gone)
+def _tell_end(kept: _Kept, more: LongRun, failed: str, without: str) -> None:
     if kept.interrupts:
         for sentence in (*kept.diagram.given, *more.left_out):
             screen.say(sentence)
         screen.complain(f"Interrupted: what was finished is kept{without}")
         raise typer.Exit(screen.INTERRUPTED)
+    if failed:
+        screen.complain(f"Failed: {failed}; what was finished is kept{without}")
+        raise typer.Exit(1)
 
 
 def _draw(found: Diagram, more: LongRun, out: Path, picture: PictureFormat) -> Iterator[str]:

@@ -64,7 +64,6 @@ def draw_plane(
     Example: pwmap plane "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))" --across a --along b
     --across-span 1/10 11/10 --along-span -5 -1/2 --orders 1,2,3 --colours bands
     """
-    from pwmap.diagrams.record import keep_record, record_of
     from pwmap.plane.plane import checked_axes
 
     asked: dict[str, object] = {
@@ -73,7 +72,7 @@ def draw_plane(
         "given": given or [], "orders": orders, "colours": colours, "crises": crises,
         "raster": raster, "pieces": pieces, "format": picture or [],
     }  # fmt: skip
-    names, interrupts = [*TABLES], list[bool]()
+    names, interrupts, failed = [*TABLES], list[bool](), ""
     with screen.told(lambda: "there is nothing to keep yet"):
         screen.check_folder(out)
         (file,) = in_format((PICTURE,), screen.picture_format(picture))
@@ -97,14 +96,18 @@ def draw_plane(
             names.append(file)
         except KeyboardInterrupt:  # the tables are there
             interrupts.append(True)
-        gone = keep_record(out, "plane", names, asked)
-    for sentence in filter(None, (found.left_out, seen.left_out if seen is not None else "")):
-        screen.say(sentence)
-    screen.tell_written(out, (*names, record_of("plane")), gone)
+        except OSError as error:
+            failed = screen.in_words(error)
+        for sentence in filter(None, (found.left_out, seen.left_out if seen is not None else "")):
+            screen.say(sentence)
+        failed = screen.record(out, "plane", names, asked) or failed
+    without = "" if file in names else ", without the picture"
     if interrupts:
-        without = "" if file in names else ", without the picture"
         screen.complain(f"Interrupted: what was finished is kept{without}")
         raise typer.Exit(screen.INTERRUPTED)
+    if failed:
+        screen.complain(f"Failed: {failed}; what was finished is kept{without}")
+        raise typer.Exit(1)
 
 
 def _computed(

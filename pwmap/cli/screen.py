@@ -10,7 +10,7 @@ import csv
 import inspect
 import json
 import os
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from enum import StrEnum
@@ -103,7 +103,16 @@ def show(*tables: Table) -> None:
         elif console.is_terminal or os.environ.get(COLUMNS):
             console.print(table)
         else:
-            screen(width=WIDE).print(table)
+            _unfolded(table)
+
+
+def _unfolded(table: Table) -> None:
+    """A table with lines of any length; its title and caption would be as wide as its columns."""
+    console, title, caption = screen(width=WIDE), table.title, table.caption
+    table.title = table.caption = None
+    for part in (title, table, caption):
+        if part:
+            console.print(part, highlight=False)
 
 
 def _in_a_line(cell: object) -> str:
@@ -200,6 +209,19 @@ def tell_written(folder: Path, names: Sequence[str], gone: Sequence[str] = ()) -
     say("wrote " + ", ".join(str(folder / name) for name in names))
     if gone:
         say("removed what an earlier run wrote: " + ", ".join(gone))
+
+
+def record(folder: Path, command: str, names: Sequence[str], about: Mapping[str, object]) -> str:
+    """Record what a command wrote, and say it; why there is no record if it cannot be written."""
+    from pwmap.diagrams.record import keep_record, record_of
+
+    try:
+        gone = keep_record(folder, command, names, about)
+    except OSError as error:
+        tell_written(folder, names)
+        return in_words(error)
+    tell_written(folder, (*names, record_of(command)), gone)
+    return ""
 
 
 def command_line(package: str, text: str) -> typer.Typer:

@@ -169,9 +169,9 @@ class Diagram:
     def at(self, parameter: object) -> tuple[Hit, ...]:
         """What the diagram shows at one value of the parameter, in order of x.
 
-        In an exact diagram, whose ``parameter`` may be an int, a Fraction, text such as ``"5/4"``,
-        a number of sympy, or a float (the binary number it holds), all values are exact: a branch
-        is met where the ``interval`` of one of its stretches holds the parameter, and a band of
+        ``parameter`` may be an int, a Fraction, text such as ``"5/4"``, a number of sympy, or a
+        float (the binary number it holds). In an exact diagram all values are exact: a branch is
+        met where the ``interval`` of one of its stretches holds the parameter, and a band of
         fixed points along this value at both ends. Where other parameters are symbolic, branches
         are met and sorted as at :attr:`sample`.
 
@@ -195,11 +195,11 @@ class Diagram:
 
         ValueError if that is no interval of the parameter, TypeError if these are no numbers.
         """
-        low, high = checked_pair("an interval", (low, high))
-        if not low <= high:
-            raise ValueError(f"expected an interval from low to high, got {shown((low, high))}")
-        ranges = ((each, each.parameter.min(), each.parameter.max()) for each in self.branches)
-        return self._part([each for each, least, most in ranges if least <= high and low <= most])
+        least, most = checked_pair("an interval", (low, high))
+        if not least <= most:
+            raise ValueError(f"expected an interval from low to high, got {shown((least, most))}")
+        where = (low, high, self.parameter_name, self.sample)
+        return self._part([b for b in self.branches if queries.exists_within(b, *where)])
 
     def _part(self, branches: Sequence[Branch]) -> Diagram:
         """Some branches and the points they end in, which know of no others."""

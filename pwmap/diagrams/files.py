@@ -16,7 +16,8 @@ from typing import Any
 def write_whole(path: Path, content: bytes) -> None:
     """Write a file beside its final place and rename it: never half a file.
 
-    FileNotFoundError without the folder; IsADirectoryError if a folder has this name.
+    FileNotFoundError without the folder; IsADirectoryError if a folder has this name; any OSError
+    names the file.
     """
     if not path.parent.is_dir():
         raise FileNotFoundError(f"cannot write {path.name}: there is no folder {path.parent}")
@@ -29,8 +30,10 @@ def write_whole(path: Path, content: bytes) -> None:
             file.flush()
             os.fsync(file.fileno())
         temporary.replace(path)
-    except BaseException:
+    except BaseException as error:
         temporary.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.errno is not None:  # a full disk names no file
+            raise OSError(error.errno, error.strerror, str(path)) from None
         raise
 
 

@@ -48,12 +48,17 @@ class ExactSlice:
 
     def meets(self, interval: sympy.Set) -> bool:
         """Whether an interval of the parameter holds the value."""
+        return self.overlaps(interval, self.at)
+
+    def overlaps(self, interval: sympy.Set, most: Real) -> bool:
+        """Whether an interval of the parameter holds a value from this one up to another."""
         if isinstance(interval, sympy.FiniteSet):
-            return any(self._end(end) == self.at for end in interval)
+            ends = [self._end(end) for end in interval]
+            return any(not (end < self.at or most < end) for end in ends)
         low, high = self._end(interval.start), self._end(interval.end)
-        above = low < self.at or (low == self.at and not interval.left_open)
-        below = self.at < high or (high == self.at and not interval.right_open)
-        return bool(above and below)
+        begins = low < most or (low == most and not interval.left_open)
+        goes_on = self.at < high or (high == self.at and not interval.right_open)
+        return bool(begins and goes_on)
 
     def _end(self, end: sympy.Expr) -> Real:
         if end.is_infinite:
@@ -97,6 +102,13 @@ class ExactSlice:
 
 def _side(key: Any) -> int:
     return int(key == sympy.oo) - int(key == -sympy.oo)
+
+
+def end_of(value: Any) -> Real:
+    """The exact number of an end of an interval, which may be infinite."""
+    if math.isinf(float(value)):
+        return HIGHEST if value > 0 else LOWEST
+    return exact_number(value)
 
 
 def exact_number(value: object) -> Real:

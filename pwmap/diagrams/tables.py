@@ -8,7 +8,7 @@ from pathlib import Path
 
 from rich.table import Column, Table
 
-from pwmap.diagrams.data import Branch, SpecialPoint, Stretch
+from pwmap.diagrams.data import Branch, BranchKind, SpecialPoint, Stretch
 from pwmap.diagrams.diagram import NAME, VERSION, Diagram
 from pwmap.diagrams.files import table_as_text, write_whole
 from pwmap.diagrams.formulas import text_of
@@ -110,14 +110,15 @@ def table_of_branches(diagram: Diagram) -> Table:
     table = Table(*_columns(*names))
     for branch, stretch in ((b, stretch) for b in diagram.branches for stretch in b.words):
         exact = stretch.exact
-        jump = f"from {exact.get('left')} to {exact.get('right')}"
+        is_jump = branch.kind is BranchKind.JUMP
+        limits = f"from {exact.get('left')} to {exact.get('right')}" if is_jump else ""
         table.add_row(
             branch.id,
             str(branch.kind),
             str(branch.order),
             stretch.word,
             short(exact.get("x", "an interval")),
-            short(exact.get("multiplier", jump)),
+            short(exact.get("multiplier", limits)),
             short(f"{diagram.parameter_name} in {_interval(stretch)}"),
         )
     return table

@@ -116,6 +116,10 @@ class Settings:
         for each in fields(self):
             if isinstance(each.default, int | float):
                 object.__setattr__(self, each.name, _checked(self, each))
+        if not self.min_step <= self.max_step:
+            raise ValueError(
+                f"max_step must be at least min_step = {self.min_step:.3g}, got {self.max_step}"
+            )
         if not self.min_step <= self.step <= self.max_step:
             raise ValueError(
                 f"step must lie in [{self.min_step}, {self.max_step}], got {self.step}"

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 RUN = "run.jsonl"
 PAPER = "A=0.111,-0.884 B=0.29,-0.884 C=0.185,-0.757"
-NAMED = "eps_n1"  # the parameter of these places
+NAMED = "eps_n1"  # the parameter of these places, the only one that they are names over
 CORES = os.cpu_count() or 1
 
 
@@ -52,8 +52,9 @@ Workers = Annotated[
 Names = Annotated[
     str,
     option(
-        "Names for the border collisions nearest to these places (eps_n1, phi_S); by default those "
-        "of the paper, read off its Figure 10. For any point, such as flip=PD1, by its id."
+        "Names for the border collisions nearest to these places (parameter, phi_S); by default, "
+        "over eps_n1, those of the paper, read off its Figure 10. For any point, such as flip=PD1, "
+        "by its id."
     ),
 ]
 Words = Annotated[
@@ -99,7 +100,7 @@ def diagram(
 
     settings = Settings(span=span, window=window, step=min(0.005, step), max_step=step)
     parameter = parameter_of(parameter)
-    places = places_of(names) if parameter == NAMED else {}
+    places = {} if names == PAPER and parameter != NAMED else places_of(names)
     columns = _columns(observables) if observables is not None else ()
     form = picture_format(picture)
     wanted = orders_of(orders) if orders is not None else None
@@ -120,11 +121,22 @@ def diagram(
                     found, summary = _of_orders(toy, wanted or [], parameter, workers, keep)
             except (KeyboardInterrupt, WorkerLostError, MemoryError) as stopped:
                 found, summary = _kept(stopped, out / RUN, results), ""
-        found = _written(toy, found.named(places), columns, summary, results)
+        found, unnamed = _named(found, places)
+        found = _written(toy, found, columns, summary, results)
         if not results.stopped:
             _draw(found, results, form, words)
             if models:
                 _draw_models(toy, found, results, form)
+            if unnamed:
+                results.stop(f"Error: --names: {unnamed}", 2)
+
+
+def _named(found: Diagram, places: dict[str, tuple[float, float] | str]) -> tuple[Diagram, str]:
+    """A diagram with names, or without and why: what was computed is kept."""
+    try:
+        return found.named(places), ""
+    except (KeyError, ValueError) as error:
+        return found, str(error.args[0])
 
 
 def _of_motion(
@@ -244,14 +256,18 @@ def places_of(text: str) -> dict[str, tuple[float, float] | str]:
     found: dict[str, tuple[float, float] | str] = {}
     for part in text.split():
         name, _, place = part.partition("=")
+        if name in found:
+            raise ValueError(f"--names needs one place for each name, got two for {name}")
         if name and place.isidentifier():
+            if place in found.values():
+                raise ValueError(f"--names needs one name for each point, got two for {place}")
             found[name] = place
             continue
         try:
             p, x = (float(number) for number in place.split(","))
         except ValueError:
             raise ValueError(
-                f"--names needs name=eps_n1,phi_S or name=id for each, got {part!r}"
+                f"--names needs name=parameter,phi_S or name=id for each, got {part!r}"
             ) from None
         found[name] = p, x
     return found

@@ -14,7 +14,14 @@ from typing import Any
 
 import typer
 
-from pwmap.cli.screen import INTERRUPTED, check_folder, complain, tell_replaced, tell_written
+from pwmap.cli.screen import (
+    INTERRUPTED,
+    check_folder,
+    complain,
+    in_words,
+    record,
+    tell_replaced,
+)
 from woodpecker.cli.interrupts import finished, heard, held
 
 # the command that runs, and what it was asked for: its files say so
@@ -81,14 +88,17 @@ def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Res
             _remove(missing)
             raise
         results.stop("Interrupted: what was finished is kept")
+    except OSError as error:
+        if not results.names:
+            _remove(missing)
+            raise
+        results.stop(f"Failed: {in_words(error)}; what was finished is kept", 1)
     except BaseException:
         _remove(missing)
         raise
     finished()
-    from pwmap.diagrams.record import keep_record, record_of
-
-    gone = keep_record(out, command, results.names, asked)  # an earlier run's, removed
-    tell_written(out, (*results.names, record_of(command)), gone)
+    if missing_record := record(out, command, results.names, asked):
+        results.stop(results.stopped or f"Failed: {missing_record}", 1)
     if results.stopped:
         complain(results.stopped)
         raise typer.Exit(results.status)

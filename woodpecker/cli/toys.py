@@ -91,7 +91,10 @@ def read_toy(path: Path) -> Toy:
         if unknown:
             raise ValueError(f"unknown parameter {unknown[0]!r}")
         law = ExpansionFriction(values.pop(LAW, Toy().expansion_friction))
-        numbers = {name: float(value) for name, value in values.items()}
+        numbers = {  # infinite ones are text; what is no number is for the toy to refuse
+            name: value if isinstance(value, bool) else float(value)
+            for name, value in values.items()
+        }
         return Toy(**numbers, expansion_friction=law)
     except (AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
         raise ValueError(

@@ -141,7 +141,7 @@ class OrbitDiagram:
     Attributes
     ----------
     orbits
-        One for each parameter and start that stayed in the window.
+        One for each parameter and start whose images stayed in the window.
     lost
         How many did not: they fell, or left the window.
 
@@ -205,7 +205,7 @@ def orbit_diagram(
     parameters, starts
         Shapes (n,) and (m,).
     window
-        Interval of x; an orbit that leaves it is lost.
+        Interval of x; an orbit that leaves it is lost. A start may lie outside.
     transient, keep
         How many iterates are cut, and how many are kept after that.
     settings
@@ -257,7 +257,7 @@ def _settled(
     map_: PiecewiseMap | SweptMap, p: Floats, x: Floats, window: tuple[float, float],
     transient: int, keep: int,
 ) -> tuple[Ints, Floats, Floats]:  # fmt: skip
-    """Which of n orbits stay in the window; their last points (m, keep), and log of the slopes."""
+    """Which of n orbits stay in the window from the first image on; last points, log of slopes."""
     alive, kept, stretch = np.arange(len(p)), np.empty((len(p), keep)), np.zeros(len(p))
     for n in range(transient + keep):
         if not len(alive):

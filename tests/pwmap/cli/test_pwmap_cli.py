@@ -138,6 +138,10 @@ def test_a_span_can_leave_a_parameter_one_value(tmp_path: Path) -> None:
         ((P1L, "--parameter", "r", "--set", "a"), "--set needs name=value, such as a=5/4, got 'a'"),
         ((P1L, "--parameter", "r", "--set", "a=half"), "--set a=half: expected a rational number"),
         ((P1L, "--parameter", "r", "--set", "r=1"), "r is to vary, and cannot be set to 1 too"),
+        (
+            (P1L, "--parameter", "r", "--set", "a=1/2", "--set", "a=0.25"),
+            "--set gives a two values, 1/2 and 1/4",
+        ),
         ((P1L, "--parameter", "r", "--given", "a > b"), "--given a > b: b is no parameter of this"),
         (
             (P1L, "--parameter", "r", "--set", "a=5/4", "--sample", "a=1"),

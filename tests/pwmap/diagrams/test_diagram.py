@@ -2,12 +2,14 @@
 
 import dataclasses
 import math
+from fractions import Fraction
 from pathlib import Path
 
 import networkx as nx
 import numpy as np
 import numpy.typing as npt
 import pytest
+import sympy
 
 from pwmap import PiecewiseLinearMap, bifurcation_diagram
 from pwmap.diagrams.diagram import (
@@ -352,6 +354,38 @@ def test_a_slice_lists_what_lies_at_a_parameter() -> None:
     assert math.isnan(hits[2].multiplier)
     assert [hit.branch.id for hit in looped().at(0.25)] == ["F1", "F3"]  # on a sample, once
     assert looped().at(1.5) == ()
+
+
+def exact_lines() -> Diagram:
+    map_ = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
+    return bifurcation_diagram(map_, "p", (-1, 2), orders=(1,))
+
+
+def test_a_slice_is_at_a_finite_real_number() -> None:
+    """In every diagram, also one without branches; what is beyond all doubles is met by none."""
+    exact = exact_lines()
+    for diagram in (looped(), exact, exact.of_order(7)):
+        for wrong in (math.nan, math.inf, -math.inf, "nan", "half", 1j, None):
+            with pytest.raises((ValueError, TypeError), match=r"number|finite|half|nan"):
+                diagram.at(wrong)
+        assert diagram.at(10**400) == diagram.at(-(10**400)) == ()
+    assert exact.of_order(7).at("1/2") == ()
+    near = [(hit.branch.id, hit.x) for hit in looped().at(0.5)]
+    for same in ("1/2", Fraction(1, 2), sympy.Rational(1, 2), np.float64(0.5)):
+        assert [(hit.branch.id, hit.x) for hit in looped().at(same)] == near
+
+
+def test_an_open_end_is_not_within_an_interval() -> None:
+    """x = 2p for p <= 0, the jump at 0 for p in (0, 1), and 3(p - 1)/2 for p > 1."""
+    exact = exact_lines()
+    for low, high, ids in (
+        (1, 1, []), (1.0, 1.5, ["F2"]), (0, 0, ["F1"]), (0.5, 1, ["J1"]), (0, 1, ["F1", "J1"]),
+        (Fraction(1, 3), Fraction(1, 3), ["J1"]), (-math.inf, math.inf, ["F1", "J1", "F2"]),
+        (-math.inf, -5, []),
+    ):  # fmt: skip
+        assert [branch.id for branch in exact.within(low, high).branches] == ids
+        if low == high:
+            assert [hit.branch.id for hit in exact.at(low)] == ids
 
 
 def test_components_and_paths() -> None:

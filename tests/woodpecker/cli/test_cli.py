@@ -158,12 +158,19 @@ def unframed(text: str) -> str:
         (["diagram", "--window", "-1", "-0.8"], "window must hold the orbit, phi_S = -0.529472"),
         (
             ["diagram", "--names", "A"],
-            "--names needs name=eps_n1,phi_S or name=id for each, got 'A'",
+            "--names needs name=parameter,phi_S or name=id for each, got 'A'",
         ),
         (
             ["diagram", "--names", "A=1,x"],
-            "--names needs name=eps_n1,phi_S or name=id for each, got 'A=1,x'",
+            "--names needs name=parameter,phi_S or name=id for each, got 'A=1,x'",
         ),
+        (
+            ["diagram", "--parameter", "mu_2", "--names", "A"],
+            "--names needs name=parameter,phi_S or name=id for each, got 'A'",
+        ),
+        (["diagram", "--names", "a=PD1 b=PD1"], "one name for each point, got two for PD1"),
+        (["diagram", "--names", "a=PD1 a=PD2"], "one place for each name, got two for a"),
+        (["diagram", "--step", "1e-20"], "max_step must be at least min_step = 1e-13, got 1e-20"),
         (["diagram", "--window", "-0.8", "-1"], "window must ascend"),
         (["diagram", "--orders", "1", "--window", "-inf", "0"], "needs a finite window"),
         (["diagram", "--resume"], "there is no saved run"),
@@ -504,6 +511,20 @@ def test_points_have_their_names_and_causes(tmp_path: Path) -> None:
     status, text = run("diagram", *arguments)
     assert status == 0
     assert [row["name"] for row in rows(tmp_path / "points.csv") if row["name"]] == ["Q"]
+
+
+@NEEDS_NUMBA
+def test_an_id_that_is_not_there_leaves_the_results_without_names(tmp_path: Path) -> None:
+    arguments = ("--parameter", "mu_2", "--span", "0.295", "0.305", "--out", str(tmp_path))
+    status, text = run("diagram", *arguments, "--names", "flip=PD9")
+    assert status == 2
+    assert "Error: --names: no special point 'PD9' in this diagram" in text
+    record = json.loads((tmp_path / "about_diagram.json").read_text())
+    assert {"points.csv", "diagram.json", "diagram.png"} <= {*record["files"]}
+    first, *_ = rows(tmp_path / "points.csv")
+    assert first["name"] == ""
+    assert run("diagram", *arguments, "--names", f"end={first['id']}")[0] == 0
+    assert rows(tmp_path / "points.csv")[0]["name"] == "end"
 
 
 @pytest.mark.slow

@@ -49,6 +49,7 @@ def test_options_change_single_values_of_a_file(tmp_path: Path) -> None:
         ("[1]", "list indices"),
         ('{"toy": {"eps": 0.3}}', "unknown parameter 'eps'"),
         ('{"toy": {"eps_n1": 2}}', "eps_n1 must lie in [0, 1], got 2.0"),
+        ('{"toy": {"eps_n1": true}}', "eps_n1 must be a real number, got True"),
         ('{"toy": {"eps_n1": null}}', "real number, not 'NoneType'"),
         (json.dumps({"toy": {"expansion_friction": "both"}}), "'both' is not a valid"),
     ],

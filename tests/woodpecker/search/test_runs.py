@@ -18,17 +18,16 @@ from typing import Any
 import numpy as np
 import pytest
 from diagrams import to_the_last_bit
-from maps import moving, paper
+from maps import Line, lines, moving, one_piece, paper
 from needs import NEEDS_NUMBA
 
-from pwmap import Diagram, PointKind
+from pwmap import BranchKind, Diagram, PiecewiseLinearMap
 from woodpecker import (
     FormulaMap,
     PiecewiseMap,
     Search,
     Settings,
     Toy,
-    ToyPieces,
     __version__,
     bifurcation_diagram,
     parameters,
@@ -42,7 +41,6 @@ from woodpecker.maps.pieces import Image
 from woodpecker.search import Found
 from woodpecker.search.checkpoint import (
     Record,
-    _is_of_map,
     entry_of,
     past_of,
     read_record,
@@ -50,7 +48,6 @@ from woodpecker.search.checkpoint import (
     restore,
 )
 from woodpecker.search.diagrams import whole_diagram
-from woodpecker.search.ends import Collision
 from woodpecker.search.explorer import Explorer, Finished, Kept, Seen, Step
 from woodpecker.search.network import Network
 from woodpecker.search.search import Past, complete
@@ -255,22 +252,59 @@ def test_records_follow_from_one_another(records: list[Step | Seen]) -> None:
         restore(Network(SETTINGS), other, "run.jsonl")
 
 
-@NEEDS_NUMBA
-def test_a_collision_at_a_root_is_one_of_its_map() -> None:
-    """There the point is known to 1e-7: so much a root makes of the rounding of the parameter."""
-    x, p = -1.1689915363313572, 0.6428391852237751
-    met = Collision(
-        p=p, x=np.array([x]), kinds=((PointKind.BC, "fold"),), cause="", precision=1e-16
-    )
-    settings = Settings(span=(0.012, 1.0), window=(-2.5, -0.24))
-    assert _is_of_map(met, ToyPieces(Toy()), settings)
-    assert not _is_of_map(met, ToyPieces(Toy(l_g=0.0148)), settings)
+OTHER = r"line \d+: expected a run of this map, which has no "
 
 
 def test_a_run_of_another_map_does_not_go_on(records: list[Step | Seen]) -> None:
     past_of(Network(SETTINGS), records, "run.jsonl", paper())
-    with pytest.raises(ValueError, match=r"line \d+: expected a collision of this map, got one at"):
+    with pytest.raises(ValueError, match=OTHER + "fixed-point of order 1 at x ="):
         past_of(Network(SETTINGS), records, "run.jsonl", moving(0.7))
+
+
+def kept_of(records: list[Step | Seen], kind: BranchKind) -> list[Step | Seen]:
+    curves = (each.curves for each in records if isinstance(each, Kept))
+    return [Kept(tuple(c for c in each if c.kind is kind), 0) for each in curves]
+
+
+def test_a_jump_elsewhere_or_beside_the_diagonal_is_one_of_another_map(
+    records: list[Step | Seen],
+) -> None:
+    """Of 1 + r/5 and r at the border 0 none lies below it for r in (0, 2), of r - 2 and r one."""
+    jumps = kept_of(records, BranchKind.JUMP)
+    for map_ in (paper(), lines(Line(0.3, 1.0, -2.0), Line(-0.7, 1.0))):  # the same limits
+        past_of(Network(SETTINGS), jumps[:1], "run.jsonl", map_)
+    beside = lines(Line(0.0, 0.2, 1.0), Line(-1.25, 1.0))
+    for other in (moving(0.7), beside):
+        with pytest.raises(ValueError, match=OTHER + "jump of order 1 at x = 0"):
+            past_of(Network(SETTINGS), jumps, "run.jsonl", other)
+
+
+@pytest.mark.parametrize("a", [0.5, 1e8])
+def test_a_map_with_the_same_cycles_and_other_slopes_is_another_map(
+    a: float, tmp_path: Path
+) -> None:
+    """The fixed point of p + a(x - p) is p, whatever a is; rounding is multiplied by a."""
+    path, search = tmp_path / "run.jsonl", Search(slices=4)
+    one, other = (one_piece(Line(s, 1.0 - s).smooth()) for s in (a, 0.5 * a))
+    options: dict[str, Any] = {"span": (-1, 1), "window": (-3, 3), "search": search, "run": path}
+    bifurcation_diagram(one, "p", **options)
+    bifurcation_diagram(one, "p", **options, resume=True)
+    with pytest.raises(ValueError, match=OTHER + "fixed-point"):
+        bifurcation_diagram(other, "p", **options, resume=True)
+
+
+def test_an_exact_map_does_not_go_on_with_the_run_of_another(tmp_path: Path) -> None:
+    """Both have one border, at 0, where both jump from p to p - 1: their lines differ."""
+    one, other = (
+        PiecewiseLinearMap.from_sympy(f"Piecewise((p + x/{a}, x <= 0), (p - 1 + x/{b}, True))")
+        for a, b in ((2, 3), (5, 7))
+    )
+    asked: dict[str, Any] = {"run": tmp_path / "run.jsonl", "search": Search(slices=4)}
+    found = bifurcation_diagram(one, "p", (-1, 2), (1,), (-5, 5), **asked)
+    again = bifurcation_diagram(one, "p", (-1, 2), (1,), (-5, 5), **asked, resume=True)
+    assert to_the_last_bit(again) == to_the_last_bit(found)
+    with pytest.raises(ValueError, match=OTHER):
+        bifurcation_diagram(other, "p", (-1, 2), (1,), (-5, 5), **asked, resume=True)
 
 
 def test_steps_that_a_search_does_not_take_are_refused(records: list[Step | Seen]) -> None:

@@ -234,6 +234,16 @@ def test_a_map_is_asked_for_many_points_at_once_if_it_can() -> None:
         ToyPieces(Toy()).sweep(x, -0.1)
 
 
+def test_a_start_inside_of_the_pole_has_no_return() -> None:
+    """The beak touches the pole at phi_S = 0.12; ``at`` says so too."""
+    found, toy = ToyPieces(Toy()).sweep([-0.53, 0.119, 0.121, 2.0], 0.5), ToyPieces(Toy())
+    for each, value in zip((-0.53, 0.119, 0.121, 2.0), found.value.tolist(), strict=True):
+        assert value == pytest.approx(toy.at(each, 0.5).value, nan_ok=True)
+    assert np.isnan(found.value[2:]).all()
+    assert np.isnan(found.slope[2:]).all()
+    assert orbit_diagram(toy, 0.5, 2.0, (-3.0, 3.0), transient=0, keep=1).lost == 1
+
+
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_the_toy_settles_on_its_stable_branches() -> None:
