@@ -221,7 +221,7 @@ def _has_jump(map_: PiecewiseMap, curve: BranchCurve, k: int, settings: Settings
     for side in (-1, 1):
         image, _ = beyond(map_, border, here.p, side, settings)
         limits.append(limit_of(map_, border, image, returns, here.p).value - here.x[0])
-    return min(limits) <= least and max(limits) >= -least
+    return bool(min(limits) <= least and max(limits) >= -least)
 
 
 def _leads(images: Sequence[Image], to: Floats, same: float) -> bool:
