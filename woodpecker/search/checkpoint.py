@@ -34,9 +34,7 @@ from woodpecker.slices.orbits import Orbit
 
 LINES: dict[str, type] = {"followed": Kept, "done": Finished, "slice": Seen}
 """What a line holds, by the name that it gives it: one record, encoded by its types."""
-AT_BORDER = (
-    1e-6  # scaled: nearer to a border a slope may be that of a root, which hangs on rounding
-)
+AT_BORDER = 1e-6  # scaled: nearer to a border slopes may be those of a root, made of rounding
 VERSION = 7  # of the lines; raised when older code would misread them
 
 
