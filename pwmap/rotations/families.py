@@ -90,7 +90,7 @@ class WordFamily:
     _form: tuple[Element, Element] = field(repr=False)  # x and multiplier
 
     def word(self, n: int, *, budget: Budget | Meter = BUDGET) -> str:
-        """The word for a value of n; ValueError if that is no integer of at least :attr:`least`.
+        """The word for a value ``n``; ValueError if that is no integer of at least :attr:`least`.
 
         BudgetError if it has more letters than the ``budget`` allows.
         """
