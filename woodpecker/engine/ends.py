@@ -69,12 +69,6 @@ def ends_between(
     return found
 
 
-def met_at_end(curve: SolutionCurve, a: Sample, b: Sample, step: float) -> list[ArcEnd]:
-    """The limit of a jump that is met just at the end of the span, where the second sample lies."""
-    limits = (each for each in _bounds(curve, b, ROUNDED_OFF) if each.stop is Stop.SHARE)
-    return [ArcEnd(step, test, b) for test in limits if test.value(a) > ROUNDED_OFF]
-
-
 def asked_before(
     curve: SolutionCurve,
     a: Sample,
@@ -239,14 +233,14 @@ def _newly_beyond(curve: SolutionCurve, a: Sample, b: Sample) -> Iterator[TestFu
             yield test
 
 
-def _bounds(curve: SolutionCurve, sample: Sample, slack: float = 0.0) -> Iterator[TestFunction]:
-    """Ends of spans, of the window and of the share that a sample lies beyond, or that near."""
+def _bounds(curve: SolutionCurve, sample: Sample) -> Iterator[TestFunction]:
+    """Ends of spans, of the window and of the share that a sample lies beyond."""
     orbit = sample.orbit
     columns, low, high, stops = curve.bounds(orbit)
     at = orbit.unknowns[columns]
-    for k in np.flatnonzero((at < low + slack) | (at > high - slack)).tolist():
+    for k in np.flatnonzero((at < low) | (at > high)).tolist():
         column = int(columns[k])
-        end, inward = (low[k], 1.0) if at[k] < low[k] + slack else (high[k], -1.0)
+        end, inward = (low[k], 1.0) if at[k] < low[k] else (high[k], -1.0)
         condition: Condition = Held(column, float(end))
         if stops[k] is Stop.SHARE and orbit.x.shape[1] == 1:
             condition = AtLimit(end > 0.0)

@@ -124,8 +124,6 @@ def _step(
         raise _TooLongError(max(0.25, min(0.5, KEPT_TURN * most / turn)))
     try:
         ends = ends_between(curve, last, found, step, starts=before is None)
-        if to_end is not None and not ends:
-            ends = met_at_end(curve, last, found, step)
         if halt.asked is not None:
             ends = asked_before(curve, last, found, step, ends, halt.asked)
     except UnclearError:

@@ -148,15 +148,6 @@ def test_a_jump_cut_by_the_span() -> None:
     assert_places(diagram, {"BC": [(0.0, 0.0)], "EP": [(-0.5, -1.0), (-0.5, 0.0)]})
 
 
-def test_a_jump_that_ends_at_the_end_of_the_span_leads_on() -> None:
-    """x/2 + p below zero, p + 1 - x/2 beyond: its jump ends at p = -1, as the span does."""
-    x, p = symbols("x p")
-    map_ = from_sympy(Piecewise((x / 2 + p, x < 0), (p + 1 - x / 2, True)), x, p)
-    found = continuation(map_, shoot(map_, -0.6, p=-0.3), "p", (-1, 2))
-    ends = [tuple(branch.parameter[[0, -1]]) for branch in found.branches]
-    assert ends == [(-1.0, 0.0), (0.0, -1.0), (-1.0, 2.0)]
-
-
 def test_a_multiplier_that_is_minus_one_all_along_has_no_flips() -> None:
     """The slopes p and -1/p of a cycle of two points have the product -1 for every p."""
     x, p = symbols("x p")
