@@ -13,14 +13,7 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
-from woodpecker.engine.ends import (
-    ROUNDED_OFF,
-    ArcEnd,
-    UnclearError,
-    asked_before,
-    ends_between,
-    met_at_end,
-)
+from woodpecker.engine.ends import ROUNDED_OFF, ArcEnd, UnclearError, asked_before, ends_between
 from woodpecker.engine.maps import SpacePiece, margins_decide, taken
 from woodpecker.engine.newton import STEEP, solve
 from woodpecker.engine.orbits import Held, held_at
