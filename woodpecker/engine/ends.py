@@ -127,8 +127,9 @@ def _multipliers(
 def _noise(orbit: SpaceOrbit) -> float:
     """What rounding leaves of the functions of multipliers that vanish at PD and NS."""
     # They may vanish all along: where the map preserves areas, or a slope is -1 / p after one of p.
-    sizes = [max(1.0, float(np.linalg.norm(image.jacobian))) for image in orbit.images]
-    return ROUNDED_OFF * float(math.prod(sizes) ** orbit.x.shape[1])
+    d = orbit.x.shape[1]
+    sizes = [max(1.0, float(np.linalg.norm(image.jacobian[:, :d]))) for image in orbit.images]
+    return ROUNDED_OFF * float(math.prod(sizes) ** d)
 
 
 def _special(curve: SolutionCurve, orbit: SpaceOrbit) -> Iterator[TestFunction]:
