@@ -162,8 +162,7 @@ def place(model: LocalModel, start: Start, q: float) -> float:
         return shoot(Toy(eps_n1=p), expected, order=start.order).phi_s
     reach = 0.2 * (abs(start.slope) or 1.0) * q
     map_ = Iterate(ToyPieces(Toy()), start.order)
-    # Slices begin in the middle: that is not to be where the beak and the sleeve strike at once.
-    borders = borders_in(map_, p, (expected - reach, expected + 0.9 * reach), SCALES)
+    borders = borders_in(map_, p, (expected - reach, expected + reach), SCALES)
     (jump,) = filter(crosses, borders)
     return jump.x
 

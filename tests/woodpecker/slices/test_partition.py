@@ -373,6 +373,25 @@ def test_slices_of_the_toy() -> None:
     assert [jump.x for jump in island.jumps] == pytest.approx([-0.8847733440], abs=1e-9)
 
 
+@NEEDS_NUMBA
+def test_a_window_whose_middle_is_a_border_of_the_toy() -> None:
+    """At some of the doubles there the toy takes a path of both strikes at once, and no other one.
+
+    Its jump is that of the pieces on both sides, to the rounding of a steep return; there is one.
+    """
+    map_, p, away = ToyPieces(Toy()), 0.11217091445662577, 2.0**-12
+    (border,) = borders_in(map_, p, (-0.8849, -0.8847))
+    keys = set[bytes]()
+    for k in range(-8, 9):
+        x = border.x + k * math.ulp(border.x)
+        keys.add(map_.taken(x, p)[0])
+        (found,) = borders_in(map_, p, (x - away, x + away))
+        assert found.x == pytest.approx(border.x, rel=16 * 2.0**-52)
+        assert found.jump == pytest.approx(border.jump, abs=1e-12)
+        assert "at once" in found.cause
+    assert len(keys) > 2
+
+
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_cycles_of_the_toy_that_tabulation_shows_are_there() -> None:
