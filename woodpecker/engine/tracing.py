@@ -93,7 +93,7 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
     samples.append(begin.sample)
     changes, at, step, short = list[Change](), begin, _first_step(begin), 0
     for _ in range(MOST_ARCS):
-        arc = follow(at.curve, at.sample, step, halt)
+        arc = follow(at.curve, at.sample, step, halt, _home(begin, at))
         is_stuck = arc.stop in (Stop.SHORT, Stop.BORDER) and len(arc.samples) == 1
         if is_stuck and at.before is None:
             at = beside(at)
@@ -126,6 +126,13 @@ def trace(begin: Beginning, orders: Sequence[int], halt: Halt | None = None) -> 
         passed = given_up(at, arc)
     arrived = replace(at, sample=samples[-1], before=None)
     return Trace(begin, tuple(samples), tuple(changes), passed, arc.stop, arrived)
+
+
+def _home(begin: Beginning, at: Beginning) -> Sample | None:
+    """Where a branch began, if it may close there after going on elsewhere with other pieces."""
+    one, other = begin.sample.orbit, at.sample.orbit
+    is_back = at is not begin and one.keys == other.keys and one.x.shape == other.x.shape
+    return begin.sample if is_back else None
 
 
 def _first_step(begin: Beginning) -> float:

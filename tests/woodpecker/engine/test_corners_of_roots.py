@@ -183,3 +183,26 @@ def test_a_crossing_is_drawn_once_where_both_borders_of_a_corner_are_met(
         and min(abs(hit.x - each) for each in expected) < 1e-3
     )
     assert len(found) == len(expected)
+
+
+def test_a_crossing_that_comes_back_to_its_beginning_round_corners_closes() -> None:
+    """It turns at three corners; at the first parameter C leads 29/64 to the border -47/32 of A."""
+    low, high = -Rational(47, 32), Rational(29, 64)
+    bend = 3 * x**2 / 8 + 23 * x / 64 + Rational(37, 32)
+    map_ = Piecewise(
+        (p / 2 - 7 * x / 24 - 31 * sqrt(low - x) / 32 + Rational(13, 64), x < low),
+        (41 * p / 32 - x / 16 - Rational(3, 2), x < high),
+        (39 * p / 32 - bend, True),
+    )
+    diagram = bifurcation_diagram(
+        from_sympy(map_, x, p, words=["A", "B", "C"]), "p", SPAN, (3,), (-2.0, 2.0),
+        search=Search(slices=31),
+    )  # fmt: skip
+    (branch,) = [each for each in diagram.branches if len(each.words) > 1]
+    (end,) = [point for point in diagram.points if branch.id in point.branches]
+    assert (branch.ends, end.note) == ((end.id, end.id), "the branch closes")
+    assert branch.parameter[0] == branch.parameter[-1]
+    words = [stretch.word for stretch in branch.words]
+    assert (words[0], len(words), len(set(words))) == (words[-1], 4, 3)
+    corner = float(Rational(32, 39) * (low + bend.subs(x, high)))
+    assert min(branch.parameter) == pytest.approx(corner, rel=2.0**-48)
