@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from functools import lru_cache
 from typing import NamedTuple
 
 import sympy
+
+CORNERS = (sympy.Piecewise, sympy.Abs, sympy.Max, sympy.Min)
+MOST_REGIONS = 64  # of a piece, or cases that corners make of a map: a handful is usual
 
 
 class Bound(NamedTuple):
@@ -29,70 +33,113 @@ class Bound(NamedTuple):
         return str(self.relation)
 
 
-def bounds_of_pieces(conditions: Sequence[sympy.Basic]) -> list[tuple[Bound, ...] | None]:
-    """The margins of the pieces of a Piecewise, with complements of earlier ones; None if empty.
+def cases_of(expression: sympy.Expr) -> list[tuple[sympy.Expr, sympy.Basic]]:
+    """Formulas with their conditions, of which the first that holds counts: no Piecewise in one.
 
-    ValueError for other conditions than relations joined by And, and for an overlap with an earlier
-    condition of several relations, whose complement is no such condition.
+    What has a corner, Abs, Max or Min, is written as its cases, too. ValueError if several of them
+    make more cases than ``MOST_REGIONS``.
     """
-    found: list[tuple[Bound, ...] | None] = []
-    earlier: list[tuple[Bound, ...]] = []
-    for condition in conditions:
-        own = bounds_of(condition)
-        rest = None if own is None else _without(own, earlier, condition)
-        found.append(rest)
-        if own is not None:
-            earlier.append(own)
+    subs = sympy.postorder_traversal(expression)
+    corner = next((each for each in subs if isinstance(each, CORNERS)), None)
+    if corner is None:
+        return [(expression, sympy.true)]
+    found = list[tuple[sympy.Expr, sympy.Basic]]()
+    for value, condition in _cases(corner):  # each has a corner less
+        inner = cases_of(expression.xreplace({corner: value}))
+        both = [(formula, sympy.And(condition, others)) for formula, others in inner]
+        found += both if len(inner) == 1 else [each for each in both if regions_of(each[1])]
+        if len(found) > MOST_REGIONS and len(inner) > 1:
+            raise ValueError(
+                f"corners must make at most {MOST_REGIONS} cases, got more in {expression}"
+            )
     return found
 
 
-def bounds_of(condition: sympy.Basic) -> tuple[Bound, ...] | None:
-    """The relations of a condition, none twice; None if it is false. ValueError for others."""
-    if condition is sympy.false:
-        return None
-    bounds: list[Bound] = []
-    for relation in condition.args if isinstance(condition, sympy.And) else (condition,):
-        if relation is not sympy.true:
-            _add(bounds, _bound(relation, condition))
-    return None if _contradict(bounds) else tuple(bounds)
+def _cases(corner: sympy.Expr) -> Sequence[tuple[sympy.Expr, sympy.Basic]]:
+    """The formulas of what has a corner, with their conditions."""
+    values = corner.args
+    match corner:
+        case sympy.Piecewise():
+            return [tuple(each) for each in values]
+        case sympy.Abs():
+            return [(-values[0], values[0] < 0), (values[0], values[0] >= 0)]
+    first, later = (sympy.Gt, sympy.Ge) if isinstance(corner, sympy.Max) else (sympy.Lt, sympy.Le)
+    return [
+        (value, sympy.And(*(first(value, each) for each in values[:k]),
+                          *(later(value, each) for each in values[k + 1 :])))
+        for k, value in enumerate(values)
+    ]  # fmt: skip
+
+
+Region = tuple[Bound, ...]
+"""Points where all of some relations hold, by their margins."""
+
+
+def regions_of_pieces(conditions: Sequence[sympy.Basic]) -> list[list[Region]]:
+    """Where each condition of a Piecewise is the first that holds: regions that do not overlap.
+
+    ValueError for other conditions than relations joined by And, Or and Not, and for more than
+    ``MOST_REGIONS``.
+    """
+    found, earlier = list[list[Region]](), list[Region]()
+    for condition in conditions:
+        own = list[Region]()
+        for region in regions_of(condition):
+            own += _without(region, earlier)
+            earlier.append(region)
+        found.append(own)
+    return found
+
+
+def regions_of(condition: sympy.Basic) -> list[Region]:
+    """Regions that make up where a condition holds; they may overlap. ValueError for others."""
+    whole, found = sympy.to_dnf(condition), list[Region]()
+    for each in whole.args if isinstance(whole, sympy.Or) else (whole,):
+        bounds: list[Bound] = []
+        for relation in each.args if isinstance(each, sympy.And) else (each,):
+            if relation is not sympy.true:
+                _add(bounds, _bound(relation, condition))
+        if whole is not sympy.false and not _contradict(bounds):
+            found.append(tuple(bounds))
+    return found
 
 
 def _bound(relation: sympy.Basic, condition: sympy.Basic) -> Bound:
     if not isinstance(relation, sympy.StrictGreaterThan | sympy.GreaterThan | sympy.StrictLessThan
                       | sympy.LessThan):  # fmt: skip
         raise ValueError(
-            f"a condition must be a relation <, <=, > or >=, or several joined by And, "
+            f"a condition must be a relation <, <=, > or >=, or several joined by And or Or, "
             f"got {condition}"
         )
     closed = isinstance(relation, sympy.GreaterThan | sympy.LessThan)
     return Bound(relation.gts - relation.lts, closed, f"{relation.lhs} = {relation.rhs}")
 
 
-def _without(
-    own: tuple[Bound, ...], earlier: Iterable[tuple[Bound, ...]], condition: sympy.Basic
-) -> tuple[Bound, ...] | None:
-    """Bounds of the points of a condition that none of the earlier ones holds; None if none."""
-    bounds, pending = list(own), list(earlier)
-    while pending:  # fewer each time
-        later = []
-        for other in pending:
-            if _contradict([*bounds, *other]):
-                continue
-            open_ = [b for b in other if not any(_implies(own, b) for own in bounds)]
-            if not open_:
-                return None
-            if len(open_) == 1:
-                _add(bounds, open_[0].complement())
-            else:
-                later.append(other)
-        if len(later) == len(pending):
+def _without(region: Region, earlier: Iterable[Region]) -> list[Region]:
+    """The parts of a region that lie in none of the earlier ones; they do not overlap."""
+    parts = [region]
+    for other in earlier:
+        parts = [each for part in parts for each in _outside(part, other)]
+        if len(parts) > MOST_REGIONS:
             raise ValueError(
-                f"the condition {condition} overlaps with the earlier one "
-                f"{' & '.join(map(str, later[0]))}, whose complement is no single relation: "
-                "write out where this piece holds"
+                f"a piece must hold in at most {MOST_REGIONS} regions, got more where "
+                f"{' & '.join(map(str, region))}: write the map in fewer cases"
             )
-        pending = later
-    return None if _contradict(bounds) else tuple(bounds)
+    return parts
+
+
+def _outside(part: Region, other: Region) -> list[Region]:
+    """What lies in a region and not in another one: by the first bound that does not hold."""
+    if _contradict([*part, *other]):
+        return [part]
+    found, inside = list[Region](), list(part)
+    for bound in other:
+        beyond = list(inside)
+        _add(beyond, bound.complement())
+        if not _contradict(beyond):
+            found.append(tuple(beyond))
+        _add(inside, bound)
+    return found
 
 
 def _add(bounds: list[Bound], new: Bound) -> None:
@@ -105,7 +152,7 @@ def _add(bounds: list[Bound], new: Bound) -> None:
 
 def _implies(one: Bound, other: Bound) -> bool:
     """Whether all points of one bound obey another, as far as a constant difference tells."""
-    excess = _constant(_normal(other.margin) - _normal(one.margin))
+    excess = _total(other.margin, -one.margin)
     if excess is None:
         return False
     return bool(excess > 0) or (bool(excess == 0) and (other.closed or not one.closed))
@@ -115,7 +162,7 @@ def _contradict(bounds: Sequence[Bound]) -> bool:
     """Whether two bounds exclude each other, as far as a constant sum tells."""
     for k, one in enumerate(bounds):
         for other in bounds[:k]:
-            total = _constant(_normal(one.margin) + _normal(other.margin))
+            total = _total(one.margin, other.margin)
             if total is not None and (
                 total < 0 or (total == 0 and not (one.closed and other.closed))
             ):
@@ -123,12 +170,14 @@ def _contradict(bounds: Sequence[Bound]) -> bool:
     return False
 
 
-def _constant(expression: sympy.Expr) -> sympy.Expr | None:
-    """The rational number that an expression is; None if it is no such number."""
-    value = sympy.expand(expression)
+@lru_cache(maxsize=4096)
+def _total(one: sympy.Expr, other: sympy.Expr) -> sympy.Expr | None:
+    """The rational number that two margins add up to, up to factors; None if it is no such one."""
+    value = sympy.expand(_normal(one) + _normal(other))
     return value if value.is_Rational else None
 
 
+@lru_cache(maxsize=4096)
 def _normal(margin: sympy.Expr) -> sympy.Expr:
     """The same up to a positive factor for relations that say the same."""
     expanded = sympy.expand(margin)

@@ -16,7 +16,7 @@ from pwmap import LinearPiece, PiecewiseLinearMap
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.maps.formulas import NOT_REAL, Bools, FormulaMap, codes, no_value, real
 from woodpecker.maps.pieces import Image
-from woodpecker.maps.relations import Bound, bounds_of, bounds_of_pieces
+from woodpecker.maps.relations import Bound, cases_of, regions_of, regions_of_pieces
 from woodpecker.maps.sweeps import Sweep
 
 Compiled = Callable[..., Any]
@@ -171,11 +171,11 @@ def from_sympy(
 ) -> FormulaMap:
     """A map from a ``sympy.Piecewise``, or from one smooth expression.
 
-    A condition is a relation (<, <=, >, >=) of smooth expressions, or several joined by And; each
-    relation becomes a margin. As the first condition that holds counts, a piece also gets the
-    complements of earlier conditions it overlaps with. A formula must be smooth: Abs, Min, Max,
-    sign and the like are refused, for what happens at their corners must be written as pieces. A
-    root has no value, not a complex one, beyond its end.
+    A condition is a relation (<, <=, >, >=) of expressions, or several joined by And, Or, Not; each
+    relation becomes a margin. The first condition that holds counts: a piece also gets complements
+    of earlier ones, and is several pieces, C1 and C2, if it holds on several sides of them. Abs,
+    Min, Max and a Piecewise within the formula are written as their cases; other functions must be
+    smooth. A root has no value, not a complex one, beyond its end.
 
     Parameters
     ----------
@@ -186,7 +186,7 @@ def from_sympy(
     values
         Numbers for all other symbols. A float is taken as the binary number that it holds.
     words
-        Names of the pieces, one for each in the order of the formula; by default A, B, C, ...
+        Names, one for each formula in their order; by default A, B, C, ...
 
     Returns
     -------
@@ -196,8 +196,8 @@ def from_sympy(
     Raises
     ------
     ValueError, TypeError
-        For text, unknown symbols, functions that are not smooth, conditions with Or, Not, == or !=,
-        and overlaps with an earlier condition of several relations: write such conditions out.
+        For text, unknown symbols, functions that are not smooth such as sign or floor, conditions
+        with == or !=, and more than 64 cases.
 
     Examples
     --------
@@ -222,26 +222,21 @@ def pieces_from_sympy(
     if not isinstance(piecewise, sympy.Expr):
         raise TypeError(f"a map must be an expression of sympy, got {piecewise!r}")
     given, held = _numbers(values, symbols), tuple((s, 0.0) for s in symbols if s not in first)
-    whole = isinstance(piecewise, sympy.Piecewise)
-    parts = piecewise.args if whole else ((piecewise, sympy.true),)
-    formulas = [_exact(formula).xreplace(given) for formula, _ in parts]
-    conditions = [_exact(condition).xreplace(given) for _, condition in parts]
-    pieces = zip(_names(words, len(parts)), formulas, _bounds(conditions, symbols), strict=True)
+    parts = cases_of(_exact(piecewise))
+    formulas = [formula.xreplace(given) for formula, _ in parts]
+    conditions = [condition.xreplace(given) for _, condition in parts]
+    for condition in conditions:
+        for region in regions_of(condition):
+            for bound in region:
+                _check(bound.margin, symbols)
+    names, regions_of_each = _names(words, len(parts)), regions_of_pieces(conditions)
     found = []
-    for word, formula, bounds in pieces:
-        if bounds is not None:
+    for name, formula, regions in zip(names, formulas, regions_of_each, strict=True):
+        for k, bounds in enumerate(regions, 1):
             _check(formula, symbols)
+            word = name if len(regions) == 1 else f"{name}{k}"
             found.append(SymbolicPiece(word, first, formula, bounds, held))
     return found
-
-
-def _bounds(
-    conditions: Sequence[sympy.Basic], symbols: tuple[sympy.Symbol, ...]
-) -> list[tuple[Bound, ...] | None]:
-    for condition in conditions:
-        for bound in bounds_of(condition) or ():
-            _check(bound.margin, symbols)
-    return bounds_of_pieces(conditions)
 
 
 def known_symbols(**named: object) -> tuple[sympy.Symbol, ...]:
@@ -293,11 +288,6 @@ def _check(expression: sympy.Expr, symbols: tuple[sympy.Symbol, ...]) -> None:
         known = part.is_Symbol or (part.is_number and part.is_finite and not part.args)
         if known and part is not sympy.I:
             continue
-        if isinstance(part, sympy.Piecewise):
-            raise ValueError(
-                f"{expression} contains a Piecewise: write the map as one Piecewise, which "
-                "sympy.piecewise_fold can do"
-            )
         if not isinstance(part, (*ARITHMETIC, *SMOOTH)):
             raise ValueError(
                 f"{part} in {expression} is not among the smooth functions known here: write its "
