@@ -239,9 +239,8 @@ def test_a_crossing_turns_round_where_the_root_of_a_piece_begins() -> None:
         "C | B | C / C | B | D",
     ]
     ends = sympy.Poly(last.subs(x, c) - b, p).nroots()
-    born = sympy.Poly(
-        (-35 * p + 40 * b**2 - 32 * b + 43) / 64 - c, p
-    ).nroots()  # at b, B leads to c
+    at_b = (-35 * p + 40 * b**2 - 32 * b + 43) / 64
+    born = sympy.Poly(at_b - c, p).nroots()  # there B leads b to c
     for stretch, roots in zip(branch.words[1:], (ends, born), strict=False):
         (corner,) = [float(root) for root in roots if abs(root) < 1]
         assert branch.parameter[stretch.first] == pytest.approx(corner, abs=1e-11)
