@@ -84,13 +84,13 @@ def follow(
                 return ended
             step, grows, given_up = _shorter(curve, step, refused.part), False, refused.stop
             continue
+        is_away = len(samples) > 2 or home is not start
+        if is_away and _closes(curve, home, samples[-1], taken, step):
+            return Arc((*samples, home), Stop.CLOSED, curve)
         if taken.ends:
             return _ended(curve, samples, taken, step)
         if taken.is_last:
             return Arc((*samples, taken.sample), Stop.SPAN, curve)
-        is_away = len(samples) > 2 or home is not start
-        if is_away and _closes(curve, home, samples[-1], taken.sample, step):
-            return Arc((*samples, home), Stop.CLOSED, curve)
         samples.append(taken.sample)
         turn = taken.turn
         growth = 2.0 if grows else 1.0
@@ -231,15 +231,18 @@ def _takes(curve: SolutionCurve, x: Floats, p: Floats, piece: SpacePiece) -> boo
     return taken(curve.map, x, p)[0] == piece.key
 
 
-def _closes(curve: SolutionCurve, start: Sample, a: Sample, b: Sample, step: float) -> bool:
-    """Whether the curve passes its own start between two samples."""
+def _closes(curve: SolutionCurve, start: Sample, a: Sample, taken: _Step, step: float) -> bool:
+    """Whether the curve passes its own start in a step from a sample, before what ends it."""
+    there, length = taken.sample, step
+    if taken.ends:
+        there, length = taken.ends[0].sample, taken.ends[0].distance - ROUNDED_OFF
     away = curve.problem.step_between(a.orbit, start.orbit)
     along = float(away @ a.tangent)
     aside = norm(away - along * a.tangent)
     return (
-        0.0 < along <= step
+        0.0 < along <= length
         and aside <= step * curve.settings.max_turn
-        and float(start.tangent @ b.tangent) > math.cos(2.0 * curve.settings.max_turn)
+        and float(start.tangent @ there.tangent) > math.cos(2.0 * curve.settings.max_turn)
     )
 
 

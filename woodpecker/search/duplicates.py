@@ -144,8 +144,6 @@ class Known:
         for number, k, shift in chords.numbers[self._near(chords, float(orbit.x[0]))].tolist():
             curve = self.network.curves[number]
             one, other = (_seen_from(curve, j, shift, orbit) for j in (k, k + 1))
-            if len(one) != len(orbit) or len(other) != len(orbit):
-                continue
             p0, p1 = curve.parameter[k], curve.parameter[k + 1]
             part = min(1.0, max(0.0, (orbit.p - p0) / (p1 - p0))) if p1 != p0 else 0.5
             keys = tuple(from_point(word.keys, shift) for word in words_between(curve, k))
@@ -237,5 +235,9 @@ class _SamplePlace(NamedTuple):
 
 def _seen_from(curve: BranchCurve, sample: int, shift: int, orbit: Orbit) -> Floats:
     """The points of a branch at a sample from one of them on, as many as those of an orbit."""
-    # Where a jump is met earlier from a sample on, the orbit of that sample is longer.
-    return np.roll(curve.points[sample], -shift)[: len(orbit)]
+    # Where a jump is met earlier, or later, from a sample on, the orbit of that sample is longer,
+    # or shorter: then it goes on with the pieces of the other one.
+    points = np.roll(curve.points[sample], -shift)[: len(orbit)].tolist()
+    for piece in orbit.pieces[len(points) - 1 : -1]:
+        points.append(piece.at(points[-1], float(curve.parameter[sample])).value)
+    return np.array(points)

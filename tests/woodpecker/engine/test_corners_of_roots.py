@@ -9,9 +9,15 @@ import pytest
 import sympy
 from sympy import Piecewise, Rational, sqrt, symbols
 
-from pwmap.diagrams.diagram import Diagram, PointStatus
-from woodpecker import Search, bifurcation_diagram, from_sympy
+from pwmap.diagrams.diagram import BranchKind, Diagram, PointStatus
+from woodpecker import Search, Settings, bifurcation_diagram, from_sympy
 from woodpecker.base.arrays import Floats
+from woodpecker.search.curves import keys_of
+from woodpecker.search.duplicates import Known
+from woodpecker.search.network import Network
+from woodpecker.search.tasks import Tasks
+from woodpecker.slices import slices_at
+from woodpecker.slices.orbits import ending_at
 
 x, p = symbols("x p", real=True)
 SPAN, WINDOW = (-1.0, 1.0), (-3.0, 3.0)
@@ -185,27 +191,50 @@ def test_a_crossing_is_drawn_once_where_both_borders_of_a_corner_are_met(
     assert len(found) == len(expected)
 
 
+LOW, HIGH = -Rational(47, 32), Rational(29, 64)
+BEND = 3 * x**2 / 8 + 23 * x / 64 + Rational(37, 32)
+RING = from_sympy(
+    Piecewise(
+        (p / 2 - 7 * x / 24 - 31 * sqrt(LOW - x) / 32 + Rational(13, 64), x < LOW),
+        (41 * p / 32 - x / 16 - Rational(3, 2), x < HIGH),
+        (39 * p / 32 - BEND, True),
+    ), x, p, words=["A", "B", "C"],
+)  # fmt: skip
+
+
 def test_a_crossing_that_comes_back_to_its_beginning_round_corners_closes() -> None:
     """It turns at three corners; at the first parameter C leads 29/64 to the border -47/32 of A."""
-    low, high = -Rational(47, 32), Rational(29, 64)
-    bend = 3 * x**2 / 8 + 23 * x / 64 + Rational(37, 32)
-    map_ = Piecewise(
-        (p / 2 - 7 * x / 24 - 31 * sqrt(low - x) / 32 + Rational(13, 64), x < low),
-        (41 * p / 32 - x / 16 - Rational(3, 2), x < high),
-        (39 * p / 32 - bend, True),
-    )
-    diagram = bifurcation_diagram(
-        from_sympy(map_, x, p, words=["A", "B", "C"]), "p", SPAN, (3,), (-2.0, 2.0),
-        search=Search(slices=31),
-    )  # fmt: skip
+    diagram = bifurcation_diagram(RING, "p", SPAN, (3,), (-2.0, 2.0), search=Search(slices=31))
     (branch,) = [each for each in diagram.branches if len(each.words) > 1]
     (end,) = [point for point in diagram.points if branch.id in point.branches]
     assert (branch.ends, end.note) == ((end.id, end.id), "the branch closes")
     assert branch.parameter[0] == branch.parameter[-1]
     words = [stretch.word for stretch in branch.words]
     assert (words[0], len(words), len(set(words))) == (words[-1], 4, 3)
-    corner = float(Rational(32, 39) * (low + bend.subs(x, high)))
+    corner = float(Rational(32, 39) * (LOW + BEND.subs(x, HIGH)))
     assert min(branch.parameter) == pytest.approx(corner, rel=2.0**-48)
+
+
+def test_a_closed_crossing_is_known_from_each_of_its_places() -> None:
+    """It closes also where it begins in the last step before a corner, or right behind one."""
+    settings, ring, network = Settings(span=SPAN, window=(-2.0, 2.0)), 0, None
+    beside = (-0.0596194, -0.0472551)  # corners, by 1e-6
+    for at in (*np.linspace(-0.0595, -0.0473, 25).tolist(), *beside):
+        (found,) = slices_at(RING, at, (3,), settings)
+        for jump in found.jumps:
+            if jump.head.x[0] < float(LOW) + 0.1:
+                continue  # another branch
+            curve = Tasks(RING, settings).jump(jump).curve
+            assert curve.ends[0] is curve.ends[1]
+            assert len(curve.parameter) < 20
+            if network is None:
+                network = Network(settings)
+                network.add(curve)
+            known = Known(network, BranchKind.JUMP, 3, RING)
+            closing = ending_at(len(jump.head), jump.code)
+            assert known.explains(jump.head, closing, keys_of(jump))
+            ring += 1
+    assert ring == 54  # it is met twice at each parameter
 
 
 def test_a_crossing_turns_round_where_the_root_of_a_piece_begins() -> None:
