@@ -161,7 +161,7 @@ class Settings:
             A part of ``max_evaluations``.
         """
         allowed = order**2 * self.max_evaluations
-        return allowed // 10 if one_of_many else allowed * 3 // 5
+        return allowed // 6 if one_of_many else allowed * 3 // 5
 
     def of_slice(self, orders: Sequence[int]) -> int:
         """How many evaluations a slice of iterates of some orders may take."""
