@@ -6,20 +6,36 @@ From left to right the points of a cycle are 0 ... q - 1, and point j goes to j 
 
 from __future__ import annotations
 
+from decimal import Context, Decimal
 from fractions import Fraction
 
 import sympy
 
 from pwmap.algebra.arguments import check_text, checked_count, explained, shown
+from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
+
+STEP = 8  # work of a fraction
 
 
-def farey(q_max: int) -> tuple[Fraction, ...]:
+def check_work(what: str, work: int, meter: Meter) -> None:
+    """BudgetError if something takes more work than a budget allows, which is known before."""
+    if work > meter.budget.work:
+        about = Decimal(work).normalize(Context(prec=3))  # it may be too large for a double
+        raise BudgetError(
+            f"{what} take about {about:g} units of work, at most {meter.budget.work} are allowed"
+        )
+
+
+@explained()
+def farey(q_max: int, *, budget: Budget | Meter = BUDGET) -> tuple[Fraction, ...]:
     """All reduced fractions from 0 to 1 whose denominators are at most ``q_max``, ascending.
 
     Parameters
     ----------
     q_max
         The largest denominator.
+    budget
+        How much may be computed.
 
     Returns
     -------
@@ -29,7 +45,7 @@ def farey(q_max: int) -> tuple[Fraction, ...]:
     Raises
     ------
     ValueError
-        Unless ``q_max`` is an integer of at least 1.
+        Unless ``q_max`` is an integer of at least 1. A ``BudgetError`` if there are too many.
 
     Examples
     --------
@@ -38,6 +54,8 @@ def farey(q_max: int) -> tuple[Fraction, ...]:
     0 1/4 1/3 1/2 2/3 3/4 1
     """
     last = checked_count(q_max, "the largest denominator")
+    work = STEP * last**2 // 3  # there are about 3/pi**2 q_max**2 fractions
+    check_work(f"the fractions up to the denominator {shown(last)}", work, metered(budget))
     found = [Fraction(0)]
     (a, b), (c, d) = (0, 1), (1, last)
     while c <= d:  # the neighbour after c/d follows from the two before it
