@@ -267,6 +267,7 @@ WRONG_VALUE = {
     "prove(3)": "a map, or a diagram and its map, was expected, got 3",
     "prove(TENT)": "this cannot be certified: give values (.at) to the parameters a",
     "prove(found())": "a map, or a diagram and its map, was expected, got Diagram(x over p: 3 br",
+    "prove(found().within(-9, -5), LINES)": "this cannot be certified: the diagram has no branch",
     "prove(found(), 3)": "a map, or a diagram and its map, was expected, got Diagram(x over p: 3",
     "prove(T2, order=0)": "the order of an iterate must be an integer j >= 1, got 0",
     "prove(T2, orders=(1,))": "of a map, only an order can be given: prove(map, order=2)",
