@@ -36,12 +36,12 @@ from pwmap.algebra.roots import (
     real_to_sympy,
     sign_at,
 )
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.budget import BUDGET, Budget, Meter, check_work, metered
 from pwmap.maps.cycles import Cycle, beyond
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Word
 from pwmap.rotations.pieces import RIGHT, TwoPieces, increasing_pieces
-from pwmap.rotations.words import check_work, farey, rotational_word
+from pwmap.rotations.words import farey, rotational_word
 
 LETTER = 4  # work that a letter of a word takes
 Piece_ = tuple[Real, Real]  # of the axis of the parameter; see gaps_and_roots

@@ -6,24 +6,14 @@ From left to right the points of a cycle are 0 ... q - 1, and point j goes to j 
 
 from __future__ import annotations
 
-from decimal import Context, Decimal
 from fractions import Fraction
 
 import sympy
 
 from pwmap.algebra.arguments import check_text, checked_count, explained, shown
-from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
+from pwmap.maps.budget import BUDGET, Budget, Meter, check_work, metered
 
-STEP = 8  # work of a fraction
-
-
-def check_work(what: str, work: int, meter: Meter) -> None:
-    """BudgetError if something takes more work than a budget allows, which is known before."""
-    if work > meter.budget.work:
-        about = Decimal(work).normalize(Context(prec=3))  # it may be too large for a double
-        raise BudgetError(
-            f"{what} take about {about:g} units of work, at most {meter.budget.work} are allowed"
-        )
+STEP = 8  # work of a fraction, or of a letter
 
 
 @explained()
@@ -88,7 +78,8 @@ def rotational_word(rotation: object, letters: str = "LR") -> str:
     Raises
     ------
     TypeError, ValueError
-        If the rotation is no rational from 0 to 1, or there are not two different letters.
+        If the rotation is no rational from 0 to 1, or there are not two different letters. A
+        ``BudgetError`` if its denominator has more than some millions.
 
     Examples
     --------
@@ -99,6 +90,7 @@ def rotational_word(rotation: object, letters: str = "LR") -> str:
     """
     left, right = _two(letters)
     p, q = checked_rotation(rotation).as_integer_ratio()
+    check_work(f"the letters of {shown(rotation)}", STEP * q, Meter(BUDGET))
     return "".join(right if (k + 1) * p // q > k * p // q else left for k in range(q))
 
 
