@@ -73,11 +73,12 @@ class Portable:
 
     def __reduce__(self) -> tuple[Any, ...]:
         own: Any = self
-        return _remade, (type(self), *(portable(getattr(self, each.name)) for each in fields(own)))
+        names = [each.name for each in fields(own)]
+        return _remade, (type(self), {name: portable(getattr(self, name)) for name in names})
 
 
-def _remade(kind: type, *kept: Any) -> Any:
-    return kind(*map(restored, kept))
+def _remade(kind: type, kept: Mapping[str, Any]) -> Any:
+    return kind(**{name: restored(value) for name, value in kept.items()})
 
 
 class Affine(NamedTuple):

@@ -96,7 +96,9 @@ def analyse(
     }  # fmt: skip
     kept = _Kept({"map": formula, "set": set_ or []})
     with screen.told(lambda: kept.lost):
+        from pwmap.algebra.exact import HIGHEST, LOWEST
         from pwmap.cli.longrun import LongRun
+        from pwmap.parameters.admitted import samples
 
         screen.check_folder(out)
         form = screen.picture_format(picture)
@@ -107,6 +109,8 @@ def analyse(
         values = reading.assignments(sample, "--sample") if sample else None
         span = reading.exact_span(span)
         reading.varied(map_, parameter)
+        if values is not None:
+            next(samples(map_, parameter, (LOWEST, HIGHEST), values))  # says what is wrong
         screen.tell_replaced(out, "analyse")
         with screen.progress() as bar:
             more = LongRun(map_, parameter, span, kept.interrupts, bar)

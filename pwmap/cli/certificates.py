@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from pwmap.cli.options import Formula, Given, Orders, Values, Variable
+from pwmap.cli.options import Formula, Given, Values, Variable
 from pwmap.cli.reading import assignments, exact_span, map_of, orders_of, varied
 from pwmap.cli.screen import INTERRUPTED, complain, say, told
 
@@ -15,11 +15,17 @@ from pwmap.cli.screen import INTERRUPTED, complain, say, told
 def prove_map(
     formula: Formula,
     set_: Values = None,
-    order: Annotated[int, typer.Option(help="The iterate, where all parameters have values.")] = 1,
+    order: Annotated[
+        int | None,
+        typer.Option(help="The iterate, where all parameters have values; by default the map."),
+    ] = None,
     parameter: Annotated[
         str | None, typer.Option(help="The parameter to vary; then the diagram is certified.")
     ] = None,
-    orders: Orders = "1,2",
+    orders: Annotated[
+        str | None,
+        typer.Option(help="Iterates of the diagram, such as 1,2,3; by default 1,2."),
+    ] = None,
     span: Annotated[
         tuple[str, str] | None,
         typer.Option(help="Two rationals; by default all that happens.", show_default=False),
@@ -37,6 +43,10 @@ def prove_map(
     from pwmap.proofs import Certificate
 
     with told(lambda: "there is nothing to keep yet"):
+        if parameter is None and (orders is not None or span is not None):
+            raise ValueError("--orders and --span are those of a diagram, and need a --parameter")
+        if parameter is not None and order is not None:
+            raise ValueError("--order is that of a map; a diagram over a --parameter has --orders")
         map_ = map_of(formula, variable, given or (), assignments(set_ or ()))
         if parameter is not None:
             varied(map_, parameter)
@@ -46,15 +56,15 @@ def prove_map(
                 f"{first} has no value: give it one, such as --set {first}=1, or certify the "
                 f"diagram over it by --parameter {first}"
             )
-        if out.exists():
-            say(f"replaces {out}")
         found: Certificate
         if parameter is None:
-            found = prove(map_, order=order)
+            found = prove(map_, order=1 if order is None else order)
         else:
-            wanted = orders_of(orders)
+            wanted = orders_of("1,2" if orders is None else orders)
             diagram = bifurcation_diagram(map_, parameter, exact_span(span), wanted)
             found = prove(diagram, map_, orders=wanted)
+        if out.exists():
+            say(f"replaces {out}")
         found.save(out)
     say(found.statement)
     say(f"wrote {out}")

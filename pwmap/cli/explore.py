@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import webbrowser
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Annotated
 
 import typer
@@ -39,6 +40,7 @@ def explore(
     Example: pwmap explore "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))" --set a=1/2 --set b=-3/2
     """
     try:
+        from pwmap.explore.map_data import maps_of
         from pwmap.explore.map_page import run
         from pwmap.explore.map_state import MapState, of_map
     except ImportError:
@@ -46,12 +48,12 @@ def explore(
         raise typer.Exit(1) from None
     try:
         values = assignments(set_ or ())
-        state = MapState()
-        if formula is not None:
-            state = of_map(formula, "; ".join(given or ()), values)
-        elif values:
-            state = state.at(**values)
-    except ValueError as error:
+        state = MapState() if formula is None else of_map(formula, "", values)
+        kept = tuple(sorted({**dict(state.values), **values}.items()))
+        state = replace(state, given="; ".join(given or (state.given,)), values=kept)
+        maps_of(state)
+        state.at(**values)  # refuses a name that is none of a parameter
+    except (ValueError, TypeError) as error:
         complain(f"Error: {in_words(error)}")
         raise typer.Exit(2) from None
     run(state, port, stay=stay, ready=opening(no_browser))

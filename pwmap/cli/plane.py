@@ -33,7 +33,10 @@ Coloured = Annotated[
     Colours | None,
     typer.Option(help="What attracts at each point of a raster; by default that of cells."),
 ]
-Raster = Annotated[tuple[int, int], typer.Option(help="Columns and rows of the raster.")]
+Raster = Annotated[
+    tuple[int, int] | None,
+    typer.Option(help="Columns and rows of the raster of --colours; by default 48 and 36."),
+]
 Crises = Annotated[
     int | None, typer.Option(help="Curves of crises, too: by words up to this order first.", min=1)
 ]
@@ -51,7 +54,7 @@ def draw_plane(
     variable: Variable = "x",
     pieces: Pieces = BUDGET.pieces,
     colours: Coloured = None,
-    raster: Raster = (48, 36),
+    raster: Raster = None,
     crises: Crises = None,
     picture: screen.Formats = None,
     out: Out = Path("out"),
@@ -74,6 +77,8 @@ def draw_plane(
     }  # fmt: skip
     names, interrupts, failed = [*TABLES], list[bool](), ""
     with screen.told(lambda: "there is nothing to keep yet"):
+        if raster is not None and colours is None:
+            raise ValueError("--raster needs --colours, which say what is drawn on it")
         screen.check_folder(out)
         (file,) = in_format((PICTURE,), screen.picture_format(picture))
         fixed = reading.assignments(set_ or ())
@@ -82,7 +87,7 @@ def draw_plane(
         spans = map(reading.exact_span, (across_span, along_span))
         axes = (across, along, *spans, reading.orders_of(orders))
         checked_axes(map_, across, along)
-        seen_on = None if colours is None else raster
+        seen_on = None if colours is None else raster or (48, 36)
         screen.tell_replaced(out, "plane")
         with (
             screen.progress() as bar,

@@ -190,15 +190,16 @@ class Diagram:
         wanted = checked_count(order, "order")
         return self._part([branch for branch in self.branches if branch.order == wanted])
 
-    def within(self, low: float, high: float) -> Diagram:
+    def within(self, low: object, high: object) -> Diagram:
         """The branches that exist somewhere from ``low`` to ``high``, whole, and their ends.
 
-        ValueError if that is no interval of the parameter, TypeError if these are no numbers.
+        Both are values as in :meth:`at`, or infinite. ValueError if that is no interval of the
+        parameter, TypeError if these are no numbers.
         """
-        least, most = checked_pair("an interval", (low, high))
-        if not least <= most:
-            raise ValueError(f"expected an interval from low to high, got {shown((least, most))}")
-        where = (low, high, self.parameter_name, self.sample)
+        ends = queries.end_of(low), queries.end_of(high)
+        if not ends[0] <= ends[1]:
+            raise ValueError(f"expected an interval from low to high, got {shown((low, high))}")
+        where = (*ends, self.parameter_name, self.sample)
         return self._part([b for b in self.branches if queries.exists_within(b, *where)])
 
     def _part(self, branches: Sequence[Branch]) -> Diagram:

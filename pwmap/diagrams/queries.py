@@ -10,8 +10,8 @@ from typing import Any
 import networkx as nx
 import numpy as np
 
-from pwmap.algebra.exact import to_float
-from pwmap.algebra.roots import RealRoot, real_to_sympy
+from pwmap.algebra.exact import Infinite, to_float
+from pwmap.algebra.roots import Real, RealRoot, real_to_sympy
 from pwmap.diagrams.data import (
     Branch,
     BranchKind,
@@ -23,7 +23,8 @@ from pwmap.diagrams.data import (
     runs_of,
     stable_inside,
 )
-from pwmap.diagrams.slices import ExactSlice, ExactValue, end_of, exact_number
+from pwmap.diagrams.slices import ExactSlice, ExactValue, exact_number
+from pwmap.diagrams.slices import end_of as end_of
 
 Place = tuple[str, int]  # an id of a branch with 0, of a point with 1: ids of both may be the same
 
@@ -35,20 +36,24 @@ def hits(
     exact = exact_number(parameter)
     if any("interval" in branch.exact for branch in branches):
         return _exact_hits(branches, ExactSlice(name, exact, sample))
-    at = float(real_to_sympy(exact)) if isinstance(exact, RealRoot) else to_float(exact)
-    found = [hit for branch in branches for hit in _between_samples(branch, at)]
+    found = [hit for branch in branches for hit in _between_samples(branch, _double(exact))]
     return tuple(sorted(found, key=lambda hit: hit.x))
 
 
 def exists_within(
-    branch: Branch, low: float, high: float, name: str, sample: Mapping[str, Any]
+    branch: Branch, low: Real, high: Real, name: str, sample: Mapping[str, Any]
 ) -> bool:
     """Whether a branch exists somewhere from one value of the parameter of a name to another."""
     if "interval" not in branch.exact:
-        return bool(branch.parameter.min() <= high and low <= branch.parameter.max())
-    here, most = ExactSlice(name, end_of(low), sample), end_of(high)
+        ends = branch.parameter.min(), branch.parameter.max()
+        return bool(ends[0] <= _double(high) and _double(low) <= ends[1])
+    here = ExactSlice(name, low, sample)
     intervals = (s.exact["interval"] for s in branch.words if "interval" in s.exact)
-    return any(here.overlaps(interval, most) for interval in intervals)
+    return any(here.overlaps(interval, high) for interval in intervals)
+
+
+def _double(x: Real) -> float:
+    return float(real_to_sympy(x)) if isinstance(x, RealRoot | Infinite) else to_float(x)
 
 
 def _exact_hits(branches: Sequence[Branch], here: ExactSlice) -> tuple[Hit, ...]:

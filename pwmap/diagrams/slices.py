@@ -106,8 +106,8 @@ def _side(key: Any) -> int:
 
 def end_of(value: Any) -> Real:
     """The exact number of an end of an interval, which may be infinite."""
-    if math.isinf(float(value)):
-        return HIGHEST if value > 0 else LOWEST
+    if isinstance(value, numbers.Real | sympy.Expr) and value in (math.inf, -math.inf):
+        return LOWEST if value == -math.inf else HIGHEST
     return exact_number(value)
 
 

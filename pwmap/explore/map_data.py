@@ -6,10 +6,10 @@ import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from fractions import Fraction
-from itertools import islice
 from typing import Any
 
 import numpy as np
+from sympy import Rational
 
 from pwmap import (
     Budget,
@@ -26,7 +26,7 @@ from pwmap import (
 )
 from pwmap.explore.diagrams import Shown, shown, table
 from pwmap.explore.map_state import PLANE_ORDERS, MapState
-from pwmap.longrun.cycles import FoundCycle
+from pwmap.longrun.cycles import FoundCycle, FoundCycles
 from pwmap.plane.plane import ParameterPlane
 from pwmap.plane.rasters import arc_arrays
 from pwmap.plot.diagrams import around, pieces_within
@@ -88,7 +88,7 @@ def answers(state: MapState) -> Iterator[MapAnswer]:
 def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) -> MapAnswer:
     iterate = here.iterate(state.order)
     pieces, fixed, jumps = iterate.pieces, iterate.fixed_points(), iterate.jump_crossings()
-    web = orbit(iterate, state)
+    web, found = orbit(iterate, state), cycles_here(here)
     points = [float(p.x) for p in fixed]
     marks = [*points, *(float(v) for j in jumps for v in (j.x, j.left, j.right)), *map(float, web)]
     marks += [float(piece.lower) for piece in pieces[1:]]
@@ -103,16 +103,15 @@ def _map(state: MapState, family: PiecewiseLinearMap, here: PiecewiseLinearMap) 
     }  # fmt: skip
     rows = {
         f"Pieces of P{_low(state.order)}": [
-            [_word(p.word), _text(p.expression), p.condition()] for p in pieces[:ROWS]
+            [_word(p.word), _text(p.expression), p.condition()] for p in pieces
         ],
         "Jump crossings": [
-            [f"x = {_text(j.x)}", f"from {_text(j.left)}", f"to {_text(j.right)}"]
-            for j in jumps[:ROWS]
+            [f"x = {_text(j.x)}", f"from {_text(j.left)}", f"to {_text(j.right)}"] for j in jumps
         ],
-        f"Cycles up to period {PERIODS}": _cycle_rows(family, here),
-        "Orbit": [[str(k), _text(x)] for k, x in enumerate(web[:ROWS])],
+        f"Cycles up to period {PERIODS}": _cycle_rows(family, found),
+        "Orbit": [[str(k), _text(x)] for k, x in enumerate(web)],
     }
-    return MapAnswer("map", tables, rows)
+    return MapAnswer("map", tables, _first(rows), found.left_out)
 
 
 def orbit(iterate: PiecewiseLinearMap, state: MapState) -> list[Fraction]:
@@ -126,9 +125,9 @@ def orbit(iterate: PiecewiseLinearMap, state: MapState) -> list[Fraction]:
     return found
 
 
-def cycles_here(here: PiecewiseLinearMap) -> list[FoundCycle]:
+def cycles_here(here: PiecewiseLinearMap) -> FoundCycles:
     """Cycles up to the period that a page lists."""
-    return list(islice(cycles(here, {}, PERIODS, budget=BUDGET), ROWS))
+    return cycles(here, {}, PERIODS, budget=BUDGET)
 
 
 def _graph(iterate: PiecewiseLinearMap, low: float, high: float) -> dict[str, dict[str, Any]]:
@@ -138,12 +137,12 @@ def _graph(iterate: PiecewiseLinearMap, low: float, high: float) -> dict[str, di
     return {"curve": table(("x", "y"), places), "ends": table(("x", "y", "closed"), ends)}
 
 
-def _cycle_rows(family: PiecewiseLinearMap, here: PiecewiseLinearMap) -> Rows:
+def _cycle_rows(family: PiecewiseLinearMap, found: FoundCycles) -> Rows:
     """Word, exact points, multiplier; and as formulas in the parameters, with their conditions."""
     rows: Rows = []
-    for cycle in cycles_here(here):
+    for cycle in found:
         formula, border = "", ""
-        if family.parameters:
+        if family.parameters and len(rows) < ROWS:
             try:
                 known = family.cycle(cycle.word)
                 formula = f"x = {_text(known.points[0])}"
@@ -151,11 +150,16 @@ def _cycle_rows(family: PiecewiseLinearMap, here: PiecewiseLinearMap) -> Rows:
             except (ValueError, ArithmeticError) as error:
                 formula = str(error)[:TEXT]
         points = ", ".join(map(_text, cycle.points))
-        kind = "attracts" if cycle.stable else "repels"
-        rows.append(
-            [_word(cycle.word), points, f"{kind}, {_text(cycle.multiplier)}", formula, border]
-        )
+        rows.append([_word(cycle.word), points, _kind(cycle), formula, border])
     return rows
+
+
+def _kind(cycle: FoundCycle) -> str:
+    """Whether a cycle attracts, and its multiplier."""
+    if cycle.multiplier is None:
+        return "on a break"
+    told = "attracts" if cycle.stable else "repels" if abs(cycle.multiplier) > 1 else "neutral"
+    return f"{'on a break' if cycle.at_break else told}, {_text(cycle.multiplier)}"
 
 
 # --- Over one parameter ---------------------------------------------------------------------------
@@ -183,10 +187,10 @@ def _cells(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -
     if not state.axis:
         return MapAnswer("cells")
     found = cells(state, family)
-    value = Fraction(state.place[state.axis])
+    value = Rational(state.place[state.axis])
     rows: Rows = []
     for cell in found:
-        inside = cell.lower <= value <= cell.upper and (cell.is_edge or cell.lower < value)
+        inside = cell.lower == value if cell.is_edge else cell.lower < value < cell.upper
         where = (
             f"{state.axis} = {_text(cell.lower)}"
             if cell.is_edge
@@ -194,7 +198,7 @@ def _cells(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -
         )
         points = [f"{_word(p.word)}: {_text(p.x)}" for p in points_of(cell, state)]
         rows.append([where + (" ← here" if inside else ""), "; ".join(points) or "no cycle"])
-    return MapAnswer("cells", rows={f"Cells of {state.axis}": rows[:ROWS]})
+    return MapAnswer("cells", rows=_first({f"Cells of {state.axis}": rows}))
 
 
 def _diagram(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -> MapAnswer:
@@ -206,7 +210,7 @@ def _diagram(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap)
          f"x = {_text(p.exact.get('x', p.x))}"]
         for p in found.points if str(p.kind) != "EP"
     ]  # fmt: skip
-    return MapAnswer("diagram", rows={"Special points": rows[:ROWS]}, shown=shown(found))
+    return MapAnswer("diagram", rows=_first({"Special points": rows}), shown=shown(found))
 
 
 # --- The long run, and two parameters -------------------------------------------------------------
@@ -273,11 +277,19 @@ def _plane(state: MapState, family: PiecewiseLinearMap, _: PiecewiseLinearMap) -
     ]
     curves = table(("xs", "ys", "color", "dash", "name", "tip"), lines)
     tables = {"plane": curves, "meeting": table(("x", "y"), nodes)}
-    told = {"Curves of the plane": rows[:ROWS], "Points of codimension two": meeting[:ROWS]}
-    return MapAnswer("plane", tables, told, found.left_out)
+    told = {"Curves of the plane": rows, "Points of codimension two": meeting}
+    return MapAnswer("plane", tables, _first(told), found.left_out)
 
 
 # --- Texts ----------------------------------------------------------------------------------------
+
+
+def _first(tables: dict[str, Rows]) -> dict[str, Rows]:
+    """The first rows of tables, and how many more there are."""
+    return {
+        title: rows if len(rows) <= ROWS else [*rows[:ROWS], [f"and {len(rows) - ROWS} more"]]
+        for title, rows in tables.items()
+    }
 
 
 def _text(value: object) -> str:

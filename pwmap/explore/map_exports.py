@@ -93,9 +93,12 @@ def _pieces_table(state: MapState) -> str:
 
 
 def _cycles_table(state: MapState) -> str:
+    found = cycles_here(maps_of(state)[1])
+    if found.left_out:
+        raise ValueError(f"the cycles are not complete: {found.left_out}")
     rows = [
         (cycle.word, len(cycle.points), cycle.multiplier, cycle.stable, _listed(cycle.points))
-        for cycle in cycles_here(maps_of(state)[1])
+        for cycle in found
     ]
     return table_as_text(("word", "period", "multiplier", "stable", "points"), rows)
 

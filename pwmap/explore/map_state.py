@@ -7,7 +7,10 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from fractions import Fraction
+from functools import lru_cache
 from urllib.parse import parse_qsl, urlencode
+
+from pwmap.algebra.parsing import term_of
 
 P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"  # [Leine2001, Eq. 14]
 LONGEST = 600  # characters of a formula
@@ -18,7 +21,6 @@ STEPS = (1, 200)
 DIGITS = 12  # of a numerator or denominator
 RATIONAL = re.compile(r"[+-]?\d+(/\d+|\.\d+)?")
 PLANE_ORDERS = (1, 2, 3)  # of the plane of two parameters
-WORDS = {"Piecewise", "True", "False", "Abs", "Max", "Min", "And", "Or", "Not", "x"}
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -62,9 +64,8 @@ class MapState:
 
     @property
     def parameters(self) -> tuple[str, ...]:
-        """Names in the formula that are parameters."""
-        found = dict.fromkeys(re.findall(r"[A-Za-z_]\w*", f"{self.map} {self.given}"))
-        return tuple(sorted(name for name in found if name not in WORDS))[:PARAMETERS]
+        """Names in the formula that are parameters; none if it cannot be read."""
+        return _parameters(self.map)[:PARAMETERS]
 
     @property
     def place(self) -> dict[str, str]:
@@ -111,6 +112,15 @@ class MapState:
         return replace(self, values=tuple(sorted(kept.items())))
 
 
+@lru_cache(maxsize=64)
+def _parameters(formula: str) -> tuple[str, ...]:
+    try:
+        names = term_of(formula).names()
+    except (TypeError, ValueError):
+        return ()
+    return tuple(sorted(names.keys() - {"x"}))
+
+
 def rational(text: object) -> Fraction:
     """A rational from text such as 5/4 or 1.25; ValueError if it is none, or long."""
     told = str(text).strip()
@@ -143,15 +153,17 @@ def _about(text: str) -> tuple[str, str]:
 
 def to_query(state: MapState) -> str:
     """What differs from the state of an empty link."""
-    first, found = MapState(), []
-    typed = first if state.map == P1L else of_map(state.map, state.given, dict(state.values))
-    for each in fields(MapState):
+    first = typed = MapState()
+    if state.map != P1L:
+        first = MapState(given="", values=())
+        typed = of_map(state.map, state.given, dict(state.values))
+    found = [("map", state.map)] if state.map != P1L else []
+    for each in fields(MapState)[1:]:
         value = getattr(state, each.name)
-        default = first if each.name in ("map", "given", "values") else typed
-        if value == getattr(default, each.name):
+        if value == getattr(first if each.name in ("given", "values") else typed, each.name):
             continue
         if each.name == "values":
-            found += [(f"at_{name}", text) for name, text in value]
+            found += [(f"at_{name}", text) for name, text in value or state.place.items()]
         else:
             text = ",".join(value) if isinstance(value, tuple) else str(value)
             found.append((each.name, text))

@@ -130,7 +130,7 @@ def cycles(
     order
         The largest period.
     budget
-        Its ``pieces`` bound the words of one length.
+        Its ``pieces`` bound the words of one length, its ``letters`` the period.
     progress
         Is told after each period: the period, the cycles and the words so far.
     on_interrupt
@@ -161,10 +161,11 @@ def cycles(
     check_functions(progress=progress)
     line = line_of(map_, values)
     levels, found = list[list[FoundCycle]](), list[FoundCycle]()
+    longest = min(order, meter.budget.letters)
     searched, left_out = 0, ""
     with meter.keeping(levels):
-        found += _through_breaks(line, order, meter)
-        for level in meter.each(islice(levels_of(line, meter), order), "periods"):
+        found += _through_breaks(line, longest, meter)
+        for level in meter.each(islice(levels_of(line, meter), longest), "periods"):
             searched += len(level)
             cycles_ = [
                 FoundCycle(line, "".join(line.branches[k].letter for k in word), x, whole.slope)
@@ -179,7 +180,9 @@ def cycles(
                 left_out = f"{len(level)} words of that length, at most {most} are allowed"
                 break
     left_out = left_out or meter.stopped * bool(meter.left_out)
-    done = len(levels) if left_out else order
+    done = len(levels) if left_out else longest
+    if done == longest < order:
+        left_out = f"words of at most {longest} letters are allowed"
     found = [c for c in chain(found, *levels) if len(c.word) <= done]
     found.sort(key=lambda cycle: cycle.start)
     found.sort(key=lambda cycle: len(cycle.word))

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from itertools import accumulate
 from typing import Any
 
@@ -24,11 +24,14 @@ from sympy import QQ
 from pwmap.longrun.attractors import Bands
 from pwmap.longrun.line import Germ, Interval, MapLine
 from pwmap.longrun.numbers import (
+    IV,
+    Element,
     Exact,
     enclosed,
     enclosure,
     exact_to_sympy,
     log_bounds,
+    number_of,
     work_of,
 )
 from pwmap.maps.budget import BudgetError, Meter
@@ -36,17 +39,16 @@ from pwmap.maps.budget import BudgetError, Meter
 LEAST = QQ(1, 2**60)  # of a weight: what follows along an orbit is bounded, not summed
 LONGEST = 600  # orbits that are summed
 MANY = 4096  # words whose slopes are compared to find out whether an iterate expands
-BITS = 120  # of enclosures
 STEP = 10  # operations of one step
 
 
 class Enclosure(mpmath.ctx_iv.ivmpf):  # type: ignore[misc]
     """An interval of mpmath that holds a number; as a double it is its middle.
 
-    It is what :meth:`Density.measure` gives where the density is not exact.
+    It is what a :class:`Density` has where it is not exact.
     """
 
-    ctx = mpmath.iv
+    ctx = IV
 
     def __new__(cls, interval: Any) -> Enclosure:
         """The same interval of mpmath."""
@@ -56,6 +58,13 @@ class Enclosure(mpmath.ctx_iv.ivmpf):  # type: ignore[misc]
 
     def __float__(self) -> float:
         return 0.5 * float(mpmath.mpf(self.a)) + 0.5 * float(mpmath.mpf(self.b))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _between, tuple(map(mpmath.mp.make_mpf, self._mpi_))
+
+
+def _between(low: Any, high: Any) -> Enclosure:
+    return Enclosure(IV.make_mpf((low._mpf_, high._mpf_)))
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,21 +110,27 @@ class Density:
     values: tuple[Any, ...]
     error: float
 
-    def measure(self, low: Exact, high: Exact) -> Any:
+    def measure(self, low: object, high: object) -> Any:
         """The part of the attractor between ``low`` and ``high``, exact numbers, from 0 to 1.
 
-        It is an :class:`Enclosure` if the density is not exact.
+        They are rationals, also as text, or numbers of the map's field; any real algebraic ones if
+        the map is rational. The result is an :class:`Enclosure` if the density is not exact.
+        TypeError if an end is a float, ValueError if it is none of these.
         """
-        total = QQ.zero if self.exact else mpmath.iv.mpf(0)
+        slope = self.line.branches[0].slope
+        root = slope.root if isinstance(slope, Element) else None
+        return self._measure(number_of(low, root), number_of(high, root))
+
+    def _measure(self, low: Exact, high: Exact) -> Any:
+        total = QQ.zero if self.exact else IV.mpf(0)
         for a, b, value in self.steps():
             part = min(b, high) - max(a, low)
             if part > 0:
-                total = total + (part * value if self.exact else enclosure(part, BITS) * value)
+                total = total + (part * value if self.exact else enclosure(part) * value)
         if self.exact:
             return total
         part = min(high, self.places[-1]) - max(low, self.places[0])
-        slack = enclosure(max(part, QQ.zero), BITS) * mpmath.iv.mpf([-self.error, self.error])
-        return Enclosure(total + slack)
+        return Enclosure(total + enclosure(max(part, QQ.zero)) * IV.mpf([-self.error, self.error]))
 
     def steps(self) -> Iterator[tuple[Exact, Exact, Any]]:
         """Both ends of each step, and the value between them."""
@@ -128,9 +143,9 @@ class Density:
         for interval in self.bands.intervals:
             for branch, (low, high) in self.line.parts(interval):
                 size = abs(branch.slope)
-                part = self.measure(low, high)
+                part = self._measure(low, high)
                 found[size] = found[size] + part if size in found else part
-        return tuple(found.items())
+        return tuple((x, part if self.exact else Enclosure(part)) for x, part in found.items())
 
     @property
     def exponent(self) -> sympy.Expr | None:
@@ -144,10 +159,10 @@ class Density:
     @cached_property
     def exponent_bounds(self) -> tuple[float, float]:
         """Doubles below and above the Lyapunov exponent."""
-        total = mpmath.iv.mpf(0)
+        total = IV.mpf(0)
         for size, part in self.shares:
             low, high = log_bounds(size)
-            total += (enclosure(part, BITS) if self.exact else part) * mpmath.iv.mpf([low, high])
+            total += (enclosure(part) if self.exact else part) * IV.mpf([low, high])
         return math.nextafter(float(total.a), -math.inf), math.nextafter(float(total.b), math.inf)
 
 
@@ -160,7 +175,6 @@ def density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
 
 
 def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
-    mpmath.iv.prec = BITS
     later = _tail(line, bands, meter)
     if later is None:
         return None
@@ -172,7 +186,7 @@ def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
         if x in line.breaks  # the ends of bands are images of these
     ]
     exact = all(end.rest == 0.0 for end in ends)
-    number: Callable[[Any], Any] = (lambda x: x) if exact else partial(enclosure, bits=BITS)
+    number: Callable[[Any], Any] = (lambda x: x) if exact else enclosure
     rows = list[list[Any]]()  # of the values at all ends: that at one, less the jumps before it
     for here in ends:
         x, side = here.germ
@@ -200,12 +214,13 @@ def _density_of(line: MapLine, bands: Bands, meter: Meter) -> Density | None:
     places, values = _steps(bands, ends, found, number)
     error = sum(float(abs(value).b) * end.rest for end, value in zip(ends, found, strict=True)
                 if end.rest)  # fmt: skip
-    return Density(line, bands, exact, places, values, error * (1.0 + 2.0**-40))
+    kept = values if exact else tuple(map(Enclosure, values))
+    return Density(line, bands, exact, places, kept, error * (1.0 + 2.0**-40))
 
 
 def _slack(rest: float) -> Any:
     """What is left of a sum, if anything is, as an interval around zero."""
-    return mpmath.iv.mpf([-rest, rest]) if rest else 0
+    return IV.mpf([-rest, rest]) if rest else 0
 
 
 def _followed(line: MapLine, germ: Germ, later: float, meter: Meter) -> _BreakSide:

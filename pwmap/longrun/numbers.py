@@ -16,11 +16,15 @@ import mpmath
 import sympy
 from sympy import QQ
 from sympy.polys.densearith import dup_add, dup_mul, dup_neg, dup_sub
+from sympy.polys.polyerrors import IsomorphismFailed
 
+from pwmap.algebra.arithmetic import rational
 from pwmap.algebra.exact import Infinite, Number, bits, dense, pair, to_float
-from pwmap.algebra.roots import Dense, Real, RealRoot, bounds, integers, value_at
+from pwmap.algebra.roots import Dense, Real, RealRoot, algebraic, bounds, integers, value_at
 from pwmap.maps.budget import cost
 
+IV = mpmath.MPIntervalContext()  # intervals of its own, with a precision that nobody else sets
+IV.prec = 120
 Exact = Any  # an element of QQ, or an Element; an end of an interval may be Infinite
 
 
@@ -146,6 +150,27 @@ def exact_to_sympy(x: Exact) -> sympy.Expr:
     return x.to_sympy() if isinstance(x, Infinite) else QQ.to_sympy(x)
 
 
+def number_of(value: object, root: RealRoot | None) -> Exact:
+    """An exact number of the field of a root, or without one any, from what is given.
+
+    TypeError if it is a float, ValueError if it is neither rational nor such a number.
+    """
+    if isinstance(value, Element):
+        if root in (None, value.root):
+            return value
+        value = exact_to_sympy(value)
+    if not isinstance(value, sympy.Expr) or value.is_Rational or value.is_Float:
+        return rational(value)
+    found = algebraic(value)
+    if root is None or not isinstance(found, RealRoot):
+        return Element(found, (QQ.one, QQ.zero)) if isinstance(found, RealRoot) else found
+    try:
+        inside = sympy.to_number_field(value, root.to_sympy())
+    except IsomorphismFailed:
+        raise ValueError(f"{value} is no number of the field of {root.to_sympy()}") from None
+    return Element(root, root.reduced(tuple(map(QQ.from_sympy, inside.coeffs()))))
+
+
 def enclosed(x: Exact, bits: int = 64) -> tuple[Fraction, Fraction]:
     """Fractions below and above a number, equal if it is rational, else 2**-bits apart or closer.
 
@@ -165,13 +190,13 @@ def enclosed(x: Exact, bits: int = 64) -> tuple[Fraction, Fraction]:
         x.root.refine()
 
 
-def enclosure(x: Exact, bits: int = 64) -> Any:
-    """A number as an interval of mpmath, of about so many bits."""
-    low, high = (mpmath.iv.mpf(end.numerator) / end.denominator for end in enclosed(x, bits))
-    return mpmath.iv.mpf([low.a, high.b])
+def enclosure(x: Exact) -> Any:
+    """A number as an interval of mpmath, of about as many bits as these have."""
+    low, high = (IV.mpf(end.numerator) / end.denominator for end in enclosed(x, IV.prec))
+    return IV.mpf([low.a, high.b])
 
 
 def log_bounds(x: Exact) -> tuple[float, float]:
     """Doubles below and above the logarithm of a positive number."""
-    found = mpmath.iv.log(enclosure(x))
+    found = IV.log(enclosure(x))
     return math.nextafter(float(found.a), -math.inf), math.nextafter(float(found.b), math.inf)

@@ -11,9 +11,16 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sized
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from decimal import Context, Decimal
 from typing import NamedTuple, TypeVar
 
-from pwmap.algebra.arguments import check_functions, check_kind, explained_fields, positive_integer
+from pwmap.algebra.arguments import (
+    check_functions,
+    check_kind,
+    explained_fields,
+    positive_integer,
+    shown,
+)
 
 Part = TypeVar("Part")
 
@@ -241,6 +248,15 @@ def metered(budget: Budget | Meter, on_interrupt: Callable[[], None] | None = No
     return Meter(budget if on_interrupt is None else replace(budget, on_interrupt=on_interrupt))
 
 
+def check_work(what: str, work: int, meter: Meter) -> None:
+    """BudgetError if something takes more work than a budget allows, which is known before."""
+    if work > meter.budget.work:
+        about = Decimal(work).normalize(Context(prec=3))  # it may be too large for a double
+        raise BudgetError(
+            f"{what} take about {about:g} units of work, at most {meter.budget.work} are allowed"
+        )
+
+
 class Progress(NamedTuple):
     """What was completed: the last order, with its cells, edges included, and all pieces so far.
 
@@ -260,6 +276,6 @@ def checked_size(order: int, maps: int, budget: Budget = BUDGET) -> None:
     letters = order * maps
     if letters > budget.letters:
         raise BudgetError(
-            f"the iterate of order {order} is too large: each of its pieces would have a word of "
-            f"{letters} letters, at most {budget.letters} are allowed"
+            f"the iterate of order {shown(order)} is too large: each of its pieces would have a "
+            f"word of {shown(letters)} letters, at most {budget.letters} are allowed"
         )

@@ -15,7 +15,7 @@ from itertools import pairwise
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.arguments import check_functions, check_kind, checked_count, explained
+from pwmap.algebra.arguments import check_functions, check_kind, checked_count, explained, shown
 from pwmap.algebra.bivariate import irreducible_factors
 from pwmap.algebra.exact import Number, degree_in
 from pwmap.algebra.inequalities import along
@@ -25,7 +25,7 @@ from pwmap.diagrams.data import PointKind
 from pwmap.longrun.crises.changes import kind_at
 from pwmap.longrun.crises.diagram import attractor_diagram
 from pwmap.longrun.crises.meetings import meeting_polynomial
-from pwmap.maps.budget import BUDGET, Budget, Meter, metered
+from pwmap.maps.budget import BUDGET, Budget, Meter, check_work, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.plane.marks import PlaneEvent
 from pwmap.plane.network import PlaneArc, PlaneCurve, curve_of
@@ -33,6 +33,7 @@ from pwmap.plane.plane import ParameterPlane
 
 SEARCH = Budget(work=20 * BUDGET.work)  # some minutes
 CRISES = (PointKind.MC, PointKind.XC, PointKind.FC)
+COLUMN = 1000  # work of a value at which crises are looked for, at least
 FINER = 4  # values at which a curve is asked for, for each at which crises are looked for
 HALVINGS = 12  # of an interval in which a curve ends
 BESIDE = 2**12  # part of the span along: so close to a curve what attracts is compared
@@ -90,6 +91,7 @@ def with_crises(
     check_functions(progress=progress)
     columns = checked_count(columns, "columns")
     meter, done, curves = metered(budget), list[int](), list[PlaneCurve]()
+    check_work(f"{shown(columns)} columns", COLUMN * columns, meter)
     search = _Search(plane, order, meter)
     low, high = plane.across_span
     found = dict[_Family, None]()

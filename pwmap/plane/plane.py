@@ -76,7 +76,7 @@ class ParameterPlane:
     def at(self, across: object, along: object) -> Dynamics:
         """The long run, see :func:`pwmap.dynamics`, at exact values ``across`` and ``along``.
 
-        They are rationals, their texts, or algebraic numbers.
+        They are rationals or their texts; one may be an algebraic number.
         """
         return dynamics(self.map, {self.across: across, self.along: along})
 

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 from sympy import QQ
 
-from pwmap.algebra.arguments import check_functions, check_kind, checked_count, explained
+from pwmap.algebra.arguments import check_functions, check_kind, checked_count, explained, shown
 from pwmap.algebra.exact import Number, to_float
 from pwmap.algebra.rootfunctions import Column, Root
 from pwmap.algebra.roots import Real, bounds, spread
@@ -17,12 +17,13 @@ from pwmap.diagrams.data import FloatArray
 from pwmap.longrun.attractors import attractors_of
 from pwmap.longrun.entropy.entropies import entropy_of
 from pwmap.longrun.line import MapLine, line_of
-from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
+from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, check_work, metered
 from pwmap.plane.network import PlaneArc
 from pwmap.plane.plane import ParameterPlane
 
 IntArray = npt.NDArray[np.int64]
 RASTER = Budget(work=40 * BUDGET.work)  # some minutes
+POINT = 100  # work of a point, at least
 ORDER = 24  # up to which the graph of laps is made for a colour: its bounds differ by a hundredth
 
 
@@ -89,7 +90,7 @@ def plane_raster(
     Raises
     ------
     ValueError
-        If there is no column or row.
+        If there is no column or row. A ``BudgetError`` if there are too many.
 
     Examples
     --------
@@ -104,11 +105,13 @@ def plane_raster(
     check_kind("plane", plane, ParameterPlane, "pwmap.plane")
     columns, rows = checked_count(columns, "columns"), checked_count(rows, "rows")
     check_functions(progress=progress)
+    meter, finished = metered(budget), list[list[_Point]]()
+    points = f"{shown(columns)} x {shown(rows)} points"
+    check_work(points, POINT * columns * rows, meter)
     across, along = (
         _middles(*span, n)
         for span, n in zip((plane.across_span, plane.along_span), (columns, rows), strict=True)
     )
-    meter, finished = metered(budget), list[list[_Point]]()
     with meter.keeping(finished):
         for p in meter.each(across, "columns"):
             map_ = plane.map.at({plane.across: QQ.to_sympy(p)})

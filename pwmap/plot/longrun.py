@@ -521,7 +521,7 @@ def plot_density(
         sample = _orbits(found, attractor, points)
         style: dict[str, Any] = {"bins": BINS, "range": ends, "density": True, "color": POINTS}
         bars: Any = ax.hist(sample, label=label, **style)[2]
-        heights = [to_double(v) if density.exact else float(v.mid) for v in density.values]
+        heights = [to_double(v) if density.exact else float(v) for v in density.values]
         label = "density, exact"
         if not density.exact:
             label = f"density, error below {density.error:.0e}"

@@ -295,7 +295,7 @@ class _DiagramWriter:
         self._symbol = map_.parameters[0]
         if self._own > 1:
             _fail("the diagram of an iterate, only that of the map itself is")
-        found = {branch.order for branch in diagram.branches} if orders is None else orders
+        found = {each.order for each in diagram.branches} or {1} if orders is None else orders
         self._orders = list(checked_orders(found))
         own = [
             (branch, stretch)

@@ -57,7 +57,6 @@ class FamilyCondition:
 
     relation: sympy.Basic
     since: int
-    _bound: _Bound = field(repr=False)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -88,6 +87,10 @@ class WordFamily:
     conditions: tuple[FamilyCondition, ...]
     _field: _FamilyField = field(repr=False)
     _form: tuple[Element, Element] = field(repr=False)  # x and multiplier
+    _bounds: tuple[_Bound, ...] = field(repr=False)  # of the conditions
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return word_family, (self._field.map_, self.pattern, self.n.name)
 
     def word(self, n: int, *, budget: Budget | Meter = BUDGET) -> str:
         """The word for a value ``n``; ValueError if that is no integer of at least :attr:`least`.
@@ -116,7 +119,8 @@ class WordFamily:
         x, multiplier = (self._field.at(element, count, meter) for element in self._form)
         if x is None or multiplier is None or multiplier[0] == multiplier[1]:
             raise ValueError(f"the slope of {word} is 1: it has no isolated cycle")
-        bounds = [c._bound for c in self.conditions if c.since <= count]
+        conditions = zip(self.conditions, self._bounds, strict=True)
+        bounds = [bound for condition, bound in conditions if condition.since <= count]
         found = [self._field.relation_at(bound, count, meter) for bound in bounds]
         return FamilyCycle(
             word=word,
@@ -133,7 +137,7 @@ class WordFamily:
         """
         symbols = self._field.map_.parameters
         index = [str(each) for each in symbols].index(checked_parameter(parameter, symbols))
-        roots = (self._field.root(condition._bound, index) for condition in self.conditions)
+        roots = (self._field.root(bound, index) for bound in self._bounds)
         return tuple(root for root in roots if root is not None)
 
     def _checked(self, n: int) -> int:
@@ -193,15 +197,17 @@ def word_family(map_: PiecewiseLinearMap, pattern: str, n: object = "n") -> Word
     family = _FamilyField(map_, layout, runs, name)
     x, slope = family.cycle(pattern)
     least = max(1, *(1 - run.shift for run in runs if run.grows))
+    found = tuple(family.conditions(x, least))
     return WordFamily(
         pattern=pattern,
         n=family.n,
         least=least,
         x=family.to_sympy(x),
         multiplier=family.to_sympy(slope),
-        conditions=tuple(family.conditions(x, least)),
+        conditions=tuple(condition for condition, _ in found),
         _field=family,
         _form=(x, slope),
+        _bounds=tuple(bound for _, bound in found),
     )
 
 
@@ -295,7 +301,9 @@ class _FamilyField:
         whole = Affine(one, one - one)
         for run in self.runs:
             whole = self._whole(run).after(whole)
-        if whole.slope == one:
+        # it is c s^n in each place, also where powers cancel, as those of 2 and 1/2: two n decide
+        values = [self.at(whole.slope, n, Meter(BUDGET)) for n in (1, 2)]
+        if all(value is not None and value[0] == value[1] for value in values):
             raise ValueError(f"the slope of {pattern} is 1 for every n: it has no isolated cycle")
         return whole.fixed_point, whole.slope
 
@@ -322,7 +330,7 @@ class _FamilyField:
 
     # --- Conditions -----------------------------------------------------------------------------
 
-    def conditions(self, x: Element, least: int) -> Iterator[FamilyCondition]:
+    def conditions(self, x: Element, least: int) -> Iterator[tuple[FamilyCondition, _Bound]]:
         """The conditions that bind, of a cycle with a first point, for n from some number on."""
         seen = set[tuple[Element, int, int]]()
         for run, aim in zip(self.runs, self._aims(), strict=True):
@@ -340,7 +348,7 @@ class _FamilyField:
                     at = quotient_to_sympy(self._break(k))
                     relation = beyond(self.to_sympy(point), at, side, closed)
                     bound = point, k, side, closed
-                    yield FamilyCondition(relation=relation, since=since, _bound=bound)
+                    yield FamilyCondition(relation=relation, since=since), bound
             x = self._whole(run)(x)
 
     def _break(self, k: int) -> Fraction_:

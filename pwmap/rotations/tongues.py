@@ -14,14 +14,20 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from decimal import Context, Decimal
 from fractions import Fraction
 from functools import cached_property
 
 import sympy
 
 from pwmap.algebra.arguments import checked_count, explained, shown
-from pwmap.algebra.exact import Fraction_, Number, dense, fraction_to_sympy, quotient_to_sympy
+from pwmap.algebra.exact import (
+    Fraction_,
+    Number,
+    Portable,
+    dense,
+    fraction_to_sympy,
+    quotient_to_sympy,
+)
 from pwmap.algebra.roots import (
     Real,
     gaps_and_roots,
@@ -30,7 +36,7 @@ from pwmap.algebra.roots import (
     real_to_sympy,
     sign_at,
 )
-from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
+from pwmap.maps.budget import BUDGET, Budget, Meter, check_work, metered
 from pwmap.maps.cycles import Cycle, beyond
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Word
@@ -42,7 +48,7 @@ Piece_ = tuple[Real, Real]  # of the axis of the parameter; see gaps_and_roots
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Tongue:
+class Tongue(Portable):
     """Where a cycle of one rotation number exists; its formulas are computed when they are asked.
 
     Of :func:`tongues`: ``rotation`` is p/q, ``word`` the rotational word from the leftmost point
@@ -180,13 +186,8 @@ def tongues(
     found = []
     last = checked_count(q_max, "the largest denominator")
     work = LETTER * last**3 // 5  # the words have about 2/pi**2 q_max**3 letters
-    if work > meter.budget.work:
-        about = Decimal(work).normalize(Context(prec=3))  # it may be too large for a double
-        raise BudgetError(
-            f"tongues up to the denominator {shown(last)} take about {about:g} units of work, "
-            f"at most {meter.budget.work} are allowed"
-        )
-    for rotation in meter.each(farey(last), "tongues"):
+    check_work(f"tongues up to the denominator {shown(last)}", work, meter)
+    for rotation in meter.each(farey(last, budget=meter), "tongues"):
         meter.spend(LETTER * rotation.denominator)
         word = rotational_word(rotation, letters)
         top, bottom = map_.orbits.slope(pieces.read(word))

@@ -11,15 +11,21 @@ from fractions import Fraction
 import sympy
 
 from pwmap.algebra.arguments import check_text, checked_count, explained, shown
+from pwmap.maps.budget import BUDGET, Budget, Meter, check_work, metered
+
+STEP = 8  # work of a fraction, or of a letter
 
 
-def farey(q_max: int) -> tuple[Fraction, ...]:
+@explained()
+def farey(q_max: int, *, budget: Budget | Meter = BUDGET) -> tuple[Fraction, ...]:
     """All reduced fractions from 0 to 1 whose denominators are at most ``q_max``, ascending.
 
     Parameters
     ----------
     q_max
         The largest denominator.
+    budget
+        How much may be computed.
 
     Returns
     -------
@@ -29,7 +35,7 @@ def farey(q_max: int) -> tuple[Fraction, ...]:
     Raises
     ------
     ValueError
-        Unless ``q_max`` is an integer of at least 1.
+        Unless ``q_max`` is an integer of at least 1. A ``BudgetError`` if there are too many.
 
     Examples
     --------
@@ -38,6 +44,8 @@ def farey(q_max: int) -> tuple[Fraction, ...]:
     0 1/4 1/3 1/2 2/3 3/4 1
     """
     last = checked_count(q_max, "the largest denominator")
+    work = STEP * last**2 // 3  # there are about 3/pi**2 q_max**2 fractions
+    check_work(f"the fractions up to the denominator {shown(last)}", work, metered(budget))
     found = [Fraction(0)]
     (a, b), (c, d) = (0, 1), (1, last)
     while c <= d:  # the neighbour after c/d follows from the two before it
@@ -70,7 +78,8 @@ def rotational_word(rotation: object, letters: str = "LR") -> str:
     Raises
     ------
     TypeError, ValueError
-        If the rotation is no rational from 0 to 1, or there are not two different letters.
+        If the rotation is no rational from 0 to 1, or there are not two different letters. A
+        ``BudgetError`` if its denominator has more than some millions.
 
     Examples
     --------
@@ -81,6 +90,7 @@ def rotational_word(rotation: object, letters: str = "LR") -> str:
     """
     left, right = _two(letters)
     p, q = checked_rotation(rotation).as_integer_ratio()
+    check_work(f"the letters of {shown(rotation)}", STEP * q, Meter(BUDGET))
     return "".join(right if (k + 1) * p // q > k * p // q else left for k in range(q))
 
 

@@ -30,7 +30,7 @@ from pwmap.longrun.crises.samples import Attracted, Samples
 from pwmap.longrun.dynamics import Dynamics
 from pwmap.longrun.line import MapLine, line_at
 from pwmap.longrun.numbers import to_double
-from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, metered
+from pwmap.maps.budget import BUDGET, Budget, BudgetError, Meter, checked_size, metered
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap, check_map, checked_order
 from pwmap.maps.words import first_turn
 from pwmap.parameters.cells import only_axis
@@ -205,9 +205,9 @@ def attractor_diagram(
     MC sqrt(2) (2, 1)
     """
     check_map(map_)
-    order = checked_order(order)
+    meter, order = metered(budget), checked_order(order)
+    checked_size(order, 1, meter.budget)
     axis, (low, high) = only_axis(map_, parameter, span)
-    meter = metered(budget)
     samples = Samples(map_, axis, meter)
     sweep = _Sweep(samples, Cuts(samples, order), Changes(samples, order), low, high)
     ends = [low + (high - low) * QQ(k, PARTS) for k in range(PARTS + 1)]

@@ -129,8 +129,9 @@ class Samples:
 
     def roots(self, polynomial: Number, low: Real, high: Real) -> tuple[Real, ...]:
         """The places between two others at which a polynomial is zero; none if it is everywhere."""
-        self.meter.spend(1 + len(polynomial))
-        return roots_between(dense(polynomial), low, high) if polynomial else ()
+        coefficients = dense(polynomial)
+        self.meter.spend(len(coefficients) ** 2)
+        return roots_between(coefficients, low, high) if coefficients else ()
 
     def value(self, image: BreakImage, place: Real) -> Exact:
         """Where an image of a break is."""

@@ -20,7 +20,10 @@ P1L = "Piecewise((r - 2, x <= 0), (r - a*x, True))"
 def test_a_refused_run_does_not_say_that_it_replaces_files(tmp_path: Path) -> None:
     (tmp_path / "points.csv").write_text("kept")
     keep_record(tmp_path, "analyse", ["points.csv"], {})
-    for wrong in (("b",), ("r", "--span", "3", "0"), ("r", "--orders", "0")):
+    for wrong in (
+        ("b",), ("r", "--span", "3", "0"), ("r", "--orders", "0"),
+        ("r", "--given", "a > 1", "--sample", "a=1/2"),
+    ):  # fmt: skip
         code, text = run(P1L, "--parameter", *wrong, out=tmp_path)
         assert code == 2
         assert "replaces" not in text
@@ -32,6 +35,26 @@ def test_a_certificate_of_a_map_without_values_says_how_to_give_them(tmp_path: P
     assert found.exit_code == 2
     assert "r has no value: give it one, such as --set r=1, or certify" in found.output
     assert not file.exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "wrong"),
+    [
+        (("--set", "a=2", "--set", "r=1", "--orders", "1,2"), "need a --parameter"),
+        (("--set", "a=2", "--set", "r=1", "--span", "0", "1"), "need a --parameter"),
+        (("--set", "a=2", "--parameter", "r", "--order", "3"), "a --parameter has --orders"),
+        (("--parameter", "r"), "must have the parameter r alone"),
+    ],
+)
+def test_a_certificate_of_what_was_not_asked_for_is_not_written(
+    arguments: tuple[str, ...], wrong: str, tmp_path: Path
+) -> None:
+    file = tmp_path / "certificate.json"
+    file.write_text("kept")
+    found = CliRunner().invoke(app, ["prove", P1L, *arguments, "--out", str(file)])
+    assert (found.exit_code, file.read_text()) == (2, "kept")
+    assert wrong in found.output
+    assert "replaces" not in found.output
 
 
 @pytest.mark.slow
@@ -273,6 +296,14 @@ def test_a_plane_is_drawn_with_its_curves_and_points(tmp_path: Path) -> None:
     assert "BC1,BC,fold,LLR LRR,a*b + a + 1,," in curves
     points = (tmp_path / "plane_points.csv").read_text().splitlines()
     assert points[1].endswith("-1/2 + sqrt(5)/2,-3/2 - sqrt(5)/2,PD3 BC1")
+
+
+def test_a_raster_without_colours_is_refused(tmp_path: Path) -> None:
+    code, text = run_plane(
+        "--across", "a", "--along", "b", "--across-span", "2", "3", "--along-span", "0", "3",
+        "--raster", "4", "3", out=tmp_path,
+    )  # fmt: skip
+    assert (code, "--raster needs --colours" in text) == (2, True)
 
 
 def test_a_plane_of_other_parameters_is_refused(tmp_path: Path) -> None:

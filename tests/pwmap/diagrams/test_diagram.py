@@ -381,7 +381,8 @@ def test_an_open_end_is_not_within_an_interval() -> None:
     for low, high, ids in (
         (1, 1, []), (1.0, 1.5, ["F2"]), (0, 0, ["F1"]), (0.5, 1, ["J1"]), (0, 1, ["F1", "J1"]),
         (Fraction(1, 3), Fraction(1, 3), ["J1"]), (-math.inf, math.inf, ["F1", "J1", "F2"]),
-        (-math.inf, -5, []),
+        (-math.inf, -5, []), (1, 10**400, ["F2"]), ("1/2", "1", ["J1"]),
+        (-sympy.oo, -sympy.sqrt(2) / 2, ["F1"]),
     ):  # fmt: skip
         assert [branch.id for branch in exact.within(low, high).branches] == ids
         if low == high:
@@ -416,6 +417,7 @@ def test_within_an_interval_of_the_parameter() -> None:
             if any(low <= p <= high for p in np.linspace(*np.sort(branch.parameter)[[0, -1]], 1001))
         ]
         near = diagram.within(low, high)
+        assert diagram.within(low, 10**400).branches == diagram.within(low, 9).branches
         assert [branch.id for branch in near.branches] == expected
         assert {point.id for point in near.points} == {e for b in near.branches for e in b.ends}
 

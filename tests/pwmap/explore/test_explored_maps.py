@@ -7,11 +7,14 @@ from fractions import Fraction
 from typing import Any
 
 import pytest
+from typer.testing import CliRunner
 
 pytest.importorskip("bokeh")
+from pwmap.cli.app import app
 from pwmap.explore.map_data import answers
 from pwmap.explore.map_exports import FILES, export
 from pwmap.explore.map_state import (
+    P1L,
     MapState,
     from_query,
     of_map,
@@ -90,11 +93,72 @@ def test_a_map_that_is_typed_is_shown_about_its_values() -> None:
     state = of_map(SKEW, "", {"a": "1/2", "b": "-3/2"})
     assert (state.axis, state.span, state.plane_names) == ("a", ("-2", "3"), ("a", "b"))
     assert (state.across, state.along) == (("-2", "3"), ("-4", "1"))
-    assert to_query(state).count("=") == 4  # the map, no assumption, and two values
+    assert to_query(state).count("=") == 3  # the map, and two values
     assert from_query(to_query(state)) == state
     moved = state.at(a="5")
     assert from_query(to_query(moved)) == moved
     assert of_map("Piecewise((x/2, x <= 0), (x/3, True))", "", {}).plane_names == ()
+
+
+def test_a_link_holds_all_values_and_assumptions() -> None:
+    """Also those that the map of the paper has where nothing is said: a > 1, and a = 5/4."""
+    for values in ({"a": "5/4"}, {"a": "5/4", "b": "2"}, {}):
+        for given in ("a > 1", ""):
+            state = of_map(SKEW, given, values)
+            assert from_query(to_query(state)) == state
+            paper = of_map(P1L, given, {name: values[name] for name in values if name == "a"})
+            again = from_query(to_query(paper))
+            assert (again.place, again.given) == (paper.place, given)
+
+
+def test_functions_and_assumptions_bring_no_parameters() -> None:
+    state = of_map("Piecewise((abs(x)/2 + b, Le(x, 1)), (x/3, True))", "c > 0", {})
+    assert (state.parameters, state.axis, state.plane_names) == (("b",), "b", ())
+    assert [part.message for part in answers(state)] == [""] * 5
+    exec(python_of(state), {})
+
+
+def test_one_cell_alone_is_here() -> None:
+    """At r = 2 the fixed point r - 2 meets the break; the cells on both sides are not here."""
+    rows = {
+        title: each for part in answers(MapState().at(r="2")) for title, each in part.rows.items()
+    }
+    assert [row[0] for row in rows["Cells of r"] if "here" in row[0]] == ["r = 2 ← here"]
+    assert [row[2] for row in rows["Cycles up to period 6"]] == ["on a break, 0", "repels, -5/4"]
+    turned = of_map("Piecewise((-x, x <= 1), (x/2, True))", "", {})
+    assert next(answers(turned)).rows["Cycles up to period 6"][0][2] == "neutral, -1"
+
+
+def test_what_is_left_out_is_said() -> None:
+    """Four full branches have 4 + 6 + 20 + 60 + 204 + 670 cycles up to period 6 [Moebius]."""
+    folded = of_map("Piecewise((4*x, x <= 1/4), (2 - 4*x, x <= 1/2), (4*x - 2, x <= 3/4), "
+                    "(4 - 4*x, True))", "", {})  # fmt: skip
+    assert len(table("cycles.csv", folded)) == 964
+    rows = next(answers(folded)).rows["Cycles up to period 6"]
+    assert (len(rows), rows[-1]) == (61, ["and 904 more"])
+
+
+@pytest.mark.parametrize(
+    ("arguments", "wrong"),
+    [
+        ((SKEW, "--set", "c=1"), "unknown parameter 'c'"),
+        (("Piecewise((a*x + 1,",), "cannot read"),
+        (("--given", "a ~ 2"), "cannot read"),
+    ],
+)
+def test_the_command_refuses_what_a_page_cannot_show(
+    arguments: tuple[str, ...], wrong: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("pwmap.explore.map_page.run", lambda *_, **__: None)
+    result = CliRunner().invoke(app, ["explore", *arguments])
+    assert (result.exit_code, wrong in result.stderr) == (2, True)
+
+
+def test_an_assumption_is_taken_without_a_formula(monkeypatch: pytest.MonkeyPatch) -> None:
+    shown = list[MapState]()
+    monkeypatch.setattr("pwmap.explore.map_page.run", lambda state, *_, **__: shown.append(state))
+    CliRunner().invoke(app, ["explore", "--given", "a > 2", "--set", "a=3"])
+    assert [(state.given, state.place) for state in shown] == [("a > 2", {"a": "3", "r": "1"})]
 
 
 @pytest.mark.slow

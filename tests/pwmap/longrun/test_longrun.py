@@ -342,6 +342,23 @@ def test_the_exponent_of_a_lorenz_map_of_two_slopes() -> None:
     assert high - low < 1e-14
 
 
+def test_a_measure_is_asked_for_between_exact_numbers_of_any_kind() -> None:
+    """The skew tent map has the heights 1/2 and 3/4; x -> b x mod 1 the left one b^3/(1 + b^2)."""
+    (band,) = dynamics(SKEW, {"a": 2, "b": "-3/2"}).attractors
+    assert band.density is not None
+    for ends in ((0, "1/2"), (Fraction(0), Fraction(1, 2)), ("0", Rational(1, 2))):
+        assert Fraction(*pair(band.density.measure(*ends))) == Fraction(3, 8)
+    found = exact_to_sympy(band.density.measure(0, sympy.sqrt(2) / 2))
+    assert sympy.simplify(found - 3 * sympy.sqrt(2) / 8) == 0
+    (band,) = dynamics(BETA, {"b": GOLDEN}).attractors
+    assert band.density is not None
+    for end in (Rational(1, 2), 1 / GOLDEN, 2 - GOLDEN):
+        found = exact_to_sympy(band.density.measure(0, end))
+        assert sympy.simplify(found - end * GOLDEN**3 / (1 + GOLDEN**2)) == 0
+    with pytest.raises(ValueError, match="is no number of the field of"):
+        band.density.measure(0, sympy.sqrt(2) / 2)
+
+
 BATCHES, ROUNDS, SIGMAS = 4000, 240, 5.5  # 400 bins fail once in 60 000 trials by chance
 
 

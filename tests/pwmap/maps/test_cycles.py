@@ -8,8 +8,9 @@ import pytest
 import sympy
 from sympy import Rational, divisors, mobius, sqrt
 
-from pwmap import Budget, PiecewiseLinearMap, cycles, word_family
+from pwmap import Budget, BudgetError, PiecewiseLinearMap, cycles, word_family
 from pwmap.maps import Progress
+from pwmap.rotations import farey
 
 TENT = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
 P1L = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - a*x, True))")
@@ -160,6 +161,16 @@ def test_the_budget_ends_a_search_that_grows_without_bound() -> None:
     )
     whole = cycles(TENT, {"a": 2}, found.order)
     assert [c.word for c in found] == [c.word for c in whole]
+
+
+def test_orders_and_denominators_of_any_size_are_answered() -> None:
+    found = cycles(TENT, {"a": 2}, 2**70, budget=Budget(pieces=100))
+    assert (found.order, len(found)) == (9, len(cycles(TENT, {"a": 2}, 9)))
+    found = cycles(TENT, {"a": "1/2"}, 10**400, budget=Budget(letters=50))
+    assert (found.order, len(found)) == (50, 1)
+    assert found.left_out == "stopped after period 50: words of at most 50 letters are allowed"
+    with pytest.raises(BudgetError, match="the fractions up to the denominator 1000"):
+        farey(10**400)
 
 
 def test_what_is_completed_is_kept_if_it_is_interrupted() -> None:

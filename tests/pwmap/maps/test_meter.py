@@ -37,7 +37,8 @@ from pwmap.maps import Advance, Meter
 from pwmap.maps.budget import BUDGET, cost
 from pwmap.parameters.axis import Axis
 from pwmap.parameters.cells import Cell, aside, close, from_all_orders, with_stages
-from pwmap.plane import plane_raster
+from pwmap.plane import plane_raster, with_crises
+from pwmap.rotations import rotational_word
 
 SKEW = PiecewiseLinearMap([("a*x + 1", "x <= 0"), ("b*x + 1", "x > 0")])
 SPANS = ("1/4", "3/2"), (-5, "-1/2")
@@ -206,6 +207,37 @@ def test_what_is_too_long_is_refused_at_once_with_its_cost() -> None:
     with pytest.raises(BudgetError, match="more than 50000000 units of work are needed"):
         family.at(9_990)
     assert time.process_time() - began < 2.0
+
+
+def test_counts_and_orders_of_any_size_are_refused_at_once() -> None:
+    large = 10**400
+    tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    skew = PiecewiseLinearMap.from_sympy("Piecewise((a*x + 1, x <= 0), (b*x + 1, True))")
+    plane = parameter_plane(skew, "a", "b", ("1/4", "3/4"), (-5, "-1/2"))
+    for call, message in (
+        (
+            lambda: plane_raster(plane, large, 1),
+            r"000 x 1 points take about 1e\+402 units",
+        ),
+        (
+            lambda: with_crises(plane, columns=large),
+            r"000 columns take about 1e\+403 units",
+        ),
+        (lambda: with_crises(plane, large), r"the iterate of order 1000.* \.\.\. 000"),
+        (lambda: attractor_diagram(tent, "a", (1, 2), large), r"the iterate of order 1000"),
+        (lambda: rotational_word(Rational(1, large)), r"the letters of 1/1000"),
+    ):
+        with pytest.raises(BudgetError, match=message):
+            call()
+
+
+def test_roots_of_long_polynomials_are_work() -> None:
+    """Their degree is the order: factors of one of degree 300 take seconds."""
+    tent = PiecewiseLinearMap.from_sympy("Piecewise((a*x, x <= 1/2), (a*(1 - x), True))")
+    began = time.monotonic()
+    with pytest.raises(BudgetError, match="more than 100000 units of work are needed"):
+        attractor_diagram(tent, "a", ("5/4", "9/4"), 300, budget=Budget(work=100_000))
+    assert time.monotonic() - began < 20.0
 
 
 def test_tongues_and_families_that_took_minutes() -> None:

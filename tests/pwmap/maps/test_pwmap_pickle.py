@@ -10,7 +10,15 @@ import sympy
 from pickles import Way, pickled
 from sympy import Rational
 
-from pwmap import PiecewiseLinearMap, bifurcation_diagram, parameter_cells, parameter_plane
+from pwmap import (
+    PiecewiseLinearMap,
+    bifurcation_diagram,
+    dynamics,
+    parameter_cells,
+    parameter_plane,
+    tongues,
+    word_family,
+)
 
 PLAIN = sympy.symbols("x a r")
 ASSUMED = sympy.Symbol("x", real=True), *sympy.symbols("a r", positive=True)
@@ -94,6 +102,33 @@ def test_planes_diagrams_and_cycles(way: Way) -> None:
     assert way(diagram).points == diagram.points
     cycle = map_.at({"a": 2, "r": 3}).cycle("RL")
     assert (way(cycle), way(cycle).admissible) == (cycle, cycle.admissible)
+
+
+@WAYS
+def test_families_tongues_and_densities(way: Way) -> None:
+    family = word_family(paper(PLAIN), "L R^k", "k")
+    again = way(family)
+    assert again.conditions == family.conditions
+    assert (again.at(3), again.word(5)) == (family.at(3), family.word(5))
+    assert again.thresholds("r") == family.thresholds("r")
+    pieces = [("x/2 + d", "x < 2 - 2*d"), ("x/2 + d - 1", "x >= 2 - 2*d")]
+    for tongue in tongues(PiecewiseLinearMap(pieces), 3):
+        copied = way(tongue)
+        assert (copied.rotation, copied.word) == (tongue.rotation, tongue.word)
+        assert (copied.values, copied.borders) == (tongue.values, tongue.borders)
+    steep = PiecewiseLinearMap([("r - 2 + 3*x/2", "x <= 0"), ("r - 5*x/4", "x > 0")])
+    golden = PiecewiseLinearMap([("b*x", "x < 1/b"), ("b*x - 1", "x >= 1/b")], given=["b > 1"])
+    for map_, values in ((steep, {"r": 3}), (golden, {"b": (1 + sympy.sqrt(5)) / 2})):
+        (band,) = dynamics(map_, values).attractors
+        density = band.density
+        assert density is not None
+        bounds = density.exponent_bounds  # it is remembered
+        assert way(density).exponent_bounds == bounds
+        assert way(density).places == density.places
+        measure = density.measure(0, Rational(1, 2))
+        for same in (way(measure), way(density).measure("0", "1/2")):
+            assert str(same) == str(measure)
+            assert float(same) == float(measure)
 
 
 @pytest.mark.slow

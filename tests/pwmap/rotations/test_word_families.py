@@ -197,6 +197,14 @@ def test_slopes_without_a_sign_are_undecided() -> None:
     one = PiecewiseLinearMap([("x + 1", "x < 0"), ("x - p", "x >= 0")])
     with pytest.raises(ValueError, match=r"the slope of R L\^n is 1 for every n"):
         word_family(one, "R L^n")
+    for text, pattern in (  # powers that cancel: (2/2)^n, (-1)^(2 n), (a/a)^n
+        ("Piecewise((-x/2 - 1, x <= 0), (1 - 2*x, True))", "L^n R^n"),
+        ("Piecewise((-x - 1, x <= 0), (x + 1, True))", "L^n R L^n"),
+        ("Piecewise((a*x - 1, x <= 0), (x/a + 1, True))", "L^n R^n"),
+    ):
+        cancelling = PiecewiseLinearMap.from_sympy(text, given=["a > 1"])
+        with pytest.raises(ValueError, match=rf"slope of {re.escape(pattern)} is 1 for every n"):
+            word_family(cancelling, pattern)
     mixed = PiecewiseLinearMap([("x/2 + 1", "x < 0"), ("8*x - 1", "x >= 0")])
     with pytest.raises(ValueError, match="the slope of RLLL is 1: it has no isolated cycle"):
         word_family(mixed, "R L^n").at(3)
