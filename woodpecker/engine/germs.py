@@ -30,6 +30,7 @@ from woodpecker.engine.maps import (
 )
 from woodpecker.engine.newton import BLUR, MERGED, Problem
 from woodpecker.engine.orbits import Chained, Closed, OnBorder, SpaceOrbit, orbit_of
+from woodpecker.engine.rooted import nearest_border
 
 SAME = 1e-7  # scaled: values of a map that are closer are one
 SLOW = 1e-9  # a margin that grows slower than this along a tangent, scaled, has no side there
@@ -363,9 +364,16 @@ def _both_ways(order: int, curve: SolutionCurve, orbit: SpaceOrbit) -> Iterator[
     sample = curve.start(orbit)
     if not np.isfinite(sample.tangent).all():
         return
-    for each in (sample, sample.turned):
-        if is_inside(curve, each) and _is_taken_ahead(curve, each):
-            yield Beginning(order, curve, each)
+    ways = [
+        each
+        for each in (sample, sample.turned)
+        if is_inside(curve, each) and _is_taken_ahead(curve, each)
+    ]
+    away, *border = nearest_border(curve, orbit)
+    if len(ways) == 2 and math.isfinite(away):  # the border was located next to the piece
+        ways.sort(key=lambda each: curve.rate(each, *border), reverse=True)
+    for each in ways:
+        yield Beginning(order, curve, each)
 
 
 def _is_taken_ahead(curve: SolutionCurve, sample: Sample) -> bool:
