@@ -17,7 +17,7 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import Sample, SolutionCurve
+from woodpecker.engine.curves import Sample, SolutionCurve, nearest_border
 from woodpecker.engine.maps import (
     ACCUMULATE,
     CLOSER,
@@ -30,7 +30,6 @@ from woodpecker.engine.maps import (
 )
 from woodpecker.engine.newton import BLUR, MERGED, Problem
 from woodpecker.engine.orbits import Chained, Closed, OnBorder, SpaceOrbit, orbit_of
-from woodpecker.engine.rooted import nearest_border
 
 SAME = 1e-7  # scaled: values of a map that are closer are one
 SLOW = 1e-9  # a margin that grows slower than this along a tangent, scaled, has no side there
