@@ -1,7 +1,7 @@
 """Exact analysis of piecewise-linear discontinuous maps; diagrams and their graphs.
 
 A name is loaded, with what it needs, when it is first used; ``__init__.pyi`` says where each is.
-Specialised names are in rooms such as :mod:`pwmap.longrun` or :mod:`pwmap.plane`.
+Specialised names are in subpackages such as :mod:`pwmap.longrun` or :mod:`pwmap.plane`.
 """
 
 import warnings

@@ -1,6 +1,6 @@
 """The Woodpecker Toy: exact events, return map, periodic solutions and their bifurcations.
 
-Here are the verbs, and what they take and return. More is in rooms of its own, such as
+Here are the main functions, and what they take and return. More is in subpackages such as
 ``woodpecker.plane`` and ``woodpecker.proofs``. A name is loaded with what it needs when it is first
 used; ``__init__.pyi`` of each package says where it is.
 """

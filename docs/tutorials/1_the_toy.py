@@ -30,7 +30,7 @@ drawn = plot_time_history(motion)
 # The return map
 # --------------
 # When the bird is at its lowest again while the sleeve jams, the toy is back on the section: one
-# number, phi_S, says all. The map from one to the next has exact derivatives.
+# number, phi_S, says it all. The map from one return to the next has exact derivatives.
 
 from woodpecker import first_return
 
@@ -39,9 +39,8 @@ print(f"P({-0.53}) = {back.phi_s:.12f}, slope {back.slope:.6f}, after {1e3 * bac
 print(back.word)
 
 # %%
-# It has jumps where two impacts change their order. There it is no use to integrate more
-# precisely: both limits are right. The picture looks closer wherever neighbouring values lie far
-# apart.
+# It jumps where two impacts change their order. More precise integration does not help there:
+# both limits are right. Starts are added wherever neighbouring values lie far apart.
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -66,8 +65,8 @@ print(f"multiplier {orbit.multiplier:.6f}")
 # %%
 # Over a parameter
 # ----------------
-# ``continuation`` follows it over the restitution coefficient of the beak, and all that hangs
-# together with it: stable and unstable motions, and *jump crossings*, along which a jump of the
+# ``continuation`` follows it over the restitution coefficient of the beak, with everything that is
+# connected with it: stable and unstable motions, and *jump crossings*, along which a jump of the
 # map lies across the diagonal.
 
 from pwmap.plot import plot_diagram
@@ -85,7 +84,7 @@ drawn = plot_diagram(diagram, ax)
 # Read it from the right: the stable motion ends in a jump, at the paper's point C. It turns back as
 # a jump crossing, turns again into an unstable motion, which leads to A. There it turns into the
 # crossing that leads to B, where a second stable motion begins.
-# The graph of the branches can be used by itself:
+# The branches also make a graph:
 
 graph = diagram.graph()
 print(graph.number_of_nodes(), "special points,", graph.number_of_edges(), "branches")

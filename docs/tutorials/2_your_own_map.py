@@ -2,14 +2,14 @@
 Your own map
 ============
 
-The engine that follows the toy knows no toy. Any map of the line will do that names its smooth
-pieces and what bounds them. Take two curves with a jump between them.
+The engine that follows the toy knows nothing of it. Any map of the line will do, as long as it
+names its smooth pieces and what bounds them. Take two curves with a jump between them.
 """
 
 # %%
 # A formula
 # ---------
-# The parameter is ``p``. Pieces get words, by which branches are named.
+# The parameter is ``p``. Each piece gets a word, which names its branches.
 
 import matplotlib.pyplot as plt
 from sympy import Piecewise, symbols
@@ -35,9 +35,9 @@ for point in diagram.points:
     print(f"{point.id:4} {point.parameter:+.12f} {point.x:+.12f}  {point.note} {point.cause}")
 
 # %%
-# All there is
+# Every branch
 # ------------
-# ``bifurcation_diagram`` looks at slices of the parameter, and follows what no branch explains;
+# ``bifurcation_diagram`` looks at slices of the parameter and follows whatever no branch explains,
 # here for the map and its second iterate.
 
 found = bifurcation_diagram(own, orders=(1, 2), settings=settings, search=Search(slices=16))
@@ -48,9 +48,9 @@ print(len(found.branches), "branches,", len(found.points), "special points")
 # %%
 # Pieces in Python
 # ----------------
-# Where there is no formula for sympy, write pieces as functions, with derivatives if you have
-# them. ``check_derivatives`` compares those with differences of values. Each *margin* is positive
-# inside of its piece and zero at its border.
+# Where there is no formula for sympy, write the pieces as functions, with derivatives if you have
+# them; ``check_derivatives`` compares these with differences of values. Each *margin* is positive
+# inside its piece and zero at the border.
 
 from woodpecker import FormulaMap, FormulaPiece, Smooth
 from woodpecker.maps import check_derivatives

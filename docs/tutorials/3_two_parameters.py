@@ -2,15 +2,15 @@
 Two parameters
 ==============
 
-Bifurcations of one parameter lie on curves of two. For piecewise-linear maps these are
-polynomials, and ``pwmap`` finds them; for any other map they are followed in doubles.
+A bifurcation over one parameter is a point; over two it is a curve. For piecewise-linear maps
+``pwmap`` finds the polynomials of these curves; for any other map they are followed in doubles.
 """
 
 # %%
 # An exact plane
 # --------------
-# Both slopes of a skew tent map. Every cell of the rectangle has one answer; the curves between
-# them have polynomials, and the points in which they meet are exact.
+# The parameters are both slopes of a skew tent map. In every cell of the rectangle there is one
+# answer; the curves between cells have polynomials, and the points in which they meet are exact.
 
 import matplotlib.pyplot as plt
 
@@ -49,4 +49,4 @@ ax.locator_params(axis="x", nbins=6)
 # %%
 # On its way the jump closes (JC), and the multiplier right at the border passes -1 (PDB): points
 # of codimension two. Where curves of another kind begin, ``point.starts`` names them, and the
-# same verb follows them from there.
+# same function follows them from there.

@@ -4,7 +4,7 @@ P1^L, by hand and by pwmap
 
 The paper explains its point A by a map with one jump, Eq. (14): P1^L(x) = r - 2 for x <= 0, and r
 - a x for x > 0, with a > 1. Everything about it can be worked out on paper, so it is a good first
-map for ``pwmap``, which has it in exact arithmetic with a and r as symbols.
+map for ``pwmap``, which works in exact arithmetic with a and r as symbols.
 """
 
 # %%
@@ -35,8 +35,8 @@ for point in between.fixed_points():
 print(between.iterate(2))
 
 # %%
-# The jump at 0 has the limits r - 2 < 0 and (1 - a) r < 0: it does not cross the diagonal any
-# more. The new jump at r/a does, from r to r - 2. In general P_j has just one jump crossing, at
+# The jump at 0 has the limits r - 2 < 0 and (1 - a) r < 0: it no longer crosses the diagonal.
+# The new jump at r/a does, from r to r - 2. In general P_j has just one jump crossing, at
 # x* (1 - (-a)^(1 - j)) with x* = r/(1 + a):
 
 for order in range(1, 6):

@@ -2,10 +2,10 @@
 The paper, figure by figure
 ===========================
 
-We reproduce the argument of Leine, Glocker and van Campen (2001) from its motion, Figures 4 to 7,
-over its map, Figure 8, and its diagram, Figures 9 and 10, to the map of one jump with which it
-explains the diagram, Figures 11 and 12. Whoever wants the figures as they are printed, with every
-branch and every number beside ours, finds the scripts under :doc:`/reproduce`.
+We follow the argument of Leine, Glocker and van Campen (2001) from the motion (Figures 4 to 7)
+to the return map (Figure 8), the diagram (Figures 9 and 10), and the map with one jump that
+explains the diagram (Figures 11 and 12). The scripts that redraw the figures as printed, with every
+branch and every number beside ours, are under :doc:`/reproduce`.
 """
 
 # %%
@@ -41,8 +41,8 @@ drawn = plot_phase_portraits(motion)
 # %%
 # The return map
 # --------------
-# Figure 8. Jumps lie where the upper edge and the beak strike at once, and exchange their order:
-# one at -0.7578, one at -2.3493. The paper computed a thousand points in an hour.
+# Figure 8. The map jumps where the upper edge and the beak strike at once and exchange their
+# order: at -0.7578 and at -2.3493. The paper computed a thousand points in an hour.
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -58,7 +58,7 @@ drawn = plot_return_map(toy, return_map(toy, np.linspace(-2.5, -0.24, 1000)), ax
 # -----------
 # Figures 9 and 10, as far as it is connected with the motion above. With friction in the
 # expansion of an impact bounded by the sum of both normal impulses, it folds at the paper's points
-# A, B and C. The paper does not say which law it takes: that is inferred.
+# A, B and C. The paper does not say which law it takes; this one is inferred.
 
 from pwmap.plot import plot_diagram
 from woodpecker import continuation
@@ -73,9 +73,10 @@ figure, ax = plt.subplots(figsize=(7.0, 4.6), layout="constrained")
 drawn = plot_diagram(diagram, ax)
 
 # %%
-# From the right: the stable motion flips (``PD1``); at C it meets a jump of the map, as does a jump
-# crossing, and both end there, as in a fold. The crossing turns into an unstable motion (``FF1``),
-# which leads to A, and from A another crossing leads to B, where the second stable motion begins.
+# Read it from the right: the stable motion begins at a flip (``PD1``); at C it meets a jump of the
+# map, as does a jump crossing, and both end there, as in a fold. The crossing turns into an
+# unstable motion (``FF1``), which leads to A, and from A another crossing leads to B, where the
+# second stable motion begins.
 #
 # Why A is a fold-flip
 # --------------------
@@ -87,8 +88,8 @@ figure, ax = plt.subplots(figsize=(6.4, 5.2), layout="constrained")
 drawn = plot_return_map(near, return_map(near, np.linspace(-1.15, -0.68, 600)), ax)
 
 # %%
-# Figure 12 replaces it by straight lines, P1^L. ``local_model`` does that for any collision, with
-# the toy's own limits, slopes and speeds, and ``pwmap`` finds its diagram in exact arithmetic.
+# Figure 12 replaces the map by straight lines, P1^L. ``local_model`` does that for any collision,
+# with the toy's own limits, slopes and speeds, and ``pwmap`` finds its diagram in exact arithmetic.
 # Three branches start at A, all on the same side: a fixed point and a jump crossing of P_1, as in
 # a fold, and a jump crossing of P_2, as in a flip.
 
@@ -105,5 +106,5 @@ both = continuation(near, unstable, "eps_n1", span=(0.10, 0.13), orders=(1, 2))
 drawn = plot_local(model, both)
 
 # %%
-# Left, what was followed on the toy itself; right, what the straight lines predict. That they agree
-# says that A is what the paper takes it for, though nothing smooth happens there.
+# On the left, what was followed on the toy itself; on the right, what the straight lines predict.
+# They agree: A is what the paper takes it for, though nothing smooth happens there.

@@ -81,7 +81,7 @@ class AssumedRegion(Portable):
             known = f"follow from {self}" if self.constraints else "follow without assumptions"
             raise UndecidedError(
                 f"the sign of {shortened(str(sympy.factor(to_sympy(polynomial))))} "
-                f"does not {known}: assume more (given=[...]) or give a parameter a value (.at)"
+                f"does not {known}: assume more of the parameters (given) or give one a value"
             )
         return next(iter(found))
 

@@ -82,11 +82,15 @@ FUNCTIONS |= {name.lower(): FUNCTIONS[name] for name in ("Abs", "Max", "Min")}  
 def term_of(value: object, symbols: Sequence[sympy.Symbol] = ()) -> Term:
     """Text, a number or a sympy expression as a tree; names among ``symbols`` stand for these.
 
+    A tree is returned as it is.
+
     TypeError if a float occurs, with the rational it probably means; ValueError if the text is no
     expression, or longer than a map needs.
     """
     if isinstance(value, str):
         return _Parser(value, {plain_name(symbol): symbol for symbol in symbols}).parsed()
+    if isinstance(value, Term):
+        return value
     number = term_of_number(value)
     if number is not None:
         return number

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import numbers
 import unicodedata
-from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from enum import Enum
 from fractions import Fraction
 from typing import Any, NamedTuple
@@ -92,6 +92,12 @@ class Term:
         found = {term.value for term in self.walk() if term.operation is Operation.NAME}
         ordered = sorted(found, key=lambda s: (len(s.assumptions0), s.name))
         return {plain_name(symbol): symbol for symbol in ordered}
+
+    def with_values(self, values: Mapping[str, Term]) -> Term:
+        """The tree with others in place of some names, by :func:`plain_name`."""
+        if self.operation is Operation.NAME:
+            return values.get(plain_name(self.value), self)
+        return replace(self, arguments=tuple(each.with_values(values) for each in self.arguments))
 
     def walk(self) -> Iterator[Term]:
         """All trees inside this one, and itself, each once."""

@@ -24,22 +24,36 @@ def map_of(
     ValueError if the text is no formula, with how one is written, no map, or lacks a parameter.
     """
     from pwmap import PiecewiseLinearMap
-    from pwmap.algebra.parsing import term_of
-    from pwmap.algebra.terms import own_name
+    from pwmap.algebra.assumptions import AssumedRegion, read_constraints
+    from pwmap.algebra.exact import sign
+    from pwmap.algebra.parsing import checked_name, term_of
+    from pwmap.algebra.terms import checked_parameter, own_name, plain_name
 
     try:
-        term_of(formula)
+        term = term_of(formula)
     except ValueError as error:
         raise ValueError(f"{error}; {AS_TEXT}") from None
-    map_ = PiecewiseLinearMap.from_sympy(formula, variable, given)
-    names = [str(symbol) for symbol in map_.parameters]
-    for condition in given:
-        for name in term_of(condition).names():
-            if own_name(name, map_.parameters) not in names:
+    x = checked_name(variable)
+    symbols = sorted((s for name, s in term.names().items() if name != x), key=str)
+    conditions = [term_of(condition) for condition in given]
+    for condition in conditions:
+        for name in condition.names():
+            if own_name(name, symbols) not in map(str, symbols) and name != x:
                 raise ValueError(
-                    f"--given {condition}: {name} is no parameter of this map, it has {names}"
+                    f"--given {condition}: {name} is no parameter of this map, "
+                    f"it has {[*map(str, symbols)]}"
                 )
-    return map_.at(values) if values else map_
+    numbers = {
+        plain_name(checked_parameter(name, symbols)): term_of(value)
+        for name, value in values.items()
+    }
+    # values come first, so that a denominator, or the order of two breaks, may depend on them
+    read = [each.with_values(numbers) for each in (term, *conditions)]
+    for condition, found in zip(conditions, read[1:], strict=True):
+        if not found.names() and AssumedRegion(None, read_constraints([found], None)).broken(sign):
+            given_values = ", ".join(f"{name} = {value}" for name, value in values.items())
+            raise ValueError(f"{given_values} contradicts the assumption {condition}")
+    return PiecewiseLinearMap.from_sympy(read[0], variable, read[1:])
 
 
 def varied(map_: PiecewiseLinearMap, *names: str) -> None:

@@ -61,6 +61,12 @@ TableFormat = Annotated[
 _tables: ContextVar[Format | None] = ContextVar("_tables", default=None)
 
 
+class _Screen(Console):
+    def on_broken_pipe(self) -> None:
+        """What reads a pipe, as ``head`` does, may end first: pictures are drawn all the same."""
+        os.dup2(os.open(os.devnull, os.O_WRONLY), self.file.fileno())
+
+
 def option(text: str, *names: str, **keywords: Any) -> Any:
     """An option with its help, in which ``[rad]`` is a unit and no markup."""
     return typer.Option(*names, help=escape(text), **keywords)
@@ -83,12 +89,20 @@ def picture_format(asked: Iterable[Format] | None) -> PictureFormat:
 
 def screen(*, stderr: bool = False, width: int | None = None) -> Console:
     """A console, by default as wide as the terminal, that shows brackets as they are."""
-    return Console(stderr=stderr, width=width, markup=False, emoji=False)
+    return _Screen(stderr=stderr, width=width, markup=False, emoji=False)
 
 
 def show(*tables: Table) -> None:
     """Tables on stdout in the format that was asked for; for programs cells are text."""
     console = screen()
+    try:
+        _show(console, tables)
+        console.file.flush()
+    except BrokenPipeError:
+        console.on_broken_pipe()
+
+
+def _show(console: Console, tables: Iterable[Table]) -> None:
     form = _tables.get()
     for number, table in enumerate(tables):
         header = [str(column.header) for column in table.columns]

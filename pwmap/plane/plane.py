@@ -211,7 +211,8 @@ def checked_axes(
         raise ValueError(f"expected two different parameters, got {across} twice")
     if names.keys() != {across, along}:
         others = ", ".join(name for name in names if name not in (across, along))
-        rest = f": {others} must be set to a value" if others else ""
+        known = {across, along} <= names.keys()
+        rest = f": {others} must be set to a value" if known else ""
         raise ValueError(
             f"expected a map of {across} and {along}, this one has {list(names)}{rest}"
         )

@@ -351,3 +351,15 @@ def _rate_of_share(orbit: SpaceOrbit, motion: Floats) -> float:
     if jump == 0.0:
         return math.nan
     return float(motion[0] - rates[0] - orbit.share * (rates[1] - rates[0])) / jump
+
+
+def nearest_border(curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[float, int, int]:
+    """The border nearest to a point of an orbit: how far away that is, its image and its code."""
+    scale = np.array(curve.problem.x_scale)
+    best = math.inf, 0, 0
+    for i, image in enumerate(orbit.taken):
+        slopes = np.linalg.norm(image.gradients[:, : len(scale)] * scale, axis=1)
+        for margin, slope, code in zip(image.margins, slopes, image.codes.tolist(), strict=True):
+            if (i, code) not in curve.ignored and slope > 0.0:
+                best = min(best, (abs(float(margin / slope)), i, code))
+    return best

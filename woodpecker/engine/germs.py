@@ -17,7 +17,7 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind
 from woodpecker.base.arrays import Floats
-from woodpecker.engine.curves import Sample, SolutionCurve
+from woodpecker.engine.curves import Sample, SolutionCurve, nearest_border
 from woodpecker.engine.maps import (
     ACCUMULATE,
     CLOSER,
@@ -363,9 +363,16 @@ def _both_ways(order: int, curve: SolutionCurve, orbit: SpaceOrbit) -> Iterator[
     sample = curve.start(orbit)
     if not np.isfinite(sample.tangent).all():
         return
-    for each in (sample, sample.turned):
-        if is_inside(curve, each) and _is_taken_ahead(curve, each):
-            yield Beginning(order, curve, each)
+    ways = [
+        each
+        for each in (sample, sample.turned)
+        if is_inside(curve, each) and _is_taken_ahead(curve, each)
+    ]
+    away, *border = nearest_border(curve, orbit)
+    if len(ways) == 2 and math.isfinite(away):  # the border was located next to the piece
+        ways.sort(key=lambda each: curve.rate(each, *border), reverse=True)
+    for each in ways:
+        yield Beginning(order, curve, each)
 
 
 def _is_taken_ahead(curve: SolutionCurve, sample: Sample) -> bool:

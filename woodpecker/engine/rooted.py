@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from woodpecker.base.arrays import Floats, norm
-from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve, Stop
+from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve, Stop, nearest_border
 from woodpecker.engine.maps import ACCUMULATE, SpaceImage, limit
 from woodpecker.engine.newton import BLUR, STEEP, newton_step, solve
 from woodpecker.engine.orbits import OnBorder, SpaceOrbit
@@ -60,18 +60,6 @@ def at_root(arc: Arc, within: float) -> Arc | None:
     margins[k] = 0.0
     images = (*end.images[:i], end.images[i]._replace(margins=margins), *end.images[i + 1 :])
     return replace(moved, samples=(*arc.samples, replace(last, orbit=replace(end, images=images))))
-
-
-def nearest_border(curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[float, int, int]:
-    """The border nearest to a point of an orbit: how far away that is, its image and its code."""
-    scale = np.array(curve.problem.x_scale)
-    best = math.inf, 0, 0
-    for i, image in enumerate(orbit.taken):
-        slopes = np.linalg.norm(image.gradients[:, : len(scale)] * scale, axis=1)
-        for margin, slope, code in zip(image.margins, slopes, image.codes.tolist(), strict=True):
-            if (i, code) not in curve.ignored and slope > 0.0:
-                best = min(best, (abs(float(margin / slope)), i, code))
-    return best
 
 
 def _grows(before: SpaceOrbit, last: SpaceOrbit, i: int) -> bool:

@@ -22,7 +22,7 @@ from woodpecker.engine.arrivals import (
     passed_over,
     round_corner,
 )
-from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve, Stop
+from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve, Stop, nearest_border
 from woodpecker.engine.following import KEPT_TURN, Halt, angle, follow, leaves
 from woodpecker.engine.germs import (
     SAME,
@@ -41,7 +41,7 @@ from woodpecker.engine.maps import ACCUMULATE, SpaceImage, links
 from woodpecker.engine.needles import rounded
 from woodpecker.engine.newton import directions, other_direction, solve, uncertainty
 from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit, placed
-from woodpecker.engine.rooted import nearest_border, settled
+from woodpecker.engine.rooted import settled
 
 DOUBLED = 1e-7  # scaled: points that merge at a flip are known to the root of their rounding
 ONE = 1e-12  # the same but for rounding

@@ -19,7 +19,7 @@ from pwmap.algebra.roots import Real, bounds, sign_at
 from pwmap.diagrams.data import PointKind
 from pwmap.longrun.crises.meetings import earliest
 from pwmap.longrun.crises.samples import CLOSER, Attracted, BreakImage, Samples
-from pwmap.longrun.line import joined
+from pwmap.longrun.line import joined, outside
 from pwmap.longrun.numbers import to_double
 from pwmap.maps.budget import Meter
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
@@ -323,17 +323,19 @@ def kind_of(samples: Samples, change: Onset) -> PointKind | None:
         )  # fmt: skip
         same = ours == theirs
     else:
-        same = left.counts == right.counts and _close(left, right)
+        same = _close(left, right)
     if not same:
         return PointKind.XC
     return None if left.counts == right.counts else PointKind.MC
 
 
 def _close(left: Attracted, right: Attracted) -> bool:
-    """Whether bands at two places may be the same by what they are there."""
+    """Whether bands at two places may cover the same, however they are divided, by lengths."""
     one, other = (
-        [to_double(x) for bands in each.found.bands for pair in bands.intervals for x in pair]
+        joined(
+            (to_double(a), to_double(b)) for bands in each.found.bands for a, b in bands.intervals
+        )
         for each in (left, right)
     )
-    scale = max(one) - min(one)
-    return max(abs(a - b) for a, b in zip(one, other, strict=True)) <= SAME * scale
+    little = SAME * (one[-1][1] - one[0][0])
+    return all(b - a <= little for a, b in (*outside(one, other), *outside(other, one)))

@@ -2,6 +2,8 @@
 
 import csv
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -310,8 +312,24 @@ def test_a_plane_of_other_parameters_is_refused(tmp_path: Path) -> None:
     spans = ("--across-span", "0", "1", "--along-span", "-5", "-1")
     code, text = run_plane("--across", "a", "--along", "c", *spans, out=tmp_path)
     assert code == 2
-    assert "expected a map of a and c, this one has ['a', 'b']: b must be set to a value" in text
+    assert "expected a map of a and c, this one has ['a', 'b']\n" in text
     code, text = run_plane("--across", "a", "--along", "b", "--set", "b=-2", *spans, out=tmp_path)
     assert code == 2
     assert "b is to vary, and cannot be set to -2 too" in text
     assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("more", [(), ("--format", "csv", "--format", "png")])
+def test_pictures_are_drawn_though_nobody_reads_the_tables(
+    more: tuple[str, ...], tmp_path: Path
+) -> None:
+    given = ["--parameter", "r", "--set", "a=5/4", "--orders", "1", "--out", str(tmp_path), *more]
+    command = [sys.executable, "-m", "pwmap", "analyse", P1L, *given]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as running:
+        assert running.stdout is not None
+        assert running.stderr is not None
+        running.stdout.close()
+        assert b"rror" not in running.stderr.read()
+    assert running.returncode == 0
+    assert (tmp_path / "diagram.png").exists()

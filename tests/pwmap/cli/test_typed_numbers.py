@@ -1,8 +1,9 @@
 """Numbers that are typed at a command are what they say: 1.25 is 5/4."""
 
 import pytest
+from sympy import Rational
 
-from pwmap.cli.reading import assignments, exact, exact_span
+from pwmap.cli.reading import assignments, exact, exact_span, map_of
 
 
 @pytest.mark.parametrize(
@@ -20,3 +21,30 @@ def test_everywhere_a_value_is_typed() -> None:
     assert assignments(["a=1.25", "b = 1/3"]) == {"a": "5/4", "b": "1/3"}
     assert exact_span(("0", "2.5")) == ("0", "5/2")
     assert exact_span(None) is None
+
+
+BOOST = "Piecewise((x + m1, x <= top - m1), (top*(1 + m2/m1) - m2 - m2/m1*x, True))"
+
+
+def test_a_value_that_is_set_decides_the_sign_of_a_denominator() -> None:
+    """The boost converter in current mode: its current rises with m1 and falls with m2."""
+    map_ = map_of(BOOST, "x", ["m1 > 0"], {"m1": "2", "top": "5"})
+    assert [str(symbol) for symbol in map_.parameters] == ["m2"]
+    # x = 5 (1 + b) - 2 b - b x with b = m2/2: at b = 3/2 it is 19/5
+    assert [point.x for point in map_.at({"m2": 3}).fixed_points()] == [Rational(19, 5)]
+
+
+@pytest.mark.parametrize(
+    ("given", "values", "said"),
+    [
+        (["m1 > 2"], {"m1": "2"}, "m1 = 2 contradicts the assumption m1 > 2"),
+        ([], {"m1": "0"}, "cannot work out .*: it divides by zero"),
+        ([], {"x": "2"}, r"x is no parameter of this map, it has \['m1', 'm2', 'top'\]"),
+        ([], {"top": "5"}, "assume more of the parameters .given. or give one a value"),
+    ],
+)
+def test_values_that_do_not_fit_are_refused(
+    given: list[str], values: dict[str, str], said: str
+) -> None:
+    with pytest.raises(ValueError, match=said):
+        map_of(BOOST, "x", given, values)

@@ -34,6 +34,19 @@ def test_eight_bands_merge_at_the_eighth_root() -> None:
 
 
 @pytest.mark.slow
+def test_bands_that_merge_at_a_place_that_stays_open_do_not_expand() -> None:
+    """Slopes 1 and -a: 2, 4, 8, 16, 32 bands merge at a^n = a + 1, n = 2, 3, 6, 11, 22."""
+    boost = PiecewiseLinearMap.from_sympy("Piecewise((x + 1, x <= 0), (1 - a*x, True))")
+    found = attractor_diagram(boost, "a", ("10325/10000", "10330/10000"), 1)
+    (crisis,) = found.crises
+    a = sympy.Symbol("a", positive=True)
+    exact = float(sympy.nsolve(a**22 - a - 1, 1.033))
+    assert (crisis.kind, crisis.bands) == (PointKind.MC, (32, 16))
+    assert 0.0 < crisis.width < 1e-9
+    assert float(crisis.parameter) == pytest.approx(exact, abs=crisis.width)
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("a", [Rational(3, 4), Rational(5, 4)])
 def test_bands_of_the_skew_tent_map_merge_where_the_literature_says(a: Rational) -> None:
     """Two bands become one where a b^2 - a + b = 0 [MilnorThurston1988; NusseYorke1995]."""

@@ -50,7 +50,7 @@ def test_edges_that_meet_part_strips_exactly() -> None:
 
 def test_other_parameters_are_refused() -> None:
     three = PiecewiseLinearMap([(r - b, x <= 0), (r - a * x, x > 0)], given=[a > 1])
-    with pytest.raises(ValueError, match=r"expected a map of a and r, this one has \['a', 'b'"):
+    with pytest.raises(ValueError, match=r"has \['a', 'b', 'r'\]: b must be set to a value"):
         parameter_plane(three, a, r, (1, 4), (-1, 12))
 
 

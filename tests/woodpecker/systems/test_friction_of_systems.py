@@ -19,6 +19,7 @@ from woodpecker.systems import (
     MotionStatus,
     Section,
     SystemMap,
+    continuation,
     shoot,
     simulate,
 )
@@ -246,3 +247,39 @@ def test_a_closed_contact_does_not_drift() -> None:
     assert motion.word == "S2"
     assert (motion.q[:, 1] == jammed).all()
     assert not motion.u[:, 1].any()
+
+
+# --- Lengths far from 1 ---------------------------------------------------------------------------
+
+
+@NEEDS_HEYOKA
+@pytest.mark.slow
+@pytest.mark.parametrize(("x_scale", "p_scale"), [((1e-3, 0.3), (20.0,)), (None, None)])
+def test_a_machine_in_si_units_is_followed_past_a_stop_that_ends(
+    x_scale: tuple[float, ...] | None, p_scale: tuple[float, ...] | None
+) -> None:
+    """A lever of 2.5 kg that rattles in a gap of half a millimetre and rubs in its guide.
+
+    While it rests nothing but the force changes: a step of the motion alone is as long as the
+    horizon, and says nothing of when the guide slips. What begins where the stop ends leads away
+    from there, also if its border is located next to its piece.
+    """
+    x, y, v, t, f = sympy.symbols("x y u_x t F")
+    w = 40 * sympy.pi
+    stop = Contact(name="the stop", gap=sympy.Rational(1, 2000) - x, eps_n=0.6)
+    guide = Contact(name="the guide", gap=y, slip=v, mu=0.15)
+    force = [f * sympy.cos(w * t) - 40_000 * x - 20 * v, -2.5 * 9.81]
+    lever = ContactSystem([x, y], [[2.5, 0], [0, 2.5]], force, [stop, guide], {f: 34.6})
+    section = Section(when=sympy.sin(w * t), free=[x, v], at={t: 0})
+    map_ = SystemMap(lever, section, ["F"], x_scale=x_scale, p_scale=p_scale)
+    cycle = shoot(map_, [3.6e-4, 0.19])
+    window = [(-0.003, 0.001), (-1.0, 1.0)]
+    found = continuation(map_, cycle, (34.3, 34.7), window, orders=(1,))
+    (branch,) = found.diagram.branches
+    assert [part.word for part in branch.words] == ["I1+2 J2 S2 R2", "I1+2 R2"]
+    assert branch.parameter[[0, -1]].tolist() == [34.7, 34.3]
+    for k in (0, -1):  # the motion itself comes back, too
+        start = {"x": branch.x[k], "u_x": branch.columns["u_x"][k]}
+        motion = simulate(lever.replace(F=float(branch.parameter[k])), start, t_end=0.05)
+        end = motion.q[-1, 0], motion.u[-1, 0]
+        assert end == pytest.approx(tuple(start.values()), abs=1e-10)

@@ -37,7 +37,7 @@ from woodpecker.systems.simulation.causes import (
     SPEED,
     START,
 )
-from woodpecker.systems.simulation.flows import KeptSteps
+from woodpecker.systems.simulation.flows import KeptSteps, Step
 from woodpecker.systems.simulation.guards import GuardStart, Polynomials, starts_of
 from woodpecker.systems.simulation.motion import Leg, Machine
 from woodpecker.systems.simulation.sections import Embedding
@@ -199,6 +199,7 @@ class Following:
     _k: int  # which phase it is
     _leg: Leg
     _steps: KeptSteps
+    _length: float  # in which the motion, or what ends the phase, changes
     _starts: dict[int, GuardStart]  # how its guards begin
 
     def _phase(self, here: Local, near: float | None) -> float:
@@ -207,6 +208,7 @@ class Following:
         starts = self._starts = starts_of(here, leg.touch, on_section=self._k == 0)
         flow = self.machine.flow(leg.mode, varies=True)
         self._steps = KeptSteps(flow, here.z, self.p, self.embedding.section.horizon)
+        self._length = self._first_length()
         start, (t, left) = starts[leg.guard], self._root(near)
         z, changes = self._steps.exact(t)
         there, tangents = self._local(z), total(eq, changes, self._tangents)
@@ -220,6 +222,13 @@ class Following:
         rested = leg.guard // eq.m == GAP and start.order == 2
         self._flight = (t, delay) if rested else None
         return t
+
+    def _first_length(self) -> float:
+        """How long the first step is; of its guards where the motion rests, in one step."""
+        length = self._steps.first.length
+        if length < self.embedding.section.horizon:
+            return length
+        return next(self._guard_steps()).length
 
     def _local(self, z: Floats) -> Local:
         mode = self._leg.mode
@@ -279,7 +288,7 @@ class Following:
         t, order = near, start.order
         early = bool(order) and not start.is_section and start.jet[order] < 0.0
         for _ in range(NEWTON_MOST):
-            if abs(t - near) > FURTHER * abs(near) + steps.first.length or (
+            if abs(t - near) > FURTHER * abs(near) + self._length or (
                 order and not (t > 0.0 or (t < 0.0 and early))
             ):
                 return math.nan
@@ -298,8 +307,8 @@ class Following:
 
     def _first_root(self, near: float | None) -> float:
         """The first root of the guard that fires; NoRootError if there is none soon."""
-        guard, length = self._leg.guard, self._steps.first.length
-        most = math.inf if near is None else FURTHER * abs(near) + length
+        guard = self._leg.guard
+        most = math.inf if near is None else FURTHER * abs(near) + self._length
         for guards in self._guards(most):
             t = guards.falls([*self._starts].index(guard))
             if t < math.inf:
@@ -309,16 +318,20 @@ class Following:
 
     def _guards(self, until: float) -> Iterator[Polynomials]:
         """The guards until a time, step by step."""
-        begin, before, mode = 0.0, None, self._leg.mode
+        begin, before = 0.0, None
         starts = [*self._starts.values()]
-        flow = self.machine.flow(mode, section=self.embedding.guard_in(mode))
-        for step in flow.steps(*self._steps.start):
+        for step in self._guard_steps():
             if begin >= until:
                 return
             found = Polynomials(step.length, step.guards, begin, starts, before)
             yield found
             before = found.ends()
             begin += step.length
+
+    def _guard_steps(self) -> Iterator[Step]:
+        mode = self._leg.mode
+        flow = self.machine.flow(mode, section=self.embedding.guard_in(mode))
+        return flow.steps(*self._steps.start)
 
     # --- Margins ----------------------------------------------------------------------------------
 
@@ -383,7 +396,7 @@ class Following:
         The square of its rate f' is -2 f f'' of its minimum f; what is left of it makes that so
         where it only touches zero.
         """
-        leg, length = self._leg, self._steps.first.length
+        leg, length = self._leg, self._length
         start, rate = self._starts[leg.guard], there.derivative(leg.guard, 1)
         value_turn, rate_turn = self._gradients(there, leg.guard, tangents)
         if rate == 0.0 or not math.isfinite(rate):
@@ -427,7 +440,7 @@ class Following:
         In a short phase one that begins at zero has the sign of its first derivative, which is
         watched where the phase begins.
         """
-        start, length = self._starts[guard], self._steps.first.length
+        start, length = self._starts[guard], self._length
         if start.order and t < SOON * length and not 0.0 < start.root() <= 4.0 * t:
             return
         value, rate = there.jet(guard, 1)
