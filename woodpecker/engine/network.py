@@ -142,12 +142,7 @@ def connected(
             f"got points of {d} and {k} values"
         )
     start = cycle_near(map_, points, values, problem)
-    for name, at, (low, high) in (
-        ("the parameter", values[free : free + 1], settings.spans[0]),
-        *(("a coordinate", start.x[:, j], settings.window[j]) for j in range(d)),
-    ):
-        if at.min() < low or at.max() > high:
-            raise ValueError(f"{name} of the cycle must lie in [{low}, {high}], got {at.tolist()}")
+    settings.check_holds(values[free : free + 1], start.x)
     component = _Component(SolutionCurve(map_, problem, settings), wanted, most)
     component.explore(start)
     return component.result(names)

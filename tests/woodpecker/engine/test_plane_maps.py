@@ -1,5 +1,6 @@
 """Cycles of maps of the plane: folds, flips, pairs on the unit circle, and their curves."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -202,6 +203,13 @@ def test_scales_may_be_arrays(henon: Connected) -> None:
     for free in ((0, 0), (0,), (0, 2), 1):
         with pytest.raises(ValueError, match="free must name two of 2 parameters"):
             special_curve(HENON, at, PointKind.PD, free, both)  # type: ignore[arg-type]
+    for outside in (
+        {"spans": ((0.5, 1.5), (-0.4, 0.4))},
+        {"spans": ((-1.0, 1.5), (0.31, 0.4))},
+        {"window": ((-4.0, 0.0), WINDOW[1])},
+    ):
+        with pytest.raises(ValueError, match=r"a (parameter|coordinate) of the cycle must lie in"):
+            special_curve(HENON, at, PointKind.PD, (0, 1), replace(both, **outside))
     with pytest.raises(ValueError, match="p_scale must be 2 positive numbers, got 3"):
         special_curve(HENON, at, PointKind.PD, (0, 1), both, p_scale=3)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match=r"kind must be pwmap.PointKind, got 'PD'"):
