@@ -7,12 +7,13 @@ restitution, upwards only.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
 from woodpecker.base.checks import instance
 from woodpecker.base.settings import Settings
+from woodpecker.base.shown import shown
 from woodpecker.mechanics.toy import WINDOW, Toy, known_parameter, parameters
 from woodpecker.robustness.changes import FARTHEST, FLOOR, Space, space_of
 from woodpecker.robustness.found import ENDS, Effect, Limit, Robustness, SmallestChange
@@ -78,6 +79,8 @@ def smallest_changes(
     >>> print(f"{100 * found.nearest.size:.4f} %, {found.nearest.cause}")
     3.4969 %, the multiplier is -1
     """
+    instance("toy", toy, Toy)
+    instance("settings", settings, Settings)
     wanted = _checked(toy, orbit, names)
     space = space_of(orbit, wanted, settings)
     seen = dict[Key, MetOnLine]()
@@ -109,6 +112,8 @@ def _checked(toy: Toy, orbit: PeriodicOrbit, names: Sequence[str] | None) -> tup
         )
     if names is None:
         return tuple(name for name in parameters() if name != "pole")
+    if isinstance(names, str) or not isinstance(names, Iterable):
+        raise TypeError(f"names must be a list of parameters, got {shown(names)}")
     wanted = tuple(dict.fromkeys(known_parameter(name) for name in names))
     if not wanted or "pole" in wanted:
         raise ValueError(
