@@ -447,7 +447,7 @@ def continuation(
     map_
         The return map of a system, of d coordinates.
     cycle
-        A cycle of it.
+        A cycle of it; it is followed with its minimal period.
     span
         Ends of the parameter.
     window

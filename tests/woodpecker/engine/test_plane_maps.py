@@ -190,6 +190,19 @@ def test_arguments_that_do_not_fit_a_map(wrong: dict[str, Any], sentence: str) -
         connected(HENON, good.pop("x"), good.pop("p"), settings, **good)
 
 
+def test_a_cycle_is_followed_with_its_minimal_period() -> None:
+    """A fixed point twice over has the multiplier 1 at its flip: a branch point it is not."""
+    settings = CurveSettings(spans=((-1.0, 0.5),), window=WINDOW)
+    once, twice = (
+        connected(HENON, [[0.6, 0.2]] * n, [0.1, 0.3], settings, orders=(1, 2)).diagram
+        for n in (1, 2)
+    )
+    assert [branch.order for branch in twice.branches] == [branch.order for branch in once.branches]
+    kinds = [(str(each.kind), round(each.parameter, 9)) for each in twice.points]
+    assert kinds == [(str(each.kind), round(each.parameter, 9)) for each in once.points]
+    assert ("PD", 0.3675) in kinds  # 3 (1 - b)^2/4
+
+
 def test_scales_may_be_arrays(henon: Connected) -> None:
     settings = CurveSettings(spans=((0.1, 0.2),), window=WINDOW)
     found = connected(
