@@ -11,6 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
+from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
@@ -20,6 +21,7 @@ from woodpecker.robustness.found import ENDS, Effect, Limit, Robustness, Smalles
 from woodpecker.robustness.meeting import SPIKE, Key, MetOnLine, met_along
 from woodpecker.robustness.nearest import LEVEL, first_guesses, keep, nearest
 from woodpecker.shooting import PeriodicOrbit, shoot
+from woodpecker.slices.orbits import at_parameter, first_piece, orbit_of
 
 STEPPING = Settings(window=WINDOW, step=0.02, max_step=0.1)  # longer steps than for a picture: what
 # lies between two of them is known from margins
@@ -193,18 +195,24 @@ def _row(
 
 def _evidence(space: Space, met: MetOnLine) -> tuple[bool, str]:
     """What shooting finds on both sides of a place, and whether that is what it should be."""
-    orbits = []
-    for part in (1.0 - BESIDE, 1.0 + BESIDE):
+    there, found = met.orbit.x[:, 0], []
+    before = _before(space, met)
+    for part, guess in ((1.0 - BESIDE, before), (1.0 + BESIDE, 2.0 * there - before)):
         try:
-            toy = space.toy_at(part * met.u)
-            orbits.append(shoot(toy, float(met.orbit.x[0, 0]), len(met.orbit.x)))
+            found.append(shoot(space.toy_at(part * met.u), guess.tolist(), len(there)))
         except ValueError as error:
             return False, f"at {part} of the change: {error}"
-    before, after = orbits
-    x = float(met.orbit.x[0, 0])
-    here, there = (each.success and abs(each.phi_s - x) <= NEAR for each in orbits)
-    said = f"before: {_said(before, here)}; beyond: {_said(after, there)}"
-    return here and _agrees(met.effect, before, after, there), said
+    near, goes_on = (each.success and abs(each.phi_s - there[0]) <= NEAR for each in found)
+    said = f"before: {_said(found[0], near)}; beyond: {_said(found[1], goes_on)}"
+    return near and _agrees(met.effect, *found, goes_on), said
+
+
+def _before(space: Space, met: MetOnLine) -> Floats:
+    """Points of the motion a little before a place, with its pieces: at a border others begin."""
+    line = space.line((1.0 - BESIDE) * met.u, met.u / met.size)
+    pieces = [line.carried(first_piece(image)) for image in met.orbit.images]
+    found = at_parameter(orbit_of(pieces, met.orbit.x[:, 0], 0.0), space.settings)
+    return met.orbit.x[:, 0] if found is None else found.x
 
 
 def _said(orbit: PeriodicOrbit, near: bool) -> str:
