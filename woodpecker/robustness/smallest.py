@@ -195,16 +195,16 @@ def _row(
 
 def _evidence(space: Space, met: MetOnLine) -> tuple[bool, str]:
     """What shooting finds on both sides of a place, and whether that is what it should be."""
-    there, found = met.orbit.x[:, 0], []
+    there, found = met.orbit.x[:, 0], list[PeriodicOrbit]()
     before = _before(space, met)
     for part, guess in ((1.0 - BESIDE, before), (1.0 + BESIDE, 2.0 * there - before)):
         try:
             found.append(shoot(space.toy_at(part * met.u), guess.tolist(), len(there)))
         except ValueError as error:
             return False, f"at {part} of the change: {error}"
-    near, goes_on = (each.success and abs(each.phi_s - there[0]) <= NEAR for each in found)
+    near, goes_on = (each.success and abs(each.phi_s - float(there[0])) <= NEAR for each in found)
     said = f"before: {_said(found[0], near)}; beyond: {_said(found[1], goes_on)}"
-    return near and _agrees(met.effect, *found, goes_on), said
+    return near and _agrees(met.effect, found[0], found[1], goes_on), said
 
 
 def _before(space: Space, met: MetOnLine) -> Floats:
