@@ -12,13 +12,19 @@ import numpy as np
 from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, Hit
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, number
-from woodpecker.engine.curves import Stop
 from woodpecker.engine.following import follow
 from woodpecker.mechanics.toy import Toy
 from woodpecker.search.lines import base_of
-from woodpecker.shooting import DEFAULT, PeriodicOrbit, periodic_orbit, shoot
+from woodpecker.shooting import (
+    DEFAULT,
+    PeriodicOrbit,
+    ShootingStatus,
+    is_taken,
+    periodic_orbit,
+    shoot,
+)
 from woodpecker.simulation.returns import first_return
-from woodpecker.slices.orbits import Orbit, is_inside, of_engine, to_engine
+from woodpecker.slices.orbits import Orbit, at_parameter, of_engine, orbit_of, to_engine
 from woodpecker.toy_map import Mapped, ToyPieces
 
 
@@ -87,16 +93,20 @@ def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
 
 def _solution(toy: Toy, map_: ToyPieces, diagram: Diagram, hit: Hit, value: float) -> PeriodicOrbit:
     """The solution at a value, from the samples on both sides or from a guess between them."""
-    # The nearer sample is tried first: its pieces are likelier those at the value.
-    for k in _beside(hit, value):
+    mapped, beside = Mapped(toy, map_, value), _beside(hit, value)
+    for k in beside:
         found = _led(map_, _cycle(map_, diagram, hit.branch, k), value)
-        if found is not None and is_inside(found):
-            return periodic_orbit(Mapped(toy, map_, value), found, DEFAULT)
-    return shoot(toy, hit.x, hit.branch.order)
+        if found is not None and is_taken(mapped, found, DEFAULT):
+            return periodic_orbit(mapped, found, DEFAULT)
+    other = shoot(toy, hit.x, hit.branch.order)
+    if beside and abs(other.phi_s - hit.x) > np.ptp(hit.branch.x[beside]):  # of another branch
+        lost = ShootingStatus.NOT_CONVERGED
+        return replace(other, status=lost, message=lost.value)
+    return other
 
 
 def _beside(hit: Hit, value: float) -> list[int]:
-    """The samples between which a branch is at a value, the nearer one first."""
+    """The samples between which a branch is at a value, from the likelier of its pieces there."""
     p, x = hit.branch.parameter, hit.branch.x
     (ends,) = np.nonzero((p[1:] != p[:-1]) & ((p[:-1] - value) * (p[1:] - value) <= 0.0))
     if not len(ends):
@@ -104,25 +114,30 @@ def _beside(hit: Hit, value: float) -> list[int]:
     part = (value - p[ends]) / (p[ends + 1] - p[ends])
     off = np.abs(x[ends] + part * (x[ends + 1] - x[ends]) - hit.x)
     k = int(ends[off.argmin()])
-    return sorted((k, k + 1), key=lambda i: abs(float(p[i]) - value))
+    # where a branch ends on a border, the map takes the piece on either side of it
+    return sorted((k, k + 1), key=lambda i: (i in (0, len(p) - 1), abs(float(p[i]) - value)))
 
 
 def _led(map_: ToyPieces, start: Orbit, value: float) -> Orbit | None:
     """The cycle to which one leads at another value, with the same pieces; None if it is lost."""
-    if not start.defined or start.p == value:
-        return start if start.defined else None
-    base, orbit = base_of(map_, DEFAULT), to_engine(start)
-    way = value - start.p
-    first = base.start(orbit, math.copysign(1.0, way) * np.eye(len(start) + 1)[-1])
-    if not first.tangent[-1] * way > 0.0:  # there is none, or the branch turns round here
+    if not start.defined:
         return None
-    step = WHOLE * abs(way / float(first.tangent[-1]))
-    span = min(start.p, value), max(start.p, value)
-    settings = replace(
-        base.settings, spans=(span,), min_step=LEAST * step, step=step, max_step=step
-    )
-    arc = follow(replace(base, settings=settings, tests=()), first)
-    return of_engine(arc.samples[-1].orbit) if arc.stop is Stop.SPAN else None
+    base, orbit = base_of(map_, DEFAULT), to_engine(start)
+    way, last = value - start.p, start
+    if way:
+        first = base.start(orbit, math.copysign(1.0, way) * np.eye(len(start) + 1)[-1])
+        if not first.tangent[-1] * way > 0.0:  # there is none, or the branch turns round here
+            return None
+        step = WHOLE * abs(way / float(first.tangent[-1]))
+        span = min(start.p, value), max(start.p, value)
+        settings = replace(
+            base.settings, spans=(span,), min_step=LEAST * step, step=step, max_step=step
+        )
+        arc = follow(replace(base, settings=settings, tests=()), first)
+        last = of_engine(arc.samples[-1].orbit)  # beside the value, if it is that of a border
+    found = at_parameter(orbit_of(last.pieces, last.x, value), DEFAULT)
+    is_same = found is not None and float(np.abs(found.x - last.x).max()) <= CLOSE
+    return found if is_same else None
 
 
 def _cycle(map_: ToyPieces, diagram: Diagram, branch: Branch, k: int) -> Orbit:
@@ -146,6 +161,7 @@ def _cycle(map_: ToyPieces, diagram: Diagram, branch: Branch, k: int) -> Orbit:
 
 WHOLE = 2.0  # of the way to a solution: the longest step, so that one is usual
 LEAST = 1e-6  # of that: the shortest one
+CLOSE = 1e-6  # rad: no farther does Newton's method lead from the last step to the solution
 NEAR = 1e-12  # rad: times the slope, how far from a sample its image is expected at most
 
 OF_A_RETURN = ("period", "drop")  # attributes of woodpecker.Return, by name

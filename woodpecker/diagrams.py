@@ -199,10 +199,10 @@ def _connected(
     run_of = followed.about | {
         AT: _value(followed, orbit), START: orbit.points, "orders": wanted
     }  # fmt: skip
-    with recorded(run, run_of, resume) as record:
+    with recorded(run, run_of, resume, followed) as record:
         worker = Serial(Worker(map_, settings, stop))
         explorer = Explorer(map_, worker, settings, wanted, progress or nothing, record)
-        explorer.take_over(restored(explorer, record, map_).since)
+        explorer.take_over(restored(explorer, record).since)
         explorer.follow(start)
     return followed.finished(explorer.diagram(followed.parameter, followed.x_name))
 
@@ -382,7 +382,7 @@ def bifurcation_search(
     run_of = followed.about | {"orders": iterates(orders), "search": asdict(looked)}
     if of_toy:
         map_.at(*map(_middle, (chosen.window, chosen.span)))  # compiled before there are processes
-    with recorded(run, run_of, resume) as record:
+    with recorded(run, run_of, resume, followed) as record:
         found = whole_diagram(
             map_, chosen, orders, looked, parameter_name=followed.parameter,
             x_name=followed.x_name, progress=progress, executor=executor, record=record,

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 from pwmap.diagrams.diagram import Diagram, PointKind, PointStatus, SpecialPoint
 from pwmap.diagrams.record import PROGRAM, plain
-from woodpecker.base.checkpoint import Entry
+from woodpecker.base.checkpoint import MAP, START, Entry
 from woodpecker.base.checks import interval
 from woodpecker.base.settings import Settings, differing
 from woodpecker.maps.pieces import PiecewiseMap
@@ -19,6 +19,7 @@ from woodpecker.mechanics.toy import WINDOW, Toy, limits
 from woodpecker.search.checkpoint import Record, read_record, restore
 from woodpecker.search.explorer import LEFT
 from woodpecker.search.network import Network
+from woodpecker.search.search import GOLDEN
 from woodpecker.toy_map import named
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ DEFAULT = Settings(window=WINDOW)
 OUT_OF_DOMAIN = "end of the values that the parameter can have"
 AT, SPAN = "at", "span"  # of a run: the toy's value of the parameter; the span that was asked for
 TOY, NAME = "toy", "x"  # of a run: the toy it is of, or what the coordinate of its map is called
+ORBITS, IMAGES = 16, 4  # so many orbits tell one map from another, each of so many images
 WHOLE = (0.0, 1.0)  # the span over which a toy is followed, unless another one is given
 
 
@@ -203,6 +205,35 @@ def about(toy: Toy, parameter: str, settings: Settings, wanted: tuple[float, flo
     return {"parameter": parameter, SPAN: wanted, TOY: finite, "settings": asdict(settings)}
 
 
+def orbits_of(subject: Subject, start: Sequence[float] = ()) -> dict[str, list[float | str]]:
+    """Short orbits from places that fill the window, or lie about a start: they tell maps apart.
+
+    Functions have no name to compare.
+    """
+    (low, high), unit = subject.settings.window, subject.settings.x_scale
+    if start:
+        low, high = max(low, min(start) - unit), min(high, max(start) + unit)
+    first, last = subject.settings.span
+    orbits = {}
+    for k in range(ORBITS):
+        x = low + (high - low) * (k * GOLDEN % 1.0)
+        p = first + (last - first) * (k + 0.5) / ORBITS
+        orbits[f"the orbit at {p}, in the unit of x,"] = [*_orbit(subject, x, p)]
+    return orbits
+
+
+def _orbit(subject: Subject, x: float, p: float) -> Iterator[float | str]:
+    """A point and a few images, as long as they lie in the window, and why there is no other."""
+    low, high = subject.settings.window
+    yield x / subject.settings.x_scale
+    for _ in range(IMAGES):
+        if not low <= x <= high:
+            return
+        image = subject.map_.at(x, p)
+        x = float(image.value)
+        yield x / subject.settings.x_scale if math.isfinite(x) else image.reason
+
+
 def unknown_settings(run_of: Entry) -> list[str]:
     """Names of settings of a run that there are not: the file is of another version."""
     kept = run_of.get("settings")
@@ -229,7 +260,7 @@ def nothing(_: object) -> None:
 
 @contextmanager
 def recorded(
-    run: str | os.PathLike[str] | None, run_of: Entry, resume: bool
+    run: str | os.PathLike[str] | None, run_of: Entry, resume: bool, subject: Subject
 ) -> Iterator[Record | None]:
     """The record of a run for its time, or none."""
     if run is None:
@@ -237,6 +268,8 @@ def recorded(
             raise ValueError("resuming needs the file of a run")
         yield None
         return
+    if not isinstance(subject.source, Toy):
+        run_of |= {MAP: orbits_of(subject, run_of.get(START, ()))}
     record = Record(run, run_of, resume=resume)
     try:
         yield record

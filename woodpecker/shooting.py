@@ -273,7 +273,7 @@ def _corrected(mapped: Mapped, start: Orbit, settings: Settings) -> tuple[Orbit,
         if not orbit.defined:
             return orbit, False
         found = at_parameter(orbit, settings)
-        if found is not None and _is_taken(mapped, found, settings):
+        if found is not None and is_taken(mapped, found, settings):
             return found, True
         points = stepped(orbit, settings)
         if not np.isfinite(points).all():
@@ -282,7 +282,7 @@ def _corrected(mapped: Mapped, start: Orbit, settings: Settings) -> tuple[Orbit,
     return orbit, False
 
 
-def _is_taken(mapped: Mapped, found: Orbit, settings: Settings) -> bool:
+def is_taken(mapped: Mapped, found: Orbit, settings: Settings) -> bool:
     """Whether the map takes the pieces of a cycle at its points; one may lie on a border."""
     # The same events may follow at other times, too: then the map has another value.
     there = _taken(mapped, found.x)

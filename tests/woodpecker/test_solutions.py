@@ -41,6 +41,32 @@ def test_each_branch_is_met_exactly(diagram: Diagram) -> None:
 
 
 @NEEDS_NUMBA
+def test_a_branch_is_solved_for_up_to_its_ends(diagram: Diagram) -> None:
+    """On a border the map takes either piece: the solution keeps that of its own branch."""
+    ended = 0
+    for point in diagram.points:
+        for branch, orbit in solutions(TOY, diagram, point.parameter):
+            if point.id not in branch.ends:
+                continue
+            k = -branch.ends.index(point.id)
+            assert orbit.success, (point.id, orbit.message)
+            assert orbit.phi_s == pytest.approx(branch.x[k], abs=1e-13)
+            assert orbit.multiplier == pytest.approx(branch.multiplier[k], abs=1e-6)
+            ended += 1
+    assert ended == sum(len(b.ends) for b in diagram.branches if b.kind is BranchKind.FIXED_POINT)
+    a = diagram.point("FF2")  # studies/results/proofs/A.json has its slope proved
+    steepest = min(orbit.multiplier for _, orbit in solutions(TOY, diagram, a.parameter))
+    assert steepest == pytest.approx(-1.304911075142, abs=1e-9)
+
+
+@NEEDS_NUMBA
+def test_another_motion_than_that_of_the_branch_is_none_of_its_solutions(diagram: Diagram) -> None:
+    """A toy that is not the diagram's has its motions elsewhere: they lie on no branch here."""
+    other = solutions(TOY.replace(mu_2=0.31), diagram, 0.5)
+    assert [orbit.success for _, orbit in other] == [False]
+
+
+@NEEDS_NUMBA
 def test_wrong_values_are_refused(diagram: Diagram) -> None:
     with pytest.raises(ValueError, match=r"eps_n1 must lie in \[0, 1\], got 2.0"):
         solutions(TOY, diagram, 2.0)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import operator
 import os
 import re
 import sys
@@ -20,10 +21,12 @@ from typing import Any, TextIO
 from pwmap.diagrams.files import write_whole
 
 Entry = dict[str, Any]
-RUN, START = "run", "start"  # what is searched; the points from which it sets out
+RUN = "run"  # what is searched, and how
+START, MAP = "start", "map"  # of a run: the points it sets out from; orbits, as a map has no name
 DIGEST = 8  # bytes of a digest: one line in 2^64 that was changed passes for a good one
 TAIL = re.compile(rb', "digest": "([0-9a-f]{16})"\}$')
-SAME = 1e-9  # of points to start from: other machines round in other ways
+SAME = 1e-9  # relative above 1, of such points: other machines round in other ways
+_MISSING = object()
 WAIT = 3.0  # s: as long as the workers of a killed run may take to notice, and hold its file
 
 
@@ -31,10 +34,10 @@ class Checkpoint:
     """Lines of JSON, each written through before the search goes on; the system locks the file.
 
     Unless the run is resumed, what is in it is kept as ``<name>.old``. Runs are the same if numbers
-    of their starts differ by 1e-9 at most; ``version`` is raised when older code would misread
-    lines; ``parsed`` makes of an entry what it stands for, or raises an error of a lookup, a
-    TypeError or a ValueError. ValueError if there is nothing to resume, the run is another one, or
-    it is being written.
+    of their starts and orbits differ by 1e-9 at most; ``version`` is raised when older code would
+    misread lines; ``parsed`` makes of an entry what it stands for, or raises an error of a lookup,
+    a TypeError or a ValueError. ValueError if there is nothing to resume, the run is another one,
+    or it is being written.
     """
 
     def __init__(
@@ -216,13 +219,14 @@ def _whole(data: bytes) -> int:
 
 def _compare(old: Entry, new: Entry, path: Path) -> None:
     for key in {**old, **new}:
-        if key == START and _close(old.get(key), new.get(key)):
-            continue
-        if old.get(key) != new.get(key):
-            raise ValueError(f"cannot resume {path}: {_difference(key, old, new)}")
+        same = _close if key in (START, MAP) else operator.eq
+        if not same(old.get(key, _MISSING), new.get(key, _MISSING)):
+            raise ValueError(f"cannot resume {path}: {_difference(key, old, new, same)}")
 
 
-def _difference(key: str, old: Entry, new: Entry, within: str = "") -> str:
+def _difference(
+    key: str, old: Entry, new: Entry, same: Callable[[object, object], bool], within: str = ""
+) -> str:
     """The first value that differs, by its name, there and here."""
     name = f"{key}{within}"
     if key not in new:
@@ -232,13 +236,18 @@ def _difference(key: str, old: Entry, new: Entry, within: str = "") -> str:
     one, other = old[key], new[key]
     if not (isinstance(one, dict) and isinstance(other, dict)):
         return f"there {name} is {one}, now it is {other}"
-    missing = object()
-    inner = next(k for k in {**one, **other} if one.get(k, missing) != other.get(k, missing))
-    return _difference(inner, one, other, f" of {name}")
+    inner = next(
+        k for k in {**one, **other} if not same(one.get(k, _MISSING), other.get(k, _MISSING))
+    )
+    return _difference(inner, one, other, same, f" of {name}")
 
 
 def _close(old: object, new: object) -> bool:
-    """Whether two lists of numbers are those of one solution, rounded in different ways."""
-    if not isinstance(old, list) or not isinstance(new, list) or len(old) != len(new):
-        return False
-    return all(isinstance(a, float) and abs(a - b) <= SAME for a, b in zip(old, new, strict=True))
+    """Whether numbers, as lists and by their names, are the same, rounded in different ways."""
+    if isinstance(old, dict) and isinstance(new, dict):
+        return old.keys() == new.keys() and all(_close(old[k], new[k]) for k in old)
+    if isinstance(old, list) and isinstance(new, list):
+        return len(old) == len(new) and all(map(_close, old, new))
+    if isinstance(old, float) and isinstance(new, float):
+        return abs(old - new) <= SAME * max(1.0, abs(old))
+    return old == new

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -69,8 +70,10 @@ def curves(
 
 
 def second_of(toy: Toy, name: str, span: tuple[float, float] | None) -> tuple[float, float]:
-    """The interval of the second parameter."""
+    """The interval of the second parameter; ValueError if none is given or about its value."""
     value = getattr(toy, name)
+    if span is None and not 0.0 < value < math.inf:
+        raise ValueError(f"--second-span is needed where {name} is {value}")
     return (0.5 * value, 2.0 * value) if span is None else span
 
 

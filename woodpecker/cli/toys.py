@@ -87,6 +87,8 @@ def read_toy(path: Path) -> Toy:
     """A toy from the file of :func:`write_toy`, or the record of a command; ValueError if none."""
     try:
         values = json.loads(path.read_bytes())[TOY]
+        if not isinstance(values, dict):
+            raise ValueError(f"{TOY!r} must be an object with values by name, got {values!r:.60}")
         unknown = sorted({*values} - {*parameters(), LAW})
         if unknown:
             raise ValueError(f"unknown parameter {unknown[0]!r}")
@@ -96,7 +98,7 @@ def read_toy(path: Path) -> Toy:
             for name, value in values.items()
         }
         return Toy(**numbers, expansion_friction=law)
-    except (AttributeError, LookupError, RecursionError, TypeError, ValueError) as error:
+    except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError) as error:
         raise ValueError(
             f"{path} holds no toy, as --save-toy writes it: {' '.join(str(error).split())}"
         ) from None

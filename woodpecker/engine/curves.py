@@ -108,6 +108,18 @@ class CurveSettings:
                 f"{self.min_step}, {self.step}, {self.max_step}"
             )
 
+    def check_holds(self, p: Floats, x: Floats) -> None:
+        """Complain of a cycle (n, d) at values of the free parameters that is not inside."""
+        parameter = "the parameter" if len(self.spans) == 1 else "a parameter"
+        for name, at, (low, high) in (
+            *((parameter, p[j : j + 1], span) for j, span in enumerate(self.spans)),
+            *(("a coordinate", x[:, j], ends) for j, ends in enumerate(self.window)),
+        ):
+            if at.min() < low or at.max() > high:
+                raise ValueError(
+                    f"{name} of the cycle must lie in [{low}, {high}], got {at.tolist()}"
+                )
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Sample:

@@ -17,7 +17,7 @@ from scipy.optimize import brentq
 from woodpecker.base.arrays import norm
 from woodpecker.base.cubics import zero_of_cubic
 from woodpecker.engine.curves import Sample, SolutionCurve, Stop, TestFunction
-from woodpecker.engine.newton import BLUR, branch_point, solve
+from woodpecker.engine.newton import BLUR, STEEP, branch_point, solve
 from woodpecker.engine.orbits import (
     AtLimit,
     Condition,
@@ -39,6 +39,7 @@ STEADY = 0.5  # of the smaller rate at both ends: by how much a margin falls at 
 COARSE = 64.0  # least steps: a dip of a margin in a shorter step is left alone
 MOST_BOUNDS = 32  # that are passed in a step, each before the last: more are left to shorter steps
 BRACKETED = 2.0**-14  # scaled: only in shorter steps a zero is bracketed if Newton finds none
+LOOKED = 2.0**-14  # scaled: what a root may hide is looked for in longer steps
 NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is where it comes from
 
 
@@ -62,11 +63,29 @@ def ends_between(
     bound = _bounded(curve, a, b, step)
     found = _multipliers(curve, a, b, step, starts) + ([] if bound is None else [bound])
     found.sort(key=lambda end: end.distance)
+    if bound is not None and found[0] is bound and step > LOOKED and _hides(curve, a, bound):
+        raise UnclearError
     if found and found[0] is not bound and any(True for _ in _borders(curve, found[0].sample)):
         raise UnclearError  # a margin has vanished before
     last, distance = (found[0].sample, found[0].distance) if found else (b, step)
     _look_for_dips(curve, a, last, distance, starts=starts)
     return found
+
+
+def _hides(curve: SolutionCurve, a: Sample, bound: ArcEnd) -> bool:
+    """Whether more may have happened before a root of the map, where rounding has no bound."""
+    orbit = bound.sample.orbit
+    if all(float(np.abs(image.jacobian).max()) < STEEP for image in orbit.taken):
+        return False
+    own = {*curve.ignored, bound.test.border}
+    negative = (
+        (i, code)
+        for i, image in enumerate(orbit.taken)
+        for code in image.codes[image.margins < 0.0].tolist()
+    )
+    return any(each not in own for each in negative) or any(
+        test.value(a) * test.value(bound.sample) < 0.0 for test in _special(curve, a.orbit)
+    )
 
 
 def asked_before(

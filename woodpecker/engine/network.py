@@ -25,7 +25,7 @@ from woodpecker.base.checks import iterates, lengths, real_array, whole
 from woodpecker.base.shown import shown
 from woodpecker.engine.arrivals import Arrival
 from woodpecker.engine.curves import CurveSettings, Sample, SolutionCurve, Stop
-from woodpecker.engine.germs import Beginning, beginnings, judged
+from woodpecker.engine.germs import Beginning, beginnings, judged, once
 from woodpecker.engine.maps import SpaceMap
 from woodpecker.engine.newton import Problem, cycles, solve
 from woodpecker.engine.orbits import Held, SpaceOrbit, orbit_of
@@ -71,7 +71,8 @@ def connected(
     map_
         A map of R^d.
     x, p
-        A guess of a cycle's points, (n, d), or (d,) for a fixed point; and the parameters (k,).
+        A guess of a cycle's points, (n, d), or (d,) for a fixed point; and the parameters (k,). It
+        is followed with its minimal period.
     settings
         Span, window, steps.
     orders
@@ -141,13 +142,8 @@ def connected(
             f"the map has {counted(own, 'coordinate')} and {counted(columns - own, 'parameter')}, "
             f"got points of {d} and {k} values"
         )
-    start = cycle_near(map_, points, values, problem)
-    for name, at, (low, high) in (
-        ("the parameter", values[free : free + 1], settings.spans[0]),
-        *(("a coordinate", start.x[:, j], settings.window[j]) for j in range(d)),
-    ):
-        if at.min() < low or at.max() > high:
-            raise ValueError(f"{name} of the cycle must lie in [{low}, {high}], got {at.tolist()}")
+    start = once(cycle_near(map_, points, values, problem), problem)
+    settings.check_holds(values[free : free + 1], start.x)
     component = _Component(SolutionCurve(map_, problem, settings), wanted, most)
     component.explore(start)
     return component.result(names)

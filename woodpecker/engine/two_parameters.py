@@ -84,8 +84,8 @@ def special_curve(
     TypeError
         If ``orbit`` is no orbit, or ``kind`` none of a point.
     ValueError
-        If an argument does not fit the cycle, the kind has no such curve, no margin vanishes at a
-        BC, Newton's method does not converge to a point of this kind, or it is a neutral saddle.
+        If an argument does not fit the cycle, it lies outside of the spans or the window, the kind
+        has no such curve, no margin vanishes at a BC, Newton's method does not converge to a point of this kind, or it is a neutral saddle.
 
     Examples
     --------
@@ -113,6 +113,7 @@ def special_curve(
     which = {whole("free", each, 0) for each in free} if np.ndim(free) == 1 else set[int]()
     if not len(which) == np.size(free) == 2 or max(which) >= k:
         raise ValueError(f"free must name two of {k} parameters, from 0 on, got {shown(free)}")
+    settings.check_holds(orbit.p[list(free)], orbit.x)
     base = cycles(free, lengths("x_scale", x_scale, d), lengths("p_scale", p_scale, k))
     condition, ignored = _condition(orbit, kind)
     problem: Problem = base.with_(condition)

@@ -28,7 +28,7 @@ def prove(
     what: PeriodicOrbit | Branch | SpecialPoint,
     span: tuple[float, float] | None = None,
     *,
-    toy: Toy = PAPER,
+    toy: Toy | None = None,
     parameter: str = "eps_n1",
     progress: Callable[[float], object] = nothing,
     workers: int = 1,
@@ -47,7 +47,7 @@ def prove(
         Of a branch, the interval of the parameter. It begins on the branch and may go on beyond its
         end where that is a flip; a border collision is no part of it.
     toy
-        The toy whose branch or point it is; an orbit knows its own.
+        The toy whose branch or point it is, by default the paper's; an orbit knows its own.
     parameter
         Along a branch or to a point: ``"eps_n1"``, ``"eps_n2"`` or ``"eps_n3"``.
     progress
@@ -66,7 +66,8 @@ def prove(
     NotProved
         If it could not be proved; the sentence says what was open.
     ValueError, ImportError
-        If it is nothing that can be proved here; without the extra ``proof``.
+        If it is nothing that can be proved here, a span is given of what is no branch, or another
+        toy than an orbit's own; without the extra ``proof``.
 
     Examples
     --------
@@ -79,14 +80,20 @@ def prove(
         from woodpecker.proofs import statements
     except ImportError as error:
         raise ImportError(MISSING) from error
+    if span is not None and not isinstance(what, Branch):
+        raise ValueError(f"a span is for a branch, got {span} for a {type(what).__name__}")
     if isinstance(what, PeriodicOrbit):
+        if toy is not None and toy != what.toy:
+            raise ValueError("an orbit is proved of its own toy, got another toy")
         return sealed(statements.prove_orbit(what))
     if parameter not in RESTITUTIONS:
         raise ValueError(f"proofs move one of {', '.join(RESTITUTIONS)}, got {parameter!r}")
     if isinstance(what, Branch):
-        return sealed(statements.prove_branch(what, span, toy, parameter, progress, workers))
+        return sealed(
+            statements.prove_branch(what, span, toy or PAPER, parameter, progress, workers)
+        )
     if isinstance(what, SpecialPoint):
-        return sealed(statements.prove_point(what, toy, parameter))
+        return sealed(statements.prove_point(what, toy or PAPER, parameter))
     raise TypeError(
         f"prove needs a periodic orbit, a branch or a special point, got {type(what).__name__}"
     )

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from woodpecker.base.checks import number, whole
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Survey:
@@ -51,9 +53,10 @@ class Survey:
     seed: int = 1
 
     def __post_init__(self) -> None:
-        for name in ("checks", "curves", "samples", "starts", "transient", "keep"):
-            if getattr(self, name) < 1:
-                raise ValueError(f"{name} must be at least 1, got {getattr(self, name)}")
+        for name in ("checks", "curves", "samples", "starts", "transient", "keep", "seed"):
+            least = int(name != "seed")
+            object.__setattr__(self, name, whole(name, getattr(self, name), least))
         for name in ("finest", "beside", "thin"):
+            object.__setattr__(self, name, number(name, getattr(self, name)))
             if not 0.0 < getattr(self, name) < 1.0:
                 raise ValueError(f"{name} must lie in (0, 1), got {getattr(self, name)}")

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from woodpecker.base.checks import instance, interval, iterates
+from woodpecker.base.checks import function, instance, interval, iterates
 from woodpecker.base.settings import Settings
 from woodpecker.base.shown import shown
 from woodpecker.mechanics.toy import WINDOW, Toy
@@ -90,6 +90,7 @@ def parameter_regions(
     >>> [region.census for region in found.regions]
     [(Count(period=1, stable=1, unstable=0),)]
     """
+    function("progress", progress)
     family = family_of(source, parameters)
     one, other = (
         interval(f"span of {name}", each, finite=True)

@@ -7,18 +7,21 @@ restitution, upwards only.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 import numpy as np
 
+from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance
 from woodpecker.base.settings import Settings
+from woodpecker.base.shown import shown
 from woodpecker.mechanics.toy import WINDOW, Toy, known_parameter, parameters
 from woodpecker.robustness.changes import FARTHEST, FLOOR, Space, space_of
 from woodpecker.robustness.found import ENDS, Effect, Limit, Robustness, SmallestChange
 from woodpecker.robustness.meeting import SPIKE, Key, MetOnLine, met_along
 from woodpecker.robustness.nearest import LEVEL, first_guesses, keep, nearest
 from woodpecker.shooting import PeriodicOrbit, shoot
+from woodpecker.slices.orbits import at_parameter, first_piece, orbit_of
 
 STEPPING = Settings(window=WINDOW, step=0.02, max_step=0.1)  # longer steps than for a picture: what
 # lies between two of them is known from margins
@@ -78,6 +81,8 @@ def smallest_changes(
     >>> print(f"{100 * found.nearest.size:.4f} %, {found.nearest.cause}")
     3.4969 %, the multiplier is -1
     """
+    instance("toy", toy, Toy)
+    instance("settings", settings, Settings)
     wanted = _checked(toy, orbit, names)
     space = space_of(orbit, wanted, settings)
     seen = dict[Key, MetOnLine]()
@@ -109,6 +114,8 @@ def _checked(toy: Toy, orbit: PeriodicOrbit, names: Sequence[str] | None) -> tup
         )
     if names is None:
         return tuple(name for name in parameters() if name != "pole")
+    if isinstance(names, str) or not isinstance(names, Iterable):
+        raise TypeError(f"names must be a list of parameters, got {shown(names)}")
     wanted = tuple(dict.fromkeys(known_parameter(name) for name in names))
     if not wanted or "pole" in wanted:
         raise ValueError(
@@ -188,18 +195,24 @@ def _row(
 
 def _evidence(space: Space, met: MetOnLine) -> tuple[bool, str]:
     """What shooting finds on both sides of a place, and whether that is what it should be."""
-    orbits = []
-    for part in (1.0 - BESIDE, 1.0 + BESIDE):
+    there, found = met.orbit.x[:, 0], list[PeriodicOrbit]()
+    before = _before(space, met)
+    for part, guess in ((1.0 - BESIDE, before), (1.0 + BESIDE, 2.0 * there - before)):
         try:
-            toy = space.toy_at(part * met.u)
-            orbits.append(shoot(toy, float(met.orbit.x[0, 0]), len(met.orbit.x)))
+            found.append(shoot(space.toy_at(part * met.u), guess.tolist(), len(there)))
         except ValueError as error:
             return False, f"at {part} of the change: {error}"
-    before, after = orbits
-    x = float(met.orbit.x[0, 0])
-    here, there = (each.success and abs(each.phi_s - x) <= NEAR for each in orbits)
-    said = f"before: {_said(before, here)}; beyond: {_said(after, there)}"
-    return here and _agrees(met.effect, before, after, there), said
+    near, goes_on = (each.success and abs(each.phi_s - float(there[0])) <= NEAR for each in found)
+    said = f"before: {_said(found[0], near)}; beyond: {_said(found[1], goes_on)}"
+    return near and _agrees(met.effect, found[0], found[1], goes_on), said
+
+
+def _before(space: Space, met: MetOnLine) -> Floats:
+    """Points of the motion a little before a place, with its pieces: at a border others begin."""
+    line = space.line((1.0 - BESIDE) * met.u, met.u / met.size)
+    pieces = [line.carried(first_piece(image)) for image in met.orbit.images]
+    found = at_parameter(orbit_of(pieces, met.orbit.x[:, 0], 0.0), space.settings)
+    return met.orbit.x[:, 0] if found is None else found.x
 
 
 def _said(orbit: PeriodicOrbit, near: bool) -> str:

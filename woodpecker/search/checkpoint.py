@@ -7,34 +7,22 @@ the same branches known.
 
 from __future__ import annotations
 
-import math
 import os
 from collections import deque
-from collections.abc import Hashable, Iterator, Sequence
+from collections.abc import Hashable, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from pwmap.diagrams.diagram import BranchKind
 from pwmap.diagrams.encoding import from_plain, to_plain
-from woodpecker.base.arrays import Floats
 from woodpecker.base.checkpoint import Checkpoint, Entry, read
-from woodpecker.base.settings import Settings
-from woodpecker.maps.pieces import Image, PiecewiseMap
 from woodpecker.search.curves import BranchCurve, Keys
 from woodpecker.search.ends import Collision, End
 from woodpecker.search.explorer import Finished, Kept, Seen, Step
 from woodpecker.search.network import Network
 from woodpecker.search.search import Past
-from woodpecker.slices.borders import beyond
-from woodpecker.slices.jumps import limit_of
-from woodpecker.slices.margins import depth
-from woodpecker.slices.orbits import Orbit
 
 LINES: dict[str, type] = {"followed": Kept, "done": Finished, "slice": Seen}
 """What a line holds, by the name that it gives it: one record, encoded by its types."""
-AT_BORDER = 1e-6  # scaled: nearer to a border slopes may be those of a root, made of rounding
 VERSION = 7  # of the lines; raised when older code would misread them
 
 
@@ -155,83 +143,9 @@ def restore(
     return slices, sum(record.evaluations for record in records)
 
 
-def past_of(
-    network: Network, records: Sequence[Step | Seen], path: str | os.PathLike[str],
-    map_: PiecewiseMap,
-) -> Past:  # fmt: skip
-    """What an interrupted run had come to; its network is put to where it was at the last slice.
-
-    ValueError if it is a run of another map.
-    """
-    _check_map(network.settings, records, path, map_)
+def past_of(network: Network, records: Sequence[Step | Seen], path: str | os.PathLike[str]) -> Past:
+    """What an interrupted run had come to; its network is put to where it was at the last slice."""
     until = max((n for n, each in enumerate(records, 1) if isinstance(each, Seen)), default=0)
     slices, evaluations = restore(network, records[:until], path)
     since = tuple(each for each in records[until:] if not isinstance(each, Seen))
     return Past(slices, since, evaluations)
-
-
-def _check_map(
-    settings: Settings, records: Sequence[Step | Seen], path: str | os.PathLike[str],
-    map_: PiecewiseMap,
-) -> None:  # fmt: skip
-    """Complain of the first curve that is none of a map: functions have no name to compare."""
-    for line, record in enumerate(records, 2):
-        for curve in record.curves if isinstance(record, Kept) else ():
-            jumps = curve.kind is BranchKind.JUMP
-            is_of = _has_jump if jumps else _has_cycle
-            places = [*_inside(curve)]
-            other = [k for k in places if not is_of(map_, curve, k, settings)]
-            # where borders accumulate, a jump may be one of a piece too thin to be seen
-            if other and (not jumps or other == places):
-                x, p = curve.points[other[0]][0], curve.parameter[other[0]]
-                raise ValueError(
-                    f"{Path(path)}, line {line}: expected a run of this map, which has no "
-                    f"{curve.kind} of order {curve.order} at x = {x}, p = {p}"
-                )
-
-
-def _inside(curve: BranchCurve) -> Iterator[int]:
-    """The middle sample of each stretch along which no piece changes, away from its ends."""
-    firsts = [word.first for word in curve.words]
-    for first, after in zip(firsts, [*firsts[1:], len(curve.parameter)], strict=True):
-        if after - first > 2:
-            yield (first + after) // 2
-
-
-def _has_cycle(map_: PiecewiseMap, curve: BranchCurve, k: int, settings: Settings) -> bool:
-    """Whether a sample of a branch of cycles is one of a map, but for rounding times slopes."""
-    here, unit = _at(map_, curve, k, settings)
-    if not _leads(here.images, np.roll(here.x, -1), settings.same * unit):
-        return False
-    beside = min(map(depth, here.images)) < AT_BORDER * unit
-    steepest = math.prod(1.0 + abs(image.slope) for image in here.images)
-    change = abs(here.multiplier - float(curve.multiplier[k]))
-    return beside or change <= settings.kink * steepest
-
-
-def _has_jump(map_: PiecewiseMap, curve: BranchCurve, k: int, settings: Settings) -> bool:
-    """Whether a map jumps across the diagonal, but for rounding, at a sample of a branch."""
-    here, unit = _at(map_, curve, k, settings)
-    if not _leads(here.images[:-1], here.x[1:], settings.same * unit):
-        return False
-    border, returns, least = float(here.x[-1]), curve.order - len(here), settings.jump * unit
-    limits = []
-    for side in (-1, 1):
-        image, _ = beyond(map_, border, here.p, side, settings)
-        limits.append(limit_of(map_, border, image, returns, here.p).value - here.x[0])
-    return bool(min(limits) <= least and max(limits) >= -least)
-
-
-def _leads(images: Sequence[Image], to: Floats, same: float) -> bool:
-    """Whether images (n,) of points known to ``same`` are these; not where there is no image."""
-    return all(
-        abs(image.value - x) <= same * (1.0 + abs(image.slope))
-        for image, x in zip(images, to.tolist(), strict=True)
-    )
-
-
-def _at(map_: PiecewiseMap, curve: BranchCurve, k: int, settings: Settings) -> tuple[Orbit, float]:
-    """The points of a sample with their images under a map, and the unit of rounding there."""
-    x, p = curve.points[k], float(curve.parameter[k])
-    images = tuple(map_.at(each, p) for each in x.tolist())
-    return Orbit(x, p, images), max(settings.x_scale, float(np.abs(x).max()))

@@ -162,7 +162,7 @@ def whole_diagram(
     finite_window(settings)
     with scheduler(Worker(map_, settings, whole=True), workers, executor, map_) as tasks:
         explorer = Explorer(map_, tasks, settings, wanted, progress or _nothing, record)
-        past = restored(explorer, record, map_)
+        past = restored(explorer, record)
         seen = complete(explorer, settings, search or Search(), past)
     return Found(
         diagram=explorer.diagram(parameter_name, x_name),
@@ -173,11 +173,11 @@ def whole_diagram(
     )
 
 
-def restored(explorer: Explorer, record: Record | None, map_: PiecewiseMap) -> Past:
-    """Put an explorer back where a record was; ValueError if that is a run of another map."""
+def restored(explorer: Explorer, record: Record | None) -> Past:
+    """Put an explorer back where a record was."""
     if record is None:
         return Past()
-    past = past_of(explorer.network, record.entries, record.path, map_)
+    past = past_of(explorer.network, record.entries, record.path)
     explorer.spent = past.evaluations
     return past
 

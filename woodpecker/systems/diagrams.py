@@ -21,7 +21,14 @@ from woodpecker.maps.pieces import Image
 from woodpecker.search.diagrams import whole_diagram
 from woodpecker.search.search import Search
 from woodpecker.systems.returns import SystemMap
-from woodpecker.systems.verbs import HELD, SystemCycle, parameters_of, points_of, window_of
+from woodpecker.systems.verbs import (
+    HELD,
+    SystemCycle,
+    parameters_of,
+    points_of,
+    spans_of,
+    window_of,
+)
 
 REPEATS = 1e-6  # scaled: an orbit that has settled repeats itself so closely
 LONGEST = 64  # period that is looked for
@@ -148,6 +155,7 @@ def bifurcation_diagram(
         If it has other dimensions, or an interval is empty.
     """
     line = LineOfSystem(map_)
+    spans_of(map_, [span])
     chosen = replace(
         settings or Settings(), span=interval("span", span, finite=True),
         window=interval("window", window, finite=True),
@@ -224,7 +232,7 @@ def orbit_diagram(
     values = np.atleast_1d(real_array("parameters", parameters))
     found, lost = list[tuple[float, Floats, Floats]](), 0
     for value in values.tolist():
-        p = np.array([value, *map_.p[1:]])
+        p = parameters_of(map_, [value, *map_.p[1:]])
         for start in first:
             orbit = _orbit(map_, start, p, ends, transient, keep)
             lost += orbit is None
@@ -365,7 +373,7 @@ def curve_in_two(
     if point not in known:
         raise ValueError(f"unknown point {point!r}, the diagram has {sorted(known)}")
     settings = CurveSettings(
-        spans=tuple(interval("spans", each) for each in spans), step=positive("step", step),
+        spans=spans_of(map_, spans), step=positive("step", step),
         window=tuple(interval("window", each) for each in window), min_step=min_step,
         max_step=max_step, max_samples=whole("max_samples", max_samples),
     )  # fmt: skip

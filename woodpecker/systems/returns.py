@@ -108,6 +108,12 @@ class SystemMap:
         found[self.machine.eq.places] = p
         return found
 
+    def check_laws(self, p: Floats) -> None:
+        """ValueError if a friction or restitution is out of range at free parameters (k,)."""
+        values = dict(zip(self.system.parameters, self.values(p).tolist(), strict=True))
+        for each in self.system.contacts:
+            each.check_laws(values)
+
     def search(self, x: Floats, p: Floats) -> Run:
         """The motion from a point (d,) of the section until it returns."""
         values = self.values(p)

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -260,7 +261,18 @@ def parameters_of(map_: SystemMap, p: npt.ArrayLike | None) -> Floats:
     values = np.atleast_1d(real_array("p", p))
     if values.shape != (map_.k,):
         raise ValueError(f"p must have shape ({map_.k},), got {values.shape}")
+    map_.check_laws(values)
     return values
+
+
+def spans_of(
+    map_: SystemMap, spans: Sequence[tuple[float, float]]
+) -> tuple[tuple[float, float], ...]:
+    """Ends of the first free parameters, at all of which the contact laws must make sense."""
+    found = tuple(interval("span", each) for each in spans)
+    for ends in product(*found):
+        map_.check_laws(np.array([*ends, *map_.p[len(ends) :]])[: map_.k])
+    return found
 
 
 class CycleStatus(Enum):
@@ -435,7 +447,7 @@ def continuation(
     map_
         The return map of a system, of d coordinates.
     cycle
-        A cycle of it.
+        A cycle of it; it is followed with its minimal period.
     span
         Ends of the parameter.
     window
@@ -457,7 +469,8 @@ def continuation(
     TypeError
         If ``map_`` is no return map or ``cycle`` no cycle.
     ValueError
-        If the map has no free parameter, the cycle was not found, or an interval is empty.
+        If the map has no free parameter, the cycle was not found, an interval is empty, or friction
+        or restitution is out of range at an end of the span.
     """
     instance("map_", map_, SystemMap)
     instance("cycle", cycle, SystemCycle)
@@ -467,7 +480,7 @@ def continuation(
     if not cycle.success:
         raise ValueError(f"there is no cycle to be followed: {cycle.status.value}")
     settings = CurveSettings(
-        spans=(interval("span", span),), step=positive("step", step), max_step=max_step,
+        spans=spans_of(map_, [span]), step=positive("step", step), max_step=max_step,
         window=window_of(map_, window), min_step=min_step,
     )  # fmt: skip
     return connected(

@@ -46,7 +46,9 @@ def test_it_follows_a_and_c(tmp_path: Path) -> None:
         ("curves", "eps_n1", "--parameters needs two different names"),
         ("curves", "eps_n1,mu", "unknown parameter 'mu'"),
         ("curves", "eps-n1,eps_n1", "--parameters needs two different names"),
+        ("curves", "eps_n1,eps_n2", "--second-span is needed where eps_n2 is 0.0"),
         ("regions", "eps_n1", "two different names"),
+        ("regions", "eps_n1,pole", "--second-span is needed where pole is inf"),
         ("robustness", "mu", "unknown parameter 'mu'"),
     ],
 )

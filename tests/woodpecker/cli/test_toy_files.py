@@ -47,6 +47,8 @@ def test_options_change_single_values_of_a_file(tmp_path: Path) -> None:
     [
         ("# README", "Expecting value"),
         ("[1]", "list indices"),
+        ('{"toy": []}', "'toy' must be an object with values by name, got []"),
+        (json.dumps({"toy": {"m_m": 10**400}}), "int too large to convert to float"),
         ('{"toy": {"eps": 0.3}}', "unknown parameter 'eps'"),
         ('{"toy": {"eps_n1": 2}}', "eps_n1 must lie in [0, 1], got 2.0"),
         ('{"toy": {"eps_n1": true}}', "eps_n1 must be a real number, got True"),

@@ -1,5 +1,6 @@
 """Cycles of maps of the plane: folds, flips, pairs on the unit circle, and their curves."""
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -189,6 +190,19 @@ def test_arguments_that_do_not_fit_a_map(wrong: dict[str, Any], sentence: str) -
         connected(HENON, good.pop("x"), good.pop("p"), settings, **good)
 
 
+def test_a_cycle_is_followed_with_its_minimal_period() -> None:
+    """A fixed point twice over has the multiplier 1 at its flip: a branch point it is not."""
+    settings = CurveSettings(spans=((-1.0, 0.5),), window=WINDOW)
+    once, twice = (
+        connected(HENON, [[0.6, 0.2]] * n, [0.1, 0.3], settings, orders=(1, 2)).diagram
+        for n in (1, 2)
+    )
+    assert [branch.order for branch in twice.branches] == [branch.order for branch in once.branches]
+    kinds = [(str(each.kind), round(each.parameter, 9)) for each in twice.points]
+    assert kinds == [(str(each.kind), round(each.parameter, 9)) for each in once.points]
+    assert ("PD", 0.3675) in kinds  # 3 (1 - b)^2/4
+
+
 def test_scales_may_be_arrays(henon: Connected) -> None:
     settings = CurveSettings(spans=((0.1, 0.2),), window=WINDOW)
     found = connected(
@@ -202,6 +216,13 @@ def test_scales_may_be_arrays(henon: Connected) -> None:
     for free in ((0, 0), (0,), (0, 2), 1):
         with pytest.raises(ValueError, match="free must name two of 2 parameters"):
             special_curve(HENON, at, PointKind.PD, free, both)  # type: ignore[arg-type]
+    for outside in (
+        {"spans": ((0.5, 1.5), (-0.4, 0.4))},
+        {"spans": ((-1.0, 1.5), (0.31, 0.4))},
+        {"window": ((-4.0, 0.0), WINDOW[1])},
+    ):
+        with pytest.raises(ValueError, match=r"a (parameter|coordinate) of the cycle must lie in"):
+            special_curve(HENON, at, PointKind.PD, (0, 1), replace(both, **outside))
     with pytest.raises(ValueError, match="p_scale must be 2 positive numbers, got 3"):
         special_curve(HENON, at, PointKind.PD, (0, 1), both, p_scale=3)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match=r"kind must be pwmap.PointKind, got 'PD'"):

@@ -274,6 +274,17 @@ def test_the_multiplier_turns_as_the_second_derivatives_say() -> None:
     assert float(low) - 0.05 * abs(slope) <= slope <= float(high) + 0.05 * abs(slope)
 
 
+@NEEDS_NUMBA
+def test_what_a_proof_would_pass_over_is_refused() -> None:
+    orbit = shoot(Toy(), -0.53)
+    with pytest.raises(ValueError, match="an orbit is proved of its own toy, got another toy"):
+        prove(orbit, toy=Toy(mu_2=0.31))
+    nowhere = SpecialPoint(id="P", kind=PointKind.BC, parameter=0.3, x=-0.6)
+    for what in (orbit, nowhere):
+        with pytest.raises(ValueError, match=r"a span is for a branch, got \(0.4, 0.5\) for a"):
+            prove(what, (0.4, 0.5))
+
+
 @pytest.mark.slow
 @NEEDS_NUMBA
 def test_what_cannot_be_proved_is_said() -> None:

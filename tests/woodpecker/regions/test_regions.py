@@ -118,8 +118,15 @@ def test_wrong_input_is_refused() -> None:
         parameter_regions(family, ("r", "a"), SPAN)
     with pytest.raises(ValueError, match="those of the family"):
         parameter_regions(family, ("a", "r"), SPAN)
-    with pytest.raises(ValueError, match="checks must be at least 1, got 0"):
-        Survey(checks=0)
+    with pytest.raises(TypeError, match="progress must be a function, got 3"):
+        parameter_regions(family, ("r", "a"), SPAN, window=(-4, 4), progress=3)  # type: ignore[arg-type]
+    for count in (0, 2.5, "a", True):
+        with pytest.raises(ValueError, match="checks must be a whole number of at least 1, got"):
+            Survey(checks=count)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="seed must be a whole number of at least 0, got -1"):
+        Survey(seed=-1)
+    with pytest.raises(ValueError, match="finest must be one real number, got 'a'"):
+        Survey(finest="a")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="beside must lie in"):
         Survey(beside=1.5)
 

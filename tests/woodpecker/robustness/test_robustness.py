@@ -11,6 +11,7 @@ from woodpecker import Toy, shoot
 from woodpecker.robustness import Effect, Robustness, SmallestChange, smallest_changes
 from woodpecker.robustness.changes import space_of
 from woodpecker.robustness.lines import ToyLine
+from woodpecker.robustness.meeting import met_along
 from woodpecker.robustness.nearest import first_guesses
 from woodpecker.robustness.smallest import STEPPING
 from woodpecker.toy_map import ToyPieces
@@ -182,3 +183,34 @@ def test_a_step_of_the_search_to_no_toy_leaves_what_was_found(
     assert exact is not None
     # before the search the sine of the angle to the nearest is 0.05 or less; half of its square
     assert found.size == pytest.approx(exact.size, rel=1.3e-3)
+
+
+# --- What is nearest ------------------------------------------------------------------------------
+
+
+def test_the_nearest_end_of_one_parameter_is_the_smaller_of_its_limits() -> None:
+    """Of a cycle of two points, which ends at a border downwards and at a fold upwards."""
+    toy = Toy(eps_n1=0.67)
+    found = smallest_changes(toy, shoot(toy, -0.5, 2), ["eps_n1"])
+    down, up = found.limits
+    assert (down.kind, up.kind) == ("BC", "LP")
+    assert found.nearest is not None
+    assert found.nearest.size == pytest.approx(-0.01 * down.percent, rel=1e-9)
+    assert -down.percent < up.percent
+    before = shoot(toy.replace(eps_n1=down.value * (1.0 + 1e-6)), [-0.51269, -0.52684])
+    assert before.stable
+    assert before.points[0] == pytest.approx(found.nearest.phi_s, abs=1e-4)
+
+
+@pytest.mark.parametrize("most", [0.33541645426420436, 0.05])
+def test_a_flip_before_a_root_is_met_in_steps_of_any_length(most: float) -> None:
+    """The border at the root, with the slope -6e15, hid a flip and a collision before it."""
+    toy = Toy()
+    space = space_of(shoot(toy, GUESS), ("mu_2", "eps_n1"), STEPPING)
+    flip, collision = met_along(space, np.array([-0.16718318, -0.01326018]), most)
+    assert (flip.kind, collision.kind) == ("PD", "BC")
+    assert flip.size < collision.size
+    motions = [
+        shoot(space.toy_at(part * flip.u), float(flip.orbit.x[0, 0])) for part in (0.999, 1.001)
+    ]
+    assert motions[0].multiplier > -1.0 > motions[1].multiplier

@@ -19,6 +19,7 @@ from woodpecker.systems import (
     Section,
     SystemCycle,
     SystemMap,
+    bifurcation_diagram,
     continuation,
     from_kane,
     orbit_diagram,
@@ -95,6 +96,8 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: system(M="unit"), "M must be a matrix of expressions"),
     (lambda: system(M=[[1, 2], [3, 9]]), "M must be symmetric"),
     (lambda: system(M=[[1, 1], [1, 1]]), "M is singular"),
+    (lambda: system(M=[[1, 2], [2, 1]]), r"M must be positive definite, got \[\[1, 2\], \["),
+    (lambda: system(M=[[g, 0], [0, 1]]).replace(g=0.0), "M must be positive definite, got"),
     (lambda: system(M=[[v, 0], [0, 1]]), "M must not depend on the velocity u_x"),
     (lambda: system(h=[0]), r"h must have the shape \(2,\), got \(1, 1\)"),
     (lambda: system(h=[0, -sympy.Symbol("G")]), "h has the unknown symbol G"),
@@ -115,6 +118,8 @@ CASES: list[tuple[Callable[[], object], str]] = [
     (lambda: system(parameters={g: 9.81}), "has the unknown symbol mu"),
     (lambda: system(law="moreau"), "law must be 'poisson' or 'newton', got 'moreau'"),
     (lambda: system(expansion_friction="no"), "must be 'separate' or 'summed'"),
+    (lambda: BALL.replace(mu=-0.5), "mu of 'floor' must be >= 0, got -0.5"),
+    (lambda: system(contacts=[contact(eps_n=2 * mu)], parameters={g: 1.0, mu: 0.6}), "got 1.2"),
     (lambda: BALL.replace(k=1.0), "unknown parameter 'k'"),
     (lambda: from_kane(3, [FLOOR], {}), "expected a KanesMethod or LagrangesMethod, got 3"),
     (lambda: from_kane(kane(2), [FLOOR], {}), "must be the rate of"),
@@ -199,6 +204,30 @@ def test_a_call_that_does_not_fit(
 ) -> None:
     with pytest.raises(ValueError, match=sentence):
         call(bounces)
+
+
+OUT_OF_RANGE: list[Callable[[SystemMap, SystemCycle], object]] = [
+    lambda map_, _: map_.holding(eps=1.5),
+    lambda map_, _: shoot(map_, [0.0], p=[1.5]),
+    lambda map_, _: return_map(map_, [0.0], p=[1.5]),
+    lambda map_, _: orbit_diagram(map_, [0.5, 1.5], [1.0], [(0, 9)]),
+    lambda map_, cycle: continuation(map_, cycle, (0.1, 1.5), [(-1, 1)], orders=(1,)),
+    lambda map_, _: bifurcation_diagram(map_, (0.1, 1.5), (1,), (-1, 1)),
+]
+
+
+@pytest.mark.parametrize("call", OUT_OF_RANGE)
+def test_a_restitution_over_which_a_map_goes_is_one(
+    call: Callable[[SystemMap, SystemCycle], object],
+) -> None:
+    """Also as a parameter it lies in [0, 1]: a ball that leaves faster than it came is no ball."""
+    eps = sympy.Symbol("eps")
+    ball = FALLING.q, FALLING.M, FALLING.h, [Contact(name="floor", gap=y, eps_n=eps)]
+    map_ = SystemMap(
+        ContactSystem(*ball, {g: 10.0, eps: 0.5}), Section(when="floor", free=["u_y"]), ["eps"]
+    )
+    with pytest.raises(ValueError, match=r"^eps_n of 'floor' must be in \[0, 1\], got 1\.5"):
+        call(map_, shoot(map_, [1.0], p=[1.0]))  # each speed is one of a cycle there
 
 
 HELD = r"map_.holding\(...\) has other values of parameters"

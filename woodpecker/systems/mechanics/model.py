@@ -14,6 +14,7 @@ from enum import Enum
 from typing import Any
 
 import mpmath
+import numpy as np
 import sympy
 from sympy.core.function import AppliedUndef
 
@@ -80,13 +81,17 @@ class Contact:
             if part != "slip" or self.slip is not None:
                 text = f"{part} of {self.name!r}"
                 object.__setattr__(self, part, expression(text, getattr(self, part)))
+        self.check_laws({})
+        if self.slip is None and self.mu != 0:
+            raise ValueError(f"{self.name!r} has friction, and needs a slip: mu is {self.mu}")
+
+    def check_laws(self, parameters: Mapping[sympy.Symbol, float]) -> None:
+        """ValueError for friction or restitution out of range, where parameters determine it."""
         for part, high in (("mu", math.inf), ("eps_n", 1.0)):
-            value = getattr(self, part)
+            value = getattr(self, part).subs(parameters)
             if value.is_number and not 0.0 <= real(f"{part} of {self.name!r}", value) <= high:
                 limit = ">= 0" if high == math.inf else "in [0, 1]"
                 raise ValueError(f"{part} of {self.name!r} must be {limit}, got {value}")
-        if self.slip is None and self.mu != 0:
-            raise ValueError(f"{self.name!r} has friction, and needs a slip: mu is {self.mu}")
 
     @property
     def rubs(self) -> bool:
@@ -103,7 +108,7 @@ class ContactSystem:
     q
         The n coordinates, symbols of sympy; :func:`from_kane` takes dynamic symbols.
     M
-        (n, n) mass matrix, symmetric; of coordinates, time and parameters.
+        (n, n) mass matrix, symmetric and positive definite; of coordinates, time and parameters.
     h
         (n,) all smooth forces; of coordinates, velocities, time and parameters.
     contacts
@@ -187,7 +192,7 @@ class ContactSystem:
         Raises
         ------
         ValueError
-            If a parameter is unknown or a value is not finite.
+            If a parameter is unknown, or a value is not finite or none that the laws can have.
         """
         known = {str(symbol): symbol for symbol in self.parameters}
         for name in values:
@@ -229,7 +234,11 @@ class ContactSystem:
             raise ValueError("M must be symmetric")
         if vanishes(self.M.det()):
             raise ValueError("M is singular: every coordinate needs inertia")
+        mass = self.M.subs(self.parameters)
+        if not mass.free_symbols and np.linalg.eigvalsh(np.array(mass, dtype=float))[0] <= 0.0:
+            raise ValueError(f"M must be positive definite, got {mass.tolist()}")
         for each in self.contacts:
+            each.check_laws(self.parameters)
             if all(vanishes(each.gap.diff(q)) for q in self.q):
                 raise ValueError(f"the gap of {each.name!r} is one that no coordinate moves")
             if each.slip is None:
