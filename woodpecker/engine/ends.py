@@ -39,7 +39,7 @@ STEADY = 0.5  # of the smaller rate at both ends: by how much a margin falls at 
 COARSE = 64.0  # least steps: a dip of a margin in a shorter step is left alone
 MOST_BOUNDS = 32  # that are passed in a step, each before the last: more are left to shorter steps
 BRACKETED = 2.0**-14  # scaled: only in shorter steps a zero is bracketed if Newton finds none
-LOOKED = 2.0**-14  # scaled: what a root may hide is looked for in longer steps
+LOOKED = 2.0**-14  # scaled: in longer steps more is looked for, halfway and before a root
 NEAR = 1e-7  # scaled: a bound that is nearer than this where an arc begins is where it comes from
 
 

@@ -13,7 +13,14 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
-from woodpecker.engine.ends import ROUNDED_OFF, ArcEnd, UnclearError, asked_before, ends_between
+from woodpecker.engine.ends import (
+    LOOKED,
+    ROUNDED_OFF,
+    ArcEnd,
+    UnclearError,
+    asked_before,
+    ends_between,
+)
 from woodpecker.engine.maps import SpacePiece, margins_decide, taken
 from woodpecker.engine.newton import STEEP, solve
 from woodpecker.engine.orbits import Held, held_at
@@ -22,7 +29,6 @@ from woodpecker.engine.rooted import at_root, is_steep
 STRAIGHT = 1e-4  # angle between a chord and its tangents that any smooth curve may have [rad]
 KEPT_TURN = 0.7  # of the largest turn: what the next step is to have, so that few are refused
 CLOSE = 2.0**-14  # scaled: only in shorter steps the end of a root is looked for
-LOOKED = 2.0**-14  # scaled: steps longer than that are looked at halfway
 # Times what the larger of its rates at both ends makes of it a margin changes at most in a step,
 # and besides a part of its size.
 LEAPT, LEAPT_PART = 4.0, 2.0**-20

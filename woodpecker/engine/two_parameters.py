@@ -85,7 +85,8 @@ def special_curve(
         If ``orbit`` is no orbit, or ``kind`` none of a point.
     ValueError
         If an argument does not fit the cycle, it lies outside of the spans or the window, the kind
-        has no such curve, no margin vanishes at a BC, Newton's method does not converge to a point of this kind, or it is a neutral saddle.
+        has no such curve, no margin vanishes at a BC, Newton's method does not converge to a point
+        of this kind, or it is a neutral saddle.
 
     Examples
     --------
