@@ -93,13 +93,15 @@ def regions_of_pieces(conditions: Sequence[sympy.Basic]) -> list[list[Region]]:
 
 def regions_of(condition: sympy.Basic) -> list[Region]:
     """Regions that make up where a condition holds; they may overlap. ValueError for others."""
+    if condition is sympy.false:
+        return []
     whole, found = sympy.to_dnf(condition), list[Region]()
     for each in whole.args if isinstance(whole, sympy.Or) else (whole,):
         bounds: list[Bound] = []
         for relation in each.args if isinstance(each, sympy.And) else (each,):
             if relation is not sympy.true:
                 _add(bounds, _bound(relation, condition))
-        if whole is not sympy.false and not _contradict(bounds):
+        if not _contradict(bounds):
             found.append(tuple(bounds))
     return found
 

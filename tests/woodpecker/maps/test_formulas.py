@@ -197,8 +197,9 @@ def test_relations_of_any_smooth_expressions() -> None:
     assert found == {"A": {"-p**2 - x**2 + 1 > 0"}, "B": {"p**2 + x**2 - 1 >= 0"}}
 
 
-def test_a_piece_that_holds_nowhere_is_left_out() -> None:
-    map_ = from_sympy(sympy.Piecewise((X, X < 0), (K, X < K), (P, True)), X, P, {K: -1})
+@pytest.mark.parametrize("nowhere", [X < K, K > 0])
+def test_a_piece_that_holds_nowhere_is_left_out(nowhere: sympy.Basic) -> None:
+    map_ = from_sympy(sympy.Piecewise((X, X < 0), (K, nowhere), (P, True)), X, P, {K: -1})
     assert [piece.word for piece in map_.pieces] == ["A", "C"]
     assert map_.at(-0.5, 3.0).value == -0.5
     assert map_.at(0.0, 3.0).value == 3.0
