@@ -11,13 +11,13 @@ from woodpecker.base.arrays import Floats
 from woodpecker.mechanics.lcp import lemke
 from woodpecker.systems.mechanics.impacts import ImpactPhase, Outcome, solutions
 
-oracle = pytest.importorskip("quantecon.optimize").lcp_lemke
-
 # Rounding of 1e-16 times the conditions of a mass matrix of four coordinates and of its contacts.
 CLOSE = 1e-9
 
 
 def solved(a: Floats, b: Floats) -> Floats:
+    # It compiles as it is imported, into a cache that only one process may write: not on collection.
+    oracle = pytest.importorskip("quantecon.optimize").lcp_lemke
     found = oracle(np.ascontiguousarray(a), np.ascontiguousarray(b))
     assert found.success
     return np.asarray(found.z)
