@@ -16,7 +16,7 @@ CLOSE = 1e-9
 
 
 def solved(a: Floats, b: Floats) -> Floats:
-    # It compiles as it is imported, into a cache that only one process may write: not on collection.
+    # Imported here, not on collection: it compiles then, into a cache that one process may write.
     oracle = pytest.importorskip("quantecon.optimize").lcp_lemke
     found = oracle(np.ascontiguousarray(a), np.ascontiguousarray(b))
     assert found.success
