@@ -15,7 +15,7 @@ from woodpecker.cli.diagram import orders_of
 from woodpecker.cli.options import Out, Window
 from woodpecker.cli.results import Results, results_in
 from woodpecker.mechanics.toy import WINDOW, Toy
-from woodpecker.regions.survey import Survey
+from woodpecker.regions.survey import CHECKS, Survey
 
 if TYPE_CHECKING:
     from woodpecker import Curve
@@ -31,9 +31,7 @@ def regions(
     second_span: Second = None,
     orders: Annotated[str, option("Periods of the cycles that are counted.")] = "1",
     window: Window = WINDOW,
-    checks: Annotated[
-        int, option("Random places at which cycles are counted.", min=1)
-    ] = Survey().checks,
+    checks: Annotated[int, option("Random places at which cycles are counted.", min=1)] = CHECKS,
     picture: Formats = None,
     out: Out = Path("out"),
 ) -> None:

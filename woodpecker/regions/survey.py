@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from woodpecker.base.checks import number, whole
+CHECKS = 60  # places without a contradiction: at most 5 % of the rectangle is wrong, as said below
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -41,7 +41,7 @@ class Survey:
     20
     """
 
-    checks: int = 60
+    checks: int = CHECKS
     curves: int = 100
     finest: float = 2.0**-11
     beside: float = 2.0**-9
@@ -53,6 +53,8 @@ class Survey:
     seed: int = 1
 
     def __post_init__(self) -> None:
+        from woodpecker.base.checks import number, whole  # a page of help needs no numpy
+
         for name in ("checks", "curves", "samples", "starts", "transient", "keep", "seed"):
             least = int(name != "seed")
             object.__setattr__(self, name, whole(name, getattr(self, name), least))

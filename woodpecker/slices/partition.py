@@ -188,7 +188,7 @@ class _Finder:
         else:
             passed = self._is_aside(gap) and self._leads(image, x) == self._side(gap.low, gap.below)
             if not passed or reach(image, -1.0)[0] + reach(image, 1.0)[0] > self._short:
-                x, image = self._within(x, image, gap.high)
+                x, image = self._within(x, image, gap)
                 back = self._reach(image, x, -1, gap.low)
                 ahead = self._reach(image, x, 1, gap.high)
                 self.pieces.append((*reversed(back), *(ahead[1:] or ahead)))
@@ -197,17 +197,18 @@ class _Finder:
         yield from self._open(_Gap(gap.low - low, gap.low, low, gap.below, ends[0], gap.left))
         yield from self._open(_Gap(high - gap.high, high, gap.high, ends[1], gap.above, gap.left))
 
-    def _within(self, x: float, image: Image, limit: float) -> tuple[float, Image]:
+    def _within(self, x: float, image: Image, gap: _Gap) -> tuple[float, Image]:
         """A point of a piece that is about to be followed, and its image.
 
         Where two events of a return coincide the map takes a path of both at once at that point
         only, on whose border it is, and whose margins need not end it: then a point beside it.
         """
-        beside = x + self._thin
-        if depth(image) > self._thin or beside >= limit:
+        if depth(image) > self._thin or not gap.low < x - self._thin < x + self._thin < gap.high:
             return x, image
-        there = self.map.at(beside, self.p)
-        return (x, image) if there.piece.key == image.piece.key else (beside, there)
+        places = x - self._thin, x + self._thin
+        before, after = (self.map.at(place, self.p) for place in places)
+        holds = image.piece.key in (before.piece.key, after.piece.key)
+        return (x, image) if holds else (places[1], after)
 
     def _open(self, gap: _Gap) -> Iterator[_Gap]:
         """A gap unless it is too short to be crossed."""
