@@ -31,12 +31,6 @@ SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the di
 DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 46, 16, 10))  # scaled, of proposals
 NEAREST = min(DISTANCES)
 ROOT = 4.0  # times steeper at that distance, or times as high as that slope says: a root
-# Scaled: where the next term of a root, h^(3/2), is as small as what rounding makes of h.
-BESIDE_END = 2.0**-29
-# Of that height: a value at the end of a root that is off by more is that of x off the end by
-# rounding, of which the root is taken, up to ...
-LEAST_ROOT = 2.0**-20
-ROUNDED_ROOT = 2.0**-8  # ... so much
 
 
 class SpaceImage(NamedTuple):
@@ -174,24 +168,14 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
         1.0, float(np.abs(near.jacobian).max())
     )
     along = closer.jacobian @ away
-    value, size = closer.value - along, float(np.abs(along).max())
-    if rooted:
-        value = _end_of_root(near.piece, x, p, unit, value - along)
-    if not there.reason:  # where two solutions of an event meet it may be that of the other one
-        off = float(np.abs(there.value - value).max())
-        rounded = rooted and LEAST_ROOT * size < off <= ROUNDED_ROOT * size
-        if off <= ROOT * size and not rounded:
-            value = there.value
+    value = closer.value - (2.0 * along if rooted else along)
+    if rooted and d == 1:  # in R^d images are integrated: their noise is more than what is gained
+        # Of a + b sqrt(h) + c h at a distance h: the value at 4 h less 4 h times the slope at h.
+        farther = near.piece.at(x + 4.0 * away[:d], p + 4.0 * away[d:])
+        value = value if farther.reason else farther.value - 4.0 * along
+    if not there.reason and np.abs(there.value - value).max() <= ROOT * np.abs(along).max():
+        value = there.value  # where two solutions of an event meet it may be that of the other one
     return closer._replace(value=value, margins=closer.margins - closer.gradients @ away)
-
-
-def _end_of_root(piece: SpacePiece, x: Floats, p: Floats, unit: Floats, near: Floats) -> Floats:
-    """The value at the end (x, p) of a root, or that which is known if it has none beside it."""
-    # It is a + b sqrt(h) + c h at a distance h, and a is the value at 4 h less 4 h times the slope
-    # at h.
-    away, d = BESIDE_END * unit, len(x)
-    one, four = (piece.at(x + n * away[:d], p + n * away[d:]) for n in (1.0, 4.0))
-    return near if one.reason or four.reason else four.value - 4.0 * (one.jacobian @ away)
 
 
 def _comes_to(one: Floats, closer: Floats, there: Floats) -> bool:
