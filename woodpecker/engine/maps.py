@@ -169,7 +169,7 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
     )
     along = closer.jacobian @ away
     value = closer.value - (2.0 * along if rooted else along)
-    if rooted and d == 1:  # in R^d images are integrated: their noise is more than what is gained
+    if rooted and d == 1:  # with it, cycles born at a grazing of an oscillator in R^2 are not found
         # Of a + b sqrt(h) + c h at a distance h: the value at 4 h less 4 h times the slope at h.
         farther = near.piece.at(x + 4.0 * away[:d], p + 4.0 * away[d:])
         value = value if farther.reason else farther.value - 4.0 * along
