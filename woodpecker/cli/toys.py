@@ -86,7 +86,7 @@ def write_toy(path: Path, toy: Toy) -> None:
 def read_toy(path: Path) -> Toy:
     """A toy from the file of :func:`write_toy`, or the record of a command; ValueError if none."""
     try:
-        values = json.loads(path.read_bytes())[TOY]
+        values = json.loads(path.read_bytes(), object_pairs_hook=_each_once)[TOY]
         if not isinstance(values, dict):
             raise ValueError(f"{TOY!r} must be an object with values by name, got {values!r:.60}")
         unknown = sorted({*values} - {*parameters(), LAW})
@@ -102,3 +102,13 @@ def read_toy(path: Path) -> Toy:
         raise ValueError(
             f"{path} holds no toy, as --save-toy writes it: {' '.join(str(error).split())}"
         ) from None
+
+
+def _each_once(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
+    """An object of JSON; ValueError if a name stands twice."""
+    found: dict[str, Any] = {}
+    for name, value in pairs:
+        if name in found:
+            raise ValueError(f"{name!r} stands twice")
+        found[name] = value
+    return found

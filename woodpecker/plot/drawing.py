@@ -37,6 +37,7 @@ from woodpecker.simulation.words import IMPACTS
 WALL = 0.45  # thickness of the sleeve's wall over its inner radius
 COILS = 6
 DPI = 100.0  # of an animation
+MOST_FRAMES = 10_000  # of an animation: each takes some 10 ms, and 25 per second last 400 s
 WOOD, GRAIN = "#ead7b7", "#a88a5c"
 METAL, INSIDE = "#969696", "#d9d9d9"
 DARK, CREAM, CREST = "#333333", "#f7f3e8", "#cb181d"
@@ -330,8 +331,14 @@ def draw_frames(
 
 
 def frame_times(t_end: float, slow: float, fps: float) -> Floats:
-    """Instants [s] of the frames of an animation: ``slow * t_end`` seconds long."""
-    return np.arange(max(1, round(t_end * slow * fps))) / (slow * fps)
+    """Instants [s] of the frames of ``slow * t_end`` seconds; ValueError if they are too many."""
+    count = max(1.0, t_end * slow * fps)
+    if not count <= MOST_FRAMES:
+        raise ValueError(
+            f"an animation has at most {MOST_FRAMES} frames, got slow = {slow:g} times {t_end:g} s "
+            f"at {fps:g} frames per second"
+        )
+    return np.arange(round(count)) / (slow * fps)
 
 
 def animate(
@@ -366,7 +373,8 @@ def animate(
     Raises
     ------
     TypeError, ValueError
-        If it is no trajectory, ``slow`` or ``fps`` is not positive, or the suffix is another.
+        If it is no trajectory, ``slow`` or ``fps`` is not positive or makes more than 10 000
+        frames, or the suffix is another.
     FileNotFoundError
         If there is no ffmpeg for an MP4, or no such folder.
 

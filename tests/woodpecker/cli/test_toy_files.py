@@ -50,6 +50,7 @@ def test_options_change_single_values_of_a_file(tmp_path: Path) -> None:
         ('{"toy": []}', "'toy' must be an object with values by name, got []"),
         (json.dumps({"toy": {"m_m": 10**400}}), "int too large to convert to float"),
         ('{"toy": {"eps": 0.3}}', "unknown parameter 'eps'"),
+        ('{"toy": {"mu_2": 0.3, "mu_2": 0.31}}', "'mu_2' stands twice"),
         ('{"toy": {"eps_n1": 2}}', "eps_n1 must lie in [0, 1], got 2.0"),
         ('{"toy": {"eps_n1": true}}', "eps_n1 must be a real number, got True"),
         ('{"toy": {"eps_n1": null}}', "real number, not 'NoneType'"),

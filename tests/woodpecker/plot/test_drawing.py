@@ -154,6 +154,8 @@ def test_frames_of_an_animation_last_as_long_as_the_motion_slowed() -> None:
     assert len(times) == 50  # 0.1 s, 20 times slower, 25 each second
     assert times[0] == 0.0
     assert np.diff(times) == pytest.approx(0.1 / 50)
+    with pytest.raises(ValueError, match=r"10000 frames, got slow = 1e\+09 times 0.1 s at 25"):
+        frame_times(0.1, 1e9, 25.0)
 
 
 @pytest.mark.slow
