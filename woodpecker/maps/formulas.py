@@ -179,6 +179,7 @@ class FormulaPiece:
 
     def at(self, x: float, p: float) -> Image:
         """The image of a point, also outside; without a value it carries the reason."""
+        x, p = float(x), float(p)  # numbers of numpy warn where Python's have no real value
         value, slope, d_parameter = self.map.at(x, p)
         flat = [number for margin in self.margins.values() for number in margin.at(x, p)]
         rows = np.array(flat).reshape(-1, 3)
@@ -189,7 +190,8 @@ class FormulaPiece:
 
     def holds(self, x: float, p: float) -> bool:
         """Whether no margin is negative at a point."""
-        return all(real(margin.value, x, p) >= 0.0 for margin in self.margins.values())
+        point = float(x), float(p)
+        return all(real(margin.value, *point) >= 0.0 for margin in self.margins.values())
 
     def values(self, x: Floats, p: float) -> Floats:
         """The images of many points, of any shape, also outside; nan where there is none."""

@@ -63,6 +63,7 @@ class SymbolicPiece:
 
     def at(self, x: float, p: float) -> Image:
         """The image of a point, also outside."""
+        x, p = float(x), float(p)  # numbers of numpy warn where Python's have no real value
         try:
             value, slope, d_parameter, *rest = self._functions.everything(x, p, *self._values)
             value, slope, d_parameter = float(value), float(slope), float(d_parameter)
@@ -85,7 +86,7 @@ class SymbolicPiece:
     def holds(self, x: float, p: float) -> bool:
         """Whether the relations hold, strict ones strictly."""
         try:
-            return bool(self._functions.inside(x, p, *self._values))
+            return bool(self._functions.inside(float(x), float(p), *self._values))
         except (*NOT_REAL, TypeError):  # a margin has no real value
             return False
 

@@ -10,12 +10,15 @@ from sympy import Piecewise, Rational, exp, log, sqrt, symbols
 
 from woodpecker import (
     FormulaMap,
+    FormulaPiece,
     Search,
     Settings,
     ShootingStatus,
+    Smooth,
     from_sympy,
     orbit_diagram,
     shoot,
+    slices_at,
 )
 from woodpecker.maps import check_derivatives
 from woodpecker.maps.pieces import Image
@@ -139,6 +142,22 @@ def test_numbers_of_numpy_are_numbers(lines: FormulaMap) -> None:
     own, known = (everything(m, settings, search=search).diagram for m in (OwnMap(), lines))
     assert [b.word for b in own.branches] == ["L", "L / R", "R"]
     assert [q.parameter for q in own.points] == [q.parameter for q in known.points]
+
+
+@pytest.mark.parametrize("number", [np.float64, np.float32])
+def test_a_root_of_a_negative_number_of_numpy_is_no_value(number: type[np.floating]) -> None:
+    x, p = symbols("x p", real=True)
+    root = Rational(3, 10)
+    formula = Piecewise((1 - p * (-x) ** root, x < 0), (-1 + p * x**root, True))
+    roots, settings = from_sympy(formula, x, p), Settings(span=(0.5, 2), window=(-1.5, 1.5))
+    own = FormulaPiece("L", Smooth(lambda x, p: 1.0 - p * (-x) ** 0.3))
+    for piece in (roots.pieces[0], own):
+        assert piece.at(number(-0.25), number(1.25)).value == pytest.approx(1 - 1.25 * 0.25**0.3)
+        assert piece.at(0.25, number(1.25)).reason  # not the real part of a complex one
+    (found,), (expected,) = (slices_at(roots, p, (2,), settings) for p in (number(1.25), 1.25))
+    assert [cycle.x.tolist() for cycle in found.cycles] == [
+        cycle.x.tolist() for cycle in expected.cycles
+    ]
 
 
 def test_what_a_piece_lacks_is_said() -> None:
