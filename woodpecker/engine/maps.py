@@ -11,11 +11,13 @@ that it does not depend on the distances: :func:`proposed`.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple, Protocol
 
 import numpy as np
+from scipy.optimize import brentq
 
 from woodpecker.base.arrays import Bools, Floats, Ints
 
@@ -31,6 +33,8 @@ SMOOTH = 2.0**-18  # of slopes: those of a smooth piece differ by less at the di
 DISTANCES = tuple(2.0**-n for n in (22, 28, 34, 40, 46, 16, 10))  # scaled, of proposals
 NEAREST = min(DISTANCES)
 ROOT = 4.0  # times steeper at that distance, or times as high as that slope says: a root
+UNSURE = 2.0**-10  # how far exponents of roots, and parts of distances, are off by rounding at most
+SQUARE = 2.0**-12  # exponents closer to 1/2 are those of square roots
 
 
 class SpaceImage(NamedTuple):
@@ -164,18 +168,76 @@ def limit(near: SpaceImage, x: Floats, p: Floats, unit: Floats) -> SpaceImage:
         return closer
     if not there.reason and _comes_to(near.jacobian, closer.jacobian, there.jacobian):
         return there
+    along = closer.jacobian @ away
     rooted = float(np.abs(closer.jacobian).max()) > ROOT * max(
         1.0, float(np.abs(near.jacobian).max())
     )
-    along = closer.jacobian @ away
     value = closer.value - (2.0 * along if rooted else along)
-    if rooted and d == 1:  # with it, cycles born at a grazing of an oscillator in R^2 are not found
-        # Of a + b sqrt(h) + c h at a distance h: the value at 4 h less 4 h times the slope at h.
-        farther = near.piece.at(x + 4.0 * away[:d], p + 4.0 * away[d:])
-        value = value if farther.reason else farther.value - 4.0 * along
+    root = root_of(near.piece, x, p, unit) if d == 1 else None
+    if root is not None:
+        value = np.array([root.value])
     if not there.reason and np.abs(there.value - value).max() <= ROOT * np.abs(along).max():
         value = there.value  # where two solutions of an event meet it may be that of the other one
     return closer._replace(value=value, margins=closer.margins - closer.gradients @ away)
+
+
+class Root(NamedTuple):
+    """How a piece of the line ends: as a + b h^s + c h at a distance h from its border."""
+
+    value: float  # a
+    exponent: float  # s
+
+
+def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> Root | None:
+    """How a piece of the line ends at (x, p), seen along a direction; None if its slope does not.
+
+    Values and slopes are compared at three distances, h, t h and t^2 h with t near 4.
+    """
+    away = [4.0**k * CLOSER for k in range(3)]
+    images = [piece.at(x + h * unit[:1], p + h * unit[1:]) for h in away]
+    if any(image.reason for image in images):
+        return None
+    h = _distances(images, unit, away)
+    slopes = [float(image.jacobian[0] @ unit) for image in images]
+    bends = slopes[0] - slopes[1], slopes[1] - slopes[2]  # without c
+    if not (bends[0] * bends[1] > 0.0 and abs(bends[0]) > SMOOTH * abs(slopes[0])):
+        return None
+    about = 1.0 - math.log(bends[0] / bends[1]) / math.log(4.0)
+
+    def off(s: float) -> float:
+        powers = [(each / h[1]) ** (s - 1.0) for each in h]
+        return (powers[0] - powers[1]) * bends[1] - (powers[1] - powers[2]) * bends[0]
+
+    low, high = about - UNSURE, about + UNSURE
+    if not 0.0 < low < high < 1.0 or not off(low) * off(high) < 0.0:
+        return None
+    s = float(brentq(off, low, high))
+    s = 0.5 if abs(s - 0.5) <= SQUARE else s
+    # With B = b h^s and C = c h there are the values a + B + C, a + t^s B + t C, and s B + C.
+    t = h[1] / h[0]
+    part = (t**s - t * s) / (1.0 - s)
+    values = [float(image.value[0]) for image in images]
+    value = (values[1] - part * values[0] - (t - part) * slopes[0] * h[0]) / (1.0 - part)
+    return Root(value, s)
+
+
+def _distances(images: Sequence[SpaceImage], unit: Floats, away: list[float]) -> list[float]:
+    """Distances of images of a piece from the border, as its margin there has them.
+
+    Points so close are rounded, and a margin is as the values are.
+    """
+    rates = images[0].gradients @ unit
+    (ahead,) = np.nonzero((rates > 0.0) & (images[0].margins > 0.0))
+    if not len(ahead):
+        return away
+    code = int(images[0].codes[ahead[(images[0].margins[ahead] / rates[ahead]).argmin()]])
+    places = [image.place(code) for image in images]
+    found = [
+        float(image.margins[k] / (image.gradients[k] @ unit)) if k >= 0 else math.nan
+        for image, k in zip(images, places, strict=True)
+    ]
+    near = all(abs(a - b) <= UNSURE * b for a, b in zip(found, away, strict=True))
+    return found if near else away
 
 
 def _comes_to(one: Floats, closer: Floats, there: Floats) -> bool:

@@ -13,12 +13,13 @@ import numpy as np
 
 from woodpecker.base.arrays import Floats, norm
 from woodpecker.engine.curves import ASIDE, Arc, Sample, SolutionCurve, Stop, nearest_border
-from woodpecker.engine.maps import ACCUMULATE, SpaceImage, limit
+from woodpecker.engine.maps import ACCUMULATE, SpaceImage, limit, root_of
 from woodpecker.engine.newton import BLUR, STEEP, newton_step, solve
 from woodpecker.engine.orbits import OnBorder, SpaceOrbit
 
 ROOTED = 10.0  # times the slopes beyond a border those at the end of a root are larger
 HUGGED = 2.0**-10  # scaled: how far a branch hugs a border at most before it meets it
+WIDEST = 0.1  # scaled: what is left of a root by rounding of its border at most
 NEAR_INSIDE = 2.0**-22  # scaled: how far inside a piece is looked at that ends at a border
 
 
@@ -86,10 +87,13 @@ def settled(arc: Arc) -> tuple[Arc, SpaceImage | None]:
     if outer.piece.key == image.piece.key and not is_reached:  # there its own piece is all there is
         outer = outer._replace(reason=outer.reason or ACCUMULATE)
     arc = sharpened(arc, i, gradient)
-    if not outer.reason and is_steep(arc.samples[-1].orbit.images[i], outer):
+    if outer.reason:
+        return arc, outer
+    if is_steep(arc.samples[-1].orbit.images[i], outer):
         moved, there = _moved_to(arc, i, outer)
-        return (_at_limit(arc, i, code), outer) if moved is arc else (moved, there)
-    return arc, outer
+        if moved is not arc:
+            return moved, there
+    return _at_limit(arc, i, code), outer
 
 
 def sharpened(arc: Arc, i: int, inward: Floats) -> Arc:
@@ -154,24 +158,37 @@ def _moved_to(arc: Arc, i: int, outer: SpaceImage) -> tuple[Arc, SpaceImage]:
 
 def _at_limit(arc: Arc, i: int, code: int) -> Arc:
     """An arc that ends at a root and a jump, with its end where the limit of the root closes."""
-    # There the value is a + b sqrt(h) of a margin h that is all rounding, and so is b sqrt(h):
-    # twice the slope times the distance, by which a Newton step is corrected.
+    # There the value is a + b h^s of a margin h that is all rounding, and so is b h^s: the slope
+    # times the distance, over s, by which a Newton step is corrected.
     end, problem = arc.samples[-1], arc.curve.problem.with_(OnBorder(i, code))
     orbit, image = end.orbit, end.orbit.images[i]
     k = image.place(code)
     inward = image.gradients[k] / float(image.gradients[k] @ image.gradients[k])
-    value = image.value - 2.0 * image.jacobian @ (float(image.margins[k]) * inward)
-    if not np.isfinite(value).all() or not arc.curve.problem.same(value, image.value, ASIDE):
+    left = image.jacobian @ (float(image.margins[k]) * inward)
+    if problem.same(left, np.zeros(len(left)), BLUR):
+        return arc
+    value = image.value - left / _exponent(arc.curve, orbit, i, inward)
+    away = problem.apart(value, image.value)
+    if not 0.0 < away < WIDEST:
         return arc
     images = (*orbit.images[:i], image._replace(value=value), *orbit.images[i + 1 :])
     step = newton_step(problem, replace(orbit, images=images))
-    if not np.abs(step).max() <= ASIDE:
+    if not np.abs(step).max() <= max(ASIDE, ROOTED * away):
         return arc
     there = problem.moved(orbit, step)
     closed = image._replace(value=there.x[(i + 1) % len(there.x)])
     images = (*there.images[:i], closed, *there.images[i + 1 :])
     last = Sample(replace(there, images=images), end.tangent)
     return replace(arc, samples=(*arc.samples[:-1], last))
+
+
+def _exponent(curve: SolutionCurve, orbit: SpaceOrbit, i: int, inward: Floats) -> float:
+    """The exponent of the root in which the piece of a point ends; infinite if it ends in none."""
+    if orbit.x.shape[1] > 1:  # there they are taken for square ones
+        return 0.5 if _steepest(orbit.images[i]) > STEEP else math.inf
+    unit = inward / np.abs(inward / curve.problem.lengths).max()
+    root = root_of(orbit.images[i].piece, orbit.x[i], orbit.p, unit)
+    return math.inf if root is None else root.exponent
 
 
 def _hugs(end: SpaceOrbit, there: SpaceOrbit, i: int) -> bool:

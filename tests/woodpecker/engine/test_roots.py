@@ -1,0 +1,62 @@
+"""Pieces that end in a root, a + b h^s + c h at a distance h from their border, of any power."""
+
+import numpy as np
+import pytest
+from sympy import Expr, Piecewise, Rational, symbols
+
+from woodpecker import Search, bifurcation_diagram, from_sympy
+from woodpecker.engine.formulas import expression_map
+from woodpecker.engine.maps import root_of
+
+x, p = symbols("x p", real=True)
+POWERS = [Rational(k, 20) for k in (2, 3, 5, 9, 10, 11, 13, 15, 18, 19)]
+
+
+@pytest.mark.parametrize("power", POWERS, ids=str)
+@pytest.mark.parametrize("linear", [0, 1, -3])
+def test_value_and_power_of_a_root_are_known_to_rounding(power: Rational, linear: int) -> None:
+    h = p / 8 + Rational(3, 7) - x
+    map_ = expression_map(
+        (x,), (p,), {"L": (p / 2 + 3 * h**power / 4 + linear * h,)}, {"L": {"0": h}}
+    )
+    at = 0.3713
+    border = np.array([at / 8 + 3 / 7])
+    for way in ([-1.0, 0.0], [-1.0, 0.7]):
+        root = root_of(map_.pieces[0], border, np.array([at]), np.array(way))
+        assert root is not None
+        assert root.exponent == pytest.approx(float(power), abs=1e-12)
+        assert root.value == pytest.approx(at / 2, abs=4e-15)  # some ten spacings
+
+
+def test_what_is_smooth_ends_in_no_root() -> None:
+    map_ = expression_map(
+        (x,), (p,), {"L": (p + 50 * (1 - x) + (1 - x) ** 2,)}, {"L": {"1": 1 - x}}
+    )
+    assert root_of(map_.pieces[0], np.ones(1), np.zeros(1), np.array([-1.0, 0.0])) is None
+
+
+@pytest.mark.parametrize(
+    ("border", "left", "right", "power", "exact"),
+    [  # left - h^s/8 below the border, right above it: cycles end where a limit lies on the border
+        (Rational(1, 8) - p / 4, p - 1, p + Rational(5, 8), Rational(13, 20), [0.9, -0.4]),
+        (
+            Rational(1, 4) - p / 8,
+            p - Rational(7, 8),
+            p - Rational(3, 4),
+            Rational(7, 10),
+            [1, 8 / 9],
+        ),
+        (Rational(1, 8), p - Rational(1, 8), p + Rational(1, 4), Rational(1, 10), [0.25, -0.125]),
+    ],
+)
+def test_cycles_and_jumps_end_at_roots_where_they_are_said_to(
+    border: Expr, left: Expr, right: Expr, power: Rational, exact: list[float]
+) -> None:
+    formula = Piecewise((left - (border - x) ** power / 8, x < border), (right, True))
+    diagram = bifurcation_diagram(
+        from_sympy(formula, x, p), "p", (-1.5, 1.5), (1,), (-3, 3), search=Search(slices=3)
+    )
+    met = [point for point in diagram.points if point.kind.value in ("BC", "FF")]
+    assert sorted(point.parameter for point in met) == pytest.approx(sorted(exact), abs=1e-13)
+    for point in met:
+        assert min(abs(point.parameter - each) for each in exact) <= point.precision
