@@ -137,10 +137,14 @@ class Fates:
 
     def _drawn(self, germ: Germ, letters: list[str]) -> AttractingCycle | None:
         """The cycle that an orbit has begun to follow, if it draws it in."""
+        tried = list[list[str]]()
         for period in range(1, len(letters) // REPEATS + 1):
             word = letters[-period:]
             if letters[-REPEATS * period :] != word * REPEATS:
                 continue
+            if any(each * (period // len(each)) == word for each in tried):
+                continue  # several rounds of a cycle that was asked
+            tried.append(word)
             cycle = self._cycle_at(germ, period)
             if cycle is not None and cycle.draws(germ.x):
                 return self._kept(cycle)

@@ -93,7 +93,7 @@ def _around(line: MapLine, germs: tuple[Germ, ...]) -> NeutralIntervals:
     for germ in germs:
         far, back = germ.x + germ.side * scale * ahead, germ.x - germ.side * scale * behind
         part = (back, far) if germ.side > 0 else (far, back)
-        if part in visited:
+        if part in visited[:1]:
             break
         visited.append(part)
         letters.append(line.piece(germ).letter)
@@ -119,22 +119,20 @@ def room(line: MapLine, germs: Sequence[Germ], way: int) -> Exact:
     return found
 
 
-def _with_ends(line: MapLine, intervals: Iterable[Interval], period: int) -> tuple[Part, ...]:
+def _with_ends(line: MapLine, intervals: Sequence[Interval], period: int) -> tuple[Part, ...]:
     """Intervals with those ends that follow the same pieces as points beside them."""
-
-    def belongs(x: Exact, side: int) -> bool:
-        if isinstance(x, Infinite):
-            return False
-        germ = Germ(x, side)
-        for _ in range(period):
-            if line.piece(Germ(germ.x, 0)).letter != line.piece(germ).letter:
-                return False
-            germ = line.image(germ)
-        return True
-
+    owned = set[tuple[int, int]]()  # numbers of intervals, and the side on which points beside lie
+    for end, side in zip(intervals[0], (1, -1), strict=True):
+        if isinstance(end, Infinite):
+            continue
+        around = [Germ(end, side)]  # comes by the ends of all intervals
+        while len(around) < period:
+            around.append(line.image(around[-1]))
+        if all(line.piece(Germ(each.x, 0)).letter == line.piece(each).letter for each in around):
+            owned.update((k % len(intervals), each.side) for k, each in enumerate(around))
     return tuple(
-        ((low, -1 if belongs(low, 1) else 1), (high, 1 if belongs(high, -1) else -1))
-        for low, high in intervals
+        ((low, -1 if (k, 1) in owned else 1), (high, 1 if (k, -1) in owned else -1))
+        for k, (low, high) in enumerate(intervals)
     )
 
 

@@ -251,6 +251,17 @@ def _newly_beyond(curve: SolutionCurve, a: Sample, b: Sample) -> Iterator[TestFu
     for test in _bounds(curve, b):
         if test.stop is not Stop.WINDOW or test.value(a) >= -ROUNDED_OFF:
             yield test
+    before, after = _jump(a.orbit), _jump(b.orbit)
+    if before * after < 0.0:  # both limits pass the diagonal at once, and the share is inside
+        side = math.copysign(1.0, before)
+        yield TestFunction(Stop.SHARE, lambda each: side * _jump(each.orbit), AtLimit(False))
+
+
+def _jump(orbit: SpaceOrbit) -> float:
+    """The outer limit less the inner one of a jump crossing in R^1; 0 of others."""
+    if orbit.outer is None or orbit.x.shape[1] > 1:
+        return 0.0
+    return float(orbit.outer.value[0] - orbit.images[-1].value[0])
 
 
 def _bounds(curve: SolutionCurve, sample: Sample) -> Iterator[TestFunction]:

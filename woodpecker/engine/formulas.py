@@ -13,6 +13,7 @@ import sympy
 
 from woodpecker.base.arrays import Floats
 from woodpecker.base.shown import shown
+from woodpecker.base.slopes import derivative
 from woodpecker.engine.maps import SpaceImage
 
 NOT_REAL = (ValueError, ZeroDivisionError, OverflowError)  # math's words for no real value
@@ -73,7 +74,7 @@ def _compiled(
     symbols: tuple[sympy.Symbol, ...], expressions: tuple[sympy.Expr, ...]
 ) -> Callable[..., Any]:
     """A function of all symbols that gives each expression, followed by its derivatives."""
-    rows = [[each, *(sympy.diff(each, symbol) for symbol in symbols)] for each in expressions]
+    rows = [[each, *(derivative(each, symbol) for symbol in symbols)] for each in expressions]
     for each, *slopes in rows:
         if any(slope.has(sympy.Derivative, sympy.Subs) for slope in slopes):
             raise ValueError(f"a piece must be smooth, sympy has no formula for a slope of {each}")

@@ -14,6 +14,7 @@ import sympy
 
 from pwmap import LinearPiece, PiecewiseLinearMap
 from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.slopes import derivative
 from woodpecker.maps.formulas import NOT_REAL, Bools, FormulaMap, codes, no_value, real
 from woodpecker.maps.pieces import Image
 from woodpecker.maps.relations import Bound, cases_of, regions_of, regions_of_pieces
@@ -140,8 +141,8 @@ def _functions(
     symbols: Symbols, others: tuple[sympy.Symbol, ...], value: sympy.Expr, bounds: tuple[Bound, ...]
 ) -> _Functions:
     margins = [bound.margin for bound in bounds]
-    gradients = (sympy.diff(margin, s) for margin in margins for s in symbols)
-    slopes = (sympy.diff(value, s) for s in symbols)
+    gradients = (derivative(margin, s) for margin in margins for s in symbols)
+    slopes = (derivative(value, s) for s in symbols)
     expressions, arguments = (value, *slopes, *margins, *gradients), (*symbols, *others)
     relations = sympy.And(*(bound.relation for bound in bounds), evaluate=False)
     return _Functions(

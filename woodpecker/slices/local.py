@@ -175,7 +175,9 @@ def local_model(
     Raises
     ------
     ValueError
-        If the map does not jump at x, or neither limit lies on the diagonal there.
+        If the map does not jump at x, or neither limit lies on the diagonal there; if the slope of
+        the one that does is infinite, or it stays on the diagonal as the parameter changes, to
+        first order.
     TypeError
         If the map has no pieces, see :class:`woodpecker.PiecewiseMap`.
 
@@ -193,6 +195,12 @@ def local_model(
     border = _collision(map_of_pieces(map_), number("x", x), number("p", p), chosen)
     h_x, h_p = border.inner.gradient(border.code).tolist()
     speed = -h_p / h_x
+    limit = border.inner.d_parameter + border.inner.slope * speed  # how fast that of the jump moves
+    if abs(limit - speed) <= chosen.kink * max(abs(limit), abs(speed)):
+        raise ValueError(
+            f"a limit of the jump at x = {x}, p = {p} stays on the diagonal as p changes, "
+            "to first order: no fixed point crosses the jump"
+        )
     model = _model(border, speed)
     found = exact_diagram(model, Q, (-MODEL_REACH, MODEL_REACH), orders)
     (point,) = (point for point in found.points if point.exact["parameter"] == 0 == point.x)
@@ -234,7 +242,9 @@ def _collision(map_: PiecewiseMap, x: float, p: float, settings: Settings) -> Bo
         if (border := _collision_of(map_, met, image, code, side, settings)) is not None
     ]  # fmt: skip
     if not found:
-        raise ValueError(f"no limit of the jump at x = {x}, p = {p} lies on the diagonal")
+        raise ValueError(
+            f"no limit of the jump at x = {x}, p = {p} lies on the diagonal with a finite slope"
+        )
     return min(found, key=lambda border: abs(border.p - p))
 
 

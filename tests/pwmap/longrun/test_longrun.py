@@ -1,6 +1,7 @@
 """The long run of maps at one place: closed forms, and brute force with exact numbers."""
 
 import math
+import time
 from collections.abc import Sequence
 from fractions import Fraction
 from itertools import pairwise
@@ -16,6 +17,7 @@ from pwmap import Budget, PiecewiseLinearMap, RealRoot, dynamics
 from pwmap.algebra.exact import pair
 from pwmap.algebra.roots import algebraic
 from pwmap.longrun import Extremum
+from pwmap.longrun.fates import Fates
 from pwmap.longrun.line import AffinePiece, MapLine
 from pwmap.longrun.numbers import Element, Exact, exact_to_sympy, in_order, to_double
 
@@ -102,6 +104,29 @@ def test_rotations_by_rationals_are_neutral_everywhere() -> None:
     assert each.period == 7
     assert each.neutral == tuple(Interval.Ropen(Rational(k, 7), Rational(k + 1, 7))
                                  for k in range(7))  # fmt: skip
+
+
+def test_neutral_intervals_take_time_in_proportion_to_their_number() -> None:
+    """x + 2/481 mod 1 has 481 of them, each with its left end, of which one orbit tells."""
+    text = "Piecewise((x + 2/481, x < 479/481), (x - 479/481, x < 1), (x/2, True))"
+    began = time.process_time()
+    (each,) = dynamics(PiecewiseLinearMap.from_sympy(text)).attractors
+    assert each.neutral == tuple(
+        Interval.Ropen(Rational(k, 481), Rational(k + 1, 481)) for k in range(481)
+    )
+    assert time.process_time() - began < 2.0  # 0.2 s; before 6 s
+
+
+def test_a_word_is_asked_once_whether_it_draws_an_orbit_in(monkeypatch: pytest.MonkeyPatch) -> None:
+    """x + 1/1009 mod 1 goes on by one letter: L, LL, LLL and so on are one cycle, if any."""
+    asked, ask = list[int](), Fates._cycle_at
+    monkeypatch.setattr(
+        Fates, "_cycle_at", lambda fates, germ, n: asked.append(n) or ask(fates, germ, n)
+    )
+    text = "Piecewise((x + 1/1009, x < 1008/1009), (x - 1008/1009, True))"
+    assert dynamics(PiecewiseLinearMap.from_sympy(text)).attractors.open
+    assert asked
+    assert set(asked) == {1}
 
 
 @pytest.mark.parametrize(

@@ -103,6 +103,22 @@ def test_a_square_root_has_a_value_but_no_slope_at_its_end(
     assert math.isnan(end.slope)
 
 
+def test_a_power_has_a_slope_where_its_base_is_zero() -> None:
+    """That of (-x)^n is -n (-x)^(n - 1): 0 at x = 0 for n > 1. sympy writes n (-x)^n/x, 0/0 there.
+
+    The margin is one, too: (p - 2 x)^(5/2) has the derivatives -5 (p - 2 x)^(3/2) and half of it.
+    """
+    margin = (P - 2 * X) ** sympy.Rational(5, 2)
+    formula = sympy.Piecewise((P + (-X) ** sympy.Rational(3, 2), margin > 0), (-1, True))
+    image = from_sympy(formula, X, P).pieces[0].at(0.0, 0.0)
+    assert (image.value, image.slope, image.d_parameter) == (0.0, 0.0, 1.0)
+    assert image.margins.tolist() == [0.0]
+    assert image.gradients.tolist() == [[0.0, 0.0]]
+    inside = from_sympy(formula, X, P).at(-4.0, 1.0)
+    assert (inside.value, inside.slope, inside.d_parameter) == (9.0, -3.0, 1.0)
+    assert inside.gradients.tolist() == [[-135.0, 67.5]]
+
+
 @BOTH
 def test_many_points_at_once(make: Callable[[], FormulaMap]) -> None:
     x = np.linspace(-1.0, 3.0, 400).reshape(20, 20)  # 1 is not among them

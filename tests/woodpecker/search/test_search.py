@@ -41,6 +41,8 @@ MAPS = {
         [("x/2 + r", "x < 0"), ("r - 3*x/2", "x >= 0")], (-1, 1), (1, 2)),
     "a jump that breaks off near zero": (
         [("x/2 + r", "x <= 0"), ("-3*x/2 + 1 + r", "x > 0")], (-2, 2), (1, 2, 3)),
+    "a jump that closes on the diagonal": (  # both limits pass it at r = 1/3
+        [("x/2 + r - 1/3", "x < 0"), ("3*x/2 + 1/3 - r", "x >= 0")], (-1, 1), (1, 2)),
 }  # fmt: skip
 
 

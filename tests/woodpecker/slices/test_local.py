@@ -7,13 +7,15 @@ from itertools import pairwise
 
 import pytest
 from maps import A, Line, lines, moving, paper, skew_tent, two_lines
+from sympy import Expr, Piecewise, Rational, sqrt, symbols
 
 from pwmap import BranchKind
-from woodpecker import Toy, ToyPieces, local_model
+from woodpecker import Toy, ToyPieces, from_sympy, local_model
 from woodpecker.base.settings import Settings
 from woodpecker.maps import Iterate
 from woodpecker.slices import Start, borders_in, crosses
 
+X, P = symbols("x p")
 SCALES = Settings(window=(-2.5, -0.24), finest=1e-9)  # borders are looked for in 1e-6 rad
 LOWER = -0.8847733440  # phi_S of A
 # By the law of expansion: eps_N1 of A, the slope of P_1 there, and dx/d eps_N1 of the fixed point
@@ -52,6 +54,38 @@ def test_a_fold_without_flip() -> None:
     assert (found.point.kind, found.point.note) == ("BC", "fold")
     assert by_order(found.starts, BranchKind.FIXED_POINT) == {1: pytest.approx(2.0)}
     assert by_order(found.starts, BranchKind.JUMP) == {1: 0.0}
+
+
+def test_a_power_at_the_jump_counts_by_its_slope() -> None:
+    """p - (-x)^(3/2) meets the jump at p = 0 with the slope 0: the fixed point is p to first order.
+
+    It lies on the left for p < 0, and the limits p and 1 + p are on both sides of 0 there.
+    """
+    power = Piecewise((P - (-X) ** Rational(3, 2), X < 0), (1 + P, True))
+    found = local_model(from_sympy(power, X, P), 0.0, 0.0)
+    assert (found.point.kind, found.point.note) == ("BC", "fold")
+    assert (found.left.slope, found.right.slope) == (0.0, 0.0)
+    assert [(str(each.kind), each.order, each.side, each.slope) for each in found.starts] == [
+        ("fixed-point", 1, -1, 1.0), ("jump", 1, -1, 0.0),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("left", "border"),
+    [(X / 2, X), (P**2 - X / 2, X), (-P - 2 * (X + P), X + P), (X, X)],
+    ids=str,
+)
+def test_a_fixed_point_that_stays_at_the_jump_is_no_collision(left: Expr, border: Expr) -> None:
+    """The limit from the left moves with the jump: 0, p^2, and -p where the jump is at x = -p."""
+    map_ = from_sympy(Piecewise((left, border < 0), (1 + P, True)), X, P)
+    with pytest.raises(ValueError, match=r"a limit of the jump at x = 0\.0, p = 0\.0 stays on the"):
+        local_model(map_, 0.0, 0.0)
+
+
+def test_an_infinite_slope_has_no_local_model() -> None:
+    root = from_sympy(Piecewise((P - sqrt(-X), X < 0), (1 + P, True)), X, P)
+    with pytest.raises(ValueError, match=r"x = 0\.0, p = 0\.0 lies on the diagonal with a finite"):
+        local_model(root, 0.0, 0.0)
 
 
 def test_a_jump_that_moves() -> None:
