@@ -13,6 +13,7 @@ from typing import Any, Protocol, runtime_checkable
 import sympy
 
 from pwmap import PiecewiseLinearMap
+from woodpecker.base.shown import shown
 from woodpecker.maps.formulas import FormulaMap
 from woodpecker.maps.pieces import Piece, PiecewiseMap
 from woodpecker.maps.symbolic import (
@@ -161,7 +162,7 @@ def family_from_sympy(
     >>> family.names, family.over(1, (1.0, 1.25)).at(0.4, 1.25).value  # over a, with r = 1
     (('r', 'a'), 0.5)
     """
-    p, q = _two(parameters)
+    p, q = two(parameters)
     symbols = known_symbols(x=x, p=p, q=q)
     pieces = pieces_from_sympy(piecewise, symbols, Symbols(x, p), values or {}, words)
     return SymbolicFamily(tuple(pieces), (x, p, q))
@@ -205,14 +206,16 @@ def family_from_pwmap(
     >>> family.names, family.over(0, (0.0, 1.25)).at(0.4, 1.0).value
     (('r', 'a'), 0.5)
     """
-    wanted = tuple(str(each) for each in _two(parameters))
+    wanted = tuple(str(each) for each in two(parameters))
     pieces = pieces_from_pwmap(map_, wanted)
     named = {str(symbol): symbol for symbol in map_.parameters}
     return SymbolicFamily(tuple(pieces), (map_.x, named[wanted[0]], named[wanted[1]]))
 
 
-def _two(parameters: Any) -> tuple[Any, Any]:
-    if isinstance(parameters, str) or len(parameters) != 2:
-        raise ValueError(f"expected two parameters, got {parameters!r}")
-    first, second = parameters
+def two(parameters: Any) -> tuple[Any, Any]:
+    """Two parameters; ValueError if that is not what was given."""
+    try:
+        first, second = None if isinstance(parameters, str) else parameters
+    except (TypeError, ValueError):
+        raise ValueError(f"expected two parameters, got {shown(parameters)}") from None
     return first, second
