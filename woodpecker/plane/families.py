@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol, runtime_checkable
 
+import numpy as np
 import sympy
 
 from pwmap import PiecewiseLinearMap
@@ -214,8 +215,7 @@ def family_from_pwmap(
 
 def two(parameters: Any) -> tuple[Any, Any]:
     """Two parameters; ValueError if that is not what was given."""
-    try:
-        first, second = None if isinstance(parameters, str) else parameters
-    except (TypeError, ValueError):
-        raise ValueError(f"expected two parameters, got {shown(parameters)}") from None
-    return first, second
+    given = tuple(parameters) if np.ndim(parameters) == 1 else ()
+    if len(given) != 2:
+        raise ValueError(f"expected two parameters, got {shown(parameters)}")
+    return given
