@@ -270,7 +270,7 @@ def _precision(
     known = uncertainties(problem.with_(condition), orbit)
     if arc is not None and arc.stop is Stop.SPECIAL:
         way = sample.tangent[-2:] * plane.scale[1:]
-        known = known + np.abs(way) * _along(arc, doubt(plane, kind, orbit))
+        known = known + np.abs(way) * _along(arc, doubt(plane, kind, curve, orbit))
     one, other = known.tolist()
     return one, other
 

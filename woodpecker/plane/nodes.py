@@ -34,6 +34,9 @@ STEEP_SHORT = 1e-8  # of steps of folds and flips: beside a border rounding deci
 STEEP = 1e10  # a slope above this is that of a root right at its border, as it is rounded
 APART = 2.0**-5  # and part of the distance from the nearest border at most, where slopes may be
 # those of a root
+# Times ``beside``: where slopes beyond a border are compared with those at that distance, and how
+# much those of a root differ, smooth ones by some millionths.
+CLOSER, ROOT = 0.01, 1e-3
 PARALLEL = 1e-3  # sine of an angle between gradients of margins of one border
 
 
@@ -207,13 +210,27 @@ def cubic(orbit: SpaceOrbit, settings: Settings) -> Known:
     return _limit(difference, 2, orbit, settings)
 
 
-def doubt(plane: Plane, kind: PlaneKind, orbit: SpaceOrbit) -> float:
+def doubt(plane: Plane, kind: PlaneKind, curve: SolutionCurve, orbit: SpaceOrbit) -> float:
     """How far the function may be off that vanishes at a special point of a kind."""
     if kind is PlaneKind.CUSP:
         return bend(orbit, plane.first).error
     if kind is PlaneKind.GENERALISED_FLIP:
         return cubic(orbit, plane.first).error
-    return BLUR * (plane.first.x_scale if kind is PlaneKind.JUMP_CLOSES else 1.0)
+    if kind is PlaneKind.JUMP_CLOSES:
+        return BLUR * plane.first.x_scale
+    on = border_in(curve)
+    return 1.0 if on and _is_rooted(plane, border_of(plane, orbit, on)[0]) else BLUR
+
+
+def _is_rooted(plane: Plane, border: Border) -> bool:
+    """Whether slopes beyond a border grow towards it like those of a root.
+
+    One with a small factor looks smooth, and the limit of its slope, which has none, is of order 1.
+    """
+    h = border.side * plane.first.beside * plane.first.x_scale
+    piece, p = border.outer.piece, border.p
+    one, other = (piece.at(border.x + part * h, p).slope for part in (1.0, CLOSER))
+    return abs(other - one) > ROOT
 
 
 def _limit(

@@ -23,6 +23,7 @@ from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit
 from woodpecker.engine.rooted import sharpened as sharpened_inside
 from woodpecker.plane.maps import Plane, over_first, pair
 from woodpecker.plane.nodes import (
+    CLOSER,
     PARALLEL,
     border_between,
     border_in,
@@ -37,7 +38,6 @@ from woodpecker.slices.borders import BorderKind
 # Part to which a difference of slopes falls, a hundred times closer to a border, if it is none
 # right there: a cube root falls to a fifth.
 SHRINKS = 0.5
-CLOSER = 0.01  # times ``beside``: where such slopes are compared again
 BESIDE = 2.0**-24  # scaled: where a curve goes on
 CONTACT = 1e-6  # scaled: a border that steps become too short at is no farther away
 LEVEL = 1e-3  # scaled: how far from where a period halves by its own equations it may be

@@ -234,3 +234,21 @@ def test_the_graph_tells_points_apart_on_any_scale() -> None:
     ]
     assert len(curves) == 2
     assert graph_of_curves(curves).number_of_nodes() == 4
+
+
+def test_where_a_root_has_hardly_any_factor_its_slope_is_not_known() -> None:
+    """x/2 + p up to x = 0 and q sqrt(x) + p beyond: the slope there is infinite, but for q = 0.
+
+    It is told from 0 from some q on only, where multipliers +1 and -1 are reported; both are at 0.
+    """
+    family = family_from_sympy(
+        sympy.Piecewise((X / 2 + P, X <= 0), (Q * sympy.sqrt(X) + P, True)), X, (P, Q)
+    )
+    settings, span = Settings(window=(-4.0, 4.0)), ((-1.0, 1.0), (-2.0, 2.0))
+    over = everything(family.over(0, (0.0, -0.7)), replace(settings, span=span[0])).diagram
+    point = next(each for each in over.points if each.kind is PointKind.BC)
+    found = curve_in_two(family, point, family.names, span, value=-0.7, settings=settings)
+    assert np.abs(found.values[:, 0]).max() < 1e-12
+    for each in found.points[1:-1]:
+        assert each.kind in (PlaneKind.FOLD_BORDER, PlaneKind.FLIP_BORDER)
+        assert abs(each.values[1]) < each.precision[1] < 0.01
