@@ -25,6 +25,7 @@ from woodpecker.slices.margins import depth, nearest_code
 LONGEST = 2.0**-7  # part of the unit of x over which differences of slopes are taken first
 LEAST = 2.0**-20  # differences over less are made of rounding: over its square that is 1e-3
 GROWN = 2.0  # times the least error: then rounding has taken over
+TOLD = 2.0**-6  # errors of a smaller part do not matter where nothing vanishes
 HALVINGS = 12  # of that distance at most: rounding grows with each and soon ends them
 # Parts of the unit of x: nearer to where a period halves the second derivative, the cube of how far
 # points are apart there, tells of no cusp.
@@ -239,8 +240,8 @@ def _limit(
     """The limit of central differences of slopes over ever smaller distances.
 
     They are even in the distance, by a power of which rounding of slopes is divided. It is halved,
-    and they are extrapolated, until the error grows. It is less beside a border, and the limit nan
-    where that is so near that rounding decides.
+    and they are extrapolated, until the error grows, or is a small part. It is less beside a
+    border, and the limit nan where that is so near that rounding decides.
     """
     away = min((depth(over_first(image)) for image in orbit.images), default=math.inf)
     h, row = min(LONGEST * settings.x_scale, away * APART), list[float]()
@@ -256,6 +257,8 @@ def _limit(
             if error > GROWN * best.error:
                 break
             best = min(best, Known(row[-1], error), key=lambda each: each.error)
+            if error < TOLD * abs(row[-1]):
+                break
         h *= 0.5
     return best
 
