@@ -107,7 +107,7 @@ def _followed(point: SpecialPoint | PlanePoint) -> SpecialPoint | PlanePoint:
 def family_of(source: Toy | Family | PiecewiseLinearMap, parameters: tuple[str, str]) -> Family:
     """The maps of a source over two parameters, which must be its own in their order."""
     from pwmap import PiecewiseLinearMap
-    from woodpecker.plane.families import family_from_pwmap
+    from woodpecker.plane.families import family_from_pwmap, two
 
     if isinstance(source, Toy):
         return ToyFamily(source, parameters)
@@ -117,7 +117,7 @@ def family_of(source: Toy | Family | PiecewiseLinearMap, parameters: tuple[str, 
         raise TypeError(
             f"expected a toy, an exact map of two parameters or a family, got {shown(source)}"
         )
-    if tuple(parameters) != source.names:
+    if two(parameters) != source.names:
         raise ValueError(
             f"parameters must be those of the family, {source.names}, got {parameters}"
         )

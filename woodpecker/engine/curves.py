@@ -221,11 +221,20 @@ class SolutionCurve:
         square = 2.0 * b.tangent + a.tangent - 3.0 * mean
         return np.asarray(distance * part * (square + part * cubic))
 
-    def agrees(self, orbit: SpaceOrbit, border: tuple[int, int] | None = None) -> bool:
-        """Whether the map takes the pieces of an orbit; points on borders do not count."""
+    def agrees(
+        self, orbit: SpaceOrbit, border: tuple[int, int] | None = None, *, is_last: bool = False
+    ) -> bool:
+        """Whether the map takes the pieces of an orbit; points on borders do not count.
+
+        It leads along their border or ends at it. At the end of a span, which is the last sample,
+        a point may be on the border of its piece, but not beyond.
+        """
         at_border = {orbit.place(i) for i, _ in self.ignored}
         if border is not None:
             at_border.add(orbit.place(border[0]))
+        if is_last:
+            at_border |= {orbit.place(i) for i, image in enumerate(orbit.taken)
+                          if _is_met(image, orbit.x[orbit.place(i)], orbit.p)}  # fmt: skip
         return all(
             i in at_border or self.takes(x, orbit.p, image)
             for i, (x, image) in enumerate(zip(orbit.x, orbit.images, strict=True))
@@ -363,6 +372,12 @@ def _rate_of_share(orbit: SpaceOrbit, motion: Floats) -> float:
     if jump == 0.0:
         return math.nan
     return float(motion[0] - rates[0] - orbit.share * (rates[1] - rates[0])) / jump
+
+
+def _is_met(image: SpaceImage, x: Floats, p: Floats) -> bool:
+    """Whether a point lies on a border of its piece and not beyond any, but for rounding."""
+    tied = image.tied(x, p)
+    return bool(tied.any() and (tied | (image.margins > 0.0)).all())
 
 
 def nearest_border(curve: SolutionCurve, orbit: SpaceOrbit) -> tuple[float, int, int]:

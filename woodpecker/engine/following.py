@@ -114,8 +114,8 @@ def _step(
     _TooLongError if it leads elsewhere, or what lies between is not clear.
     """
     last, before = samples[-1], samples[-2] if len(samples) > 1 else None
-    to_end = _to_end(curve, last, step)
-    found = to_end or curve.advance(last, step, before)
+    at_end = to_end(curve, last, step)
+    found = at_end or curve.advance(last, step, before)
     turn, most = math.inf, curve.settings.max_turn
     if found is not None and not _strays(curve, last, found, bent):
         turn = angle(last, found)
@@ -130,9 +130,9 @@ def _step(
     sample, border = (ends[0].sample, ends[0].test.border) if ends else (found, None)
     if step > LOOKED and _differs_between(curve, last, sample):
         raise _TooLongError(0.5)
-    if not curve.agrees(sample.orbit, border):
+    if not curve.agrees(sample.orbit, border, is_last=sample is at_end):
         raise _TooLongError(0.25, Stop.OTHER_PIECE)
-    return _Step(found, ends, turn, to_end is not None)
+    return _Step(found, ends, turn, at_end is not None)
 
 
 def _ended(curve: SolutionCurve, samples: Sequence[Sample], last: _Step, step: float) -> Arc:
@@ -157,7 +157,7 @@ def leaves(curve: SolutionCurve, start: Sample) -> Stop | None:
     return next((stop for stop, is_out in zip(stops, out, strict=True) if is_out), None)
 
 
-def _to_end(curve: SolutionCurve, last: Sample, step: float) -> Sample | None:
+def to_end(curve: SolutionCurve, last: Sample, step: float) -> Sample | None:
     """The sample at the end of a span, if a step leads there: beyond, there may be no map."""
     orbit, problem = last.orbit, curve.problem
     size = orbit.x.size

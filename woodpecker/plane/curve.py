@@ -13,6 +13,8 @@ from pwmap.diagrams.frames import Column, DataFrame, dataframe
 from pwmap.diagrams.shown import table
 from pwmap.plane.kinds import PlaneKind as PlaneKind  # for the users of woodpecker, too
 from woodpecker.base.arrays import Floats
+from woodpecker.base.checks import number
+from woodpecker.base.shown import shown
 from woodpecker.plane.families import Pair
 from woodpecker.slices.borders import BorderKind
 
@@ -172,10 +174,10 @@ class Curve:
 
     def __repr__(self) -> str:
         first, last = self.ends
-        over = ", ".join(self.names)
+        over, special = ", ".join(self.names), len(self.points[1:-1])
         return (
             f"Curve({self.kind} over {over}: {len(self)} samples, from {first.id} to {last.id}, "
-            f"{len(self.points) - 2} special points)"
+            f"{special} special points)"
         )
 
     def _repr_html_(self) -> str:
@@ -275,6 +277,8 @@ class Curve:
     def crossings(self, axis: int, value: float) -> list[Pair]:
         """Where the curve has a value of one of its parameters, by the straight line in between.
 
+        The place where a closed curve begins counts once.
+
         Parameters
         ----------
         axis
@@ -286,16 +290,23 @@ class Curve:
         -------
         list of pairs
             Both parameters at each crossing, in the order of the curve.
+
+        Raises
+        ------
+        ValueError
+            If the axis is neither, or the value no real number.
         """
+        if axis not in (0, 1):
+            raise ValueError(f"axis must be 0 or 1, got {shown(axis)}")
         found = []
-        along = self.values[:, axis] - value
+        along = self.values[:, axis] - number("value", value)
         for k in range(len(self) - 1):
             a, b = along[k], along[k + 1]
             if a == 0.0 or a * b < 0.0:
                 part = 0.0 if a == 0.0 else a / (a - b)
                 here = self.values[k] + part * (self.values[k + 1] - self.values[k])
                 found.append((float(here[0]), float(here[1])))
-        if len(self) and along[-1] == 0.0:
+        if along[-1] == 0.0 and not self.closed:
             found.append((float(self.values[-1, 0]), float(self.values[-1, 1])))
         return found
 

@@ -10,9 +10,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Protocol, runtime_checkable
 
+import numpy as np
 import sympy
 
 from pwmap import PiecewiseLinearMap
+from woodpecker.base.shown import shown
 from woodpecker.maps.formulas import FormulaMap
 from woodpecker.maps.pieces import Piece, PiecewiseMap
 from woodpecker.maps.symbolic import (
@@ -161,7 +163,7 @@ def family_from_sympy(
     >>> family.names, family.over(1, (1.0, 1.25)).at(0.4, 1.25).value  # over a, with r = 1
     (('r', 'a'), 0.5)
     """
-    p, q = _two(parameters)
+    p, q = two(parameters)
     symbols = known_symbols(x=x, p=p, q=q)
     pieces = pieces_from_sympy(piecewise, symbols, Symbols(x, p), values or {}, words)
     return SymbolicFamily(tuple(pieces), (x, p, q))
@@ -205,14 +207,15 @@ def family_from_pwmap(
     >>> family.names, family.over(0, (0.0, 1.25)).at(0.4, 1.0).value
     (('r', 'a'), 0.5)
     """
-    wanted = tuple(str(each) for each in _two(parameters))
+    wanted = tuple(str(each) for each in two(parameters))
     pieces = pieces_from_pwmap(map_, wanted)
     named = {str(symbol): symbol for symbol in map_.parameters}
     return SymbolicFamily(tuple(pieces), (map_.x, named[wanted[0]], named[wanted[1]]))
 
 
-def _two(parameters: Any) -> tuple[Any, Any]:
-    if isinstance(parameters, str) or len(parameters) != 2:
-        raise ValueError(f"expected two parameters, got {parameters!r}")
-    first, second = parameters
-    return first, second
+def two(parameters: Any) -> tuple[Any, Any]:
+    """Two parameters; ValueError if that is not what was given."""
+    given = tuple(parameters) if np.ndim(parameters) == 1 else ()
+    if len(given) != 2:
+        raise ValueError(f"expected two parameters, got {shown(parameters)}")
+    return given

@@ -11,25 +11,37 @@ import numpy as np
 
 from pwmap.diagrams.diagram import PointKind, PointStatus, SpecialPoint
 from pwmap.plane.kinds import PlaneKind
-from woodpecker.base.checks import interval
+from woodpecker.base.checks import interval, number
 from woodpecker.base.settings import Settings
+from woodpecker.base.shown import shown
 from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
 from woodpecker.engine.following import follow
 from woodpecker.engine.maps import ACCUMULATE
 from woodpecker.engine.newton import across, uncertainties
-from woodpecker.engine.orbits import Condition, Multiplier, OnBorder
+from woodpecker.engine.orbits import Condition, OnBorder, SpaceOrbit, held_at
 from woodpecker.plane.curve import OPEN, Curve, PlanePoint, PlaneStretch, numbered
 from woodpecker.plane.families import Family, Pair
 from woodpecker.plane.maps import Plane, pair
-from woodpecker.plane.nodes import beyond, border_in, border_of, code_of, curve_of, inside, kind_of
-from woodpecker.plane.passing import CLOSED, Along, known, met, sharpened
-from woodpecker.plane.starting import Seed, located, seeds_at
+from woodpecker.plane.nodes import (
+    beyond,
+    border_in,
+    border_of,
+    code_of,
+    curve_of,
+    doubt,
+    inside,
+    kind_of,
+)
+from woodpecker.plane.passing import CLOSED, Along, flip_near, halves, known, met, sharpened
+from woodpecker.plane.starting import Seed, is_of, located, seeds_at
 
 LEGS = 400  # arcs of a curve each way: where it goes back and forth it is left
 CROWD, WITHIN = 8, 1e-5  # so many special points within this distance, scaled, are without end
 # Scaled: first step beyond a border, if the last one before it was shorter: where borders follow
 # each other closely, pieces that begin and end within it are passed over.
 AGAIN = 1e-4
+ROUNDING = 2.0**-36  # scaled: how far beyond a span a point may be located that lies at its end
+BACK = 2.0**-20  # scaled: how far from a special point it is looked at how its function grows
 LEVEL = 1e-9  # the part of a unit tangent below which the second parameter is said not to change
 MANY = Stop.MANY.value
 Spans = tuple[Pair, Pair]
@@ -55,18 +67,23 @@ def curve_through(
     spans = [interval("span", each, finite=True) for each in span]
     plane = Plane(family, (replace(settings, span=spans[0]), replace(settings, span=spans[1])))
     if isinstance(point, PlanePoint):
-        condition, start = _seed(point, kind)
+        if other is not None:
+            raise ValueError(f"a point of a curve has both parameters, got value = {shown(other)}")
+        condition, start = _seed(plane, point, kind)
         return _curve(plane, [], *_leg(plane, curve_of(plane, condition, start.orbit), start, None))
+    if kind is not None:
+        raise ValueError(f"kind is for points of codimension two, got {shown(kind)} at {point.id}")
     if axis not in (0, 1):
         raise ValueError(f"axis must be 0 or 1, got {axis}")
     if other is None:
         raise ValueError(
             f"a special point over {family.names[axis]} needs a value of {family.names[1 - axis]}"
         )
-    orbit, condition = located(plane, point, other, axis)
-    for name, value, (low, high) in zip(family.names, pair(orbit.p), spans, strict=True):
-        if not low <= value <= high:
-            raise ValueError(f"span must hold {name} = {value}, got ({low}, {high})")
+    value = number("value", other)
+    if not math.isfinite(value):
+        raise ValueError(f"value must be finite, got {value}")
+    orbit, condition = located(plane, point, value, axis)
+    orbit = _within(plane, orbit)
     curve = curve_of(plane, condition, orbit)
     start = _forward(curve.start(orbit))
     ahead, closed = _leg(plane, curve, start, start)
@@ -74,7 +91,23 @@ def curve_through(
     return _curve(plane, behind, ahead, closed)
 
 
-def _seed(point: PlanePoint, kind: PointKind | str | None) -> Seed:
+def _within(plane: Plane, orbit: SpaceOrbit) -> SpaceOrbit:
+    """A cycle right at the ends of spans beyond which it lies by no more than rounding.
+
+    ValueError if it is outside by more.
+    """
+    for k, (name, each) in enumerate(zip(plane.family.names, plane.settings, strict=True)):
+        value, (low, high) = float(orbit.p[k]), each.span
+        end = min(max(value, low), high)
+        if abs(value - end) > ROUNDING * each.p_scale:
+            raise ValueError(f"span must hold {name} = {value}, got ({low}, {high})")
+        if value != end:
+            orbit = held_at(orbit, orbit.x.size + k, end)
+    return orbit
+
+
+def _seed(plane: Plane, point: PlanePoint, kind: PointKind | str | None) -> Seed:
+    """The start of a curve at a point of another one, which must be of the same maps."""
     seeds: Sequence[Seed] = point.seed  # type: ignore[assignment]
     if not seeds:
         raise ValueError(f"no other curve starts at {point.id}")
@@ -82,7 +115,11 @@ def _seed(point: PlanePoint, kind: PointKind | str | None) -> Seed:
     wanted = names[0] if kind is None else str(kind)
     if wanted not in names:
         raise ValueError(f"kind must be one of {', '.join(names)} at {point.id}, got {wanted!r}")
-    return seeds[names.index(wanted)]
+    condition, start = seeds[names.index(wanted)]
+    orbit = _within(plane, start.orbit)
+    if not is_of(plane, orbit):
+        raise ValueError(f"{point.id} is of a curve of another map, or of other values of the toy")
+    return condition, replace(start, orbit=orbit)
 
 
 def _forward(start: Sample) -> Sample:
@@ -223,12 +260,29 @@ def _precision(
     plane: Plane, curve: SolutionCurve, sample: Sample, arc: Arc | None, kind: PlaneKind
 ) -> Pair:
     """How well a special point is located."""
+    if arc is not None and halves(arc):
+        arc = flip_near(plane, sample.orbit)
+        curve, sample = arc.curve, arc.samples[-1]
     problem, orbit = curve.problem, sample.orbit
     condition: Condition = across(problem, orbit, sample.tangent, 0.0)
-    names = {PlaneKind.FOLD_BORDER: "LP", PlaneKind.FLIP_BORDER: "PD"}
     if arc is not None and arc.border is not None:
         condition = OnBorder(*arc.border)
-    elif kind in names and border_in(curve) is not None:
-        condition = Multiplier(names[kind], plane.scale)
-    one, other = uncertainties(problem.with_(condition), orbit).tolist()
+    known = uncertainties(problem.with_(condition), orbit)
+    if arc is not None and arc.stop is Stop.SPECIAL:
+        way = sample.tangent[-2:] * plane.scale[1:]
+        known = known + np.abs(way) * _along(arc, doubt(plane, kind, curve, orbit))
+    one, other = known.tolist()
     return one, other
+
+
+def _along(arc: Arc, doubt: float) -> float:
+    """How far along a curve a function that may be off by so much is not told from zero."""
+    assert arc.test is not None
+    back, distance = arc.samples[-1].turned, BACK
+    while distance < 1.0:
+        found = arc.curve.advance(back, distance)
+        value = math.nan if found is None else abs(arc.test.value(found))
+        if value > 2.0 * doubt:
+            return distance * (doubt / value if distance == BACK else 1.0)
+        distance *= 2.0
+    return math.inf

@@ -10,6 +10,7 @@ import numpy as np
 
 from woodpecker.plane.curve import Curve, PlanePoint
 
+Units = np.ndarray[tuple[int], np.dtype[np.float64]]
 SAME = 1e-8  # parts of what the curves extend over: points this close are one, for a point that two
 # curves meet is located by each of them to rounding
 
@@ -61,23 +62,23 @@ def graph_of_curves(curves: Sequence[Curve]) -> nx.MultiGraph:
     return graph
 
 
-def _units(curves: Sequence[Curve]) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
-    """What curves extend over in either parameter."""
+def _units(curves: Sequence[Curve]) -> Units:
+    """What curves extend over in x and in either parameter."""
     if not curves:
-        return np.ones(2)
-    every = np.concatenate([curve.values for curve in curves])
-    size = np.ptp(every, axis=0)
+        return np.ones(3)
+    x = np.concatenate([curve.x.ravel() for curve in curves])
+    values = np.concatenate([curve.values for curve in curves])
+    size = np.append(np.ptp(x), np.ptp(values, axis=0))
     return np.where(size > 0.0, size, 1.0)
 
 
 def _node(
     graph: nx.MultiGraph, curve: Curve, point: PlanePoint, places: list[tuple[str, PlanePoint]],
-    units: np.ndarray[tuple[int], np.dtype[np.float64]],
+    units: Units,
 ) -> str:  # fmt: skip
     """The node of a point, a new one unless another curve has it."""
     for name, other in places:
-        off = np.abs(np.subtract(point.values, other.values)) / units
-        if point.kind is other.kind and float(off.max()) <= SAME and _same_x(point, other):
+        if point.kind is other.kind and _is_same(point, other, units):
             return name
     count = sum(other.kind is point.kind for _, other in places) + 1
     name = f"{point.kind}{count}"
@@ -90,8 +91,12 @@ def _node(
     return name
 
 
-def _same_x(one: PlanePoint, other: PlanePoint) -> bool:
-    return any(abs(one.x[0] - x) <= SAME * max(1.0, abs(x)) for x in other.x)
+def _is_same(one: PlanePoint, other: PlanePoint, units: Units) -> bool:
+    """Whether two points are one, as far as they are located."""
+    known = np.add(one.precision, other.precision)
+    off = np.abs(np.subtract(one.values, other.values))
+    near = off <= SAME * units[1:] + np.where(np.isfinite(known), known, 0.0)
+    return bool(near.all()) and any(abs(one.x[0] - x) <= SAME * units[0] for x in other.x)
 
 
 def _edge(curve: Curve, number: int, one: PlanePoint, other: PlanePoint) -> dict[str, object]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from typing import NamedTuple
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from woodpecker.base.arrays import Floats
 from woodpecker.base.settings import Settings
 from woodpecker.engine.curves import CurveSettings, SolutionCurve, Stop, TestFunction
 from woodpecker.engine.line import LineMap
+from woodpecker.engine.newton import BLUR
 from woodpecker.engine.orbits import Condition, Multiplier, OnBorder, SpaceOrbit
 from woodpecker.maps.pieces import Image
 from woodpecker.plane.maps import FamilyPiece, Plane, over_first, pair
@@ -20,15 +22,22 @@ from woodpecker.slices.borders import Border, BorderKind
 from woodpecker.slices.jumps import limit_of
 from woodpecker.slices.margins import depth, nearest_code
 
-THIRD = 2.0**-10  # part of the unit of x over which a second difference of slopes is taken: its
-# error is the square, and rounding over the square is 1e-10
-SECOND = 2.0**-17  # the same of a first difference: its error is the square, rounding over it 1e-11
+LONGEST = 2.0**-7  # part of the unit of x over which differences of slopes are taken first
 LEAST = 2.0**-20  # differences over less are made of rounding: over its square that is 1e-3
+GROWN = 2.0  # times the least error: then rounding has taken over
+TOLD = 2.0**-6  # errors of a smaller part do not matter where nothing vanishes
+HALVINGS = 12  # of that distance at most: rounding grows with each and soon ends them
+# Parts of the unit of x: nearer to where a period halves the second derivative, the cube of how far
+# points are apart there, tells of no cusp.
+HALF = 2.0**-10
 SHORT = 1e-10  # of steps: where a piece ends in a root shorter ones come no closer to its end
 STEEP_SHORT = 1e-8  # of steps of folds and flips: beside a border rounding decides on shorter ones
 STEEP = 1e10  # a slope above this is that of a root right at its border, as it is rounded
 APART = 2.0**-5  # and part of the distance from the nearest border at most, where slopes may be
 # those of a root
+# Times ``beside``: where slopes beyond a border are compared with those at that distance, and how
+# much those of a root differ, smooth ones by some millionths.
+CLOSER, ROOT = 0.01, 1e-3
 PARALLEL = 1e-3  # sine of an angle between gradients of margins of one border
 
 
@@ -156,43 +165,102 @@ def tests_of(plane: Plane, condition: Condition, n: int) -> tuple[TestFunction, 
         )  # fmt: skip
     kind, found = kind_of(condition), list[TestFunction]()
     if kind is PointKind.PD:
-        found.append(test(PlaneKind.GENERALISED_FLIP, lambda orbit: cubic(orbit, settings)))
-    if kind is PointKind.LP:
-        found.append(test(PlaneKind.CUSP, lambda orbit: bend(orbit, settings)))
-    if kind is PointKind.LP and n % 2 == 0:  # two points come together where the period halves
-        found.append(
-            test(
-                PlaneKind.GENERALISED_FLIP, lambda orbit: float(orbit.x[n // 2, 0] - orbit.x[0, 0])
-            )
-        )
+        found.append(test(PlaneKind.GENERALISED_FLIP, lambda orbit: cubic(orbit, settings).value))
+    if kind is PointKind.LP and n % 2:
+        found.append(test(PlaneKind.CUSP, lambda orbit: bend(orbit, settings).value))
+    elif kind is PointKind.LP:  # two points come together where the period halves
+        least = HALF * settings.x_scale
+
+        def bent(orbit: SpaceOrbit) -> float:
+            return bend(orbit, settings).value if abs(halves(orbit)) > least else math.nan
+
+        found += [test(PlaneKind.CUSP, bent), test(PlaneKind.GENERALISED_FLIP, halves)]
     return tuple(found)
 
 
-def bend(orbit: SpaceOrbit, settings: Settings) -> float:
-    """Second derivative of the iterate in the first point of a cycle.
-
-    A central difference of exact slopes: its relative error is the square of ``SECOND``.
-    """
-    h = _distance(orbit, SECOND, settings)
-    return (_slope_from(orbit, h) - _slope_from(orbit, -h)) / (2.0 * h)
+def halves(orbit: SpaceOrbit) -> float:
+    """How far two points of a cycle are apart that come together where its period halves."""
+    return float(orbit.x[len(orbit.x) // 2, 0] - orbit.x[0, 0])
 
 
-def cubic(orbit: SpaceOrbit, settings: Settings) -> float:
+class Known(NamedTuple):
+    """A number, and how far it may be off."""
+
+    value: float
+    error: float
+
+
+def bend(orbit: SpaceOrbit, settings: Settings) -> Known:
+    """Second derivative of the iterate in the first point of a cycle."""
+
+    def difference(h: float) -> float:
+        return (_slope_from(orbit, h) - _slope_from(orbit, -h)) / (2.0 * h)
+
+    return _limit(difference, 1, orbit, settings)
+
+
+def cubic(orbit: SpaceOrbit, settings: Settings) -> Known:
     """The cubic coefficient of a flip: f''^2/2 + f'''/3; positive if the doubled cycle attracts."""
-    h = _distance(orbit, THIRD, settings)
-    low, here, high = (_slope_from(orbit, shift) for shift in (-h, 0.0, h))
-    second, third = (high - low) / (2.0 * h), (high - 2.0 * here + low) / (h * h)
-    return 0.5 * second * second + third / 3.0
+    here = _slope_from(orbit, 0.0)
+
+    def difference(h: float) -> float:
+        low, high = _slope_from(orbit, -h), _slope_from(orbit, h)
+        second, third = (high - low) / (2.0 * h), (high - 2.0 * here + low) / (h * h)
+        return 0.5 * second * second + third / 3.0
+
+    return _limit(difference, 2, orbit, settings)
 
 
-def _distance(orbit: SpaceOrbit, part: float, settings: Settings) -> float:
-    """Over which slopes are compared: a part of the unit of x, less beside a border.
+def doubt(plane: Plane, kind: PlaneKind, curve: SolutionCurve, orbit: SpaceOrbit) -> float:
+    """How far the function may be off that vanishes at a special point of a kind."""
+    if kind is PlaneKind.CUSP:
+        return bend(orbit, plane.first).error
+    if kind is PlaneKind.GENERALISED_FLIP:
+        return cubic(orbit, plane.first).error
+    if kind is PlaneKind.JUMP_CLOSES:
+        return BLUR * plane.first.x_scale
+    on = border_in(curve)
+    return 1.0 if on and _is_rooted(plane, border_of(plane, orbit, on)[0]) else BLUR
 
-    It is nan where that is so near that rounding decides.
+
+def _is_rooted(plane: Plane, border: Border) -> bool:
+    """Whether slopes beyond a border grow towards it like those of a root.
+
+    One with a small factor looks smooth, and the limit of its slope, which has none, is of order 1.
+    """
+    h = border.side * plane.first.beside * plane.first.x_scale
+    piece, p = border.outer.piece, border.p
+    one, other = (piece.at(border.x + part * h, p).slope for part in (1.0, CLOSER))
+    return abs(other - one) > ROOT
+
+
+def _limit(
+    difference: Callable[[float], float], power: int, orbit: SpaceOrbit, settings: Settings
+) -> Known:
+    """The limit of central differences of slopes over ever smaller distances.
+
+    They are even in the distance, by a power of which rounding of slopes is divided. It is halved,
+    and they are extrapolated, until the error grows, or is a small part. It is less beside a
+    border, and the limit nan where that is so near that rounding decides.
     """
     away = min((depth(over_first(image)) for image in orbit.images), default=math.inf)
-    h = min(part * settings.x_scale, away * APART)
-    return h if h >= LEAST * settings.x_scale else math.nan
+    h, row = min(LONGEST * settings.x_scale, away * APART), list[float]()
+    best = Known(math.nan, math.inf)
+    for _ in range(HALVINGS):
+        if h < LEAST * settings.x_scale:
+            break
+        before, row = row, [difference(h)]
+        for k, coarse in enumerate(before, start=1):
+            row.append(row[-1] + (row[-1] - coarse) / (4.0**k - 1.0))
+        if before:
+            error = max(abs(row[-1] - row[-2]), abs(row[-1] - before[-1])) + BLUR / h**power
+            if error > GROWN * best.error:
+                break
+            best = min(best, Known(row[-1], error), key=lambda each: each.error)
+            if error < TOLD * abs(row[-1]):
+                break
+        h *= 0.5
+    return best
 
 
 def _slope_from(orbit: SpaceOrbit, shift: float) -> float:

@@ -4,21 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
+from scipy.optimize import brentq
 
 from pwmap.diagrams.diagram import PointKind
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Arc, Sample, SolutionCurve, Stop
+from woodpecker.engine.ends import LOCATED
+from woodpecker.engine.following import to_end
 from woodpecker.engine.germs import SAME, is_inside
 from woodpecker.engine.maps import ACCUMULATE, SpaceImage
 from woodpecker.engine.newton import Problem, Solution, across, solve, tangent
-from woodpecker.engine.orbits import OnBorder, SpaceOrbit
+from woodpecker.engine.orbits import Multiplier, OnBorder, SpaceOrbit
 from woodpecker.engine.rooted import sharpened as sharpened_inside
 from woodpecker.plane.maps import Plane, over_first, pair
 from woodpecker.plane.nodes import (
+    CLOSER,
     PARALLEL,
     border_between,
     border_in,
@@ -33,9 +38,9 @@ from woodpecker.slices.borders import BorderKind
 # Part to which a difference of slopes falls, a hundred times closer to a border, if it is none
 # right there: a cube root falls to a fifth.
 SHRINKS = 0.5
-CLOSER = 0.01  # times ``beside``: where such slopes are compared again
 BESIDE = 2.0**-24  # scaled: where a curve goes on
 CONTACT = 1e-6  # scaled: a border that steps become too short at is no farther away
+LEVEL = 1e-3  # scaled: how far from where a period halves by its own equations it may be
 CLEAR = 1e-11  # scaled: nearer to a border slopes are made of rounding
 NO_CURVE = "no curve beyond"
 SPAN, CLOSED = "end of the span", "the curve closes"
@@ -52,8 +57,8 @@ def met(plane: Plane, arc: Arc) -> Passed:
     """What an arc comes to, and where its curve goes on; None if it ends."""
     if arc.test is not None and arc.stop is Stop.SPECIAL:
         special = PlaneKind(arc.test.name)
-        halves = special is PlaneKind.GENERALISED_FLIP and kind_of(condition_of(arc.curve)) == "LP"
-        return special, "", None if halves or arc.beyond is None else (arc.curve, arc.beyond)
+        ends = halves(arc) or arc.beyond is None
+        return special, "", None if ends or arc.beyond is None else (arc.curve, arc.beyond)
     mirrored = _mirrored(plane, arc) if arc.stop in (Stop.SHORT, Stop.OTHER_PIECE) else None
     if mirrored is not None:
         return mirrored
@@ -157,7 +162,12 @@ def _agree(plane: Plane, orbit: SpaceOrbit, i: int, outer: SpaceImage, way: Floa
 
 
 def sharpened(plane: Plane, arc: Arc) -> Arc:
-    """An arc that ends at a border, with the derivatives right inside both at its end."""
+    """An arc that ends at a border, with the derivatives right inside both at its end.
+
+    One of folds that ends where the period halves is led right to the generalised flip.
+    """
+    if halves(arc):
+        return _halved(plane, arc)
     if arc.border is None:
         return arc
     (i, code), own = arc.border, border_in(arc.curve)
@@ -165,6 +175,48 @@ def sharpened(plane: Plane, arc: Arc) -> Arc:
     image = arc.samples[-1].orbit.images[i]
     inward = np.sum([_normal(plane, image, each) for each in zero], axis=0)
     return sharpened_inside(arc, i, inward * plane.scale)
+
+
+# --- Where a period halves ------------------------------------------------------------------------
+
+
+def halves(arc: Arc) -> bool:
+    """Whether it is one of folds that ends where their period halves."""
+    flips = arc.test is not None and arc.test.name == PlaneKind.GENERALISED_FLIP
+    return flips and kind_of(condition_of(arc.curve)) is PointKind.LP
+
+
+def _halved(plane: Plane, arc: Arc) -> Arc:
+    """The arc with its end at the generalised flip, which its own equations do not locate."""
+    end = arc.samples[-1]
+    orbit = flip_near(plane, end.orbit).samples[-1].orbit
+    twice = replace(orbit, x=np.tile(orbit.x, (2, 1)), images=orbit.images * 2)
+    if not arc.curve.problem.same(twice.x, end.orbit.x, LEVEL):
+        return arc
+    return replace(arc, samples=(*arc.samples[:-1], replace(end, orbit=twice)))
+
+
+def flip_near(plane: Plane, orbit: SpaceOrbit) -> Arc:
+    """The curve of flips of half a cycle, up to the generalised flip next to it, if it is found."""
+    n = len(orbit.x) // 2
+    half = replace(orbit, x=orbit.x[:n], images=orbit.images[:n])
+    curve = curve_of(plane, Multiplier(PointKind.PD.value, plane.scale), half)
+    ahead = across(curve.problem, half, curve.start(half).tangent, 0.0)
+    start = curve.start(solve(curve.problem.with_(ahead), half).orbit)
+    (test,) = curve.own
+
+    def at(distance: float) -> Sample | None:
+        way = start if distance > 0.0 else start.turned
+        return curve.advance(way, abs(distance)) if distance else start
+
+    def value(distance: float) -> float:
+        sample = at(distance)
+        return math.nan if sample is None else test.value(sample)
+
+    found: Sample | None = start
+    with suppress(ValueError):  # it is not there, or not known
+        found = at(brentq(value, -LEVEL, LEVEL, xtol=LOCATED))
+    return Arc((found or start,), Stop.SPECIAL, curve, test=test)
 
 
 # --- Beside a contact -----------------------------------------------------------------------------
@@ -283,7 +335,7 @@ def _onward(
             continue
         if not is_steep(curve) and is_inside(curve, each):
             return kind, "", (curve, each)
-        found = curve.advance(each, BESIDE)
+        found = to_end(curve, each, BESIDE) or curve.advance(each, BESIDE)
         if found is not None and _is_within(curve, found):
             return kind, "", (curve, found)
     return MEETINGS[kind_of(condition_of(curve))], NO_CURVE, None

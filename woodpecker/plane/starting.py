@@ -11,10 +11,10 @@ from pwmap.diagrams.diagram import PointKind, SpecialPoint
 from pwmap.plane.kinds import PlaneKind
 from woodpecker.base.arrays import Floats
 from woodpecker.engine.curves import Arc, Sample
-from woodpecker.engine.germs import once, paths
+from woodpecker.engine.germs import SAME, once, paths
 from woodpecker.engine.newton import solve
 from woodpecker.engine.orbits import Condition, Held, Multiplier, OnBorder, SpaceOrbit
-from woodpecker.plane.maps import Plane
+from woodpecker.plane.maps import FamilyPiece, Plane, pair
 from woodpecker.plane.nodes import border_in, border_of, curve_of, inside
 from woodpecker.slices.borders import BorderKind
 
@@ -133,6 +133,25 @@ def seeds_at(plane: Plane, arc: Arc) -> tuple[Seed, ...]:
     if arc.border is not None and (own is None or own.image != arc.border[0]):
         return _seeds(plane, orbit, OnBorder(*arc.border), own)
     return ()
+
+
+def is_of(plane: Plane, orbit: SpaceOrbit) -> bool:
+    """Whether the pieces of a cycle are those of the maps of a plane, as far as it shows there."""
+    for x, image in zip(orbit.x, orbit.images, strict=True):
+        old, family = image.piece, plane.family
+        assert isinstance(old, FamilyPiece)
+        if type(old.family) is not type(family):
+            return False
+        try:
+            own = family.carried(old.own, family.over(0, pair(orbit.p)))
+        except KeyError:  # it has no piece of that name
+            return False
+        one, other = (each.at(x, orbit.p) for each in (old, FamilyPiece(family, own)))
+        for name in ("value", "jacobian", "margins"):
+            both = getattr(one, name), getattr(other, name)
+            if both[0].shape != both[1].shape or not np.allclose(*both, SAME, SAME, equal_nan=True):
+                return False
+    return True
 
 
 def _seeds(

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 
 from woodpecker.maps.pieces import Piece, PiecewiseMap
 from woodpecker.mechanics.toy import Toy
-from woodpecker.plane.families import Family, Pair
+from woodpecker.plane.families import Family, Pair, two
 from woodpecker.toy_map import ToyPiece, ToyPieces
 
 
@@ -43,9 +43,9 @@ class ToyFamily(Family):
     _maps: tuple[ToyPieces, ToyPieces] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
-        if isinstance(self.names, str) or len(self.names) != 2 or len(set(self.names)) != 2:
+        first, second = two(self.names)
+        if first == second:
             raise ValueError(f"expected two different parameters of the toy, got {self.names!r}")
-        first, second = self.names
         object.__setattr__(self, "names", (first, second))
         object.__setattr__(self, "_maps", (ToyPieces(self.toy, first), ToyPieces(self.toy, second)))
 

@@ -214,3 +214,21 @@ def test_a_cycle_on_the_edge_of_the_window_is_followed_through_all_words() -> No
     bends = sum(float(c) * np.maximum(a - float(b), 0.0) for b, c in exact)
     assert np.abs(r - (1.0 + a - bends)).max() < ROUNDED
     assert np.abs(curve.x - 1.0).max() < ROUNDED
+
+
+def test_a_point_of_a_curve_is_of_its_map_and_within_the_spans() -> None:
+    """P1^L flips at its border at (r, a) = (0, 1), x -> r - 2 a x does not."""
+    family, spans = family_from_sympy(PAPER, X, (R, A)), ((-1.0, 11.0), (0.5, 3.0))
+    curve = through(family, (1.0, 1.25), 0.0, 1, spans)
+    (flip,) = [point for point in curve.points if point.kind is PlaneKind.FLIP_BORDER]
+    names, anew = family.names, family_from_sympy(PAPER, X, (R, A))
+    flips = curve_in_two(anew, flip, names, spans, settings=SETTINGS)
+    assert np.abs(flips.values[:, 1] - 1.0).max() < ROUNDED
+    other = family_from_sympy(PAPER.subs(A, 2 * A), X, (R, A))
+    with pytest.raises(ValueError, match="PDB1 is of a curve of another map"):
+        curve_in_two(other, flip, names, spans, settings=SETTINGS)
+    with pytest.raises(ValueError, match=r"has both parameters, got value = 1\.25"):
+        curve_in_two(family, flip, names, spans, value=1.25, settings=SETTINGS)
+    for span, said in (((spans[0], (1.5, 3.0)), "a = 1"), (((1.0, 11.0), spans[1]), "r = 0")):
+        with pytest.raises(ValueError, match=f"span must hold {said}"):
+            curve_in_two(family, flip, names, span, settings=SETTINGS)

@@ -7,9 +7,9 @@ import pytest
 import sympy
 from maps import everything
 
-from pwmap.diagrams.diagram import PointKind
+from pwmap.diagrams.diagram import PointKind, SpecialPoint
 from woodpecker import Curve, Settings, curve_in_two
-from woodpecker.plane import PlaneKind, family_from_sympy
+from woodpecker.plane import PlaneKind, SymbolicFamily, family_from_sympy, graph_of_curves
 
 X, P, Q = sympy.symbols("x p q")
 SETTINGS = Settings(window=(-2.0, 2.0))
@@ -22,6 +22,12 @@ def curve(formula: sympy.Expr, second: float, kind: PointKind) -> Curve:
     found = everything(family.over(0, (0.0, second)), replace(SETTINGS, span=SPAN[0])).diagram
     (point, *_) = [each for each in found.points if each.kind is kind]
     return curve_in_two(family, point, family.names, SPAN, value=second, settings=SETTINGS)
+
+
+def at_zero(family: SymbolicFamily, kind: PointKind, settings: Settings) -> SpecialPoint:
+    """The first special point of a kind over p at q = 0."""
+    found = everything(family.over(0, (0.0, 0.0)), replace(settings, span=SPAN[0])).diagram
+    return next(each for each in found.points if each.kind is kind)
 
 
 def test_cusp() -> None:
@@ -82,3 +88,167 @@ def test_what_has_no_curve() -> None:
         )
     with pytest.raises(ValueError, match="needs a value of q"):
         curve_in_two(family, fold, family.names, SPAN, settings=SETTINGS)
+
+
+def test_a_generalised_flip_is_known_as_well_as_it_says() -> None:
+    """-(1 + p) sin x + x^2 + q x^3 flips at p = 0; 2 + (1 + 6 q)/3 vanishes at q = -7/6.
+
+    A third derivative by differences over a fixed part of the window is off by more the wider it
+    is: here 1e-6 to 1e-3, which a precision of 1e-13 did not say.
+    """
+    for wide in (2.0, 100.0):
+        family = family_from_sympy(-(1 + P) * sympy.sin(X) + X**2 + Q * X**3, X, (P, Q))
+        settings = Settings(window=(-wide, wide))
+        point = at_zero(family, PointKind.PD, settings)
+        found = curve_in_two(family, point, family.names, SPAN, value=0.0, settings=settings)
+        (flip,) = [each for each in found.points if each.kind is PlaneKind.GENERALISED_FLIP]
+        off = abs(flip.values[1] + 7.0 / 6.0)
+        assert off < flip.precision[1] < 1e-9
+
+
+def test_folds_of_a_doubled_cycle_end_at_the_generalised_flip() -> None:
+    """-(1 + p) x + q x^3 + x^5: cycles x, -x obey p = q x^2 + x^4, and fold at x^2 = -q/2.
+
+    For q -> 0 the fold comes to the flip at p = q = 0, where its equations are singular.
+    """
+    family = family_from_sympy(-(1 + P) * X + Q * X**3 + X**5, X, (P, Q))
+    settings, span = Settings(window=(-1.5, 1.5)), ((-0.5, 0.5), (-1.0, 1.0))
+    over = everything(family.over(0, (0.0, -0.5)), replace(settings, span=span[0]), (1, 2)).diagram
+    curves = []
+    for kind, order in ((PointKind.LP, 2), (PointKind.PD, 1)):
+        point = next(each for each in over.points if each.kind is kind and each.order == order)
+        curves.append(
+            curve_in_two(family, point, family.names, span, value=-0.5, settings=settings)
+        )
+    p, q = curves[0].values.T
+    assert np.abs(p + q * q / 4.0).max() < 1e-12
+    for found in curves:
+        (flip,) = [each for each in found.points if each.kind not in ("EP",)]
+        assert flip.kind is PlaneKind.GENERALISED_FLIP
+        assert np.all(np.abs(flip.values) < flip.precision)
+        assert max(flip.precision) < 1e-9
+    graph = graph_of_curves(curves)
+    assert sorted(kind for _, kind in graph.nodes(data="kind")) == ["EP", "EP", "EP", "GPD"]
+
+
+def test_where_a_function_vanishes_flatly_its_zero_is_not_well_known() -> None:
+    """Limits of x/3 + p - q^3 and x/2 + p differ by q^3 at x = 0: by rounding up to q = 1e-5."""
+    map_ = sympy.Piecewise((X / 2 + P, X < 0), (X / 3 + P - Q**3, True))
+    family = family_from_sympy(map_, X, (P, Q))
+    found = everything(family.over(0, (0.0, 0.3)), replace(SETTINGS, span=SPAN[0])).diagram
+    curves = [
+        curve_in_two(family, each, family.names, SPAN, value=0.3, settings=SETTINGS)
+        for each in found.points
+        if each.kind is PointKind.BC
+    ]
+    assert len(curves) == 2
+    for met in curves:
+        (closes,) = [each for each in met.points if each.kind is PlaneKind.JUMP_CLOSES]
+        assert abs(closes.values[1]) < closes.precision[1]
+        assert 1e-6 < closes.precision[1] < 1e-3
+    kinds = [kind for _, kind in graph_of_curves(curves).nodes(data="kind")]
+    assert kinds.count("JC") == 1
+
+
+def test_a_span_may_end_at_the_point_itself() -> None:
+    """Found anew it may lie beyond by rounding."""
+    family = family_from_sympy(X**3 / 5 + X**2 + P - Q * X, X, (P, Q))
+    for second in (0.5, 0.6, 0.7):
+        over = everything(family.over(0, (0.0, second)), replace(SETTINGS, span=SPAN[0])).diagram
+        ends = [each for each in over.points if each.kind in (PointKind.LP, PointKind.PD)]
+        assert len(ends) == 2
+        for point in ends:
+            for first in ((point.parameter, 2.5), (-2.5, point.parameter)):
+                found = curve_in_two(
+                    family, point, ("p", "q"), (first, SPAN[1]), value=second, settings=SETTINGS
+                )
+                p, q = found.values.T
+                assert first[0] <= p.min() <= p.max() <= first[1]
+                assert point.parameter in p
+                assert np.abs(q[p == point.parameter] - second).min() < 1e-12
+
+
+def test_a_curve_that_is_one_point_has_no_special_points_between_its_ends() -> None:
+    """x^2 + p - q x folds at p = (1 + q)^2/4, which only grows: it only touches a corner."""
+    family = family_from_sympy(X**2 + P - Q * X, X, (P, Q))
+    point = at_zero(family, PointKind.LP, SETTINGS)
+    corner = (0.25, 2.0), (-2.0, 0.0)
+    found = curve_in_two(family, point, ("p", "q"), corner, value=0.0, settings=SETTINGS)
+    assert len(found) == len(found.points) == 1
+    assert "from EP1 to EP1, 0 special points" in repr(found)
+
+
+@pytest.mark.parametrize("beyond", [0.0, 1e-9, 3e-8, 1e-6])
+def test_a_border_right_before_the_end_of_a_span(beyond: float) -> None:
+    """x + x^2 + q x + p, and (q - 1/2)^3 x more from q = 1/2 on, folds at p = q^2/4 up to there.
+
+    Folds go on a little beside a border: that must not be beyond the span.
+    """
+    smooth, half = P + X + X**2 + Q * X, sympy.Rational(1, 2)
+    map_ = sympy.Piecewise((smooth, half > Q), (smooth + (Q - half) ** 3 * X, True))
+    family = family_from_sympy(map_, X, (P, Q))
+    point = at_zero(family, PointKind.LP, SETTINGS)
+    span = SPAN[0], (-2.0, 0.5 + beyond)
+    found = curve_in_two(family, point, ("p", "q"), span, value=0.0, settings=SETTINGS)
+    assert [each.cause for each in found.ends] == ["end of the span of q"] * 2
+    assert found.values[-1, 1] == span[1][1]
+    assert found.values[-1, 0] == pytest.approx(span[1][1] ** 2 / 4.0, abs=1e-12)
+
+
+def test_what_is_given_too_much_or_is_no_number_is_refused() -> None:
+    family = family_from_sympy(X**2 + P - Q * X, X, (P, Q))
+    point = at_zero(family, PointKind.LP, SETTINGS)
+    for value in ("0.3", True):
+        with pytest.raises(ValueError, match="value must be one real number"):
+            curve_in_two(family, point, ("p", "q"), SPAN, value=value, settings=SETTINGS)  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="value must be finite, got nan"):
+        curve_in_two(family, point, ("p", "q"), SPAN, value=np.nan, settings=SETTINGS)
+    with pytest.raises(ValueError, match="kind is for points of codimension two, got 'PD' at LP"):
+        curve_in_two(family, point, ("p", "q"), SPAN, value=0.0, kind="PD", settings=SETTINGS)
+    for names in (None, "pq", ("p", "q", "r")):
+        with pytest.raises(ValueError, match="expected two parameters, got"):
+            curve_in_two(family, point, names, SPAN, value=0.0, settings=SETTINGS)  # type: ignore[arg-type]
+
+
+def test_crossings_of_a_closed_curve_count_its_beginning_once() -> None:
+    """The unit circle at q = 1/2, where it begins: p = -sqrt(3/4) and sqrt(3/4)."""
+    found = curve(X + X**2 + P**2 + Q**2 - 1, 0.5, PointKind.LP)
+    p, q = np.array(found.crossings(1, 0.5)).T
+    assert np.array_equal(q, [0.5, 0.5])
+    assert sorted(p) == pytest.approx([-(0.75**0.5), 0.75**0.5], abs=1e-3)  # by straight lines
+    with pytest.raises(ValueError, match="axis must be 0 or 1, got 'q'"):
+        found.crossings("q", 0.5)  # type: ignore[arg-type]
+
+
+def test_the_graph_tells_points_apart_on_any_scale() -> None:
+    """(1 + q) x - (1 + p) x^3 flips at q = 1 at both roots of (1 + p) x^2 = 1; x is in 1e-9."""
+    tiny = sympy.Rational(1, 10**9)
+    map_ = (1 + Q) * X - (1 + P) * X**3 / tiny**2
+    family, spans = family_from_sympy(map_, X, (Q, P)), ((0.5, 1.5), (-0.5, 2.0))
+    settings = Settings(window=(-2e-9, 2e-9))
+    over = everything(family.over(0, (1.0, 0.0)), replace(settings, span=spans[0])).diagram
+    curves = [
+        curve_in_two(family, each, ("q", "p"), spans, value=0.0, settings=settings)
+        for each in over.points
+        if each.kind is PointKind.PD
+    ]
+    assert len(curves) == 2
+    assert graph_of_curves(curves).number_of_nodes() == 4
+
+
+def test_where_a_root_has_hardly_any_factor_its_slope_is_not_known() -> None:
+    """x/2 + p up to x = 0 and q sqrt(x) + p beyond: the slope there is infinite, but for q = 0.
+
+    It is told from 0 from some q on only, where multipliers +1 and -1 are reported; both are at 0.
+    """
+    family = family_from_sympy(
+        sympy.Piecewise((X / 2 + P, X <= 0), (Q * sympy.sqrt(X) + P, True)), X, (P, Q)
+    )
+    settings, span = Settings(window=(-4.0, 4.0)), ((-1.0, 1.0), (-2.0, 2.0))
+    over = everything(family.over(0, (0.0, -0.7)), replace(settings, span=span[0])).diagram
+    point = next(each for each in over.points if each.kind is PointKind.BC)
+    found = curve_in_two(family, point, family.names, span, value=-0.7, settings=settings)
+    assert np.abs(found.values[:, 0]).max() < 1e-12
+    for each in found.points[1:-1]:
+        assert each.kind in (PlaneKind.FOLD_BORDER, PlaneKind.FLIP_BORDER)
+        assert abs(each.values[1]) < each.precision[1] < 0.01

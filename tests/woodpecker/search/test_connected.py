@@ -6,6 +6,7 @@ import networkx as nx
 import numpy as np
 import numpy.typing as npt
 import pytest
+import sympy
 from diagrams import (
     FIXED,
     JUMP,
@@ -396,3 +397,16 @@ def test_maps_may_have_margins_in_any_order() -> None:
         for pieces in ([first, second], [second, first])
     )
     assert places(one) == places(other)
+
+
+@pytest.mark.parametrize("span", [(0.0, 0.5), (0.5, 1.0)])
+def test_a_branch_ends_with_its_span_where_a_border_lies_right_there(
+    span: tuple[float, float],
+) -> None:
+    """x/2 + p for p < 1/2 and x/3 + p beyond: at p = 1/2 the map takes the second piece."""
+    x, p = sympy.symbols("x p")
+    map_ = from_sympy(sympy.Piecewise((x / 2 + p, p < 0.5), (x / 3 + p, True)), x, p)
+    settings, start = Settings(span=span, window=(-4.0, 4.0)), sum(span) / 2.0
+    found = continuation(map_, shoot(map_, 0.5, p=start), settings=settings).points
+    assert [(point.kind, point.parameter) for point in found] == [("EP", each) for each in span]
+    assert {point.note for point in found} == {"end of the parameter span"}
