@@ -18,6 +18,7 @@ equations.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Set
 from dataclasses import dataclass
 from enum import Enum
@@ -44,7 +45,7 @@ from woodpecker.systems.mechanics.equations import Equations, Terms
 from woodpecker.systems.mechanics.model import FrictionBound, ImpactLaw
 
 EXPANSION = 2  # the phase after the compression and its second end
-ENUMERATED = 3  # contacts of an impact of which all 216 cases are tried
+ENUMERATED = 6**4  # cases of all contacts of an impact, if all are tried: of four that rub
 
 Cases = tuple[int, ...]
 
@@ -199,7 +200,8 @@ def solutions(phase: ImpactPhase, feeds: Floats) -> Solution:
     """
     if len(phase.rubs) == 1:
         return _of_one(phase)
-    tried = _combinations(phase.rubs) if len(phase.rubs) <= ENUMERATED else _proposed(phase)
+    count = math.prod(len(_CASES[each]) for each in phase.rubs)
+    tried = _combinations(phase.rubs) if count <= ENUMERATED else _proposed(phase)
     impulses, velocities, worst = _try(phase, tried)
     kept = np.flatnonzero(worst <= SLACK)
     if not kept.size:
@@ -249,7 +251,11 @@ def _combinations(rubs: tuple[bool, ...]) -> Ints:
 
 
 def _proposed(phase: ImpactPhase) -> Ints:
-    """The cases (1, c) of the solution to which Lemke's path leads."""
+    """The cases (2, c) of the solution to which Lemke's path leads.
+
+    Contacts that stick may all hold, or slide at the edges of their cones if these are reached: the
+    impulses of some that hold each other are open.
+    """
     n = len(phase.rubs)
     found = solve_contact_lcp(phase.delassus, phase.free, phase.bound, phase.floor)
     if not found.success:
@@ -259,8 +265,13 @@ def _proposed(phase: ImpactPhase) -> Ints:
     forward = found.gamma_t > 0.0
     slides = np.where(forward, FORWARD, BACKWARD)
     sticks = (found.gamma_t == 0.0) & np.array(phase.rubs)
-    along = np.where(phase.rubs, np.where(sticks, HOLD, slides), FORWARD)
-    return (3 * np.where(rests, REST, FREE) + along)[None]
+    edge = np.abs(found.impulse_t) >= phase.bound @ found.impulse_n - SLACK * size
+    at_edge = np.where(found.impulse_t <= 0.0, FORWARD, BACKWARD)
+    along = [
+        np.where(phase.rubs, np.where(holds, HOLD, other), FORWARD)
+        for holds, other in ((sticks, slides), (sticks & ~edge, np.where(sticks, at_edge, slides)))
+    ]
+    return 3 * np.where(rests, REST, FREE) + np.array(along)
 
 
 def _try(phase: ImpactPhase, tried: Ints) -> tuple[Floats, Floats, Floats]:
