@@ -367,8 +367,8 @@ class Touch:
     closed: frozenset[int]  # contacts with zero gap and zero gap rate
     held: frozenset[int] = frozenset()  # those of them whose slip is exactly zero
     leaving: frozenset[int] = frozenset()  # contacts with zero gap that open
-    # the guard that brought us here; -1: none that leaves a zero on acceleration level
-    fired: int = -1
+    fired: frozenset[int] = frozenset()  # guards of forces or slips that have just become zero
+    before: Mode = ()  # the mode that has ended: what slides in it goes on the same way
 
     def order(self, slips: Sequence[int], mode: Mode, guard: int) -> int:
         """How many derivatives of a guard, from its value on, are exactly zero.
@@ -380,15 +380,15 @@ class Touch:
         kind, i = divmod(guard, m)
         if kind == GAP:
             if i in self.closed:
-                return 3 if self.fired == NORMAL * m + i else 2
+                return 3 if NORMAL * m + i in self.fired else 2
             return 1 if i in self.leaving else 0
         if kind == SLIP:
             if i not in self.held:
                 return 0
             edge = CONE_UP if mode[i] == SLIDE_DOWN else CONE_DOWN
-            what, by = divmod(self.fired, m)
-            return 2 if what == edge and slips[by] == slips[i] else 1
-        return 1 if guard == self.fired else 0
+            reached = ((what, slips[by]) for what, by in (divmod(each, m) for each in self.fired))
+            return 2 if (edge, slips[i]) in reached else 1
+        return 1 if guard in self.fired else 0
 
 
 def settle(eq: Equations, z: Floats, p: Floats, touch: Touch) -> tuple[Outcome, Mode]:
@@ -459,9 +459,18 @@ def holding(
 
 def _modes(eq: Equations, terms: Terms, touch: Touch) -> Sequence[Mode]:
     """Combinations of states to be tried: sticking first, opening last."""
-    forward = tuple(slip > 0.0 for slip in terms.slip.tolist())
+    forward = _forward(terms, touch)
     found = _combinations(eq.friction, eq.slips, touch.closed, touch.held, forward)
     return _proposed(eq, terms, touch) if found is None else found
+
+
+def _forward(terms: Terms, touch: Touch) -> tuple[bool, ...]:
+    """Which contacts slide forward: as they did, whatever rounding has made of a slip near zero."""
+    states = touch.before or (OPEN,) * len(terms.slip)
+    return tuple(
+        state == SLIDE_UP if state in (SLIDE_UP, SLIDE_DOWN) else slip > 0.0
+        for state, slip in zip(states, terms.slip.tolist(), strict=True)
+    )
 
 
 @lru_cache(maxsize=1024)
@@ -502,8 +511,9 @@ def _proposed(eq: Equations, terms: Terms, touch: Touch) -> list[Mode]:
     w = np.vstack([terms.w_n[c], terms.w_t[c]])
     response = np.linalg.solve(terms.mass, np.column_stack([w.T, terms.force]))
     free = w @ response[:, -1] + np.concatenate([terms.bar_n[c], terms.bar_t[c]])
+    forward = _forward(terms, touch)
     slides = np.array(
-        [0 if i in touch.held or not eq.rubs[i] else np.sign(terms.slip[i]) for i in c]
+        [0 if i in touch.held or not eq.rubs[i] else 1 if forward[i] else -1 for i in c]
     )
     found = solve_contact_lcp(w @ response[:, :-1], free, terms.mu[c], 0.0, slides)
     if not found.success:

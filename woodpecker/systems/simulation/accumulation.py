@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -138,7 +138,8 @@ class _Impacts:
         t = min(times)
         if not t < math.inf or not self._is_short(here, t, cubics[times.index(t)]):
             return False
-        self.striking = frozenset(i for i in free if times[i] <= t * (1.0 + TOGETHER))
+        near = max(TOGETHER * t, PRECISE * (self._flight or t))
+        self.striking = frozenset(i for i in free if times[i] <= t + near)
         turn = self._along(1) * t + 0.5 * t * t * total(eq, changes, self.tangents)
         self._gap = self._gap + t * (self._rate + t * (second / 2.0 + t * third / 6.0))
         self._rate = self._rate + t * (second + t * third / 2.0)
@@ -354,7 +355,9 @@ def implied(eq: Equations, z: Floats, p: Floats, touch: Touch, stopped: frozense
     for i in closed - held:
         if _within(terms.w_t[i], fixed) and abs(terms.slip[i]) <= IMPLIED:
             held.add(i)
-    return Touch(frozenset(closed), frozenset(held), touch.leaving - closed, touch.fired)
+    return replace(
+        touch, closed=frozenset(closed), held=frozenset(held), leaving=touch.leaving - closed
+    )
 
 
 def _within(row: Floats, fixed: Floats) -> bool:

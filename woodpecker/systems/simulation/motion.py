@@ -59,6 +59,8 @@ BRIEF = 2.0**-10  # of the longest phase: before flights are as short as this no
 SHORT = 1e-3  # of a step: known derivatives of a guard at its start place a root to 1e-12 of it
 POLISHED = 1e-6  # of a step: Newton's step from a root of an interpolant is shorter, or not taken
 TIME = -2  # the guard of a phase that lasts to the end of time asked for
+ROUNDED = 2.0**-48  # of what gaps are made of: those that are smaller may be zero
+LATE = 4.0  # units in the last place of time that events are apart by rounding
 NO_FORCE = 1e-9  # relative: a normal force that vanishes where a cone is reached
 
 
@@ -256,6 +258,8 @@ class MotionSearch:
         return found
 
     _touch: Touch
+    _longest = 0.0  # duration of a phase
+    _flown: Floats | float = 0.0  # what gaps have changed by in a phase, at most
     _closes: tuple[int, ...] = ()
     _lap = 0
 
@@ -269,6 +273,7 @@ class MotionSearch:
             mode, found.z, touch, self.t_end - found.z[-1], on_section=begins
         )
         found.durations.append(t)
+        self._longest = max(self._longest, t)
         found.z = z
         self._check_gaps(mode)
         if guard == TIME:
@@ -281,9 +286,10 @@ class MotionSearch:
         """Stop where an open contact is penetrated by more than rounding explains."""
         z, eq = self._run.z, self.eq
         terms = eq.terms(z, self.p)
+        flown = np.abs(terms.gap_rate) * self._run.durations[-1]
+        self._flown = np.maximum(self._flown, flown)
         if min(terms.gap.tolist()) >= -PENETRATED:
             return
-        flown = np.abs(terms.gap_rate) * self._run.durations[-1]
         size = 1.0 + np.abs(terms.w_n) @ np.abs(z[: eq.n]) + flown
         if (terms.gap < -PENETRATED * size)[np.array(mode) == OPEN].any():
             raise _StoppedError(MotionStatus.PASSED)
@@ -331,30 +337,42 @@ class MotionSearch:
         if guard == SECTION * m:
             raise _StoppedError(MotionStatus.RETURNED)
         kind, i = divmod(guard, m)
-        closed = frozenset(k for k in range(m) if mode[k] != OPEN)
+        near = self._near()
+        # what was exactly zero where a phase began that took no time is so still
+        at_once = found.durations[-1] <= near
+        last = found.legs[-1].touch if at_once else Touch(frozenset())
+        closed = last.closed.union(k for k in range(m) if mode[k] != OPEN)
+        held = last.held.union(k for k in closed if mode[k] == STICK)
         if kind == GAP:
             terms = self.eq.terms(found.z, self.p)
             if terms.gap_rate[i] >= 0.0:  # it grazes, but for rounding
-                held = frozenset(k for k in closed if mode[k] == STICK)
-                return None, Touch(closed | {i}, held)
-            near = TOGETHER * found.durations[-1]
+                return None, Touch(closed | {i}, held, before=mode)
+            rate = terms.gap_rate
+            away = self._flown + np.abs(terms.w_n) @ np.abs(found.z[: self.eq.n])
+            room = np.maximum(-rate * near, ROUNDED * away)
             more = {
                 k for k in range(m)
-                if mode[k] == OPEN and k != i and terms.gap_rate[k] < 0.0
-                and terms.gap[k] <= -terms.gap_rate[k] * near
+                if mode[k] == OPEN and k != i and rate[k] < 0.0 and terms.gap[k] <= room[k]
             }  # fmt: skip
-            held = frozenset(k for k in closed if mode[k] == STICK)
             impact = self._strike(closed | more | {i}, Touch(closed, held))
             if self.embedding is not None and self.embedding.contact in ({i} | more):
                 found.last = impact
                 raise _StoppedError(MotionStatus.RETURNED)
             ended = self._accumulated(impact)
             return (impact if ended is None else self._striking), ended or self._touch
-        held = frozenset(k for k in closed if mode[k] == STICK or (kind == SLIP and k == i))
         if kind >= CONE_UP and kind != SLIP and _without_force(self.eq, mode, found.z, self.p, i):
             guard = m + i  # where the cone shrinks to nothing the contact opens
-        touch = Touch(closed, held, frozenset(), guard)
+        fired = frozenset({guard})
+        if kind == SLIP:
+            held |= {i}
+        elif all(each < SLIP * m for each in last.fired):
+            fired |= last.fired  # as forces have not jumped since
+        touch = Touch(closed, held, frozenset(), fired, mode)
         return None, implied(self.eq, found.z, self.p, touch, frozenset())
+
+    def _near(self) -> float:
+        """Within what time events are one, as rounding places none of them better."""
+        return max(TOGETHER * self._longest, LATE * math.ulp(float(self._run.z[-1])))
 
     def _strike(self, contacts: Set[int], touch: Touch) -> Impact:
         """The contact problems of compression and expansion, with what has touched before."""
@@ -401,7 +419,7 @@ class MotionSearch:
                 letter = "J" if old != STICK else ""
             elif old == STICK:
                 letter = "S"
-            elif touch.fired >= SLIP * m and new != old:
+            elif max(touch.fired, default=-1) >= SLIP * m and new != old:
                 letter = "R"
             if letter:
                 self._note(f"{letter}{i + 1}")
@@ -434,7 +452,7 @@ class MotionSearch:
     def _accumulated(self, impact: Impact) -> Touch | None:
         """Where impacts end that accumulate in flights which are short already."""
         found, eq, touch = self._run, self.eq, self._touch
-        is_brief = found.durations[-1] <= BRIEF * max(found.durations)
+        is_brief = found.durations[-1] <= BRIEF * self._longest
         if not (touch.leaving and is_brief and found.legs[-1].impact is not None):
             return None
         none = np.zeros((eq.size, 0))
