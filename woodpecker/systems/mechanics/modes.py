@@ -5,6 +5,9 @@ A mode is the state of every contact. In it accelerations and contact forces sol
     M a - W_N lambda_N - W_T lambda_T = h,   gap acceleration zero where a contact is closed,
     slip acceleration zero where it sticks,  lambda_T = -+mu lambda_N where it slides.
 
+Where closed contacts hold a system more than once, as three feet do in the plane, their forces are
+open but the motion is not: those that the others keep closed are idle, and have no force.
+
 A guard is a function of the state that is positive as long as the mode lasts.
 """
 
@@ -26,10 +29,12 @@ from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.systems.mechanics.equations import Equations, Terms
 from woodpecker.systems.mechanics.impacts import Outcome, solved
 
-OPEN, STICK, SLIDE_UP, SLIDE_DOWN = range(4)  # states of a contact; SLIDE_UP: its slip is positive
+# states of a contact; SLIDE_UP: its slip is positive; IDLE: closed, because others are
+OPEN, STICK, SLIDE_UP, SLIDE_DOWN, IDLE = range(5)
 GAP, NORMAL, CONE_UP, CONE_DOWN, SLIP = range(5)  # kinds of guards: kind * m + contact
 SECTION = 5  # 5 m is the guard of a section
 MOST_MODES = 256  # combinations that are tried on acceleration level
+IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
 SAME = 1e-9  # relative: accelerations that are closer are one motion
 
 # derivatives of guards in time that are known
@@ -77,7 +82,7 @@ def guards_in(mode: Mode, rubs: tuple[bool, ...], slips: tuple[int, ...]) -> tup
                 found += [CONE_UP * m + i, CONE_DOWN * m + i]
             if len(team) > 1:
                 found.append(NORMAL * m + i)
-        else:
+        elif state != IDLE:
             found.append(NORMAL * m + i)
             if rubs[i]:
                 found.append(SLIP * m + i)
@@ -141,7 +146,7 @@ def parts_of(mode: Mode, slips: tuple[int, ...]) -> tuple[Ints, Ints, Floats]:
     stuck = [
         i for i, state in enumerate(mode) if state == STICK and team_of(mode, slips, i)[0] == i
     ]
-    return np.flatnonzero(states != OPEN), np.array(stuck, dtype=int), sign
+    return np.flatnonzero((states != OPEN) & (states != IDLE)), np.array(stuck, dtype=int), sign
 
 
 def _solve(k: Floats, right: Floats) -> Floats:
@@ -461,7 +466,35 @@ def _modes(eq: Equations, terms: Terms, touch: Touch) -> Sequence[Mode]:
     """Combinations of states to be tried: sticking first, opening last."""
     forward = _forward(terms, touch)
     found = _combinations(eq.friction, eq.slips, touch.closed, touch.held, forward)
-    return _proposed(eq, terms, touch) if found is None else found
+    found = _proposed(eq, terms, touch) if found is None else found
+    normals = terms.w_n[sorted(touch.closed)]
+    if len(normals) < 2 or np.linalg.matrix_rank(
+        np.vstack([normals, terms.w_t[sorted(touch.held)]])
+    ) == len(normals) + len(touch.held):
+        return found
+    resolved = (_resolved(terms, mode, touch, eq.slips) for mode in found)
+    return list(dict.fromkeys(mode for mode in resolved if mode is not None))
+
+
+def _resolved(terms: Terms, mode: Mode, touch: Touch, slips: tuple[int, ...]) -> Mode | None:
+    """A mode whose contacts without force are idle if the others keep them closed.
+
+    None if its forces are open.
+    """
+    closed, stuck, _ = parts_of(mode, slips)
+    rows = np.vstack([terms.w_n[closed], terms.w_t[stuck]])
+    if np.linalg.matrix_rank(rows) < len(rows):
+        return None
+    bars, inverse = np.concatenate([terms.bar_n[closed], terms.bar_t[stuck]]), np.linalg.pinv(rows)
+    found = list(mode)
+    for i in touch.closed:
+        row, bar = terms.w_n[i], terms.bar_n[i]
+        shares = row @ inverse
+        away = np.abs(row - shares @ rows).max() <= IMPLIED * np.abs(row).max()
+        late = abs(bar - shares @ bars) <= IMPLIED * (abs(bar) + np.abs(shares) @ np.abs(bars))
+        if mode[i] == OPEN and away and late:
+            found[i] = IDLE
+    return tuple(found)
 
 
 def _forward(terms: Terms, touch: Touch) -> tuple[bool, ...]:

@@ -18,10 +18,9 @@ import numpy as np
 from woodpecker.base.arrays import Floats
 from woodpecker.systems.mechanics.equations import Equations
 from woodpecker.systems.mechanics.impacts import Impact, Outcome, carry_out, decide, total
-from woodpecker.systems.mechanics.modes import GAP, OPEN, Local, Mode, Touch, settle
+from woodpecker.systems.mechanics.modes import GAP, IMPLIED, OPEN, Local, Mode, Touch, settle
 from woodpecker.systems.simulation.flows import LostError
 
-IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
 SHORT = 2.0**-17  # of a motion's own time: what follows a gap's cubic is below rounding
 VANISHED = 2.0**-52  # relative: speeds that are smaller are nothing
 PRECISE = VANISHED / SHORT  # of the first short flight, as the motion before is so much larger

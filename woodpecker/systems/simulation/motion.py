@@ -24,8 +24,11 @@ from woodpecker.systems.mechanics.equations import Equations
 from woodpecker.systems.mechanics.impacts import Impact, Outcome, decide
 from woodpecker.systems.mechanics.model import ContactSystem
 from woodpecker.systems.mechanics.modes import (
+    CONE_DOWN,
     CONE_UP,
     GAP,
+    IDLE,
+    NORMAL,
     OPEN,
     SECTION,
     SLIDE_UP,
@@ -360,13 +363,15 @@ class MotionSearch:
                 raise _StoppedError(MotionStatus.RETURNED)
             ended = self._accumulated(impact)
             return (impact if ended is None else self._striking), ended or self._touch
-        if kind >= CONE_UP and kind != SLIP and _without_force(self.eq, mode, found.z, self.p, i):
-            guard = m + i  # where the cone shrinks to nothing the contact opens
         fired = frozenset({guard})
+        if kind in (CONE_UP, CONE_DOWN) and _without_force(self.eq, mode, found.z, self.p, i):
+            # where the cone shrinks to nothing the contacts open
+            fired = frozenset(NORMAL * m + k for k in team_of(mode, self.eq.slips, i))
         if kind == SLIP:
             held |= {i}
         elif all(each < SLIP * m for each in last.fired):
-            fired |= last.fired  # as forces have not jumped since
+            # forces have not jumped since, and idle contacts have none
+            fired |= last.fired | {NORMAL * m + k for k in range(m) if mode[k] == IDLE}
         touch = Touch(closed, held, frozenset(), fired, mode)
         return None, implied(self.eq, found.z, self.p, touch, frozenset())
 
@@ -409,6 +414,7 @@ class MotionSearch:
         m = self.eq.m
         if before == mode:
             return
+        before, mode = (_shown(each, self.eq.slips) for each in (before, mode))
         for i, (old, new) in enumerate(zip(before, mode, strict=True)):
             if not self.eq.rubs[i] and new != OPEN:
                 continue
@@ -436,7 +442,7 @@ class MotionSearch:
     def _check_forces(self, mode: Mode) -> None:
         """Stop where contacts hold all coordinates."""
         eq = self.eq
-        held = [i for i, state in enumerate(mode) if state != OPEN]
+        held = [i for i, state in enumerate(mode) if state not in (OPEN, IDLE)]
         stuck = [i for i in held if mode[i] == STICK and team_of(mode, eq.slips, i)[0] == i]
         count = len(held) + len(stuck)
         if count < eq.n:
@@ -532,6 +538,14 @@ def _correction(here: Local, guard: int, step: Step, zero: Floats, t: float) -> 
     return -value / rate if rate < 0.0 and abs(value) < POLISHED * step.length * -rate else 0.0
 
 
+def _shown(mode: Mode, slips: tuple[int, ...]) -> Mode:
+    """States for a word: an idle contact does as those with the same slip."""
+    moves = {slips[i]: state for i, state in enumerate(mode) if state not in (OPEN, IDLE)}
+    return tuple(
+        moves.get(slips[i], SLIDE_UP) if state == IDLE else state for i, state in enumerate(mode)
+    )
+
+
 def _before(eq: Equations, touch: Touch) -> Mode:
     """States of contacts at a start: as they would be without a contact problem."""
     return tuple(
@@ -548,7 +562,7 @@ def _after_impact(eq: Equations, before: Mode, touch: Touch) -> Mode:
 
 
 def _without_force(eq: Equations, mode: Mode, z: Floats, p: Floats, i: int) -> bool:
-    """Whether the normal force of a sticking contact has vanished."""
-    here = Local(eq, mode, z, p)
-    size = np.abs(here.balance.l_n).max() + np.abs(here.terms.force).max()
-    return bool(abs(here.balance.l_n[i]) <= NO_FORCE * size)
+    """Whether normal forces have vanished at all that stick together with a contact."""
+    l_n, force = Local(eq, mode, z, p).balance.l_n, eq.terms(z, p).force
+    size = np.abs(l_n).max() + np.abs(force).max()
+    return bool(np.abs(l_n[[*team_of(mode, eq.slips, i)]]).max() <= NO_FORCE * size)
