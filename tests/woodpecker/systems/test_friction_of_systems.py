@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import sympy
 from needs import EACH_BACKEND, NEEDS_HEYOKA
+from scipy.optimize import brentq
 from scipy.special import ellipk
 
 from studies.systems import belt
@@ -376,6 +377,66 @@ def test_a_body_falls_flat_on_many_feet(places: tuple[float, ...], mu: float) ->
     assert rest == pytest.approx([3 * math.sqrt(0.2)], abs=1e-13)
     assert motion.word.split()[-1][0] == ("J" if mu else "C")
     assert motion.z[1:3] == pytest.approx([0, 0], abs=1e-14)
+
+
+# --- Contacts that hold each other ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.2])
+@pytest.mark.parametrize("start", [0.5, 1.0])
+def test_a_block_is_pushed_into_a_corner_and_out(mu: float, start: float) -> None:
+    """Ground and wall share the push 5 sin t as they may; the ground alone holds 3 of a pull."""
+    ground = Contact(name="the ground", gap=Y, slip=V, mu=0.3)
+    rubs = {"slip": sympy.Symbol("u_y"), "mu": mu} if mu else {}
+    wall = Contact(name="the wall", gap=1 - X, **rubs)
+    corner = ContactSystem([X, Y], sympy.eye(2), [5 * sympy.sin(T), -10], [ground, wall], {})
+    motion = simulate(corner, {"x": start}, 9.5, backend="scipy", max_events=20)
+    assert motion.status is MotionStatus.TIME_REACHED
+    assert motion.word.endswith("S1 D2 J1 S1")
+    slips = math.pi + math.asin(0.6)
+    stops = brentq(lambda t: 3 * (t - slips) - 5 * math.cos(t) - 4, slips + 1, slips + 5)
+    times = [event.time for event in motion.events[-4:]]
+    assert times == pytest.approx([slips, slips, stops, slips + math.pi], abs=1e-12)
+    assert motion.word[: -len(" S1 D2 J1 S1")] in ("", "S1 I1+2 J1", "S1 I1f+2s J1 J2")
+
+
+def row(push: sympy.Expr, count: int = 3) -> ContactSystem:
+    """Blocks in a row that touch, of weight 10, on rough ground; the first is pushed."""
+    x, y, u = (sympy.symbols(f"{name}1:{count + 1}") for name in ("x", "y", "u_x"))
+    floors = [Contact(name=f"under {k}", gap=y[k], slip=u[k], mu=0.2) for k in range(count)]
+    between = [
+        Contact(name=f"behind {k}", gap=x[k + 1] - x[k], eps_n=0.5) for k in range(count - 1)
+    ]
+    forces = [push, *[0] * (count - 1), *[-10] * count]
+    return ContactSystem([*x, *y], sympy.eye(2 * count), forces, [*floors, *between], {})
+
+
+def test_blocks_in_a_row_start_together() -> None:
+    """As a push 2 t reaches the friction of all three, 6: then 3 x'' = 2 t - 6."""
+    motion = simulate(row(2 * T), {}, 5.0, backend="scipy", max_events=20)
+    assert motion.word == "S1 S2 S3"
+    assert [event.time for event in motion.events] == pytest.approx([3, 3, 3], abs=1e-13)
+    assert motion.z[:6] == pytest.approx([8 / 9] * 3 + [0] * 3, abs=1e-12)
+
+
+@pytest.mark.parametrize("count", [3, 4])
+def test_a_block_strikes_a_row(count: int) -> None:
+    """All get u / count in compression, and none jumps.
+
+    The impulses between them fall by u / count from one to the next, and half of them are given
+    back: every block gets u / (2 count) more, and the first one is thrown back by u / 2.
+    """
+    speed = math.sqrt(12.0)  # of 4 after 1 m with a deceleration of 2
+    motion = simulate(row(sympy.Integer(0), count), {"x1": -1.0, "u_x1": 4.0}, 5.0, backend="scipy")
+    assert motion.status is MotionStatus.AT_REST
+    strike = motion.events[0]
+    assert strike.before[0] == pytest.approx(speed, abs=1e-13)
+    assert strike.after.sum() == pytest.approx(speed, abs=1e-13)
+    assert strike.after[count:] == pytest.approx(np.zeros(count), abs=1e-14)
+    after = np.full(count, 1.5 / count)
+    after[0] -= 0.5
+    assert strike.after[:count] == pytest.approx(speed * after, abs=1e-13)
+    assert motion.z[count : 2 * count] == pytest.approx(np.zeros(count), abs=1e-14)
 
 
 # --- Lengths far from 1 ---------------------------------------------------------------------------

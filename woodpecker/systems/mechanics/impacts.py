@@ -251,27 +251,27 @@ def _combinations(rubs: tuple[bool, ...]) -> Ints:
 
 
 def _proposed(phase: ImpactPhase) -> Ints:
-    """The cases (2, c) of the solution to which Lemke's path leads.
+    """The cases (4, c) of the solution to which Lemke's path leads.
 
-    Contacts that stick may all hold, or slide at the edges of their cones if these are reached: the
-    impulses of some that hold each other are open.
+    A contact without impulse whose gap rate is zero rests, or else leaves; one that sticks at the
+    edge of its cone holds, or else slides: the impulses of some that hold each other are open.
     """
     n = len(phase.rubs)
     found = solve_contact_lcp(phase.delassus, phase.free, phase.bound, phase.floor)
     if not found.success:
         return np.empty((0, n), dtype=int)
-    size = np.abs(found.impulse_n).max()
-    rests = found.impulse_n - phase.floor > SLACK * size
-    forward = found.gamma_t > 0.0
-    slides = np.where(forward, FORWARD, BACKWARD)
+    size, speed = np.abs(found.impulse_n).max(), np.abs(phase.free).max()
+    pressed = found.impulse_n - phase.floor > SLACK * size
     sticks = (found.gamma_t == 0.0) & np.array(phase.rubs)
     edge = np.abs(found.impulse_t) >= phase.bound @ found.impulse_n - SLACK * size
     at_edge = np.where(found.impulse_t <= 0.0, FORWARD, BACKWARD)
-    along = [
-        np.where(phase.rubs, np.where(holds, HOLD, other), FORWARD)
-        for holds, other in ((sticks, slides), (sticks & ~edge, np.where(sticks, at_edge, slides)))
-    ]
-    return 3 * np.where(rests, REST, FREE) + np.array(along)
+    slides = np.where(found.gamma_t > 0.0, FORWARD, BACKWARD)
+    tried = []
+    for rests in (pressed | (found.gamma_n <= SLACK * speed), pressed):
+        for holds in (sticks, sticks & ~edge):
+            along = np.where(holds, HOLD, np.where(sticks, at_edge, slides))
+            tried.append(3 * np.where(rests, REST, FREE) + np.where(phase.rubs, along, FORWARD))
+    return np.array(tried)
 
 
 def _try(phase: ImpactPhase, tried: Ints) -> tuple[Floats, Floats, Floats]:

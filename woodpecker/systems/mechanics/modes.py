@@ -6,7 +6,8 @@ A mode is the state of every contact. In it accelerations and contact forces sol
     slip acceleration zero where it sticks,  lambda_T = -+mu lambda_N where it slides.
 
 Where closed contacts hold a system more than once, as three feet do in the plane, their forces are
-open but the motion is not: those that the others keep closed are idle, and have no force.
+open but the motion is not: those that the others keep closed are idle, and have no force, and of
+those that the others keep from slipping some have the most friction that they can.
 
 A guard is a function of the state that is positive as long as the mode lasts.
 """
@@ -29,8 +30,9 @@ from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.systems.mechanics.equations import Equations, Terms
 from woodpecker.systems.mechanics.impacts import Outcome, solved
 
-# states of a contact; SLIDE_UP: its slip is positive; IDLE: closed, because others are
-OPEN, STICK, SLIDE_UP, SLIDE_DOWN, IDLE = range(5)
+# states of a contact; SLIDE_UP: its slip is positive; IDLE: closed, because others are; EDGE_UP: it
+# sticks, because others do, with the friction of SLIDE_UP
+OPEN, STICK, SLIDE_UP, SLIDE_DOWN, IDLE, EDGE_UP, EDGE_DOWN = range(7)
 GAP, NORMAL, CONE_UP, CONE_DOWN, SLIP = range(5)  # kinds of guards: kind * m + contact
 SECTION = 5  # 5 m is the guard of a section
 MOST_MODES = 256  # combinations that are tried on acceleration level
@@ -84,7 +86,7 @@ def guards_in(mode: Mode, rubs: tuple[bool, ...], slips: tuple[int, ...]) -> tup
                 found.append(NORMAL * m + i)
         elif state != IDLE:
             found.append(NORMAL * m + i)
-            if rubs[i]:
+            if rubs[i] and state in (SLIDE_UP, SLIDE_DOWN):
                 found.append(SLIP * m + i)
     return tuple(found)
 
@@ -142,7 +144,7 @@ def _matrix(eq: Equations, mode: Mode, terms: Terms) -> Floats:
 def parts_of(mode: Mode, slips: tuple[int, ...]) -> tuple[Ints, Ints, Floats]:
     """Closed contacts, the first of each team that sticks, signs of lambda_T = sign mu lambda_N."""
     states = np.array(mode)
-    sign = np.where(states == SLIDE_UP, -1.0, np.where(states == SLIDE_DOWN, 1.0, 0.0))
+    sign = np.array([0.0, 0.0, -1.0, 1.0, 0.0, -1.0, 1.0])[states]
     stuck = [
         i for i, state in enumerate(mode) if state == STICK and team_of(mode, slips, i)[0] == i
     ]
@@ -387,13 +389,14 @@ class Touch:
             if i in self.closed:
                 return 3 if NORMAL * m + i in self.fired else 2
             return 1 if i in self.leaving else 0
-        if kind == SLIP:
-            if i not in self.held:
-                return 0
-            edge = CONE_UP if mode[i] == SLIDE_DOWN else CONE_DOWN
-            reached = ((what, slips[by]) for what, by in (divmod(each, m) for each in self.fired))
-            return 2 if (edge, slips[i]) in reached else 1
-        return 1 if guard in self.fired else 0
+        if kind == NORMAL:
+            return 1 if guard in self.fired else 0
+        edges = {each // m for each in self.fired if slips[each % m] == slips[i]}
+        if kind != SLIP:
+            return 1 if kind in edges else 0
+        if i not in self.held:
+            return 0
+        return 2 if (CONE_UP if mode[i] == SLIDE_DOWN else CONE_DOWN) in edges else 1
 
 
 def settle(eq: Equations, z: Floats, p: Floats, touch: Touch) -> tuple[Outcome, Mode]:
@@ -468,32 +471,38 @@ def _modes(eq: Equations, terms: Terms, touch: Touch) -> Sequence[Mode]:
     found = _combinations(eq.friction, eq.slips, touch.closed, touch.held, forward)
     found = _proposed(eq, terms, touch) if found is None else found
     normals = terms.w_n[sorted(touch.closed)]
-    if len(normals) < 2 or np.linalg.matrix_rank(
-        np.vstack([normals, terms.w_t[sorted(touch.held)]])
-    ) == len(normals) + len(touch.held):
+    along = terms.w_t[sorted({eq.slips[i] for i in touch.held if eq.rubs[i]})]
+    count = len(normals) + len(along)
+    if count < 2 or np.linalg.matrix_rank(np.vstack([normals, along])) == count:
         return found
-    resolved = (_resolved(terms, mode, touch, eq.slips) for mode in found)
+    resolved = (_resolved(eq, terms, mode, touch) for mode in found)
     return list(dict.fromkeys(mode for mode in resolved if mode is not None))
 
 
-def _resolved(terms: Terms, mode: Mode, touch: Touch, slips: tuple[int, ...]) -> Mode | None:
-    """A mode whose contacts without force are idle if the others keep them closed.
+def _resolved(eq: Equations, terms: Terms, mode: Mode, touch: Touch) -> Mode | None:
+    """A mode with the contacts that others keep closed, or from slipping, in states of their own.
 
     None if its forces are open.
     """
-    closed, stuck, _ = parts_of(mode, slips)
+    closed, stuck, _ = parts_of(mode, eq.slips)
     rows = np.vstack([terms.w_n[closed], terms.w_t[stuck]])
     if np.linalg.matrix_rank(rows) < len(rows):
         return None
     bars, inverse = np.concatenate([terms.bar_n[closed], terms.bar_t[stuck]]), np.linalg.pinv(rows)
-    found = list(mode)
-    for i in touch.closed:
-        row, bar = terms.w_n[i], terms.bar_n[i]
+
+    def is_implied(row: Floats, bar: float) -> bool:
         shares = row @ inverse
         away = np.abs(row - shares @ rows).max() <= IMPLIED * np.abs(row).max()
-        late = abs(bar - shares @ bars) <= IMPLIED * (abs(bar) + np.abs(shares) @ np.abs(bars))
-        if mode[i] == OPEN and away and late:
+        size = abs(bar) + np.abs(shares) @ np.abs(bars)
+        return bool(away and abs(bar - shares @ bars) <= IMPLIED * size)
+
+    found = list(mode)
+    for i in touch.closed:
+        slides = mode[i] in (SLIDE_UP, SLIDE_DOWN) and eq.rubs[i] and i in touch.held
+        if mode[i] == OPEN and is_implied(terms.w_n[i], terms.bar_n[i]):
             found[i] = IDLE
+        elif slides and is_implied(terms.w_t[i], terms.bar_t[i]):
+            found[i] = EDGE_UP if mode[i] == SLIDE_UP else EDGE_DOWN
     return tuple(found)
 
 

@@ -26,6 +26,8 @@ from woodpecker.systems.mechanics.model import ContactSystem
 from woodpecker.systems.mechanics.modes import (
     CONE_DOWN,
     CONE_UP,
+    EDGE_DOWN,
+    EDGE_UP,
     GAP,
     IDLE,
     NORMAL,
@@ -241,11 +243,10 @@ class MotionSearch:
                 outcome, mode = settle(self.eq, found.z, self.p, touch)
                 if outcome is not Outcome.SOLVED:
                     raise _StoppedError(MotionStatus[outcome.name])
-                self._name_transitions(before, mode, touch)
+                before = self._name_transitions(before, mode, touch)
                 self._check_forces(mode)
                 guard = self._flow(mode, touch)  # integrate until an event
                 found.legs.append(Leg(impact, self._closes, self._lap, touch, mode, guard))
-                before = mode
                 self._begins.append(len(found.symbols))
                 impact, touch = self._event(mode, guard)
                 if impact is not None:
@@ -345,7 +346,7 @@ class MotionSearch:
         at_once = found.durations[-1] <= near
         last = found.legs[-1].touch if at_once else Touch(frozenset())
         closed = last.closed.union(k for k in range(m) if mode[k] != OPEN)
-        held = last.held.union(k for k in closed if mode[k] == STICK)
+        held = last.held.union(k for k in closed if mode[k] in (STICK, EDGE_UP, EDGE_DOWN))
         if kind == GAP:
             terms = self.eq.terms(found.z, self.p)
             if terms.gap_rate[i] >= 0.0:  # it grazes, but for rounding
@@ -370,8 +371,9 @@ class MotionSearch:
         if kind == SLIP:
             held |= {i}
         elif all(each < SLIP * m for each in last.fired):
-            # forces have not jumped since, and idle contacts have none
-            fired |= last.fired | {NORMAL * m + k for k in range(m) if mode[k] == IDLE}
+            # forces have not jumped since, and some are zero as these states have it
+            zero = {IDLE: NORMAL, EDGE_UP: CONE_DOWN, EDGE_DOWN: CONE_UP}
+            fired |= last.fired | {zero[mode[k]] * m + k for k in range(m) if mode[k] in zero}
         touch = Touch(closed, held, frozenset(), fired, mode)
         return None, implied(self.eq, found.z, self.p, touch, frozenset())
 
@@ -409,12 +411,10 @@ class MotionSearch:
             )
         )  # fmt: skip
 
-    def _name_transitions(self, before: Mode, mode: Mode, touch: Touch) -> None:
-        """Symbols of contacts that opened, stuck, began to slip or reversed."""
+    def _name_transitions(self, before: Mode, mode: Mode, touch: Touch) -> Mode:
+        """Symbols of contacts that opened, stuck, began to slip or reversed; states as named."""
         m = self.eq.m
-        if before == mode:
-            return
-        before, mode = (_shown(each, self.eq.slips) for each in (before, mode))
+        mode = _shown(before, mode, self.eq.slips)
         for i, (old, new) in enumerate(zip(before, mode, strict=True)):
             if not self.eq.rubs[i] and new != OPEN:
                 continue
@@ -429,6 +429,7 @@ class MotionSearch:
                 letter = "R"
             if letter:
                 self._note(f"{letter}{i + 1}")
+        return mode
 
     def _check_rest(self, before: Mode, touch: Touch) -> None:
         """Stop where the system rests for ever, and contacts hold it more than once."""
@@ -538,11 +539,13 @@ def _correction(here: Local, guard: int, step: Step, zero: Floats, t: float) -> 
     return -value / rate if rate < 0.0 and abs(value) < POLISHED * step.length * -rate else 0.0
 
 
-def _shown(mode: Mode, slips: tuple[int, ...]) -> Mode:
-    """States for a word: an idle contact does as those with the same slip."""
-    moves = {slips[i]: state for i, state in enumerate(mode) if state not in (OPEN, IDLE)}
+def _shown(before: Mode, mode: Mode, slips: tuple[int, ...]) -> Mode:
+    """States for a word: an idle contact does as those with the same slip, or goes on as before."""
+    states = [STICK if state in (EDGE_UP, EDGE_DOWN) else state for state in mode]
+    moves = {slips[i]: state for i, state in enumerate(states) if state not in (OPEN, IDLE)}
     return tuple(
-        moves.get(slips[i], SLIDE_UP) if state == IDLE else state for i, state in enumerate(mode)
+        moves.get(slips[i], before[i] or SLIDE_UP) if state == IDLE else state
+        for i, state in enumerate(states)
     )
 
 
