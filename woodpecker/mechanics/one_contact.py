@@ -57,7 +57,7 @@ def given(
     floor = np.empty(c)
     for k in range(c):
         into[0, contacts[k]], into[1, contacts[k]] = impulse[k], impulse[c + k]
-        floor[k] = feeds[k] * impulse[k]
+        floor[k] = feeds[k] * max(impulse[k], 0.0)  # rounding may have left it below
     return u + response @ impulse, free + delassus @ impulse, floor
 
 

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import sympy
 from needs import EACH_BACKEND, NEEDS_HEYOKA
+from scipy.optimize import brentq
 from scipy.special import ellipk
 
 from studies.systems import belt
@@ -247,6 +248,195 @@ def test_a_closed_contact_does_not_drift() -> None:
     assert motion.word == "S2"
     assert (motion.q[:, 1] == jammed).all()
     assert not motion.u[:, 1].any()
+
+
+# --- Events of several contacts in one instant ----------------------------------------------------
+
+WEIGHT = 1.0
+
+
+def two_blocks(force: sympy.Expr, side: float, values: Values) -> ContactSystem:
+    """Two blocks, each as :func:`block` has it; the other one is the first times ``side``."""
+    x, y, u = (sympy.symbols(f"{name}1 {name}2") for name in ("x", "y", "u_x"))
+    floors = [
+        Contact(name=f"floor {k + 1}", gap=y[k], slip=u[k], mu=sympy.Symbol("mu")) for k in (0, 1)
+    ]
+    forces = [force.subs(X, x[0]), side * force.subs(X, side * x[1]), -WEIGHT, -WEIGHT]
+    return ContactSystem([*x, *y], sympy.eye(4), forces, floors, values)
+
+
+PUSH, MU_OF = sympy.symbols("push mu")
+
+
+@EACH_BACKEND
+@pytest.mark.parametrize("side", [1, -1])
+@pytest.mark.parametrize(("push", "mu", "letters"), [(0.0, 0.3, "J"), (0.7, 0.3, "RRR")])
+def test_two_blocks_do_the_same_in_the_same_instants(
+    backend: str, side: int, push: float, mu: float, letters: str
+) -> None:
+    """They stop, or turn round, at once: each does so once, as one block alone does."""
+    system = two_blocks(PUSH * sympy.cos(T), side, {PUSH: push, MU_OF: mu})
+    start = {"u_x1": 1.0, "u_x2": side}
+    motion = simulate(system, start, 10.0, backend=backend, max_events=20)
+    assert motion.status in (MotionStatus.TIME_REACHED, MotionStatus.AT_REST)
+    assert sorted(motion.word.split()) == sorted(f"{each}{k}" for each in letters for k in (1, 2))
+    times = [event.time for event in motion.events]
+    assert times[::2] == pytest.approx(times[1::2], abs=1e-14)
+    if not push:
+        assert motion.z[:2] == pytest.approx([1 / 0.6, side / 0.6], abs=1e-14)  # u**2 / (2 mu g)
+
+
+@EACH_BACKEND
+@pytest.mark.parametrize("start", [[0.2, 0.3], [0.0, 0.5]])
+@pytest.mark.parametrize("mu", [0.3, 0.6])
+@pytest.mark.slow
+def test_two_blocks_in_step_have_the_derivatives_of_one(
+    backend: str, start: list[float], mu: float
+) -> None:
+    """Though all their events are of both: they turn round (mu 0.3), or stick for a while."""
+    force, values = PUSH * sympy.cos(T) - X / 10, {PUSH: 0.7, MU_OF: mu}
+    ground = Contact(name="ground", gap=Y, slip=V, mu=MU_OF)
+    one = ContactSystem([X, Y], sympy.eye(2), [force, -WEIGHT], [ground], values)
+    images = []
+    for system in (one, two_blocks(force, 1, values)):
+        count = system.n // 2
+        free = [each for k in range(count) for each in (system.q[k], system.state[system.n + k])]
+        section = Section(when=sympy.sin(T), free=free, at={T: 0})
+        map_ = SystemMap(system, section, ["push", "mu"], backend=backend)
+        images.append(map_.at(np.tile(start, count), map_.p))
+    alone, both = images
+    assert both.value == pytest.approx(np.tile(alone.value, 2), abs=1e-13)
+    exact = np.hstack(
+        [np.kron(np.eye(2), alone.jacobian[:, :2]), np.tile(alone.jacobian[:, 2:], (2, 1))]
+    )
+    assert both.jacobian == pytest.approx(exact, abs=1e-12)
+
+
+@EACH_BACKEND
+def test_two_masses_leave_the_ground_in_one_instant(backend: str) -> None:
+    """At sin t = 1/2; none of them strikes it again."""
+    lift, heights = sympy.sin(T) - sympy.Rational(1, 2), sympy.symbols("a b")
+    floors = [Contact(name=f"under {each}", gap=each) for each in heights]
+    pair = ContactSystem(heights, sympy.eye(2), [lift, 3 * lift], floors, {})
+    motion = simulate(pair, {}, 1.5, backend=backend)
+    assert sorted(motion.word.split()) == ["D1", "D2"]
+    after = 1.5 - math.pi / 6
+    height = math.sqrt(0.75) * after - math.sin(1.5) + 0.5 - after**2 / 4
+    assert motion.z[:2] == pytest.approx([height, 3 * height], abs=1e-14)
+
+
+# --- More feet than are needed --------------------------------------------------------------------
+
+
+def on_feet(places: tuple[float, ...], forces: list[Any], mu: float) -> ContactSystem:
+    """A body of weight 10 on feet at these places, with the slip of its centre."""
+    rubs = {"slip": V, "mu": mu} if mu else {}
+    feet = [
+        Contact(name=f"foot {k}", gap=Y + place * TURN, eps_n=0.5, **rubs)
+        for k, place in enumerate(places)
+    ]
+    along, about = forces
+    return ContactSystem([X, Y, TURN], sympy.diag(1, 1, 0.3), [along, -10, about], feet, {})
+
+
+FEET = [(-1, 0, 1), (-1, -1, 1), (-1, -0.3, 0.3, 1)]
+
+
+@pytest.mark.parametrize("places", FEET)
+def test_more_feet_than_are_needed_slide_as_two(places: tuple[float, ...]) -> None:
+    """How they share the weight is open; all of them stick and slip, and none leaves the ground."""
+    push = [4 * sympy.sin(T), 0]
+    motion, two = (simulate(on_feet(each, push, 0.3), {}, 6.0, backend="scipy", max_events=50)
+                   for each in (places, (-1, 1)))  # fmt: skip
+    assert two.word == "S1 S2 J1 J2 S1 S2"
+    names = [" ".join(f"{letter}{k + 1}" for k in range(len(places))) for letter in "SJS"]
+    assert motion.word == " ".join(names)
+    assert motion.z == pytest.approx(two.z, abs=1e-13)
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.3])
+@pytest.mark.parametrize("places", FEET)
+def test_a_body_on_many_feet_tips_about_the_last(places: tuple[float, ...], mu: float) -> None:
+    """Where a moment 3 t is that of the weight, 10: all other feet leave in that instant."""
+    motion = simulate(on_feet(places, [0, 3 * T], mu), {}, 4.0, backend="scipy", max_events=50)
+    turned = [k + 1 for k, place in enumerate(places) if place > -1]
+    assert motion.word == " ".join(f"D{k}" for k in turned)
+    times = [event.time for event in motion.events]
+    assert times == pytest.approx([10 / 3] * len(times), abs=1e-13)
+    # about the last foot 1.3 phi'' = 3 t - 10
+    assert motion.z[2] == pytest.approx((2 / 3) ** 3 / 2.6, abs=1e-13)
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.3])
+@pytest.mark.parametrize("places", [(-1, 1), *FEET, (-1, -0.5, 0, 0.5, 1)])
+def test_a_body_falls_flat_on_many_feet(places: tuple[float, ...], mu: float) -> None:
+    """It bounces as a ball does: rest comes after (1 + 2 eps/(1 - eps)) sqrt(2 h/g)."""
+    system = on_feet(places, [0, 0], mu)
+    motion = simulate(system, {"y": 1.0, "u_x": 1.0}, 6.0, backend="scipy", max_events=200)
+    rest = [e.time for e in motion.events if e.symbol[0] == "C"]
+    assert rest == pytest.approx([3 * math.sqrt(0.2)], abs=1e-13)
+    assert motion.word.split()[-1][0] == ("J" if mu else "C")
+    assert motion.z[1:3] == pytest.approx([0, 0], abs=1e-14)
+
+
+# --- Contacts that hold each other ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize("mu", [0.0, 0.2])
+@pytest.mark.parametrize("start", [0.5, 1.0])
+def test_a_block_is_pushed_into_a_corner_and_out(mu: float, start: float) -> None:
+    """Ground and wall share the push 5 sin t as they may; the ground alone holds 3 of a pull."""
+    ground = Contact(name="the ground", gap=Y, slip=V, mu=0.3)
+    rubs = {"slip": sympy.Symbol("u_y"), "mu": mu} if mu else {}
+    wall = Contact(name="the wall", gap=1 - X, **rubs)
+    corner = ContactSystem([X, Y], sympy.eye(2), [5 * sympy.sin(T), -10], [ground, wall], {})
+    motion = simulate(corner, {"x": start}, 9.5, backend="scipy", max_events=20)
+    assert motion.status is MotionStatus.TIME_REACHED
+    assert motion.word.endswith("S1 D2 J1 S1")
+    slips = math.pi + math.asin(0.6)
+    stops = brentq(lambda t: 3 * (t - slips) - 5 * math.cos(t) - 4, slips + 1, slips + 5)
+    times = [event.time for event in motion.events[-4:]]
+    assert times == pytest.approx([slips, slips, stops, slips + math.pi], abs=1e-12)
+    assert motion.word[: -len(" S1 D2 J1 S1")] in ("", "S1 I1+2 J1", "S1 I1f+2s J1 J2")
+
+
+def row(push: sympy.Expr, count: int = 3) -> ContactSystem:
+    """Blocks in a row that touch, of weight 10, on rough ground; the first is pushed."""
+    x, y, u = (sympy.symbols(f"{name}1:{count + 1}") for name in ("x", "y", "u_x"))
+    floors = [Contact(name=f"under {k}", gap=y[k], slip=u[k], mu=0.2) for k in range(count)]
+    between = [
+        Contact(name=f"behind {k}", gap=x[k + 1] - x[k], eps_n=0.5) for k in range(count - 1)
+    ]
+    forces = [push, *[0] * (count - 1), *[-10] * count]
+    return ContactSystem([*x, *y], sympy.eye(2 * count), forces, [*floors, *between], {})
+
+
+def test_blocks_in_a_row_start_together() -> None:
+    """As a push 2 t reaches the friction of all three, 6: then 3 x'' = 2 t - 6."""
+    motion = simulate(row(2 * T), {}, 5.0, backend="scipy", max_events=20)
+    assert motion.word == "S1 S2 S3"
+    assert [event.time for event in motion.events] == pytest.approx([3, 3, 3], abs=1e-13)
+    assert motion.z[:6] == pytest.approx([8 / 9] * 3 + [0] * 3, abs=1e-12)
+
+
+@pytest.mark.parametrize("count", [3, 4])
+def test_a_block_strikes_a_row(count: int) -> None:
+    """All get u / count in compression, and none jumps.
+
+    The impulses between them fall by u / count from one to the next, and half of them are given
+    back: every block gets u / (2 count) more, and the first one is thrown back by u / 2.
+    """
+    speed = math.sqrt(12.0)  # of 4 after 1 m with a deceleration of 2
+    motion = simulate(row(sympy.Integer(0), count), {"x1": -1.0, "u_x1": 4.0}, 5.0, backend="scipy")
+    assert motion.status is MotionStatus.AT_REST
+    strike = motion.events[0]
+    assert strike.before[0] == pytest.approx(speed, abs=1e-13)
+    assert strike.after.sum() == pytest.approx(speed, abs=1e-13)
+    assert strike.after[count:] == pytest.approx(np.zeros(count), abs=1e-14)
+    after = np.full(count, 1.5 / count)
+    after[0] -= 0.5
+    assert strike.after[:count] == pytest.approx(speed * after, abs=1e-13)
+    assert motion.z[count : 2 * count] == pytest.approx(np.zeros(count), abs=1e-14)
 
 
 # --- Lengths far from 1 ---------------------------------------------------------------------------

@@ -1,5 +1,7 @@
 """Impacts that accumulate at two contacts in turns: where and when they end, what they leave."""
 
+import math
+
 import mpmath
 import numpy as np
 import pytest
@@ -68,6 +70,22 @@ def test_a_beam_comes_to_rest_on_its_ends(backend: str) -> None:
     # rounding at the start, and in each of a dozen impacts until the rest is summed
     assert motion.events[-1].time == pytest.approx(t / (1.0 - r), abs=1e-13)
     assert motion.z == pytest.approx([10 * DRIFT, 0, 0, DRIFT, 0, 0, 10.0], abs=1e-12)
+
+
+@EACH_BACKEND
+@pytest.mark.parametrize("angle", [0, sympy.Rational(3, 10)])
+def test_a_beam_that_falls_flat_bounces_on_both_ends(backend: str, angle: sympy.Rational) -> None:
+    """Whatever rounding makes of its angle: rest comes after (1 + 2 eps/(1 - eps)) sqrt(2 h/g)."""
+    y, phi = sympy.symbols("y phi")
+    ends = [
+        Contact(name=name, gap=y + side * (sympy.sin(phi + angle) - sympy.sin(angle)), eps_n=0.5)
+        for name, side in ENDS
+    ]
+    beam = ContactSystem([y, phi], sympy.diag(1, 0.3), [-1, 0], ends, {})
+    motion = simulate(beam, {"y": 1.0}, 9.0, backend=backend)
+    assert motion.word == "C1+2"
+    assert motion.status is MotionStatus.AT_REST
+    assert motion.events[-1].time == pytest.approx(3 * math.sqrt(2.0), abs=1e-12)
 
 
 def wedge() -> ContactSystem:

@@ -165,6 +165,11 @@ def test_what_is_wrong_is_said(call: Callable[[], object], sentence: str) -> Non
         call()
 
 
+@pytest.mark.parametrize("none", [0, 0.0, -0.0, np.float64(0.0), sympy.Float(0)])
+def test_a_contact_without_friction_needs_no_slip(none: object) -> None:
+    assert not contact(mu=none).rubs
+
+
 def test_scales_of_a_map_may_be_arrays() -> None:
     map_ = SystemMap(BALL, SECTION, ["g"], x_scale=np.array([1, 2]), p_scale=[3], backend="scipy")
     assert (map_.x_scale, map_.p_scale) == ((1.0, 2.0), (3.0,))

@@ -18,6 +18,7 @@ equations.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Set
 from dataclasses import dataclass
 from enum import Enum
@@ -44,7 +45,7 @@ from woodpecker.systems.mechanics.equations import Equations, Terms
 from woodpecker.systems.mechanics.model import FrictionBound, ImpactLaw
 
 EXPANSION = 2  # the phase after the compression and its second end
-ENUMERATED = 3  # contacts of an impact of which all 216 cases are tried
+ENUMERATED = 6**4  # cases of all contacts of an impact, if all are tried: of four that rub
 
 Cases = tuple[int, ...]
 
@@ -199,7 +200,8 @@ def solutions(phase: ImpactPhase, feeds: Floats) -> Solution:
     """
     if len(phase.rubs) == 1:
         return _of_one(phase)
-    tried = _combinations(phase.rubs) if len(phase.rubs) <= ENUMERATED else _proposed(phase)
+    count = math.prod(len(_CASES[each]) for each in phase.rubs)
+    tried = _combinations(phase.rubs) if count <= ENUMERATED else _proposed(phase)
     impulses, velocities, worst = _try(phase, tried)
     kept = np.flatnonzero(worst <= SLACK)
     if not kept.size:
@@ -249,18 +251,27 @@ def _combinations(rubs: tuple[bool, ...]) -> Ints:
 
 
 def _proposed(phase: ImpactPhase) -> Ints:
-    """The cases (1, c) of the solution to which Lemke's path leads."""
+    """The cases (4, c) of the solution to which Lemke's path leads.
+
+    A contact without impulse whose gap rate is zero rests, or else leaves; one that sticks at the
+    edge of its cone holds, or else slides: the impulses of some that hold each other are open.
+    """
     n = len(phase.rubs)
     found = solve_contact_lcp(phase.delassus, phase.free, phase.bound, phase.floor)
     if not found.success:
         return np.empty((0, n), dtype=int)
-    size = np.abs(found.impulse_n).max()
-    rests = found.impulse_n - phase.floor > SLACK * size
-    forward = found.gamma_t > 0.0
-    slides = np.where(forward, FORWARD, BACKWARD)
+    size, speed = np.abs(found.impulse_n).max(), np.abs(phase.free).max()
+    pressed = found.impulse_n - phase.floor > SLACK * size
     sticks = (found.gamma_t == 0.0) & np.array(phase.rubs)
-    along = np.where(phase.rubs, np.where(sticks, HOLD, slides), FORWARD)
-    return (3 * np.where(rests, REST, FREE) + along)[None]
+    edge = np.abs(found.impulse_t) >= phase.bound @ found.impulse_n - SLACK * size
+    at_edge = np.where(found.impulse_t <= 0.0, FORWARD, BACKWARD)
+    slides = np.where(found.gamma_t > 0.0, FORWARD, BACKWARD)
+    tried = []
+    for rests in (pressed | (found.gamma_n <= SLACK * speed), pressed):
+        for holds in (sticks, sticks & ~edge):
+            along = np.where(holds, HOLD, np.where(sticks, at_edge, slides))
+            tried.append(3 * np.where(rests, REST, FREE) + np.where(phase.rubs, along, FORWARD))
+    return np.array(tried)
 
 
 def _try(phase: ImpactPhase, tried: Ints) -> tuple[Floats, Floats, Floats]:

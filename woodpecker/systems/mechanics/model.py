@@ -82,7 +82,7 @@ class Contact:
                 text = f"{part} of {self.name!r}"
                 object.__setattr__(self, part, expression(text, getattr(self, part)))
         self.check_laws({})
-        if self.slip is None and self.mu != 0:
+        if self.slip is None and self.rubs:
             raise ValueError(f"{self.name!r} has friction, and needs a slip: mu is {self.mu}")
 
     def check_laws(self, parameters: Mapping[sympy.Symbol, float]) -> None:
@@ -96,7 +96,7 @@ class Contact:
     @property
     def rubs(self) -> bool:
         """Whether it has friction."""
-        return bool(self.mu != 0)
+        return not self.mu.is_zero  # the float 0.0 of sympy is not equal to 0
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,6 +5,10 @@ A mode is the state of every contact. In it accelerations and contact forces sol
     M a - W_N lambda_N - W_T lambda_T = h,   gap acceleration zero where a contact is closed,
     slip acceleration zero where it sticks,  lambda_T = -+mu lambda_N where it slides.
 
+Where closed contacts hold a system more than once, as three feet do in the plane, their forces are
+open but the motion is not: those that the others keep closed are idle, and have no force, and of
+those that the others keep from slipping some have the most friction that they can.
+
 A guard is a function of the state that is positive as long as the mode lasts.
 """
 
@@ -26,10 +30,13 @@ from woodpecker.mechanics.lcp import solve_contact_lcp
 from woodpecker.systems.mechanics.equations import Equations, Terms
 from woodpecker.systems.mechanics.impacts import Outcome, solved
 
-OPEN, STICK, SLIDE_UP, SLIDE_DOWN = range(4)  # states of a contact; SLIDE_UP: its slip is positive
+# states of a contact; SLIDE_UP: its slip is positive; IDLE: closed, because others are; EDGE_UP: it
+# sticks, because others do, with the friction of SLIDE_UP
+OPEN, STICK, SLIDE_UP, SLIDE_DOWN, IDLE, EDGE_UP, EDGE_DOWN = range(7)
 GAP, NORMAL, CONE_UP, CONE_DOWN, SLIP = range(5)  # kinds of guards: kind * m + contact
 SECTION = 5  # 5 m is the guard of a section
 MOST_MODES = 256  # combinations that are tried on acceleration level
+IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
 SAME = 1e-9  # relative: accelerations that are closer are one motion
 
 # derivatives of guards in time that are known
@@ -77,9 +84,9 @@ def guards_in(mode: Mode, rubs: tuple[bool, ...], slips: tuple[int, ...]) -> tup
                 found += [CONE_UP * m + i, CONE_DOWN * m + i]
             if len(team) > 1:
                 found.append(NORMAL * m + i)
-        else:
+        elif state != IDLE:
             found.append(NORMAL * m + i)
-            if rubs[i]:
+            if rubs[i] and state in (SLIDE_UP, SLIDE_DOWN):
                 found.append(SLIP * m + i)
     return tuple(found)
 
@@ -137,11 +144,11 @@ def _matrix(eq: Equations, mode: Mode, terms: Terms) -> Floats:
 def parts_of(mode: Mode, slips: tuple[int, ...]) -> tuple[Ints, Ints, Floats]:
     """Closed contacts, the first of each team that sticks, signs of lambda_T = sign mu lambda_N."""
     states = np.array(mode)
-    sign = np.where(states == SLIDE_UP, -1.0, np.where(states == SLIDE_DOWN, 1.0, 0.0))
+    sign = np.array([0.0, 0.0, -1.0, 1.0, 0.0, -1.0, 1.0])[states]
     stuck = [
         i for i, state in enumerate(mode) if state == STICK and team_of(mode, slips, i)[0] == i
     ]
-    return np.flatnonzero(states != OPEN), np.array(stuck, dtype=int), sign
+    return np.flatnonzero((states != OPEN) & (states != IDLE)), np.array(stuck, dtype=int), sign
 
 
 def _solve(k: Floats, right: Floats) -> Floats:
@@ -367,8 +374,8 @@ class Touch:
     closed: frozenset[int]  # contacts with zero gap and zero gap rate
     held: frozenset[int] = frozenset()  # those of them whose slip is exactly zero
     leaving: frozenset[int] = frozenset()  # contacts with zero gap that open
-    # the guard that brought us here; -1: none that leaves a zero on acceleration level
-    fired: int = -1
+    fired: frozenset[int] = frozenset()  # guards of forces or slips that have just become zero
+    before: Mode = ()  # the mode that has ended: what slides in it goes on the same way
 
     def order(self, slips: Sequence[int], mode: Mode, guard: int) -> int:
         """How many derivatives of a guard, from its value on, are exactly zero.
@@ -380,15 +387,16 @@ class Touch:
         kind, i = divmod(guard, m)
         if kind == GAP:
             if i in self.closed:
-                return 3 if self.fired == NORMAL * m + i else 2
+                return 3 if NORMAL * m + i in self.fired else 2
             return 1 if i in self.leaving else 0
-        if kind == SLIP:
-            if i not in self.held:
-                return 0
-            edge = CONE_UP if mode[i] == SLIDE_DOWN else CONE_DOWN
-            what, by = divmod(self.fired, m)
-            return 2 if what == edge and slips[by] == slips[i] else 1
-        return 1 if guard == self.fired else 0
+        if kind == NORMAL:
+            return 1 if guard in self.fired else 0
+        edges = {each // m for each in self.fired if slips[each % m] == slips[i]}
+        if kind != SLIP:
+            return 1 if kind in edges else 0
+        if i not in self.held:
+            return 0
+        return 2 if (CONE_UP if mode[i] == SLIDE_DOWN else CONE_DOWN) in edges else 1
 
 
 def settle(eq: Equations, z: Floats, p: Floats, touch: Touch) -> tuple[Outcome, Mode]:
@@ -459,9 +467,52 @@ def holding(
 
 def _modes(eq: Equations, terms: Terms, touch: Touch) -> Sequence[Mode]:
     """Combinations of states to be tried: sticking first, opening last."""
-    forward = tuple(slip > 0.0 for slip in terms.slip.tolist())
+    forward = _forward(terms, touch)
     found = _combinations(eq.friction, eq.slips, touch.closed, touch.held, forward)
-    return _proposed(eq, terms, touch) if found is None else found
+    found = _proposed(eq, terms, touch) if found is None else found
+    normals = terms.w_n[sorted(touch.closed)]
+    along = terms.w_t[sorted({eq.slips[i] for i in touch.held if eq.rubs[i]})]
+    count = len(normals) + len(along)
+    if count < 2 or np.linalg.matrix_rank(np.vstack([normals, along])) == count:
+        return found
+    resolved = (_resolved(eq, terms, mode, touch) for mode in found)
+    return list(dict.fromkeys(mode for mode in resolved if mode is not None))
+
+
+def _resolved(eq: Equations, terms: Terms, mode: Mode, touch: Touch) -> Mode | None:
+    """A mode with the contacts that others keep closed, or from slipping, in states of their own.
+
+    None if its forces are open.
+    """
+    closed, stuck, _ = parts_of(mode, eq.slips)
+    rows = np.vstack([terms.w_n[closed], terms.w_t[stuck]])
+    if np.linalg.matrix_rank(rows) < len(rows):
+        return None
+    bars, inverse = np.concatenate([terms.bar_n[closed], terms.bar_t[stuck]]), np.linalg.pinv(rows)
+
+    def is_implied(row: Floats, bar: float) -> bool:
+        shares = row @ inverse
+        away = np.abs(row - shares @ rows).max() <= IMPLIED * np.abs(row).max()
+        size = abs(bar) + np.abs(shares) @ np.abs(bars)
+        return bool(away and abs(bar - shares @ bars) <= IMPLIED * size)
+
+    found = list(mode)
+    for i in touch.closed:
+        slides = mode[i] in (SLIDE_UP, SLIDE_DOWN) and eq.rubs[i] and i in touch.held
+        if mode[i] == OPEN and is_implied(terms.w_n[i], terms.bar_n[i]):
+            found[i] = IDLE
+        elif slides and is_implied(terms.w_t[i], terms.bar_t[i]):
+            found[i] = EDGE_UP if mode[i] == SLIDE_UP else EDGE_DOWN
+    return tuple(found)
+
+
+def _forward(terms: Terms, touch: Touch) -> tuple[bool, ...]:
+    """Which contacts slide forward: as they did, whatever rounding has made of a slip near zero."""
+    states = touch.before or (OPEN,) * len(terms.slip)
+    return tuple(
+        state == SLIDE_UP if state in (SLIDE_UP, SLIDE_DOWN) else slip > 0.0
+        for state, slip in zip(states, terms.slip.tolist(), strict=True)
+    )
 
 
 @lru_cache(maxsize=1024)
@@ -502,8 +553,9 @@ def _proposed(eq: Equations, terms: Terms, touch: Touch) -> list[Mode]:
     w = np.vstack([terms.w_n[c], terms.w_t[c]])
     response = np.linalg.solve(terms.mass, np.column_stack([w.T, terms.force]))
     free = w @ response[:, -1] + np.concatenate([terms.bar_n[c], terms.bar_t[c]])
+    forward = _forward(terms, touch)
     slides = np.array(
-        [0 if i in touch.held or not eq.rubs[i] else np.sign(terms.slip[i]) for i in c]
+        [0 if i in touch.held or not eq.rubs[i] else 1 if forward[i] else -1 for i in c]
     )
     found = solve_contact_lcp(w @ response[:, :-1], free, terms.mu[c], 0.0, slides)
     if not found.success:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -18,10 +18,9 @@ import numpy as np
 from woodpecker.base.arrays import Floats
 from woodpecker.systems.mechanics.equations import Equations
 from woodpecker.systems.mechanics.impacts import Impact, Outcome, carry_out, decide, total
-from woodpecker.systems.mechanics.modes import GAP, OPEN, Local, Mode, Touch, settle
+from woodpecker.systems.mechanics.modes import GAP, IMPLIED, OPEN, Local, Mode, Touch, settle
 from woodpecker.systems.simulation.flows import LostError
 
-IMPLIED = 1e-10  # a direction that lies in the span of others but for rounding; a rate there
 SHORT = 2.0**-17  # of a motion's own time: what follows a gap's cubic is below rounding
 VANISHED = 2.0**-52  # relative: speeds that are smaller are nothing
 PRECISE = VANISHED / SHORT  # of the first short flight, as the motion before is so much larger
@@ -138,7 +137,8 @@ class _Impacts:
         t = min(times)
         if not t < math.inf or not self._is_short(here, t, cubics[times.index(t)]):
             return False
-        self.striking = frozenset(i for i in free if times[i] <= t * (1.0 + TOGETHER))
+        near = max(TOGETHER * t, PRECISE * (self._flight or t))
+        self.striking = frozenset(i for i in free if times[i] <= t + near)
         turn = self._along(1) * t + 0.5 * t * t * total(eq, changes, self.tangents)
         self._gap = self._gap + t * (self._rate + t * (second / 2.0 + t * third / 6.0))
         self._rate = self._rate + t * (second + t * third / 2.0)
@@ -354,7 +354,9 @@ def implied(eq: Equations, z: Floats, p: Floats, touch: Touch, stopped: frozense
     for i in closed - held:
         if _within(terms.w_t[i], fixed) and abs(terms.slip[i]) <= IMPLIED:
             held.add(i)
-    return Touch(frozenset(closed), frozenset(held), touch.leaving - closed, touch.fired)
+    return replace(
+        touch, closed=frozenset(closed), held=frozenset(held), leaving=touch.leaving - closed
+    )
 
 
 def _within(row: Floats, fixed: Floats) -> bool:

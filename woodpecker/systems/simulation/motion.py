@@ -24,8 +24,13 @@ from woodpecker.systems.mechanics.equations import Equations
 from woodpecker.systems.mechanics.impacts import Impact, Outcome, decide
 from woodpecker.systems.mechanics.model import ContactSystem
 from woodpecker.systems.mechanics.modes import (
+    CONE_DOWN,
     CONE_UP,
+    EDGE_DOWN,
+    EDGE_UP,
     GAP,
+    IDLE,
+    NORMAL,
     OPEN,
     SECTION,
     SLIDE_UP,
@@ -59,6 +64,8 @@ BRIEF = 2.0**-10  # of the longest phase: before flights are as short as this no
 SHORT = 1e-3  # of a step: known derivatives of a guard at its start place a root to 1e-12 of it
 POLISHED = 1e-6  # of a step: Newton's step from a root of an interpolant is shorter, or not taken
 TIME = -2  # the guard of a phase that lasts to the end of time asked for
+ROUNDED = 2.0**-48  # of what gaps are made of: those that are smaller may be zero
+LATE = 4.0  # units in the last place of time that events are apart by rounding
 NO_FORCE = 1e-9  # relative: a normal force that vanishes where a cone is reached
 
 
@@ -236,11 +243,10 @@ class MotionSearch:
                 outcome, mode = settle(self.eq, found.z, self.p, touch)
                 if outcome is not Outcome.SOLVED:
                     raise _StoppedError(MotionStatus[outcome.name])
-                self._name_transitions(before, mode, touch)
+                before = self._name_transitions(before, mode, touch)
                 self._check_forces(mode)
                 guard = self._flow(mode, touch)  # integrate until an event
                 found.legs.append(Leg(impact, self._closes, self._lap, touch, mode, guard))
-                before = mode
                 self._begins.append(len(found.symbols))
                 impact, touch = self._event(mode, guard)
                 if impact is not None:
@@ -256,6 +262,8 @@ class MotionSearch:
         return found
 
     _touch: Touch
+    _longest = 0.0  # duration of a phase
+    _flown: Floats | float = 0.0  # what gaps have changed by in a phase, at most
     _closes: tuple[int, ...] = ()
     _lap = 0
 
@@ -269,6 +277,7 @@ class MotionSearch:
             mode, found.z, touch, self.t_end - found.z[-1], on_section=begins
         )
         found.durations.append(t)
+        self._longest = max(self._longest, t)
         found.z = z
         self._check_gaps(mode)
         if guard == TIME:
@@ -281,9 +290,10 @@ class MotionSearch:
         """Stop where an open contact is penetrated by more than rounding explains."""
         z, eq = self._run.z, self.eq
         terms = eq.terms(z, self.p)
+        flown = np.abs(terms.gap_rate) * self._run.durations[-1]
+        self._flown = np.maximum(self._flown, flown)
         if min(terms.gap.tolist()) >= -PENETRATED:
             return
-        flown = np.abs(terms.gap_rate) * self._run.durations[-1]
         size = 1.0 + np.abs(terms.w_n) @ np.abs(z[: eq.n]) + flown
         if (terms.gap < -PENETRATED * size)[np.array(mode) == OPEN].any():
             raise _StoppedError(MotionStatus.PASSED)
@@ -331,30 +341,45 @@ class MotionSearch:
         if guard == SECTION * m:
             raise _StoppedError(MotionStatus.RETURNED)
         kind, i = divmod(guard, m)
-        closed = frozenset(k for k in range(m) if mode[k] != OPEN)
+        near = self._near()
+        # what was exactly zero where a phase began that took no time is so still
+        at_once = found.durations[-1] <= near
+        last = found.legs[-1].touch if at_once else Touch(frozenset())
+        closed = last.closed.union(k for k in range(m) if mode[k] != OPEN)
+        held = last.held.union(k for k in closed if mode[k] in (STICK, EDGE_UP, EDGE_DOWN))
         if kind == GAP:
             terms = self.eq.terms(found.z, self.p)
             if terms.gap_rate[i] >= 0.0:  # it grazes, but for rounding
-                held = frozenset(k for k in closed if mode[k] == STICK)
-                return None, Touch(closed | {i}, held)
-            near = TOGETHER * found.durations[-1]
+                return None, Touch(closed | {i}, held, before=mode)
+            rate = terms.gap_rate
+            away = self._flown + np.abs(terms.w_n) @ np.abs(found.z[: self.eq.n])
+            room = np.maximum(-rate * near, ROUNDED * away)
             more = {
                 k for k in range(m)
-                if mode[k] == OPEN and k != i and terms.gap_rate[k] < 0.0
-                and terms.gap[k] <= -terms.gap_rate[k] * near
+                if mode[k] == OPEN and k != i and rate[k] < 0.0 and terms.gap[k] <= room[k]
             }  # fmt: skip
-            held = frozenset(k for k in closed if mode[k] == STICK)
             impact = self._strike(closed | more | {i}, Touch(closed, held))
             if self.embedding is not None and self.embedding.contact in ({i} | more):
                 found.last = impact
                 raise _StoppedError(MotionStatus.RETURNED)
             ended = self._accumulated(impact)
             return (impact if ended is None else self._striking), ended or self._touch
-        held = frozenset(k for k in closed if mode[k] == STICK or (kind == SLIP and k == i))
-        if kind >= CONE_UP and kind != SLIP and _without_force(self.eq, mode, found.z, self.p, i):
-            guard = m + i  # where the cone shrinks to nothing the contact opens
-        touch = Touch(closed, held, frozenset(), guard)
+        fired = frozenset({guard})
+        if kind in (CONE_UP, CONE_DOWN) and _without_force(self.eq, mode, found.z, self.p, i):
+            # where the cone shrinks to nothing the contacts open
+            fired = frozenset(NORMAL * m + k for k in team_of(mode, self.eq.slips, i))
+        if kind == SLIP:
+            held |= {i}
+        elif all(each < SLIP * m for each in last.fired):
+            # forces have not jumped since, and some are zero as these states have it
+            zero = {IDLE: NORMAL, EDGE_UP: CONE_DOWN, EDGE_DOWN: CONE_UP}
+            fired |= last.fired | {zero[mode[k]] * m + k for k in range(m) if mode[k] in zero}
+        touch = Touch(closed, held, frozenset(), fired, mode)
         return None, implied(self.eq, found.z, self.p, touch, frozenset())
+
+    def _near(self) -> float:
+        """Within what time events are one, as rounding places none of them better."""
+        return max(TOGETHER * self._longest, LATE * math.ulp(float(self._run.z[-1])))
 
     def _strike(self, contacts: Set[int], touch: Touch) -> Impact:
         """The contact problems of compression and expansion, with what has touched before."""
@@ -386,11 +411,10 @@ class MotionSearch:
             )
         )  # fmt: skip
 
-    def _name_transitions(self, before: Mode, mode: Mode, touch: Touch) -> None:
-        """Symbols of contacts that opened, stuck, began to slip or reversed."""
+    def _name_transitions(self, before: Mode, mode: Mode, touch: Touch) -> Mode:
+        """Symbols of contacts that opened, stuck, began to slip or reversed; states as named."""
         m = self.eq.m
-        if before == mode:
-            return
+        mode = _shown(before, mode, self.eq.slips)
         for i, (old, new) in enumerate(zip(before, mode, strict=True)):
             if not self.eq.rubs[i] and new != OPEN:
                 continue
@@ -401,10 +425,11 @@ class MotionSearch:
                 letter = "J" if old != STICK else ""
             elif old == STICK:
                 letter = "S"
-            elif touch.fired >= SLIP * m and new != old:
+            elif max(touch.fired, default=-1) >= SLIP * m and new != old:
                 letter = "R"
             if letter:
                 self._note(f"{letter}{i + 1}")
+        return mode
 
     def _check_rest(self, before: Mode, touch: Touch) -> None:
         """Stop where the system rests for ever, and contacts hold it more than once."""
@@ -418,7 +443,7 @@ class MotionSearch:
     def _check_forces(self, mode: Mode) -> None:
         """Stop where contacts hold all coordinates."""
         eq = self.eq
-        held = [i for i, state in enumerate(mode) if state != OPEN]
+        held = [i for i, state in enumerate(mode) if state not in (OPEN, IDLE)]
         stuck = [i for i in held if mode[i] == STICK and team_of(mode, eq.slips, i)[0] == i]
         count = len(held) + len(stuck)
         if count < eq.n:
@@ -434,7 +459,7 @@ class MotionSearch:
     def _accumulated(self, impact: Impact) -> Touch | None:
         """Where impacts end that accumulate in flights which are short already."""
         found, eq, touch = self._run, self.eq, self._touch
-        is_brief = found.durations[-1] <= BRIEF * max(found.durations)
+        is_brief = found.durations[-1] <= BRIEF * self._longest
         if not (touch.leaving and is_brief and found.legs[-1].impact is not None):
             return None
         none = np.zeros((eq.size, 0))
@@ -514,6 +539,16 @@ def _correction(here: Local, guard: int, step: Step, zero: Floats, t: float) -> 
     return -value / rate if rate < 0.0 and abs(value) < POLISHED * step.length * -rate else 0.0
 
 
+def _shown(before: Mode, mode: Mode, slips: tuple[int, ...]) -> Mode:
+    """States for a word: an idle contact does as those with the same slip, or goes on as before."""
+    states = [STICK if state in (EDGE_UP, EDGE_DOWN) else state for state in mode]
+    moves = {slips[i]: state for i, state in enumerate(states) if state not in (OPEN, IDLE)}
+    return tuple(
+        moves.get(slips[i], before[i] or SLIDE_UP) if state == IDLE else state
+        for i, state in enumerate(states)
+    )
+
+
 def _before(eq: Equations, touch: Touch) -> Mode:
     """States of contacts at a start: as they would be without a contact problem."""
     return tuple(
@@ -530,7 +565,7 @@ def _after_impact(eq: Equations, before: Mode, touch: Touch) -> Mode:
 
 
 def _without_force(eq: Equations, mode: Mode, z: Floats, p: Floats, i: int) -> bool:
-    """Whether the normal force of a sticking contact has vanished."""
-    here = Local(eq, mode, z, p)
-    size = np.abs(here.balance.l_n).max() + np.abs(here.terms.force).max()
-    return bool(abs(here.balance.l_n[i]) <= NO_FORCE * size)
+    """Whether normal forces have vanished at all that stick together with a contact."""
+    l_n, force = Local(eq, mode, z, p).balance.l_n, eq.terms(z, p).force
+    size = np.abs(l_n).max() + np.abs(force).max()
+    return bool(np.abs(l_n[[*team_of(mode, eq.slips, i)]]).max() <= NO_FORCE * size)
