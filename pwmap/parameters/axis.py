@@ -193,9 +193,15 @@ class Axis(ABC):
     def value(self, fraction: Fraction_, place: Any) -> Any:
         """A quotient at a place, in a canonical form, or INFINITE."""
 
-    @abstractmethod
     def compare(self, first: Fraction_, second: Fraction_, place: Any) -> int:
         """Sign of the difference of two finite quotients at a place."""
+        (a, b), (c, d) = first, second
+        found = self.recorded_sign(a * d - c * b, place)
+        return found and found * self.recorded_sign(b, place) * self.recorded_sign(d, place)
+
+    def recorded_sign(self, polynomial: Number, place: Any) -> int:
+        """Sign of a polynomial at a place, with what it asks of other parameters recorded."""
+        return self.sign(polynomial, place)
 
     def closing(self, places: Sequence[Any], decided: Iterable[Decision]) -> None:  # noqa: B027
         """Record what the order of places, and decisions at them, ask of other parameters."""
@@ -257,11 +263,6 @@ class RationalAxis(Axis):
     def value(self, fraction: Fraction_, place: Any) -> Any:
         top, bottom = (dense(number) for number in fraction)
         return quotient_at(top, bottom, place) if sign_at(bottom, place) else INFINITE
-
-    def compare(self, first: Fraction_, second: Fraction_, place: Any) -> int:
-        (a, b), (c, d) = first, second
-        bottom = sign_at(dense(b), place) * sign_at(dense(d), place)
-        return sign_at(dense(a * d - c * b), place) * bottom
 
     def to_sympy(self, place: Any) -> sympy.Expr:
         return real_to_sympy(place)

@@ -28,7 +28,7 @@ from pwmap.maps.words import Word
 from pwmap.parameters.admitted import Span
 from pwmap.parameters.arrays import curve_arrays
 from pwmap.parameters.axis import Axis, ResampleError
-from pwmap.parameters.branches import Continuation
+from pwmap.parameters.branches import Continuation, remembered
 from pwmap.parameters.cells import (
     Cell,
     CellStage,
@@ -46,7 +46,7 @@ from pwmap.parameters.segments import (
     RIGHT,
     BranchKey,
     Junction,
-    KnownValues,
+    Known,
     Segment,
     SegmentEnd,
 )
@@ -142,7 +142,7 @@ class _Growing:
 
     def __call__(self, axis: Axis, found: Iterator[CellStage]) -> Diagram:
         """The diagram of all orders, or of those that were completed."""
-        known, cells = KnownValues(), list[Cell]()
+        known, cells = Known(dict), list[Cell]()
         done: dict[int, Diagram | None] = {}  # up to each order of those that were asked for
         with self.meter.keeping(done):
             self.meter.advance("orders", 0, len(self.orders))
@@ -157,9 +157,7 @@ class _Growing:
             diagram if len(done) == len(self.orders) else _said(diagram, done, self.meter.stopped)
         )
 
-    def _upto(
-        self, order: int, axis: Axis, cells: list[Cell], known: KnownValues
-    ) -> Diagram | None:
+    def _upto(self, order: int, axis: Axis, cells: list[Cell], known: Known) -> Diagram | None:
         """The diagram up to an order, if it is wanted now."""
         finished = self.finished or (lambda _: None)
         if order == self.orders[-1]:
@@ -175,7 +173,7 @@ class _Growing:
         finished(_said(diagram, [n for n in self.orders if n <= order], INTERRUPTED))
         return diagram
 
-    def _built(self, axis: Axis, cells: list[Cell], known: KnownValues) -> Diagram:
+    def _built(self, axis: Axis, cells: list[Cell], known: Known) -> Diagram:
         """The diagram from cells of some order, what they ask of the axis recorded."""
         close(axis, cells)
         low, high = self.limits
@@ -185,9 +183,8 @@ class _Growing:
             close(axis, cells)
         else:
             ends = axis.place(low), axis.place(high)
-        known = known if not axis.sample else KnownValues()
-        continuation = Continuation(axis, cells, len(self.map.chain), ends, known)
-        return _assembled(self.map, continuation, self.orders)
+        known = known if not axis.sample else Known(dict)
+        return _assembled(Continuation(self.map, axis, cells, ends, known), self.orders)
 
 
 def _said(diagram: Diagram, done: Iterable[int], reason: str) -> Diagram:
@@ -223,10 +220,9 @@ def _cut_off(
     return kept
 
 
-def _assembled(
-    map_: PiecewiseLinearMap, continuation: Continuation, orders: Sequence[int]
-) -> Diagram:
+def _assembled(continuation: Continuation, orders: Sequence[int]) -> Diagram:
     """Name branches and special points of some orders, and put them together."""
+    map_ = continuation.map
     segments = continuation.segments()
     curves, junctions = connected(segments, continuation.junctions(segments), continuation.stops)
     branch_ids: dict[Tip, str] = {}  # by where branches begin and end
@@ -245,12 +241,11 @@ def _assembled(
         counts[kind] += 1
         names = tuple(dict.fromkeys(branch_ids[tip] for tip in tips))
         point = _point(continuation, junction, f"{kind}{counts[kind]}", kind, note, names)
-        point = replace(point, cause=_cause(map_, continuation, junction, kind))
         points.update(dict.fromkeys(tips, point))
     return Diagram(
         parameter_name=continuation.axis.name,
         x_name=str(map_.x),
-        branches=tuple(_branch(map_, continuation, curve, branch_ids, points) for curve in shown),
+        branches=tuple(_branch(continuation, curve, branch_ids, points) for curve in shown),
         points=tuple({point.id: point for point in points.values()}.values()),
         given=tuple(str(relation) for relation in continuation.axis.given),
         sample={name: QQ.to_sympy(value) for name, value in continuation.axis.sample.items()},
@@ -299,30 +294,25 @@ def _point(
         order=lowest(junction.ends) // continuation.length,
         note=note,
         exact={"parameter": axis.to_sympy(place), "x": exact_x},
+        cause=_cause(continuation, junction, kind),
     )
 
 
-def _cause(
-    map_: PiecewiseLinearMap, continuation: Continuation, junction: Junction, kind: PointKind
-) -> str:
+def _cause(continuation: Continuation, junction: Junction, kind: PointKind) -> str:
     """A sentence on what happens at a special point; empty if its note says it all."""
-    match kind:
-        case PointKind.LP | PointKind.PD:
-            return "" if isinstance(junction.value, Infinite) else kind.meaning.split(": ")[1]
-        case PointKind.BC | PointKind.FF:
-            pass
-        case _:
-            return ""
+    if kind in (PointKind.LP, PointKind.PD):
+        return "" if isinstance(junction.value, Infinite) else kind.meaning.split(": ")[1]
+    if kind not in (PointKind.BC, PointKind.FF):
+        return ""
     cuts = (end.segment.key.cut for end in junction.ends)
     met = {cut.k for cut in cuts if cut is not None}
     if len(continuation.orbits.table.breaks) == 1:
         met = {0}
     what = "fixed point" if lowest(junction.ends) == continuation.length else "point of a cycle"
-    return f"a {what} meets {_borders(map_, continuation, met)}"
+    return f"a {what} meets {_borders(continuation, met)}"
 
 
 def _branch(
-    map_: PiecewiseLinearMap,
     continuation: Continuation,
     curve: SegmentCurve,
     branch_ids: Mapping[Tip, str],
@@ -332,11 +322,11 @@ def _branch(
     first, (start, end) = segments[0], tips_of(curve)
     (parameter, x, multiplier), starts = curve_arrays(continuation, curve)
     words = [
-        Stretch(sample, _spelled(map_, segment), exact=_formulas(continuation, segment))
+        Stretch(sample, _spelled(continuation, segment), exact=_formulas(continuation, segment))
         for sample, segment in zip(starts, segments, strict=True)
     ]
     for i, (before, after) in enumerate(pairwise(segments), start=1):
-        cause = _cause_of_change(map_, continuation, before.key, after.key)
+        cause = _cause_of_change(continuation, before.key, after.key)
         words[i] = replace(words[i], cause=cause)
     location = first.location
     return Branch(
@@ -354,19 +344,13 @@ def _branch(
     )
 
 
-def _spelled(map_: PiecewiseLinearMap, segment: Segment) -> str:
+def _spelled(continuation: Continuation, segment: Segment) -> str:
     """The word of a fixed point, or those on both sides of a jump."""
-    return "|".join(map_.spelled(word) for word in segment.key.words)
+    return "|".join(map(continuation.map.spelled, segment.key.words))
 
 
+@remembered
 def _formulas(continuation: Continuation, segment: Segment) -> dict[str, sympy.Basic]:
-    known = continuation.known.formulas
-    if segment not in known:
-        known[segment] = _new_formulas(continuation, segment)
-    return known[segment]
-
-
-def _new_formulas(continuation: Continuation, segment: Segment) -> dict[str, sympy.Basic]:
     key, axis, orbits = segment.key, continuation.axis, continuation.orbits
     low, high = (axis.to_sympy(place) for place in segment.places)
     exact: dict[str, sympy.Basic] = {"interval": _interval(segment, low, high)}
@@ -386,9 +370,7 @@ def _new_formulas(continuation: Continuation, segment: Segment) -> dict[str, sym
     return exact
 
 
-def _cause_of_change(
-    map_: PiecewiseLinearMap, continuation: Continuation, before: BranchKey, after: BranchKey
-) -> str:
+def _cause_of_change(continuation: Continuation, before: BranchKey, after: BranchKey) -> str:
     """A sentence on what happens where a jump goes on with another word."""
     assert before.cut is not None
     assert after.cut is not None
@@ -400,26 +382,24 @@ def _cause_of_change(
         met = {
             k
             for words in zip(before.words, after.words, strict=True)
-            for k in islice(_between(map_, continuation, *words), 1)
+            for k in islice(_between(continuation, *words), 1)
         }
-    return f"an orbit of the jump meets {_borders(map_, continuation, met)}"
+    return f"an orbit of the jump meets {_borders(continuation, met)}"
 
 
-def _between(
-    map_: PiecewiseLinearMap, continuation: Continuation, one: Word, other: Word
-) -> Iterator[int]:
+def _between(continuation: Continuation, one: Word, other: Word) -> Iterator[int]:
     """The breaks between the letters of two words where these differ."""
-    table = continuation.orbits.table
+    table, chain = continuation.orbits.table, continuation.map.chain
     for i, letters in enumerate(zip(one, other, strict=True)):
-        layout = table.layouts[map_.chain[i % len(map_.chain)]]
+        layout = table.layouts[chain[i % len(chain)]]
         for k, *sides in zip(layout.breaks, layout.slots[:-1:2], layout.slots[2::2], strict=True):
             if letters[0] != letters[1] and {*sides} == {*letters}:
                 yield k
 
 
-def _borders(map_: PiecewiseLinearMap, continuation: Continuation, met: Iterable[int]) -> str:
+def _borders(continuation: Continuation, met: Iterable[int]) -> str:
     values = [quotient_to_sympy(continuation.orbits.value(k, ())) for k in sorted(met)]
-    which = " and ".join(f"{map_.x} = {value}" for value in values)
+    which = " and ".join(f"{continuation.map.x} = {value}" for value in values)
     return f"the border {which}" if which else "a border"
 
 

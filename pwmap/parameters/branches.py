@@ -8,16 +8,17 @@ junction.
 from __future__ import annotations
 
 from collections import ChainMap, defaultdict
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, cmp_to_key
+from functools import cached_property, cmp_to_key, wraps
 from itertools import pairwise
 from math import inf
-from typing import Any
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
-from pwmap.algebra.exact import Fraction_, Infinite, is_constant, side_of
+from pwmap.algebra.exact import Fraction_, Infinite, cancelled, is_constant, side_of
 from pwmap.diagrams.data import BranchKind
 from pwmap.maps.cylinders import Cut, Cylinder, Inclusion, StudiedIterate, minimal_period
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 from pwmap.maps.words import Orbits, SignOracle, Word
 from pwmap.parameters.axis import INFINITE, Axis
 from pwmap.parameters.cells import Cell
@@ -27,7 +28,7 @@ from pwmap.parameters.segments import (
     RIGHT,
     BranchKey,
     Junction,
-    KnownValues,
+    Known,
     Location,
     Position,
     Segment,
@@ -39,16 +40,39 @@ EndValues = dict[Any, dict[int, dict[Any, float]]]  # by place and word length; 
 EPSILON = 2.0**-52  # spacing of doubles at 1
 NOWHERE = (Inclusion.VIRTUAL, Inclusion.NONE)  # then a cylinder holds no fixed point
 
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def remembered(
+    find: Callable[Concatenate[Continuation, P], R],
+) -> Callable[Concatenate[Continuation, P], R]:
+    """A function of a continuation and other arguments, computed once for each of these."""
+
+    @wraps(find)
+    def found(continuation: Continuation, *about: P.args, **_: P.kwargs) -> R:
+        values = continuation.known[find]
+        if about not in values:
+            values[about] = find(continuation, *about)
+        return values[about]  # type: ignore[no-any-return]
+
+    return found
+
 
 @dataclass(frozen=True, eq=False)
 class Continuation:
     """What lies on the diagonal, followed through the cells of a parameter from left to right."""
 
+    map: PiecewiseLinearMap
     axis: Axis
     cells: Sequence[Cell]
-    length: int  # of the words of order 1: how many maps are composed
     span: tuple[Any, Any]  # first and last value, as far as the assumptions reach
-    known: KnownValues = field(default_factory=KnownValues, repr=False)  # of the axis
+    known: Known = field(default_factory=lambda: defaultdict(dict), repr=False)  # of the axis
+
+    @property
+    def length(self) -> int:
+        """The length of the words of order 1: how many maps are composed."""
+        return len(self.map.chain)
 
     @property
     def orbits(self) -> Orbits:
@@ -58,28 +82,29 @@ class Continuation:
     @cached_property
     def present(self) -> list[dict[BranchKey, Location | None]]:
         """For each cell what lies on the diagonal: fixed points with their location, and jumps."""
-        same = self.known.keys  # so that dictionaries need no ==
         found = [dict(self._keys(cell)) for cell in self.cells]
         for i, keys in enumerate(found):
             # at an edge a fixed point that is a cylinder of its own, without slope, has the key of
             # the branch beside
             beside = [*found[i - 1 : i], *found[i + 1 : i + 2]] if self.cells[i].is_edge else []
             for key in [key for key, location in keys.items() if location and location.is_isolated]:
-                plain = same.get(plain := BranchKey(key.kind, key.words), plain)
+                plain = self._same(BranchKey(key.kind, key.words))
                 if any(plain in others for others in beside):
                     keys[plain] = keys.pop(key)
         return found
 
     def _keys(self, cell: Cell) -> Iterator[tuple[BranchKey, Location | None]]:
-        known = self.known.present
+        known = self.known["iterates"]  # by id: an iterate is kept with what was found
         for order, iterate in cell.study.iterates.items():
             if id(iterate) not in known:  # cells have those of lower orders in common
-                found = [
-                    (self.known.keys.setdefault(key, key), location)
-                    for key, location in self._of_iterate(order, iterate, cell.study.oracle)
-                ]
+                found = [*self._of_iterate(order, iterate, cell.study.oracle)]
                 known[id(iterate)] = iterate, found
             yield from known[id(iterate)][1]
+
+    @remembered
+    def _same(self, key: BranchKey) -> BranchKey:
+        """One object for equal keys, so that dictionaries need no ==."""
+        return key
 
     def _of_iterate(
         self, order: int, iterate: StudiedIterate, oracle: SignOracle
@@ -90,10 +115,9 @@ class Continuation:
             if inclusion not in NOWHERE and self._is_own(cylinder, inclusion, order, oracle):
                 for cut in _cuts(cylinder, inclusion):
                     key = BranchKey(BranchKind.FIXED_POINT, (cylinder.word,), cut)
-                    yield key, Location(inclusion, stable)
-        for crossing in iterate.crossings:
-            words = crossing.left, crossing.right
-            yield BranchKey(BranchKind.JUMP, words, crossing.cut), None
+                    yield self._same(key), Location(inclusion, stable)
+        for cut, *words in iterate.crossings:
+            yield self._same(BranchKey(BranchKind.JUMP, tuple(words), cut)), None
 
     def _is_own(
         self, cylinder: Cylinder, inclusion: Inclusion, order: int, oracle: SignOracle
@@ -236,9 +260,10 @@ class Continuation:
             or self.present[stretch[0]][key],
         )
 
+    @remembered
     def _kept(self, *held: Any) -> Segment:
-        """A segment of some key, places and more; the one that is known if there is one."""
-        return self.known.segments.setdefault(held, Segment(*held))
+        """The one segment of some key, places and other fields."""
+        return Segment(*held)
 
     def _at_end(self, i: int) -> bool:
         """Whether the cells end at a cell: what exists there only is left out."""
@@ -342,42 +367,40 @@ class Continuation:
         one, other = map(side_of, values)
         return one - other if one or other else self.axis.compare_values(*values, place)
 
+    @remembered
     def ends(self, segment: Segment) -> tuple[SegmentEnd, SegmentEnd]:
         """Both ends of a segment."""
-        if segment not in self.known.ends:
-            along = segment.places[0] == segment.places[1]
-            is_steep = self._is_steep(segment)
-            first, last = (
-                SegmentEnd(
-                    segment,
-                    which,
-                    ALONG if along else side,
-                    self._unit_at_end(segment, which),
-                    is_steep,
-                    self._x(segment, which),
-                    self._value(segment, which),
-                )
-                for which, side in ((0, RIGHT), (1, LEFT))
+        along = segment.places[0] == segment.places[1]
+        is_steep = self._is_steep(segment)
+        first, last = (
+            SegmentEnd(
+                segment,
+                which,
+                ALONG if along else side,
+                0 if segment.band else self.unit_multiplier(segment.key, segment.places[which]),
+                is_steep,
+                self._x(segment, which),
+                self._value(segment, which),
             )
-            self.known.ends[segment] = first, last
-        return self.known.ends[segment]
+            for which, side in ((0, RIGHT), (1, LEFT))
+        )
+        return first, last
 
+    @remembered
     def position(self, key: BranchKey) -> Fraction_:
         """The x of what has a key, as a quotient in lowest terms."""
-        if key not in self.known.positions:
-            self.known.positions[key] = key.x(self.orbits)
-        return self.known.positions[key]
+        if key.cut is None:
+            return cancelled(self.orbits.fixed_point(key.word))
+        return cancelled(self.orbits.preimage(key.cut.k, key.word[: key.cut.steps]))
 
+    @remembered
     def _at(self, key: BranchKey, place: Any) -> Any:
         """The x of what has a key at a place, in canonical form."""
-        if (key, place) not in self.known.values:
-            self.known.values[key, place] = self.axis.value(self.position(key), place)
-        return self.known.values[key, place]
+        return self.axis.value(self.position(key), place)
 
+    @remembered
     def _number(self, key: BranchKey, place: Any) -> float:
-        if (key, place) not in self.known.numbers:
-            self.known.numbers[key, place] = self.axis.number(self.position(key), place)
-        return self.known.numbers[key, place]
+        return self.axis.number(self.position(key), place)
 
     def _x(self, segment: Segment, which: int) -> Position:
         return self.position(segment.key) if segment.band is None else segment.band[which]
@@ -398,23 +421,17 @@ class Continuation:
         )
         return Infinite(top * bottom)
 
-    def _unit_at_end(self, segment: Segment, which: int) -> int:
-        if segment.band is not None:
-            return 0
-        return self.unit_multiplier(segment.key, segment.places[which])
-
     def unit_multiplier(self, key: BranchKey, place: Any) -> int:
         """+1 or -1 where the multiplier of a fixed point passes through that value, else 0."""
-        slope, one = self.orbits.slope(key.word), self.orbits.table.one
+        slope = self.orbits.slope(key.word)
         if key.kind is BranchKind.JUMP or key.cut is not None or all(map(is_constant, slope)):
             return 0
-        if not self.is_finite(slope, place):
-            return 0
-        if (slope, place) not in self.known.units:
-            compare = self.axis.compare
-            units = (u for u in (1, -1) if compare(slope, (u * one, one), place) == 0)
-            self.known.units[slope, place] = next(units, 0)
-        return self.known.units[slope, place]
+        return self._unit(slope, place) if self.is_finite(slope, place) else 0
+
+    @remembered
+    def _unit(self, slope: Fraction_, place: Any) -> int:
+        compare, one = self.axis.compare, self.orbits.table.one
+        return next((u for u in (1, -1) if compare(slope, (u * one, one), place) == 0), 0)
 
     def is_finite(self, fraction: Fraction_, place: Any) -> bool:
         """Whether a quotient has a value; a denominator may vanish at an open end of the span."""

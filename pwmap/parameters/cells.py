@@ -401,13 +401,13 @@ def uncut(axis: Axis, admitted: Sequence[AdmittedInterval], with_ends: bool) -> 
     """One cell for each part of a span that the assumptions admit, and the gaps between them."""
     cells: list[Cell] = []
     for interval in admitted:
-        ends = interval.closed_ends if with_ends else ()
-        sample = axis.between(interval.low, interval.high)
-        found = [_unstudied(axis, interval.low, interval.high, sample)]
-        if interval.low in ends:
-            found.insert(0, _unstudied(axis, interval.low, interval.low, interval.low))
-        if interval.high in ends:
-            found.append(_unstudied(axis, interval.high, interval.high, interval.high))
+        low, high = interval.low, interval.high
+        found = [_unstudied(axis, low, high, axis.between(low, high))]
+        low_closed, high_closed = interval.closed
+        if with_ends and low_closed:
+            found.insert(0, _unstudied(axis, low, low, low))
+        if with_ends and high_closed:
+            found.append(_unstudied(axis, high, high, high))
         cells += [*(_gap(cells[-1], found[0]) if cells else ()), *found]
     return cells
 

@@ -130,8 +130,7 @@ class RecordedAxis(Axis):
 
     # --- Signs and values -----------------------------------------------------------------------
 
-    def _kept_sign(self, polynomial: PolyElement, place: Root) -> int:
-        """The sign at a place, with what it depends on recorded."""
+    def recorded_sign(self, polynomial: PolyElement, place: Root) -> int:
         if divides(place.factor, polynomial):
             return 0
         found = self.sign(polynomial, place)
@@ -158,11 +157,6 @@ class RecordedAxis(Axis):
         if not sign_at(below, place.value):
             raise ResampleError
         return ValueAt(quotient_at(above, below, place.value), top, bottom, place.factor)
-
-    def compare(self, first: Fraction_, second: Fraction_, place: Root) -> int:
-        (a, b), (c, d) = first, second
-        found = self._kept_sign(a * d - c * b, place)
-        return found and found * self._kept_sign(b, place) * self._kept_sign(d, place)
 
     # --- What persists --------------------------------------------------------------------------
 
