@@ -35,8 +35,8 @@ class AdmittedInterval:
 def admitted_intervals(axis: Axis, span: Span) -> list[AdmittedInterval]:
     """The parts of a span that the assumptions admit, from left to right.
 
-    ValueError if an interval inside a span with two ends is not admitted, a value is admitted that
-    has none beside it, or an assumption is of a degree that the axis does not take.
+    ValueError if part of a finite span is not admitted, a single value is admitted alone, or an
+    assumption has a degree that the axis does not take.
     """
     low, high = (end if isinstance(end, Infinite) else axis.place(end) for end in span)
     limits = _limits(axis)
@@ -115,7 +115,7 @@ def samples(
 
 
 def _over(region: AssumedRegion, name: str, span: Span) -> AssumedRegion:
-    """What assumptions leave to the other parameters if they hold all over a span."""
+    """The assumptions on the other parameters if they are to hold all over a span."""
     if span == (LOWEST, HIGHEST):
         return region
     index = [str(symbol) for symbol in region.ring.symbols].index(name)

@@ -1,7 +1,7 @@
-"""Branches as arrays of floats, for drawing: nothing is decided here.
+"""Branches as arrays of floats, for drawing only.
 
-Along a curved branch x and multiplier are computed in floats with a bound of rounding errors; where
-it is too large (near a pole, or where large terms cancel), from exact numbers.
+Along a curved branch x and multiplier are computed in floats with a bound of rounding errors, or
+from exact numbers where that is too large (near a pole, or where large terms cancel).
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ def curve_arrays(continuation: Continuation, curve: SegmentCurve) -> tuple[Float
 
 @remembered
 def segment_arrays(continuation: Continuation, segment: Segment) -> FloatArray:
-    """Parameter, x and multiplier along a segment, at few points if that is enough."""
+    """Parameter, x and multiplier along a segment, (3, n); at its ends only if it is straight."""
     axis, slope = continuation.axis, continuation.orbits.slope(segment.key.word)
     ends = [continuation.number(end) for end in continuation.ends(segment)]
     smooth = segment.key.kind is BranchKind.FIXED_POINT and not segment.is_isolated

@@ -1,7 +1,7 @@
 """One parameter of a map as an axis with exact places on it.
 
-A place is a number or, beside symbolic parameters, a function of these with its value at a sample,
-where all is decided; such an axis records which polynomials in these must keep their signs.
+A place is a number or, beside symbolic parameters, a function of these. Signs are then decided at a
+sample of these, and the axis records which polynomials in them must keep their signs.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ class Axis(ABC):
         self._roots: dict[Decision | PolyElement, tuple[Any, ...] | None] = {}
 
     def copy(self) -> Axis:
-        """The same axis, which records for itself what is decided from now on."""
+        """The same axis; what it records from now on is not recorded here."""
         twin = copy(self)
         for name, value in vars(self).items():
             if isinstance(value, dict):
@@ -158,7 +158,7 @@ class Axis(ABC):
         return Orbits(table)
 
     def oracle(self, place: Any) -> SignOracle:
-        """Who decides all signs at a place."""
+        """The signs of all decisions at a place."""
         value = self.real(place)
         if isinstance(value, RealRoot):
             return SignOracle(self._orbits_here, partial(_sign_at_root, value))
@@ -208,7 +208,7 @@ class Axis(ABC):
 
     @property
     def given(self) -> tuple[sympy.Basic, ...]:
-        """Conditions on other, symbolic parameters under which all that was decided holds."""
+        """Conditions on symbolic parameters under which all decisions hold."""
         return ()
 
     # --- What a user sees -----------------------------------------------------------------------
@@ -223,7 +223,7 @@ class Axis(ABC):
 
     @abstractmethod
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
-        """Where the decisions of a cell hold, for the orders of its cut; after :meth:`closing`."""
+        """Where the signs of a cell hold; after :meth:`closing`."""
 
     @property
     def identity(self) -> Fraction_:

@@ -1,7 +1,7 @@
 """Fixed points and jump crossings through the cells of a parameter, and where they meet.
 
 The key of a fixed point is its word, that of a crossing its cut and the words on both sides. A
-segment lasts while its key does, up to a multiplier of +1 or -1; ends at one place meet in a
+segment ends where its key does, or where its multiplier is +1 or -1. Ends at one place meet in a
 junction.
 """
 
@@ -50,11 +50,11 @@ def remembered(
     """A function of a continuation and other arguments, computed once for each of these."""
 
     @wraps(find)
-    def found(continuation: Continuation, *about: P.args, **_: P.kwargs) -> R:
-        values = continuation.known[find]
+    def found(continuation: Continuation, /, *about: P.args, **named: P.kwargs) -> R:
+        values: dict[object, R] = continuation.known[find]
         if about not in values:
-            values[about] = find(continuation, *about)
-        return values[about]  # type: ignore[no-any-return]
+            values[about] = find(continuation, *about, **named)
+        return values[about]
 
     return found
 
@@ -225,10 +225,7 @@ class Continuation:
     def _cut(
         self, key: BranchKey, stretch: Sequence[int], borders: Borders, values: EndValues
     ) -> Iterator[Sequence[int]]:
-        """The parts of a stretch between the places where other segments end on it.
-
-        A jump passes those of other orders.
-        """
+        """The parts of a stretch between the ends of others on it; of a jump, of its order."""
         start = 0
         for i in self._exposed(key, stretch, borders):
             place = self.cells[i].lower
@@ -241,7 +238,7 @@ class Continuation:
         yield stretch[start:]
 
     def _is_among(self, key: BranchKey, place: Any, values: Mapping[Any, float]) -> bool:
-        """Whether the x of what has a key, where it is finite, is one of some values."""
+        """Whether the x of a key at a place is finite and one of some values."""
         x = self._number(key, place)
         # floats, right but for the last bit, tell most of them apart
         near = any(
@@ -266,11 +263,11 @@ class Continuation:
         return Segment(*held)
 
     def _at_end(self, i: int) -> bool:
-        """Whether the cells end at a cell: what exists there only is left out."""
+        """Whether a cell is an end of all cells; what exists only there is left out."""
         return self.cells[i].is_edge and self.cells[i].lower in self.stops
 
     def _is_edge_of_band(self, key: BranchKey, i: int) -> bool:
-        """Whether what has a key at an edge only is an end of a band along that edge."""
+        """Whether a key at an edge is that of an end of a band along that edge."""
         location = self.present[i][key]
         return (
             self.cells[i].is_edge and location is not None and location.inclusion is Inclusion.BAND
@@ -296,7 +293,7 @@ class Continuation:
     def _parted(
         self, cylinder: Cylinder, place: Any, junctions: Sequence[Junction]
     ) -> Iterator[Segment]:
-        """The segments of such a piece, which special points inside it part."""
+        """The segments of a band, cut at the special points inside it."""
         word, compare = cylinder.word, self.axis.compare
         low, high = (
             None if cut is None else self.orbits.preimage(cut.k, word[: cut.steps])

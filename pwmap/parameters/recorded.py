@@ -1,8 +1,8 @@
-"""One parameter as an axis beside others, which stay symbolic, with values at a sample.
+"""One parameter as an axis beside symbolic ones, which have values at a sample.
 
 Places are real roots of polynomials in all parameters, of degree one beside several others. They
 are compared at the sample; each comparison records the polynomial in the others (a leading
-coefficient, discriminant or resultant) at whose zeros it could change.
+coefficient, discriminant or resultant) at whose zeros it can change.
 """
 
 from __future__ import annotations
@@ -257,7 +257,7 @@ class RecordedAxis(Axis):
         return below, above
 
     def _ends(self) -> Iterator[Constraint]:
-        """The interval as inequalities: an algebraic end with a rational one beyond."""
+        """The interval as inequalities; an algebraic end has a rational bound, too."""
         ring, other = self.definition.ring, 1 - self.index
         (value,) = self.sample.values()
         for side, end, outer in zip((1, -1), self.bounds(), (0, 1), strict=True):

@@ -1,4 +1,4 @@
-"""What is followed through the cells of a parameter: keys, segments, and where their ends meet."""
+"""Keys of what is followed through the cells of a parameter, segments, and junctions of ends."""
 
 from __future__ import annotations
 
