@@ -2,8 +2,7 @@
 
 A rational or an infinity is text such as ``"5/4"``; all else is a list that begins with a name:
 ``["Add", ["Symbol", "r"], "-2"]``, ``["CRootOf", ["1", "0", "-2"], ["Symbol", "t"], 1]`` with
-coefficients, or ``["RealRootOf", polynomial, ["Symbol", "b"], 0]``. The tree that is read is the
-one that was written: nothing is evaluated, sorted or expanded.
+coefficients, ``["RealRootOf", polynomial, ["Symbol", "b"], 0]``. Nothing is evaluated or sorted.
 """
 
 from __future__ import annotations
@@ -51,12 +50,12 @@ def to_plain(value: sympy.Basic) -> Any:
 
 @lru_cache(maxsize=65536, typed=True)
 def text_of(value: object) -> str:
-    """An exact value as people read it, kept: the files of a diagram write each several times."""
+    """An exact value as text, cached: the files of a diagram hold each several times."""
     return str(value)
 
 
 def from_plain(data: Any) -> Any:
-    """What :func:`to_plain` wrote; ValueError, TypeError, LookupError if it is none of these."""
+    """The inverse of :func:`to_plain`; ValueError, TypeError or LookupError for other data."""
     if isinstance(data, str):
         return NUMBERS[data] if data in NUMBERS else _rational(data)
     name, *parts = data

@@ -13,7 +13,7 @@ Column = Sequence[Any] | np.ndarray[Any, Any]
 
 
 def dataframe(columns: Mapping[str, Column]) -> DataFrame:
-    """Columns of one length as a pandas.DataFrame; ImportError with the remedy without pandas."""
+    """Columns of one length as a pandas.DataFrame; ImportError without pandas."""
     try:
         import pandas as pd
     except ImportError:

@@ -1,7 +1,6 @@
-"""Records in files of their own: one JSON object with its name, its version and the content.
+"""Records as files: one JSON object with a name, a version and the content; ``.gz`` is compressed.
 
-Names that end with ``.gz`` are compressed. What is read is bounded in size and in the cost of its
-formulas; whatever is wrong with it is said in one sentence.
+What is read is bounded in size and in the cost of its formulas; a fault is told in one sentence.
 """
 
 from __future__ import annotations
@@ -76,7 +75,7 @@ def _unzipped(data: bytes) -> bytes:
 
 
 def _check_cost(content: Any) -> None:
-    """Complain of formulas that take too long to be read, before any of them is."""
+    """ValueError if formulas would take too long to be read."""
     costs, todo = 0.0, [content]
     while todo:
         match todo.pop():
