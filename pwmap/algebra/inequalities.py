@@ -1,4 +1,4 @@
-"""Polynomial inequalities between parameters, which are the generators of a ring by number."""
+"""Polynomial inequalities between parameters, the generators of a ring, given by number."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from sympy.core.relational import Relational
 from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.arguments import shortened
-from pwmap.algebra.exact import Number, constant, sign, to_sympy
+from pwmap.algebra.exact import Number, constant, sign, to_sympy, total_degree
 from pwmap.algebra.roots import Dense
 
 Signs = frozenset[int]
@@ -52,7 +52,7 @@ def shown(constraints: Iterable[Constraint]) -> str:
 
 @cache
 def connected(constraints: tuple[Constraint, ...], start: frozenset[int]) -> tuple[Constraint, ...]:
-    """The inequalities that are tied to some parameters, directly or through one another."""
+    """The inequalities that share parameters with some, directly or through one another."""
     reached, kept, waiting = set(start), set[int](), True
     while waiting:
         waiting = False
@@ -73,12 +73,6 @@ def variables(polynomial: PolyElement) -> frozenset[int]:
     """Which generators occur."""
     degrees = [max(exponents) for exponents in zip(*polynomial.monoms(), strict=True)]
     return frozenset(i for i, degree in enumerate(degrees) if degree)
-
-
-@cache
-def total_degree(polynomial: PolyElement) -> int:
-    """Largest sum of exponents; 0 for constants."""
-    return max((sum(exponents) for exponents in polynomial.monoms()), default=0)
 
 
 def affine(polynomial: PolyElement, variable: int) -> tuple[PolyElement, PolyElement]:

@@ -1,6 +1,6 @@
-"""Exact linear programming over the integers: Farkas' lemma as a function.
+"""Exact linear programming: Farkas' lemma as a function.
 
-Either some vectors combine to a target with nonnegative weights, or a vector separates them from
+Either vectors combine to a target with nonnegative weights, or another vector separates them from
 it. The simplex method finds either, on integers over one common denominator.
 """
 

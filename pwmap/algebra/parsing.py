@@ -80,12 +80,9 @@ FUNCTIONS |= {name.lower(): FUNCTIONS[name] for name in ("Abs", "Max", "Min")}  
 
 
 def term_of(value: object, symbols: Sequence[sympy.Symbol] = ()) -> Term:
-    """Text, a number or a sympy expression as a tree; names among ``symbols`` stand for these.
+    """Text, a number, a sympy expression or a tree as a tree; ``symbols`` are used by their names.
 
-    A tree is returned as it is.
-
-    TypeError if a float occurs, with the rational it probably means; ValueError if the text is no
-    expression, or longer than a map needs.
+    TypeError if a float occurs; ValueError if the text is no expression, or too long.
     """
     if isinstance(value, str):
         return _Parser(value, {plain_name(symbol): symbol for symbol in symbols}).parsed()
@@ -100,7 +97,7 @@ def term_of(value: object, symbols: Sequence[sympy.Symbol] = ()) -> Term:
 
 
 def checked_name(text: str) -> str:
-    """A name as it is compared; ValueError if it cannot be that of a variable or a parameter."""
+    """A name in normal form; ValueError if no variable or parameter can have it."""
     name = plain_name(text)
     if not (text.isidentifier() and name.isidentifier()) or len(name) > MAX_NAME:
         raise ValueError(f"{shown(text)} is no name")
@@ -184,7 +181,7 @@ class _Parser:
     # --- The grammar ----------------------------------------------------------------------------
 
     def _parse(self, level: int) -> Term:
-        """An expression whose operators outside of brackets bind at least so tightly."""
+        """An expression whose operators outside of brackets are of this level or tighter."""
         self._deeper()
         start = self._next.start
         left = self._unary(level)

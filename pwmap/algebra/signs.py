@@ -2,8 +2,8 @@
 
 They are complete in one parameter (real roots), and for linear polynomials over linear inequalities
 (linear programming). Otherwise a polynomial of degree one in a parameter is bounded by its values
-at the bounds of that parameter, and the opposite of an open sign is refuted by products of
-inequalities with a negative sum. A sign may then remain unproved.
+at the bounds of that parameter, and signs are refuted by products of inequalities with a negative
+sum. A sign may then remain unproved.
 """
 
 from __future__ import annotations
@@ -14,7 +14,16 @@ from itertools import chain, combinations, combinations_with_replacement, islice
 
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.exact import Number, Ring, constant, degree_in, dense, is_constant, sign
+from pwmap.algebra.exact import (
+    Number,
+    Ring,
+    constant,
+    degree_in,
+    dense,
+    is_constant,
+    sign,
+    total_degree,
+)
 from pwmap.algebra.inequalities import (
     ANY,
     Constraint,
@@ -23,7 +32,6 @@ from pwmap.algebra.inequalities import (
     connected,
     factors,
     proportion,
-    total_degree,
     value_at,
     variables,
 )
@@ -38,7 +46,7 @@ LIMIT = 200  # of the products of one refutation: beyond, linear programs take s
 def possible_signs(
     polynomial: PolyElement, constraints: Constraints, points: Callable[[], Iterable[Point]] = tuple
 ) -> Signs:
-    """All signs a polynomial may take where the constraints hold; the points show some of them."""
+    """All signs a polynomial may take where constraints hold; ``points`` satisfy them."""
     return _product_signs(
         polynomial, lambda factor: _fully(factor, connected(constraints, variables(factor)), points)
     )
@@ -217,7 +225,7 @@ def _bounds(constraints: Constraints, others: Constraints, variable: int) -> Ite
 
 
 def _without(bounds: Sequence[Bound]) -> Iterator[Constraint]:
-    """What bounds of a parameter say of the others: each lower one is below each upper one."""
+    """Inequalities without a parameter: each of its lower bounds is below each upper one."""
     for sense, gain, shift, strict in bounds:
         for other_sense, other_gain, other_shift, other_strict in bounds:
             if sense > 0 > other_sense:

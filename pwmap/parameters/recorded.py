@@ -36,10 +36,10 @@ from pwmap.algebra.exact import (
     Number,
     dense,
     evaluate,
-    factored_to_sympy,
     fraction_to_sympy,
     is_constant,
     polynomial_ring,
+    reduced_to_sympy,
     sign,
     to_float,
     to_ring,
@@ -274,7 +274,7 @@ class RecordedAxis(Axis):
             return place.to_sympy()
         if self.degree(place.factor) > 1:
             return place.to_sympy(self.column)
-        return self._shown(*self._quotient(place))
+        return reduced_to_sympy(*self._quotient(place), self.name, self._others)
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
         if self.degree(place.factor) > 1:
@@ -285,12 +285,8 @@ class RecordedAxis(Axis):
             (at_root_of(number, place.factor, self.index), self.degree(number))
             for number in (value.top, value.bottom)
         )
-        return self._shown(top * slope ** max(0, m - n), bottom * slope ** max(0, n - m))
-
-    def _shown(self, top: PolyElement, bottom: PolyElement) -> sympy.Expr:
-        """A quotient of polynomials in the others as an expression in lowest terms."""
-        quotient = self._others.to_field().new(self._rest(top), self._rest(bottom))
-        return factored_to_sympy((quotient.numer, quotient.denom))
+        both = top * slope ** max(0, m - n), bottom * slope ** max(0, n - m)
+        return reduced_to_sympy(*both, self.name, self._others)
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
         ends = [end for end in (low, high) if isinstance(end, Root)]
