@@ -1,4 +1,4 @@
-"""From formulas and conditions to the table of a map, with every fault named."""
+"""From formulas and conditions to the table of a map; each error names the piece."""
 
 from __future__ import annotations
 
@@ -57,9 +57,9 @@ def read(
     *,
     first_wins: bool,
 ) -> Definition:
-    """Read pieces (formula, condition), of which one holds; with ``first_wins`` the first counts.
+    """Read pieces (formula, condition), of which just one, or with ``first_wins`` the first, holds.
 
-    ValueError, TypeError: one sentence that names the piece and what is wrong with it.
+    ValueError or TypeError names the piece and what is wrong with it.
     """
     variable = _symbol(x)
     if isinstance(pieces, str) or not isinstance(pieces, Iterable):
@@ -126,7 +126,7 @@ def _formula(term: Term, line: ProfileLine) -> Profile:
 
 
 def _region(terms: Sequence[Term], assumed: Sequence[Term], x: sympy.Symbol) -> AssumedRegion:
-    """The parameters of some trees, with assumptions on them; other assumptions are only read."""
+    """The parameters of some trees, with the assumptions on them."""
     used = set().union(*(term.names() for term in terms)) - {plain_name(x)}
     chosen = _symbols([*terms, *assumed])
     for condition in assumed:
@@ -154,7 +154,7 @@ def _region(terms: Sequence[Term], assumed: Sequence[Term], x: sympy.Symbol) -> 
 
 
 def _symbols(terms: Iterable[Term]) -> dict[str, sympy.Symbol]:
-    """One symbol for each name: the one of which most is assumed."""
+    """One symbol for each name: that with the most assumptions."""
     found: dict[str, sympy.Symbol] = {}
     for term in terms:
         for name, symbol in term.names().items():
@@ -179,7 +179,7 @@ def _affine(
 
 
 def _join_points(breaks: Sequence[Fraction_], owners: Sequence[int], affine: list[Affine]) -> None:
-    """Where formulas of one piece agree at a break, the break takes one that holds beside it."""
+    """Give a break the formula beside it if that is of the same piece and agrees there."""
     for i, b in enumerate(breaks):
         slot = 2 * i + 1
         for beside in (slot + 1, slot - 1):

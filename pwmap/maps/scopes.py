@@ -1,7 +1,7 @@
-"""For which values of the parameters the answers of a map hold: its assumptions, or a cell.
+"""The values of the parameters for which the answers of a map hold: its assumptions, or a cell.
 
-A cell is cut for some orders of iterates; any other question about its map is answered if the
-answer is the same throughout the cell, and refused otherwise.
+A cell is cut for some orders of iterates; other questions about its map are answered if the answer
+is the same throughout the cell, and refused otherwise.
 """
 
 from __future__ import annotations
@@ -177,8 +177,7 @@ class SymbolicCell(CellScope):
 class ColumnCell(CellScope):
     """The part of a column between two roots, or the ends of the line; or one root.
 
-    Over an open interval of one parameter real roots in the other one are functions that do not
-    meet. A cell lies between two of them, an edge is one of them.
+    Over an open interval of one parameter roots in the other one are functions that do not meet.
     """
 
     column: Column
