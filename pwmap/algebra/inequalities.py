@@ -13,7 +13,7 @@ from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.arguments import shortened
 from pwmap.algebra.exact import Number, constant, sign, to_sympy, total_degree
-from pwmap.algebra.roots import Dense
+from pwmap.algebra.roots import Dense, trimmed
 
 Signs = frozenset[int]
 ANY: Signs = frozenset((-1, 0, 1))
@@ -53,16 +53,10 @@ def shown(constraints: Iterable[Constraint]) -> str:
 @cache
 def connected(constraints: tuple[Constraint, ...], start: frozenset[int]) -> tuple[Constraint, ...]:
     """The inequalities that share parameters with some, directly or through one another."""
-    reached, kept, waiting = set(start), set[int](), True
-    while waiting:
-        waiting = False
-        for i, constraint in enumerate(constraints):
-            own = variables(constraint.polynomial)
-            if i not in kept and own & reached:
-                kept.add(i)
-                waiting = waiting or not own <= reached
-                reached |= own
-    return tuple(constraints[i] for i in sorted(kept))
+    occurring, reached = [variables(c.polynomial) for c in constraints], start
+    while tied := [own for own in occurring if own & reached and not own <= reached]:
+        reached = reached.union(*tied)
+    return tuple(c for c, own in zip(constraints, occurring, strict=True) if own & reached)
 
 
 # --- Polynomials ----------------------------------------------------------------------------------
@@ -82,15 +76,14 @@ def affine(polynomial: PolyElement, variable: int) -> tuple[PolyElement, PolyEle
 
 def along(polynomial: PolyElement, values: Sequence[Number], variable: int) -> Dense:
     """Coefficients in one generator, highest power first, where the others have values."""
-    powers: dict[tuple[int, ...], Number] = {}
+    powers: dict[int, Number] = {}
     for exponents, coefficient in polynomial.terms():
         for i, exponent in enumerate(exponents):
             if exponent and i != variable:
                 coefficient = coefficient * values[i] ** exponent
-        power = (exponents[variable],)
+        power = exponents[variable]
         powers[power] = powers.get(power, QQ.zero) + coefficient
-    top = max((power for (power,), number in powers.items() if number), default=-1)
-    return tuple(powers.get((i,), QQ.zero) for i in range(top, -1, -1))
+    return trimmed(powers.get(i, QQ.zero) for i in range(max(powers, default=-1), -1, -1))
 
 
 def value_at(polynomial: PolyElement, values: Sequence[Number]) -> Number:

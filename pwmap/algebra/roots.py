@@ -13,8 +13,9 @@ from math import lcm
 from typing import Any
 
 import sympy
-from sympy import QQ
+from sympy import QQ, ZZ
 from sympy.polys.densearith import dup_mul, dup_rem, dup_sub
+from sympy.polys.densetools import dup_scale, dup_shift, dup_sign_variations
 from sympy.polys.euclidtools import dup_invert
 
 from pwmap.algebra.arguments import explained, shown
@@ -347,28 +348,10 @@ def most_roots(polynomial: Dense, low: Number, high: Number) -> int:
     (a, b), (c, d) = pair(low), pair(high)
     unit = lcm(b, d)
     start, length = a * (unit // b), c * (unit // d) - a * (unit // b)
-    rest, power = list(integers(polynomial)), 1
-    for k in range(len(rest)):  # in multiples of 1/unit
-        rest[k] *= power
-        power *= unit
-    rest = _shifted(rest, start)  # from the low end
-    power = 1
-    for k in reversed(range(len(rest))):  # in multiples of the length
-        rest[k] *= power
-        power *= length
-    signs = [
-        c > 0 for c in _shifted(rest[::-1], 1) if c
-    ]  # x/(1 + x) goes from one end to the other
-    return sum(one != other for one, other in pairwise(signs))
-
-
-def _shifted(polynomial: Sequence[int], x: int) -> list[int]:
-    """A polynomial of a variable that is counted from x."""
-    rest = list(polynomial)
-    for end in range(len(rest), 1, -1):
-        for k in range(1, end):
-            rest[k] += x * rest[k - 1]
-    return rest
+    rest = [ZZ(c * unit**k) for k, c in enumerate(integers(polynomial))]  # in multiples of 1/unit
+    rest = dup_scale(dup_shift(rest, ZZ(start), ZZ), ZZ(length), ZZ)  # from the low end on
+    # x/(1 + x) goes from one end to the other
+    return int(dup_sign_variations(dup_shift(rest[::-1], ZZ.one, ZZ), ZZ))
 
 
 def roots_between(polynomial: Dense, low: Real, high: Real) -> tuple[Real, ...]:

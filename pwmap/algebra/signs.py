@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
 from itertools import chain, combinations, combinations_with_replacement, islice, product
+from math import prod
 
 from sympy.polys.rings import PolyElement
 
@@ -273,13 +274,9 @@ def _products(known: Constraints, top: int) -> Iterator[Constraint]:
 
 
 def _squares(ring: Ring, used: Sequence[int], half: int) -> Iterator[Constraint]:
-    monomials = [ring.one]
-    for count in range(1, half + 1):
-        for chosen in combinations_with_replacement(used, count):
-            monomial = ring.one
-            for variable in chosen:
-                monomial = monomial * ring.gens[variable]
-            monomials.append(monomial)
+    gens, degrees = [ring.gens[variable] for variable in used], range(half + 1)
+    factors_ = chain.from_iterable(combinations_with_replacement(gens, n) for n in degrees)
+    monomials = [prod(each, start=ring.one) for each in factors_]
     yield from (Constraint(m**2, False) for m in monomials[1:])
     for first, second in combinations(monomials, 2):
         yield from (Constraint((first + s * second) ** 2, False) for s in (1, -1))

@@ -63,7 +63,7 @@ _tables: ContextVar[Format | None] = ContextVar("_tables", default=None)
 
 class _Screen(Console):
     def on_broken_pipe(self) -> None:
-        """The reader of a pipe, such as ``head``, may end first: pictures are drawn all the same."""
+        """A reader of a pipe, such as ``head``, may end first; pictures are drawn all the same."""
         os.dup2(os.open(os.devnull, os.O_WRONLY), self.file.fileno())
 
 

@@ -89,16 +89,20 @@ def from_plain(data: Any) -> Any:
 
 
 def cost(data: Any) -> float:
-    """The cost of reading a formula (6 million take a second): its polynomials are factored."""
+    """The cost of reading all formulas in data of JSON, whose polynomials are factored.
+
+    6 million take a second.
+    """
     total, todo = 0.0, [data]
     while todo:
-        part = todo.pop()
-        if not isinstance(part, list):
-            continue
-        if part[:1] == ["CRootOf"] and isinstance(part[1], list):
-            digits = sum(len(each) for each in part[1] if isinstance(each, str))
-            total += (len(part[1]) * digits * BITS) ** 1.5
-        todo += part[1:]
+        match todo.pop():
+            case dict() as part:
+                todo += part.values()
+            case list() as part:
+                todo += part
+                if part[:1] == ["CRootOf"] and isinstance(part[1], list):
+                    digits = sum(len(each) for each in part[1] if isinstance(each, str))
+                    total += (len(part[1]) * digits * BITS) ** 1.5
     return total
 
 

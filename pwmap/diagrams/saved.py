@@ -49,7 +49,8 @@ def read_record(path: Path, kind: type, name: str, version: int) -> Any:
         if type(written) is not int or written < 1:
             raise ValueError(f"its version must be a whole number from 1 on, got {written!r}")
         if written <= version:
-            _check_cost(content)
+            if formulas.cost(content) > COSTLIEST:
+                raise ValueError("its formulas have numbers so long that they are not read")
             return from_plain(content[name], kind)
     except RecursionError:
         reason = "it is nested too deep"
@@ -72,18 +73,3 @@ def _unzipped(data: bytes) -> bytes:
     if len(found) > most:
         raise ValueError(f"{len(data)} bytes of it hold more than {most}")
     return found
-
-
-def _check_cost(content: Any) -> None:
-    """ValueError if formulas would take too long to be read."""
-    costs, todo = 0.0, [content]
-    while todo:
-        match todo.pop():
-            case {"$formula": formula}:
-                costs += formulas.cost(formula)
-            case dict() as data:
-                todo += data.values()
-            case list() as rows:
-                todo += rows
-    if costs > COSTLIEST:
-        raise ValueError("its formulas have numbers so long that they are not read")

@@ -162,7 +162,7 @@ class ProfileLine:
     # --- Slots ----------------------------------------------------------------------------------
 
     def union(self, profiles: Iterable[Profile]) -> tuple[Fraction_, ...]:
-        """The sorted breaks of all profiles; UndecidedError, ValueError if two coincide, too many."""
+        """The sorted breaks of all profiles; UndecidedError; ValueError if some coincide."""
         several = {profile.breaks for profile in profiles if profile.breaks}
         if len(several) <= 1:
             return next(iter(several), ())
