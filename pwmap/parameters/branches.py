@@ -19,7 +19,7 @@ from pwmap.algebra.exact import Fraction_, Infinite, cancelled, is_constant, sid
 from pwmap.diagrams.data import BranchKind
 from pwmap.maps.cylinders import Cut, Cylinder, Inclusion, StudiedIterate, minimal_period
 from pwmap.maps.piecewise_linear import PiecewiseLinearMap
-from pwmap.maps.words import Orbits, SignOracle, Word
+from pwmap.maps.words import Orbits, SignOracle
 from pwmap.parameters.axis import INFINITE, Axis
 from pwmap.parameters.cells import Cell
 from pwmap.parameters.segments import (
@@ -35,7 +35,6 @@ from pwmap.parameters.segments import (
     SegmentEnd,
 )
 
-Borders = set[tuple[int, int]]  # edge and word length of fixed points that others may end on
 EndValues = dict[Any, dict[int, dict[Any, float]]]  # by place and word length; with floats
 EPSILON = 2.0**-52  # spacing of doubles at 1
 NOWHERE = (Inclusion.VIRTUAL, Inclusion.NONE)  # then a cylinder holds no fixed point
@@ -138,26 +137,18 @@ class Continuation:
 
     def segments(self) -> list[Segment]:
         """All segments: first those over the parameter, then bands along one value of it."""
-        stretches = list(self._stretches())
-        bands = list(self._bands())
-        borders = {
-            (i, len(key.word))
-            for key, s in stretches
-            if key.kind is BranchKind.FIXED_POINT
-            for i in s
-            if self.cells[i].is_edge and (len(s) == 1 or self._is_on_border(key, i))
-        }
-        values = self._end_values(stretches, bands, borders)
         found = [
             self._segment(key, part)
-            for key, stretch in stretches
-            for part in self._cut(key, stretch, borders, values)
+            for key, stretch in self._stretches
+            for part in self._cut(key, stretch)
         ]
-        junctions = self.junctions(found) if bands else []
-        return found + [segment for band in bands for segment in self._parted(*band, junctions)]
+        junctions = self.junctions(found) if self._bands else []
+        return found + [part for band in self._bands for part in self._parted(*band, junctions)]
 
-    def _stretches(self) -> Iterator[tuple[BranchKey, list[int]]]:
-        """Maximal stretches of cells with one key; a multiplier of +1 or -1 parts them too."""
+    @cached_property
+    def _stretches(self) -> list[tuple[BranchKey, list[int]]]:
+        """Maximal stretches of cells with one key; a multiplier of +1 or -1 parts them, too."""
+        found: list[tuple[BranchKey, list[int]]] = []
         where: dict[BranchKey, list[int]] = defaultdict(list)
         for i, keys in enumerate(self.present):
             for key in keys:
@@ -170,8 +161,20 @@ class Continuation:
                 parted = len(stretch) > 1 and self.cells[i].is_edge and goes_on
                 if not goes_on or (parted and self._changes(key, i)):
                     if len(stretch) > 1 or not (self._is_edge_of_band(key, i) or self._at_end(i)):
-                        yield key, stretch
+                        found.append((key, stretch))
                     stretch = [i] if goes_on else []
+        return found
+
+    @cached_property
+    def _borders(self) -> set[tuple[int, int]]:
+        """Edge and word length of fixed points on which others may end."""
+        return {
+            (i, len(key.word))
+            for key, s in self._stretches
+            if key.kind is BranchKind.FIXED_POINT
+            for i in s
+            if self.cells[i].is_edge and (len(s) == 1 or self._is_on_border(key, i))
+        }
 
     def _changes(self, key: BranchKey, i: int) -> bool:
         """Whether a fixed point changes its stability at an edge through which it passes."""
@@ -184,24 +187,18 @@ class Continuation:
         hits = any(oracle.multiplier(key.word, unit) == 0 for unit in (1, -1))
         return hits and self.unit_multiplier(key, self.cells[i].lower) != 0
 
-    def _end_values(
-        self,
-        stretches: Sequence[tuple[BranchKey, list[int]]],
-        bands: Sequence[tuple[Cylinder, Any]],
-        borders: Borders,
-    ) -> EndValues:
+    @cached_property
+    def _end_values(self) -> EndValues:
         """For each place that segments pass the x of all ends there, on which they may lie."""
-        passed = {
-            self.cells[i].lower for key, s in stretches for i in self._exposed(key, s, borders)
-        }
+        passed = {self.cells[i].lower for key, s in self._stretches for i in self._exposed(key, s)}
         found: EndValues = {place: defaultdict(dict) for place in passed}
-        for key, stretch in stretches if passed else ():
+        for key, stretch in self._stretches if passed else ():
             segment = self._segment(key, stretch)
             for k, place in enumerate(segment.places):
                 value = self._value(segment, k) if place in passed else None
                 if value is not None and not isinstance(value, Infinite):
                     found[place][len(key.word)][value] = self._number(key, place)
-        for cylinder, place in bands:
+        for cylinder, place in self._bands:
             for cut in (cylinder.lower, cylinder.upper):
                 if cut is not None and place in passed:
                     x = self.orbits.preimage(cut.k, cylinder.word[: cut.steps])
@@ -209,12 +206,14 @@ class Continuation:
                     values[self.axis.value(x, place)] = self.axis.number(x, place)
         return found
 
-    def _exposed(self, key: BranchKey, stretch: Sequence[int], borders: Borders) -> Iterator[int]:
+    def _exposed(self, key: BranchKey, stretch: Sequence[int]) -> Iterator[int]:
         """Edges that a segment passes and at which others of its order can end on it."""
         order = len(key.word)
         for i in stretch[1:-1]:
             # a fixed point has others near on a border only, a jump where its break is one
-            if self.cells[i].is_edge and ((i, order) in borders or self._is_on_border(key, i)):
+            if self.cells[i].is_edge and (
+                (i, order) in self._borders or self._is_on_border(key, i)
+            ):
                 yield i
 
     def _is_on_border(self, key: BranchKey, i: int) -> bool:
@@ -222,14 +221,12 @@ class Continuation:
         location = self.present[i][key]
         return location is not None and not location.is_inside
 
-    def _cut(
-        self, key: BranchKey, stretch: Sequence[int], borders: Borders, values: EndValues
-    ) -> Iterator[Sequence[int]]:
+    def _cut(self, key: BranchKey, stretch: Sequence[int]) -> Iterator[Sequence[int]]:
         """The parts of a stretch between the ends of others on it; of a jump, of its order."""
         start = 0
-        for i in self._exposed(key, stretch, borders):
+        for i in self._exposed(key, stretch):
             place = self.cells[i].lower
-            ends = values[place]
+            ends = self._end_values[place]
             own = [ends[len(key.word)]] if key.kind is BranchKind.JUMP else ends.values()
             if self._is_among(key, place, ChainMap(*own)):
                 stop = stretch.index(i)
@@ -269,26 +266,24 @@ class Continuation:
     def _is_edge_of_band(self, key: BranchKey, i: int) -> bool:
         """Whether a key at an edge is that of an end of a band along that edge."""
         location = self.present[i][key]
-        return (
-            self.cells[i].is_edge and location is not None and location.inclusion is Inclusion.BAND
-        )
+        in_band = location is not None and location.inclusion is Inclusion.BAND
+        return in_band and self.cells[i].is_edge
 
-    def _bands(self) -> Iterator[tuple[Cylinder, Any]]:
+    @cached_property
+    def _bands(self) -> list[tuple[Cylinder, Any]]:
         """Pieces that are the identity at one value of the parameter only, and that value."""
+        found: list[tuple[Cylinder, Any]] = []
         for i, cell in enumerate(self.cells):
             if not cell.is_edge or self._at_end(i):
                 continue
-            beside = self._bands_beside(i)
-            for order, cylinder in _identities(cell):
-                if cylinder.word not in beside and self._is_own(
-                    cylinder, Inclusion.BAND, order, cell.study.oracle
-                ):
-                    yield cylinder, cell.lower
-
-    def _bands_beside(self, i: int) -> set[Word]:
-        """Words that are the identity in a cell next to an edge."""
-        beside = self.cells[i - 1], self.cells[i + 1]
-        return {cylinder.word for cell in beside for _, cylinder in _identities(cell)}
+            beside = {c.word for k in (i - 1, i + 1) for _, c in _identities(self.cells[k])}
+            found += [
+                (cylinder, cell.lower)
+                for order, cylinder in _identities(cell)
+                if cylinder.word not in beside
+                and self._is_own(cylinder, Inclusion.BAND, order, cell.study.oracle)
+            ]
+        return found
 
     def _parted(
         self, cylinder: Cylinder, place: Any, junctions: Sequence[Junction]
@@ -309,10 +304,8 @@ class Continuation:
             and (high is None or compare(x, high, place) < 0)
         }
 
-        def by_size(first: Fraction_, second: Fraction_) -> int:
-            return compare(first, second, place)
-
-        stops: list[Position] = [low, *sorted(inner.values(), key=cmp_to_key(by_size)), high]
+        by_size = cmp_to_key(lambda first, second: compare(first, second, place))
+        stops: list[Position] = [low, *sorted(inner.values(), key=by_size), high]
         for j, band in enumerate(pairwise(stops)):
             closed = (
                 cylinder.lower_closed or j > 0,
