@@ -262,7 +262,6 @@ def _is_refuted(claim: Constraint, constraints: Constraints) -> bool:
 
 
 def _products(known: Constraints, top: int) -> Iterator[Constraint]:
-    """Products of inequalities up to a total degree."""
     for i, first in enumerate(known):
         yield first
         left = top - total_degree(first.polynomial)

@@ -188,11 +188,7 @@ _OPERATIONS: dict[Any, Operation] = {
 
 
 def term_of_sympy(expr: sympy.Basic) -> Term:
-    """A sympy expression as a tree.
-
-    TypeError if a float occurs; ValueError if it has what no piecewise-linear map over the
-    rationals has, or is too large.
-    """
+    """A sympy expression as a tree; TypeError for floats, ValueError for what no map may have."""
     known: dict[int, Term] = {}  # by id, as sympy compares slowly
 
     def read(part: sympy.Basic, depth: int) -> Term:

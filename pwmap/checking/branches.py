@@ -16,10 +16,7 @@ from pwmap.checking.refusing import ORDER, ROWS, STEP, Effort, refuse
 
 
 class ClaimedStretch(NamedTuple):
-    """A claim that something exists from one place to another.
-
-    Place 2 i is the i-th edge, place 2 i + 1 the open interval from there to the next.
-    """
+    """A claim that something exists from one place to another: edge i is 2 i, the gap 2 i + 1."""
 
     kind: str
     order: int

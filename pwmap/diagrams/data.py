@@ -96,14 +96,12 @@ class Branch:
 
     Parameters
     ----------
-    id
-        Unique in its diagram, without ``:``.
+    id, order
+        Unique in its diagram, without ``:``; the iterate, at least 1.
     kind
         Fixed points of P_order; a jump of P_order with one-sided limits strictly on opposite sides
         of the diagonal; or a band of a chaotic attractor that P_order maps to itself, with its
         middle as x.
-    order
-        The iterate, at least 1.
     word
         Its events (toy) or visited pieces (piecewise-linear map) at the first sample.
     parameter, x, multiplier
@@ -233,12 +231,8 @@ class SpecialPoint:
 
     Parameters
     ----------
-    id
-        Unique in its diagram, without ``:``.
-    branches
-        Ids of the branches that end here.
-    order
-        The iterate it belongs to.
+    id, branches, order
+        Unique in its diagram, without ``:``; ids of the branches that end here; the iterate.
     note
         What the kind leaves open, such as ``"persistence"`` or ``"fold"`` of a BC.
     exact
@@ -289,10 +283,7 @@ class SpecialPoint:
 
 
 class Hit(NamedTuple):
-    """Where :meth:`Diagram.at` meets a branch; the multiplier of a jump is nan.
-
-    ``exact`` has the entries of :attr:`Stretch.exact` without ``interval``.
-    """
+    """Where :meth:`Diagram.at` meets a branch, with :attr:`Stretch.exact` but for ``interval``."""
 
     branch: Branch
     x: float

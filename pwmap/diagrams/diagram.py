@@ -63,12 +63,8 @@ class Diagram:
     >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
     >>> [(point.id, point.note, point.parameter, point.x) for point in diagram.points[1:3]]
     [('BC1', 'persistence', 0.0, 0.0), ('BC2', 'persistence', 1.0, 0.0)]
-    >>> diagram.sides("BC1")  # branches on the left and on the right
-    (('F1',), ('J1',))
     >>> [(hit.branch.id, hit.x, hit.exact["x"]) for hit in diagram.at("-1/2")]
     [('F1', -1.0, -1)]
-    >>> [(each.branch.id, each.low, each.high) for each in diagram.stable_intervals()]
-    [('F1', -1.0, 0.0), ('F2', 1.0, 2.0)]
     """
 
     parameter_name: str

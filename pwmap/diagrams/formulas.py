@@ -89,10 +89,7 @@ def from_plain(data: Any) -> Any:
 
 
 def cost(data: Any) -> float:
-    """The cost of reading all formulas in data of JSON, whose polynomials are factored.
-
-    6 million take a second.
-    """
+    """The cost of reading all formulas in data of JSON, of factoring; 6 million take a second."""
     total, todo = 0.0, [data]
     while todo:
         match todo.pop():

@@ -102,10 +102,9 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram, write_graph
-    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
-    >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
-    >>> write_graph(diagram.graph(), "lines.graphml").name
+    >>> import networkx as nx
+    >>> from pwmap import write_graph
+    >>> write_graph(nx.MultiGraph([("A", "B", "F1", {"x": 0.1})]), "lines.graphml").name
     'lines.graphml'
     """
     path = checked_path(path)

@@ -1,7 +1,4 @@
-"""Records as files: one JSON object with a name, a version and the content; ``.gz`` is compressed.
-
-What is read is bounded in size and in the cost of its formulas; a fault is told in one sentence.
-"""
+"""Records as files: JSON with a name, a version and the content, bounded in size and in cost."""
 
 from __future__ import annotations
 

@@ -72,10 +72,7 @@ class Discontinuity:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JumpCrossing:
-    """A discontinuity with limits strictly on opposite sides of the diagonal.
-
-    See :meth:`PiecewiseLinearMap.jump_crossings`.
-    """
+    """A discontinuity with limits strictly on opposite sides of the diagonal, and their words."""
 
     x: sympy.Expr
     left: sympy.Expr
@@ -175,7 +172,6 @@ def fixed_points(map_: Decided, virtual: bool) -> Iterator[FixedPoint]:
 
 
 def _inclusion(map_: Decided, i: int) -> Inclusion:
-    """Whether the fixed point of a cylinder lies in it, and where."""
     if map_.studied is not None:
         return map_.studied.inclusion[i]
     return cyl.inclusion_of(map_.cylinders[i], None, map_.oracle)

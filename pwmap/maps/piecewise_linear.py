@@ -56,17 +56,10 @@ class PiecewiseLinearMap:
     ... )
     >>> [(point.x, point.word, point.multiplier, point.stable) for point in p1.fixed_points()]
     [(r - 2, 'L', 0, True), (r/(a + 1), 'R', -a, False)]
-    >>> p1.jumps()
-    (Discontinuity(x=0, left=r - 2, value=r - 2, right=r),)
-    >>> p1.cycle("RL").conditions
-    (r - 2 > 0, -a*r + 2*a + r <= 0)
-    >>> second = p1.at({"a": "5/4", "r": 1}).iterate(2)
-    >>> print(second)
+    >>> print(p1.at({"a": "5/4", "r": 1}).iterate(2))
     LL  -1             for x <= 0
     RR  25*x/16 - 1/4  for 0 < x < 4/5
     RL  -1             for 4/5 <= x
-    >>> [(jump.x, jump.left_word, jump.right_word) for jump in second.jump_crossings()]
-    [(4/5, 'RR', 'RL')]
     """
 
     @explained()
@@ -228,10 +221,7 @@ class PiecewiseLinearMap:
         return fraction_to_sympy(value)
 
     def jumps(self) -> tuple[Discontinuity, ...]:
-        """All discontinuities, from left to right.
-
-        Their limits differ as formulas, and may agree for single values of the parameters.
-        """
+        """All discontinuities, from left to right; limits may agree for single parameter values."""
         return tuple(diagonal.jumps(self._map))
 
     # --- The diagonal ---------------------------------------------------------------------------
