@@ -42,12 +42,9 @@ from pwmap.algebra.roots import (
 
 
 class RealRootOf(sympy.Function):  # type: ignore[misc]
-    """A real root of a polynomial in a symbol and a parameter; a number for this gives the number.
+    """A real root, in a symbol, of a polynomial that has a parameter, too."""
 
-    Its arguments are the polynomial, the symbol, and the number of the root from the lowest on.
-    """
-
-    nargs = 3
+    nargs = 3  # the polynomial, the symbol, and the number of the root, from the lowest on
     is_real = True
 
     @classmethod

@@ -108,7 +108,10 @@ def end_of(value: Any) -> Real:
 
 
 def exact_number(value: object) -> Real:
-    """The exact number of a parameter's value; ValueError unless it is finite, real; TypeError."""
+    """The exact number of a parameter's value; a float is the binary number it holds.
+
+    ValueError if it is no finite real number; TypeError if it is neither a number nor text.
+    """
     if isinstance(value, numbers.Real) and not isinstance(value, numbers.Rational | sympy.Basic):
         if not math.isfinite(value):
             raise ValueError(f"a slice needs a finite value of the parameter, got {value}")

@@ -164,8 +164,7 @@ class Inclusion(Enum):
     UPPER = "at the upper end, which belongs to its cylinder"
     POINT = "its cylinder is this point alone"
     BAND = "every point of the cylinder is fixed"
-    VIRTUAL = "outside its cylinder"
-    NONE = "there is none: the slope is 1"
+    VIRTUAL = "outside its cylinder, or there is none"
 
 
 class CylinderCrossing(NamedTuple):
@@ -201,7 +200,7 @@ def inclusion_of(cylinder: Cylinder, known: Sides | None, oracle: SignOracle) ->
     steepness = oracle.multiplier(word, 1)
     if steepness == 0:
         if oracle.sign(Offset(word)) != 0:
-            return Inclusion.NONE
+            return Inclusion.VIRTUAL
         return Inclusion.POINT if cylinder.is_point else Inclusion.BAND
     # signs of (fixed point - end)
     sides = [-steepness * side for side in known or sides_of(cylinder, oracle)]

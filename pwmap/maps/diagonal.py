@@ -163,12 +163,12 @@ def fixed_points(map_: Decided, virtual: bool) -> Iterator[FixedPoint]:
     """All isolated fixed points, from left to right, with the virtual ones or without."""
     for i, cylinder in enumerate(map_.cylinders):
         inclusion = _inclusion(map_, i)
-        if inclusion in (Inclusion.NONE, Inclusion.BAND):
-            continue
-        is_virtual = inclusion is Inclusion.VIRTUAL
-        if is_virtual and (not virtual or map_.oracle.multiplier(cylinder.word, 1) == 0):
-            continue
-        yield _fixed_point(map_, i, inclusion)
+        if inclusion is Inclusion.VIRTUAL:
+            shown = virtual and map_.oracle.multiplier(cylinder.word, 1) != 0
+        else:
+            shown = inclusion is not Inclusion.BAND
+        if shown:
+            yield _fixed_point(map_, i, inclusion)
 
 
 def _inclusion(map_: Decided, i: int) -> Inclusion:

@@ -33,17 +33,14 @@ class Layout(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Table(Portable):
-    """Slopes and intercepts of one or more maps by letter, breaks by index.
+    """Coefficients of one or more maps, as numerators over one denominator."""
 
-    All are numerators over one ``denominator``, which is positive under the assumptions.
-    """
-
-    slopes: tuple[Number, ...]
-    intercepts: tuple[Number, ...]
+    slopes: tuple[Number, ...]  # by letter
+    intercepts: tuple[Number, ...]  # by letter
     breaks: tuple[Number, ...]
     layouts: tuple[Layout, ...]
-    one: Number  # of the ring the coefficients live in
-    denominator: Number
+    one: Number  # of the ring of the coefficients
+    denominator: Number  # positive under the assumptions
 
     def mapped(self, change: Callable[[Number], Number]) -> Table:
         """The same maps with other coefficients; a constant denominator is divided out."""

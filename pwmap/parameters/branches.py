@@ -37,7 +37,6 @@ from pwmap.parameters.segments import (
 
 EndValues = dict[Any, dict[int, dict[Any, float]]]  # by place and word length; with floats
 EPSILON = 2.0**-52  # spacing of doubles at 1
-NOWHERE = (Inclusion.VIRTUAL, Inclusion.NONE)  # then a cylinder holds no fixed point
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -111,7 +110,8 @@ class Continuation:
         for cylinder, inclusion, stable in zip(
             iterate.cylinders, iterate.inclusion, iterate.stable, strict=True
         ):
-            if inclusion not in NOWHERE and self._is_own(cylinder, inclusion, order, oracle):
+            is_there = inclusion is not Inclusion.VIRTUAL
+            if is_there and self._is_own(cylinder, inclusion, order, oracle):
                 for cut in _cuts(cylinder, inclusion):
                     key = BranchKey(BranchKind.FIXED_POINT, (cylinder.word,), cut)
                     yield self._same(key), Location(inclusion, stable)

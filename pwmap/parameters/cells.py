@@ -27,7 +27,6 @@ from pwmap.maps.cylinders import (
     WHOLE_LINE,
     Ask,
     Cylinder,
-    Inclusion,
     StudiedIterate,
     iterate_of,
     refined,
@@ -60,28 +59,15 @@ class PlaceStudy:
     iterates: dict[int, StudiedIterate]
     cylinders: tuple[Cylinder, ...] = WHOLE_LINE  # of the last iterate
 
-    def shown(self) -> dict[int, StudiedIterate]:
-        """The iterates, without telling apart fixed points that are virtual or missing."""
-        return {
-            order: replace(
-                it,
-                inclusion=tuple(
-                    Inclusion.VIRTUAL if found is Inclusion.NONE else found
-                    for found in it.inclusion
-                ),
-            )
-            for order, it in self.iterates.items()
-        }
-
     def agreed(self, *others: PlaceStudy) -> PlaceStudy:
-        """The study of several places that show the same, with the signs that all have."""
+        """The study of several places with the same iterates, with the signs that all have."""
         shared = {
             decision: sign
             for decision, sign in self.oracle.signs.items()
             if all(other.oracle.signs.get(decision) == sign for other in others)
         }
         oracle = SignOracle(self.oracle.orbits, self.oracle.sign_of, shared)
-        return PlaceStudy(oracle, self.shown())
+        return PlaceStudy(oracle, self.iterates)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -248,7 +234,7 @@ def merged(cells: Sequence[Cell]) -> list[Cell]:
         if (
             len(kept) >= 2
             and kept[-1].is_edge
-            and kept[-2].study.shown() == kept[-1].study.shown() == cell.study.shown()
+            and kept[-2].study.iterates == kept[-1].study.iterates == cell.study.iterates
         ):
             study = kept[-2].study.agreed(kept[-1].study, cell.study)
             kept[-2:] = [replace(kept[-2], upper=cell.upper, study=study)]
