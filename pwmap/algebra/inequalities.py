@@ -69,11 +69,6 @@ def variables(polynomial: PolyElement) -> frozenset[int]:
     return frozenset(i for i, degree in enumerate(degrees) if degree)
 
 
-def affine(polynomial: PolyElement, variable: int) -> tuple[PolyElement, PolyElement]:
-    """Coefficients of a polynomial that is affine in one generator: slope and rest."""
-    return polynomial.diff(variable), polynomial.subs(variable, 0)
-
-
 def along(polynomial: PolyElement, values: Sequence[Number], variable: int) -> Dense:
     """Coefficients in one generator, highest power first, where the others have values."""
     powers: dict[int, Number] = {}

@@ -15,7 +15,7 @@ from typing import Any
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.bivariate import at_root_of
+from pwmap.algebra.bivariate import at_root_of, coefficients_in
 from pwmap.algebra.exact import (
     HIGHEST,
     LOWEST,
@@ -30,7 +30,6 @@ from pwmap.algebra.exact import (
 )
 from pwmap.algebra.inequalities import (
     Constraint,
-    affine,
     along,
     connected,
     factors,
@@ -214,7 +213,7 @@ def _solutions(factor: PolyElement, order: Sequence[int]) -> tuple[list[Solved],
     found = []
     for variable in order:
         if degree_in(factor, variable) == 1:
-            slope, rest = affine(factor, variable)
+            rest, slope = coefficients_in(factor, variable)
             if is_constant(slope):
                 return [Solved(variable, -rest, slope)], True
             found.append(Solved(variable, -rest, slope))

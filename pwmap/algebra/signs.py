@@ -15,6 +15,7 @@ from math import prod
 
 from sympy.polys.rings import PolyElement
 
+from pwmap.algebra.bivariate import coefficients_in
 from pwmap.algebra.exact import (
     Number,
     Ring,
@@ -29,7 +30,6 @@ from pwmap.algebra.inequalities import (
     ANY,
     Constraint,
     Signs,
-    affine,
     connected,
     factors,
     proportion,
@@ -186,7 +186,7 @@ def _signs_by_elimination(factor: PolyElement, constraints: Constraints, variabl
     top = max(total_degree(p) for p in (factor, *(c.polynomial for c in constraints)))
     kept = (c for c in _without(bounds) if total_degree(c.polynomial) <= top)  # no explosion
     others = tuple(dict.fromkeys((*others, *kept)))
-    slope, rest = affine(factor, variable)
+    rest, slope = coefficients_in(factor, variable)
     ends: dict[int, list[tuple[Signs, bool]]] = {1: [], -1: []}  # the lower ones, the upper ones
     for sense, gain, shift, strict in bounds:
         # at the bound, the parameter is -shift/gain: the factor is (rest gain - slope shift)/gain
@@ -219,7 +219,7 @@ def _bounds(constraints: Constraints, others: Constraints, variable: int) -> Ite
     """Inequalities that bound a parameter below (sign +1) or above (-1)."""
     for constraint in constraints:
         if degree_in(constraint.polynomial, variable) == 1:
-            gain, shift = affine(constraint.polynomial, variable)
+            shift, gain = coefficients_in(constraint.polynomial, variable)
             sides = _bounded_signs(gain, others)
             if sides in ({1}, {-1}):
                 yield next(iter(sides)), gain, shift, constraint.strict

@@ -107,13 +107,17 @@ def _read(
     breaks = line.union([*conditions, *formulas])
     holds = [line.spread(condition, breaks) for condition in conditions]
     values = [line.spread(formula, breaks) for formula in formulas]
-    choose = _first if first_wins else _only
     owners, affine = list[int](), list[Affine]()
     for slot in range(2 * len(breaks) + 1):
         name = partial(slot_name, slot, breaks, x)
-        owner = choose([i for i in range(len(pairs)) if holds[i][slot]], name)
-        owners.append(owner)
-        affine.append(_affine(values[owner][slot], pairs[owner][0], name, x))
+        holding = [i for i in range(len(pairs)) if holds[i][slot]]
+        if not holding:
+            raise ValueError(f"there is a gap: no piece covers {name()}")
+        if len(holding) > 1 and not first_wins:
+            first, second = (i + 1 for i in holding[:2])
+            raise ValueError(f"pieces {first} and {second} overlap: both cover {name()}")
+        owners.append(holding[0])
+        affine.append(_affine(values[holding[0]][slot], pairs[holding[0]][0], name, x))
     _join_points(breaks, owners, affine)
     return _assembled(x, region, breaks, list(zip(owners, affine, strict=True)), letters)
 
@@ -259,19 +263,6 @@ def _symbol(x: object) -> sympy.Symbol:
         return sympy.Symbol(checked_name(x))
     except ValueError as error:
         raise ValueError(f"the variable must be a symbol such as x: {error}") from None
-
-
-def _first(holding: Sequence[int], slot: Callable[[], str]) -> int:
-    if not holding:
-        raise ValueError(f"there is a gap: no piece covers {slot()}")
-    return holding[0]
-
-
-def _only(holding: Sequence[int], slot: Callable[[], str]) -> int:
-    if len(holding) > 1:
-        first, second = (i + 1 for i in holding[:2])
-        raise ValueError(f"pieces {first} and {second} overlap: both cover {slot()}")
-    return _first(holding, slot)
 
 
 def _letters(letters: Sequence[str] | None, n: int) -> tuple[str, ...]:

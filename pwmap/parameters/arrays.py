@@ -84,9 +84,6 @@ def values(axis: Axis, fraction: Fraction_, places: list[Any], parameter: FloatA
 
 def _horner(axis: Axis, number: Number, parameter: FloatArray) -> tuple[FloatArray, FloatArray]:
     """A polynomial in floats by Horner's rule, and a bound of the error."""
-    value, size = np.zeros_like(parameter), np.zeros_like(parameter)
-    coefficients = [to_float(c) for c in axis.coefficients(number)]
-    for coefficient in coefficients:
-        value = value * parameter + coefficient
-        size = size * np.abs(parameter) + abs(coefficient)
-    return value, 2 * len(coefficients) * ROUNDING * size
+    coefficients = np.array([to_float(c) for c in axis.coefficients(number)], dtype=float)
+    size = np.polyval(np.abs(coefficients), np.abs(parameter))
+    return np.polyval(coefficients, parameter), 2 * len(coefficients) * ROUNDING * size
