@@ -304,8 +304,10 @@ class Continuation:
             and (high is None or compare(x, high, place) < 0)
         }
 
-        by_size = cmp_to_key(lambda first, second: compare(first, second, place))
-        stops: list[Position] = [low, *sorted(inner.values(), key=by_size), high]
+        def by_size(first: Fraction_, second: Fraction_) -> int:
+            return compare(first, second, place)
+
+        stops: list[Position] = [low, *sorted(inner.values(), key=cmp_to_key(by_size)), high]
         for j, band in enumerate(pairwise(stops)):
             closed = (
                 cylinder.lower_closed or j > 0,
