@@ -30,9 +30,9 @@ OFTEN = 0.25  # seconds between two calls of ``progress``
 
 
 class Advance(NamedTuple):
-    """How far a call is: ``done`` of ``total`` (0 if unknown) are finished, after ``work``.
+    """How far a call of a :class:`pwmap.Budget` is, after ``work``.
 
-    ``what`` is counted, such as ``"columns"``; it is empty before anything is.
+    ``done`` of ``total`` (0 if unknown) of ``what``, such as ``"columns"`` or ``""``, are finished.
     """
 
     what: str
@@ -249,10 +249,10 @@ def check_work(what: str, work: int, meter: Meter) -> None:
 
 
 class Progress(NamedTuple):
-    """A completed order of a diagram, with the number of cells and edges, and of pieces so far."""
+    """The last completed order of :func:`pwmap.bifurcation_diagram`, its cells, all pieces."""
 
     order: int
-    cells: int
+    cells: int  # and edges
     pieces: int
 
 

@@ -72,7 +72,7 @@ class Discontinuity:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JumpCrossing:
-    """A discontinuity with limits strictly on opposite sides of the diagonal, and their words."""
+    """A discontinuity that crosses the diagonal, of :meth:`PiecewiseLinearMap.jump_crossings`."""
 
     x: sympy.Expr
     left: sympy.Expr
