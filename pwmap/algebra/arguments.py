@@ -1,6 +1,6 @@
-"""What calls are given: values in sentences, checks, and calls that do not fit their verb.
+"""Arguments of calls: values in sentences, checks, and errors of calls that do not fit.
 
-Nothing is imported here but the standard library, for the toy starts with it.
+Only the standard library is imported, so that the toy starts fast.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ def shortened(text: str, width: int = 100) -> str:
 
 
 def shown(value: object) -> str:
-    """What was given, for a message, in one line; text in quotes, large arrays by their shape."""
+    """A value for a message, in one line; text in quotes, large arrays by their shape."""
     if isinstance(value, str):
         return shortened(repr(value))
     kind = type(value).__name__
@@ -119,7 +119,7 @@ def checked_path(path: str | os.PathLike[str]) -> Path:
 
 
 def explained(instead: str = "") -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """A verb whose TypeError says what it takes, what it got, and how that is asked for instead."""
+    """A function whose TypeError says what it takes, what it got, and what to call ``instead``."""
 
     def around(verb: Callable[P, R]) -> Callable[P, R]:
         @wraps(verb)
@@ -138,7 +138,7 @@ def explained(instead: str = "") -> Callable[[Callable[P, R]], Callable[P, R]]:
 
 
 def explained_fields(kind: type[C]) -> type[C]:
-    """The same for what is made from named values, such as a frozen dataclass."""
+    """The same for a class that is made from named values, such as a frozen dataclass."""
     made: Any = kind
     made.__init__ = explained()(made.__init__)
     return kind

@@ -1,8 +1,7 @@
 """Polynomials in the variable of a map, over the parameters, within a limit of work.
 
-A value is a polynomial in the variable over one element of the ring of the parameters. Each
-operation states its cost first, so that ``((a + b + c + d)**64)**64`` is refused before it is
-expanded.
+A value is a polynomial in the variable over one element of the ring of the parameters. The work of
+an operation is counted before it is done: ``((a + b + c + d)**64)**64`` is not expanded.
 """
 
 from __future__ import annotations
@@ -49,7 +48,7 @@ class Arithmetic:
         self._generators = {plain_name(symbol): generator for symbol, generator in generators}
 
     def spend(self, work: int) -> None:
-        """Take note of some work that is about to be done; ValueError if all is too much."""
+        """Count work before it is done; ValueError if the sum is too large."""
         self._left -= work
         if self._left < 0:
             raise ValueError(
@@ -91,10 +90,6 @@ class Arithmetic:
     def variable(self) -> Quotient:
         """The variable itself."""
         return Quotient((self.zero, self.one), self.one)
-
-    def generator(self, name: str) -> Quotient:
-        """A parameter of the ring."""
-        return Quotient((self._generators[name],), self.one)
 
     def sum(self, values: Sequence[Quotient]) -> Quotient:
         """The sum of some quotients; those with one denominator are added first."""
@@ -169,35 +164,32 @@ class Arithmetic:
         return constant(value.top[0]) / constant(value.bottom)
 
     def applied(self, term: Term, arguments: Sequence[Quotient]) -> Quotient:
-        """A tree's value, from its arguments'; NotPolynomialError or ValueError if it has none."""
+        """The value of a tree from those of its arguments; NotPolynomialError, ValueError."""
         try:
-            return self._applied(term, arguments)
+            match term.operation:
+                case Operation.NUMBER:
+                    return self.constant(term.value)
+                case Operation.NAME:
+                    return Quotient((self._generators[plain_name(term.value)],), self.one)
+                case Operation.SUM:
+                    return self.sum(arguments)
+                case Operation.NEGATIVE:
+                    return self.negative(arguments[0])
+                case Operation.PRODUCT:
+                    return reduce(self.product, arguments)
+                case Operation.INVERSE:
+                    return self.inverse(arguments[0])
+                case Operation.POWER:
+                    exponent = self.rational(arguments[1])
+                    if exponent is None or QQ.denom(exponent) != 1:
+                        raise ValueError("an exponent must be a whole number")
+                    return self.power(arguments[0], int(exponent))
+            what = "a condition" if term.operation in CONDITIONS else f"{term.operation.value}"
+            raise ValueError(f"a formula was expected here, not {what}")
         except NotPolynomialError:
             raise
         except ValueError as error:
             raise ValueError(f"cannot work out {term}: {error}") from None
-
-    def _applied(self, term: Term, arguments: Sequence[Quotient]) -> Quotient:
-        match term.operation:
-            case Operation.NUMBER:
-                return self.constant(term.value)
-            case Operation.NAME:
-                return self.generator(plain_name(term.value))
-            case Operation.SUM:
-                return self.sum(arguments)
-            case Operation.NEGATIVE:
-                return self.negative(arguments[0])
-            case Operation.PRODUCT:
-                return reduce(self.product, arguments)
-            case Operation.INVERSE:
-                return self.inverse(arguments[0])
-            case Operation.POWER:
-                exponent = self.rational(arguments[1])
-                if exponent is None or QQ.denom(exponent) != 1:
-                    raise ValueError("an exponent must be a whole number")
-                return self.power(arguments[0], int(exponent))
-        what = "a condition" if term.operation in CONDITIONS else f"{term.operation.value}"
-        raise ValueError(f"a formula was expected here, not {what}")
 
 
 class NotPolynomialError(ValueError):
@@ -211,7 +203,7 @@ def _trimmed(top: list[Number], bottom: Number) -> Quotient:
 
 
 def _words(bits: int, more_bits: int) -> int:
-    """How much longer a product or sum of two rationals takes than with short ones."""
+    """The work of a product or sum of two rationals, 1 for short ones."""
     return 1 + (bits + more_bits) // 64 + bits * more_bits // 2048
 
 
@@ -245,8 +237,7 @@ def worked_out(term: Term, arithmetic: Arithmetic) -> Fraction_:
 def fraction_of(value: object, ring: Ring, what: str) -> Fraction_:
     """Text, a number or a sympy expression in the parameters, as a quotient in lowest terms.
 
-    TypeError if a float occurs, with the rational it probably means; ValueError if ``what`` holds
-    other symbols or is no formula.
+    TypeError if a float occurs; ValueError if ``what`` holds other symbols or is no formula.
     """
     symbols = ring.symbols if ring is not None else ()
     term = term_of(value, symbols)
@@ -257,7 +248,7 @@ def fraction_of(value: object, ring: Ring, what: str) -> Fraction_:
 
 
 def rational(value: object) -> Number:
-    """An element of ``QQ``, also from text such as ``"5/4"``; TypeError if a float, ValueError."""
+    """An element of ``QQ``, also from text such as ``"5/4"``; TypeError for a float, ValueError."""
     term = term_of(value)
     if term.names() or term.operation in CONDITIONS:
         raise ValueError(f"expected a rational number, got {shown(value)}")

@@ -1,7 +1,6 @@
-"""Assumptions on the parameters of a map, and the signs that follow from them.
+"""Assumptions on the parameters of a map, polynomial inequalities, and signs that follow from them.
 
-Assumptions are polynomial inequalities. The sign of a polynomial is *proved* over all values they
-admit, or undecided: a sample decides nothing.
+The sign of a polynomial is *proved* over all admitted values, or undecided: no sample decides it.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
-"""Polynomials in two parameters: the real roots in one, followed over the other.
+"""Polynomials in two parameters, and their real roots in one of these over the other.
 
-They are continuous and keep their order while neither the leading coefficient nor the discriminant
-vanishes, and do not meet those of another polynomial while the resultant does not.
+Roots are continuous and keep their order while neither the leading coefficient nor the discriminant
+vanishes; they do not meet those of another polynomial while the resultant does not vanish.
 """
 
 from __future__ import annotations
@@ -10,7 +10,14 @@ from functools import lru_cache
 
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.exact import Number, degree_in, factored, is_constant, polynomial_ring
+from pwmap.algebra.exact import (
+    Number,
+    degree_in,
+    factored,
+    is_constant,
+    polynomial_ring,
+    to_ring,
+)
 
 
 def coefficients_in(polynomial: PolyElement, index: int) -> list[PolyElement]:
@@ -53,15 +60,17 @@ def resultant(first: PolyElement, second: PolyElement, index: int) -> PolyElemen
         first, second = second, first
     if degree_in(first, index) == 1:
         return normalised(at_root_of(second, first, index))
-    symbols = first.ring.symbols if index == 0 else first.ring.symbols[::-1]
-    eliminating = polynomial_ring(symbols)  # sympy eliminates the first generator
-    step = 1 if index == 0 else -1
-    both = [eliminating.from_dict({m[::step]: c for m, c in p.items()}) for p in (first, second)]
-    found = both[0].resultant(both[1])
-    if is_constant(found):
-        return first.ring.one
-    terms = {((0, n) if index == 0 else (n, 0)): c for (n,), c in found.items()}
-    return normalised(first.ring.from_dict(terms))
+    found = eliminated(first, second, index)
+    return first.ring.one if is_constant(found) else normalised(found)
+
+
+def eliminated(first: PolyElement, second: PolyElement, index: int) -> PolyElement:
+    """The resultant in one parameter, among any number of them, as sympy scales it."""
+    ring = first.ring
+    symbols = [ring.symbols[index], *ring.symbols[:index], *ring.symbols[index + 1 :]]
+    turned = polynomial_ring(symbols)  # sympy eliminates the first generator
+    found = first.set_ring(turned).resultant(second.set_ring(turned))
+    return to_ring(found, ring)
 
 
 def discriminant(polynomial: PolyElement, index: int) -> PolyElement:

@@ -1,7 +1,7 @@
 """Exact numbers and polynomials, and how they are written.
 
-A coefficient is an element of ``QQ`` or of a polynomial ring over it; sympy expressions are taken
-and given at the edge of the package only.
+A coefficient is an element of ``QQ`` or of a polynomial ring over it. Expressions of sympy are read
+and returned by the public functions only.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import fields
-from functools import lru_cache
+from functools import cache, lru_cache, total_ordering
 from typing import Any, NamedTuple
 
 import sympy
@@ -29,14 +29,14 @@ def polynomial_ring(symbols: Sequence[sympy.Symbol]) -> Ring:
 
 
 class Packed(NamedTuple):
-    """A rational, polynomial or ring without the types that sympy has for it here."""
+    """A rational, polynomial or ring in Python's own types: sympy's differ between machines."""
 
     symbols: tuple[sympy.Symbol, ...]
     content: Any = None  # a pair of integers, or terms (exponents, pair); None for the ring
 
 
 def portable(value: Any) -> Any:
-    """A value with all numbers packed, to be pickled, and read where sympy has other types."""
+    """A value with all numbers packed, to be pickled."""
     match value:
         case PolyElement():
             terms = tuple((exponents, pair(c)) for exponents, c in value.terms())
@@ -51,7 +51,7 @@ def portable(value: Any) -> Any:
 
 
 def restored(kept: Any) -> Any:
-    """What :func:`portable` took apart."""
+    """The inverse of :func:`portable`."""
     if not isinstance(kept, Packed):
         return _like(kept, map(restored, kept)) if isinstance(kept, tuple) else kept
     if not kept.symbols:
@@ -106,6 +106,7 @@ def sign(number: Number) -> int:
     return int(number > 0) - int(number < 0)
 
 
+@total_ordering
 class Infinite:
     """Minus or plus infinity, by its side (-1, +1); a map takes it to its limit there."""
 
@@ -122,15 +123,6 @@ class Infinite:
 
     def __lt__(self, other: Any) -> bool:
         return self.side < side_of(other)
-
-    def __le__(self, other: Any) -> bool:
-        return self.side <= side_of(other)
-
-    def __gt__(self, other: Any) -> bool:
-        return self.side > side_of(other)
-
-    def __ge__(self, other: Any) -> bool:
-        return self.side >= side_of(other)
 
     def __neg__(self) -> Infinite:
         return Infinite(-self.side)
@@ -257,17 +249,14 @@ def is_constant(number: Number) -> bool:
 
 def constant(number: Number) -> Number:
     """The value in ``QQ`` of a number in which no parameter occurs."""
-    if not isinstance(number, PolyElement):
-        return number
-    return number.coeff(1)
+    return number.coeff(1) if isinstance(number, PolyElement) else number
 
 
 def cancelled(fraction: Fraction_) -> Fraction_:
     """Numerator and denominator without common factor; the denominator of a constant is 1."""
     numerator, denominator = fraction
     if isinstance(numerator, PolyElement):
-        top, bottom = numerator.cancel(denominator)
-        return top, bottom
+        return tuple(numerator.cancel(denominator))
     return numerator / denominator, QQ.one
 
 
@@ -290,12 +279,21 @@ def fraction_to_sympy(fraction: Fraction_) -> sympy.Expr:
     if is_constant(top) and is_constant(bottom):
         return to_sympy(constant(top) / constant(bottom))
     plain = len(top.ring.gens) == 1 and top.degree() <= 1 and bottom.degree() <= 1
-    plain = plain or max(_degree(top), _degree(bottom)) > FACTORED
+    plain = plain or max(total_degree(top), total_degree(bottom)) > FACTORED
     return to_sympy(top) / to_sympy(bottom) if plain else factored_to_sympy((top, bottom))
 
 
-def _degree(polynomial: PolyElement) -> int:
+@cache
+def total_degree(polynomial: PolyElement) -> int:
+    """Largest sum of exponents; 0 for constants."""
     return max(map(sum, polynomial), default=0)
+
+
+def reduced_to_sympy(top: PolyElement, bottom: PolyElement, name: str, others: Ring) -> sympy.Expr:
+    """A quotient of polynomials without one generator as an expression, in lowest terms."""
+    numbers = (evaluate(number, {name: QQ.zero}, others) for number in (top, bottom))
+    quotient = others.to_field().new(*numbers)
+    return factored_to_sympy((quotient.numer, quotient.denom))
 
 
 @lru_cache(maxsize=4096)
@@ -307,14 +305,10 @@ def factored_to_sympy(fraction: Fraction_) -> sympy.Expr:
     (unit, above), (scale, below) = factored(top), factored(bottom)
     powers = [*above, *((factor, -exponent) for factor, exponent in below)]
     product = sympy.Mul(*(to_sympy(factor) ** exponent for factor, exponent in powers))
-    return _with_coefficient(to_sympy(unit / scale), product)
-
-
-def _with_coefficient(coefficient: sympy.Rational, product: sympy.Expr) -> sympy.Expr:
-    """A product as ``sympy.factor`` writes it: the coefficient is not multiplied into a sum."""
+    coefficient = to_sympy(unit / scale)
     if coefficient in (1, -1) or not product.is_Add:
         return coefficient * product
-    return sympy.Mul(coefficient, product, evaluate=False)
+    return sympy.Mul(coefficient, product, evaluate=False)  # not multiplied into the sum
 
 
 @lru_cache(maxsize=4096)

@@ -1,4 +1,4 @@
-"""Polynomial inequalities between parameters, which are the generators of a ring by number."""
+"""Polynomial inequalities between parameters, the generators of a ring, given by number."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from sympy.core.relational import Relational
 from sympy.polys.rings import PolyElement
 
 from pwmap.algebra.arguments import shortened
-from pwmap.algebra.exact import Number, constant, sign, to_sympy
-from pwmap.algebra.roots import Dense
+from pwmap.algebra.exact import Number, constant, sign, to_sympy, total_degree
+from pwmap.algebra.roots import Dense, trimmed
 
 Signs = frozenset[int]
 ANY: Signs = frozenset((-1, 0, 1))
@@ -52,17 +52,11 @@ def shown(constraints: Iterable[Constraint]) -> str:
 
 @cache
 def connected(constraints: tuple[Constraint, ...], start: frozenset[int]) -> tuple[Constraint, ...]:
-    """The inequalities that are tied to some parameters, directly or through one another."""
-    reached, kept, waiting = set(start), set[int](), True
-    while waiting:
-        waiting = False
-        for i, constraint in enumerate(constraints):
-            own = variables(constraint.polynomial)
-            if i not in kept and own & reached:
-                kept.add(i)
-                waiting = waiting or not own <= reached
-                reached |= own
-    return tuple(constraints[i] for i in sorted(kept))
+    """The inequalities that share parameters with some, directly or through one another."""
+    occurring, reached = [variables(c.polynomial) for c in constraints], start
+    while tied := [own for own in occurring if own & reached and not own <= reached]:
+        reached = reached.union(*tied)
+    return tuple(c for c, own in zip(constraints, occurring, strict=True) if own & reached)
 
 
 # --- Polynomials ----------------------------------------------------------------------------------
@@ -75,28 +69,16 @@ def variables(polynomial: PolyElement) -> frozenset[int]:
     return frozenset(i for i, degree in enumerate(degrees) if degree)
 
 
-@cache
-def total_degree(polynomial: PolyElement) -> int:
-    """Largest sum of exponents; 0 for constants."""
-    return max((sum(exponents) for exponents in polynomial.monoms()), default=0)
-
-
-def affine(polynomial: PolyElement, variable: int) -> tuple[PolyElement, PolyElement]:
-    """Coefficients of a polynomial that is affine in one generator: slope and rest."""
-    return polynomial.diff(variable), polynomial.subs(variable, 0)
-
-
 def along(polynomial: PolyElement, values: Sequence[Number], variable: int) -> Dense:
     """Coefficients in one generator, highest power first, where the others have values."""
-    powers: dict[tuple[int, ...], Number] = {}
+    powers: dict[int, Number] = {}
     for exponents, coefficient in polynomial.terms():
         for i, exponent in enumerate(exponents):
             if exponent and i != variable:
                 coefficient = coefficient * values[i] ** exponent
-        power = (exponents[variable],)
+        power = exponents[variable]
         powers[power] = powers.get(power, QQ.zero) + coefficient
-    top = max((power for (power,), number in powers.items() if number), default=-1)
-    return tuple(powers.get((i,), QQ.zero) for i in range(top, -1, -1))
+    return trimmed(powers.get(i, QQ.zero) for i in range(max(powers, default=-1), -1, -1))
 
 
 def value_at(polynomial: PolyElement, values: Sequence[Number]) -> Number:

@@ -1,6 +1,6 @@
-"""Exact linear programming over the integers: Farkas' lemma as a function.
+"""Exact linear programming: Farkas' lemma as a function.
 
-Either some vectors combine to a target with nonnegative weights, or a vector separates them from
+Either vectors combine to a target with nonnegative weights, or another vector separates them from
 it. The simplex method finds either, on integers over one common denominator.
 """
 
@@ -70,18 +70,9 @@ class _Tableau:
 
     def leaving(self, column: int) -> int:
         """The row that first reaches zero; of several the one whose variable comes first."""
-        best: int | None = None
-        for i, row in enumerate(self._rows[:-1]):
-            if row[column] <= 0:
-                continue
-            if best is not None:
-                other = self._rows[best]
-                order = row[-1] * other[column] - other[-1] * row[column]
-                if order > 0 or (order == 0 and self._basis[i] > self._basis[best]):
-                    continue
-            best = i
-        assert best is not None  # the sum is bounded below
-        return best
+        rows = [(i, row) for i, row in enumerate(self._rows[:-1]) if row[column] > 0]
+        # there is one, as the sum is bounded below
+        return min((Fraction(row[-1], row[column]), self._basis[i], i) for i, row in rows)[-1]
 
     def pivot(self, row: int, column: int) -> None:
         chosen, before = self._rows[row], self._denominator

@@ -1,8 +1,8 @@
 """Points at which polynomial inequalities hold strictly, by an open cylindrical decomposition.
 
-Parameters are eliminated in turn, leaving polynomials at whose roots the order of the eliminated
-roots can change; then values are taken in each gap between roots, in the opposite order. Every open
-cell gets a point, so the search is complete [Strzebonski2000].
+Parameters are eliminated in turn; at the roots of what is left the order of the eliminated roots
+can change. Then values are taken in each gap between roots, in the opposite order. Every open cell
+gets a point, so the search is complete [Strzebonski2000].
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.bivariate import leading_in
-from pwmap.algebra.exact import Number, degree_in, is_constant, polynomial_ring
-from pwmap.algebra.inequalities import Constraint, along, factors, total_degree, value_at, variables
+from pwmap.algebra.bivariate import eliminated, leading_in
+from pwmap.algebra.exact import Number, degree_in, is_constant, total_degree
+from pwmap.algebra.inequalities import Constraint, along, factors, value_at, variables
 from pwmap.algebra.roots import gaps_and_roots, real_roots, simplest_between
 
 
@@ -41,7 +41,7 @@ def open_point(
 
 
 def _cost(polynomials: Iterable[PolyElement], variable: int) -> tuple[int, int, int]:
-    """How much work it is to eliminate a parameter: its degree, and how often it occurs."""
+    """The work of eliminating a parameter: its degree, and how often it occurs."""
     own = [p for p in polynomials if variable in variables(p)]
     return (
         max((degree_in(p, variable) for p in own), default=0),
@@ -54,20 +54,12 @@ def _projected(polynomials: Iterable[PolyElement], variable: int) -> Iterator[Po
     """Where the order of real roots can change: leading coefficients, resultants, discriminants."""
     own = list(polynomials)
     for i, p in enumerate(own):
-        found = [leading_in(p, variable), *(_resultant(p, q, variable) for q in own[:i])]
+        found = [leading_in(p, variable), *(eliminated(p, q, variable) for q in own[:i])]
         if degree_in(p, variable) > 1:
-            found.append(_resultant(p, p.diff(variable), variable))
+            found.append(eliminated(p, p.diff(variable), variable))
         for polynomial in found:
             if not is_constant(polynomial):
                 yield from (factor for factor, _ in factors(polynomial)[1])
-
-
-def _resultant(first: PolyElement, second: PolyElement, variable: int) -> PolyElement:
-    ring = first.ring
-    symbols = [ring.symbols[variable], *(s for s in ring.symbols if s != ring.symbols[variable])]
-    turned = polynomial_ring(symbols)  # sympy eliminates the first generator
-    result = first.set_ring(turned).resultant(second.set_ring(turned))
-    return result.set_ring(ring) if isinstance(result, PolyElement) else ring.ground_new(result)
 
 
 def _is_lifted(

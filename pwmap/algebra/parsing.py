@@ -13,6 +13,7 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from itertools import pairwise
+from math import inf
 from typing import NamedTuple
 
 import sympy
@@ -53,39 +54,31 @@ _LEVELS |= {"+": 7, "-": 7, "*": 8, "/": 8}
 _NOT, _UNARY = 3, 9
 
 
-class _Function(NamedTuple):
-    operation: Operation
-    least: int
-    most: int | None
-
-
-FUNCTIONS = {
-    "Abs": _Function(Operation.ABS, 1, 1),
-    "Max": _Function(Operation.MAX, 1, None),
-    "Min": _Function(Operation.MIN, 1, None),
-    "And": _Function(Operation.AND, 0, None),
-    "Or": _Function(Operation.OR, 0, None),
-    "Not": _Function(Operation.NOT, 1, 1),
-    "Eq": _Function(Operation.EQUAL, 2, 2),
-    "Ne": _Function(Operation.UNEQUAL, 2, 2),
-    "Lt": _Function(Operation.LESS, 2, 2),
-    "Le": _Function(Operation.LESS_EQUAL, 2, 2),
-    "Gt": _Function(Operation.GREATER, 2, 2),
-    "Ge": _Function(Operation.GREATER_EQUAL, 2, 2),
-    "Piecewise": _Function(Operation.PIECEWISE, 1, None),
-    "Rational": _Function(Operation.PRODUCT, 1, 2),
-    "Integer": _Function(Operation.PRODUCT, 1, 1),
+# the operation of a function, and its least and largest number of arguments
+FUNCTIONS: dict[str, tuple[Operation, int, float]] = {
+    "Abs": (Operation.ABS, 1, 1),
+    "Max": (Operation.MAX, 1, inf),
+    "Min": (Operation.MIN, 1, inf),
+    "And": (Operation.AND, 0, inf),
+    "Or": (Operation.OR, 0, inf),
+    "Not": (Operation.NOT, 1, 1),
+    "Eq": (Operation.EQUAL, 2, 2),
+    "Ne": (Operation.UNEQUAL, 2, 2),
+    "Lt": (Operation.LESS, 2, 2),
+    "Le": (Operation.LESS_EQUAL, 2, 2),
+    "Gt": (Operation.GREATER, 2, 2),
+    "Ge": (Operation.GREATER_EQUAL, 2, 2),
+    "Piecewise": (Operation.PIECEWISE, 1, inf),
+    "Rational": (Operation.PRODUCT, 1, 2),
+    "Integer": (Operation.PRODUCT, 1, 1),
 }
 FUNCTIONS |= {name.lower(): FUNCTIONS[name] for name in ("Abs", "Max", "Min")}  # as in Python
 
 
 def term_of(value: object, symbols: Sequence[sympy.Symbol] = ()) -> Term:
-    """Text, a number or a sympy expression as a tree; names among ``symbols`` stand for these.
+    """Text, a number, a sympy expression or a tree as a tree; ``symbols`` are used by their names.
 
-    A tree is returned as it is.
-
-    TypeError if a float occurs, with the rational it probably means; ValueError if the text is no
-    expression, or longer than a map needs.
+    TypeError if a float occurs; ValueError if the text is no expression, or too long.
     """
     if isinstance(value, str):
         return _Parser(value, {plain_name(symbol): symbol for symbol in symbols}).parsed()
@@ -100,7 +93,7 @@ def term_of(value: object, symbols: Sequence[sympy.Symbol] = ()) -> Term:
 
 
 def checked_name(text: str) -> str:
-    """A name as it is compared; ValueError if it cannot be that of a variable or a parameter."""
+    """A name in normal form; ValueError if no variable or parameter can have it."""
     name = plain_name(text)
     if not (text.isidentifier() and name.isidentifier()) or len(name) > MAX_NAME:
         raise ValueError(f"{shown(text)} is no name")
@@ -184,7 +177,7 @@ class _Parser:
     # --- The grammar ----------------------------------------------------------------------------
 
     def _parse(self, level: int) -> Term:
-        """An expression whose operators outside of brackets bind at least so tightly."""
+        """An expression whose operators outside of brackets are of this level or tighter."""
         self._deeper()
         start = self._next.start
         left = self._unary(level)
@@ -313,14 +306,14 @@ class _Parser:
                 "a formula must be polynomial in the parameters over the rationals, "
                 f"got {shortened(str(call), 50)}; its functions are {', '.join(FUNCTIONS)}"
             )
-        least, most = function.least, function.most
-        if len(arguments) < least or (most is not None and len(arguments) > most):
+        operation, least, most = function
+        if not least <= len(arguments) <= most:
             raise self._refusal(f"{name.text} cannot have {len(arguments)} arguments")
         if name.text == "Piecewise" and {a.operation for a in arguments} != {Operation.PAIR}:
             raise self._refusal("Piecewise is made of pairs (formula, condition)")
         if name.text in ("Rational", "Integer"):
             arguments = self._quotient(name.text, arguments)
-        return self._term(function.operation, arguments, name.start)
+        return self._term(operation, arguments, name.start)
 
     def _quotient(self, name: str, arguments: Sequence[Term]) -> list[Term]:
         numbers = {Operation.NUMBER, Operation.NEGATIVE}

@@ -1,6 +1,6 @@
 """Real roots of polynomials in two parameters, as functions of one of them.
 
-They are told apart at a sample of it, and are continuous and distinct in an open interval in which
+They are numbered at a sample of it; they are continuous and distinct in an open interval in which
 neither leading coefficients nor discriminants vanish.
 """
 
@@ -25,8 +25,8 @@ from pwmap.algebra.exact import (
     Ring,
     degree_in,
     dense,
-    factored_to_sympy,
     polynomial_ring,
+    reduced_to_sympy,
     to_sympy,
 )
 from pwmap.algebra.inequalities import along
@@ -42,12 +42,9 @@ from pwmap.algebra.roots import (
 
 
 class RealRootOf(sympy.Function):  # type: ignore[misc]
-    """A real root of a polynomial in a symbol and a parameter; a number for this gives the number.
+    """A real root, in a symbol, of a polynomial that has a parameter, too."""
 
-    Its arguments are the polynomial, the symbol, and the number of the root from the lowest on.
-    """
-
-    nargs = 3
+    nargs = 3  # the polynomial, the symbol, and the number of the root, from the lowest on
     is_real = True
 
     @classmethod
@@ -81,7 +78,8 @@ class Root(Portable):
         """An expression in the other parameter: a quotient, with a square root, or unevaluated."""
         powers = coefficients_in(self.factor, column.along)
         if len(powers) == 2:
-            return column.shown(-powers[0], powers[1])
+            name, others = str(column.symbols[column.along]), [column.symbols[1 - column.along]]
+            return reduced_to_sympy(-powers[0], powers[1], name, polynomial_ring(others))
         if len(powers) > 3:
             symbol = column.symbols[column.along]
             return RealRootOf(to_sympy(self.factor), symbol, sympy.Integer(self.number))
@@ -123,17 +121,6 @@ class Column(Portable):
         """Of some values by name that of the other parameter, and that of the one of roots."""
         other, own = (values.get(str(self.symbols[i])) for i in (1 - self.along, self.along))
         return other, own
-
-    def shown(self, top: PolyElement, bottom: PolyElement) -> sympy.Expr:
-        """A quotient of polynomials in the other parameter as an expression in lowest terms."""
-        other = 1 - self.along
-        ring = polynomial_ring([self.symbols[other]])
-        numbers = (
-            ring.from_dict({(exponents[other],): c for exponents, c in p.terms()})
-            for p in (top, bottom)
-        )
-        quotient = ring.to_field().new(*numbers)
-        return factored_to_sympy((quotient.numer, quotient.denom))
 
     def keeps(self, polynomial: PolyElement) -> bool:
         """Whether a polynomial in the other parameter alone has no zero inside."""

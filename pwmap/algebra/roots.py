@@ -1,7 +1,7 @@
 """Real algebraic numbers, for the ends of parameter intervals.
 
 A number is an element of ``QQ`` or a :class:`RealRoot`: an irreducible polynomial with an interval
-that isolates one of its roots, refined as far as a comparison needs.
+around one of its roots, which comparisons refine.
 """
 
 from __future__ import annotations
@@ -13,8 +13,9 @@ from math import lcm
 from typing import Any
 
 import sympy
-from sympy import QQ
+from sympy import QQ, ZZ
 from sympy.polys.densearith import dup_mul, dup_rem, dup_sub
+from sympy.polys.densetools import dup_scale, dup_shift, dup_sign_variations
 from sympy.polys.euclidtools import dup_invert
 
 from pwmap.algebra.arguments import explained, shown
@@ -107,10 +108,7 @@ class RealRoot:
 
     @classmethod
     def of_factor(cls, polynomial: Dense, index: int, low: Number, high: Number) -> RealRoot:
-        """The root of a ``polynomial`` known to be irreducible; nothing is checked.
-
-        ``index``, ``low`` and ``high`` are those of the class.
-        """
+        """The same without checks of ``polynomial``, ``index``, ``low`` and ``high``."""
         root = cls.__new__(cls)
         root._set(polynomial, index, low, high)
         return root
@@ -129,7 +127,7 @@ class RealRoot:
         return _root, portable((self.polynomial, self.index, self.low, self.high))
 
     def _isolate(self, low: Number, high: Number) -> bool:
-        """Find the step of the present size that holds the root; False if it sticks out."""
+        """Find the step of the present size that holds the root; False if it exceeds the ends."""
         start, stop = floor(low * 2**self._bits), -floor(-high * 2**self._bits)
         first, last = start, stop
         while last - first > 1:
@@ -197,8 +195,8 @@ class RealRoot:
     def _value(self, coefficients: tuple[int, ...]) -> tuple[int, int]:
         """An integer polynomial of degree d near the root, and a bound of the error.
 
-        Both are scaled by 2**((bits + 1) d). It is computed at the middle of the step; to the root
-        it changes by at most half a step times a bound of its derivative.
+        Both are times 2**((bits + 1) d). It is computed at the middle of the step; the error is at
+        most half a step times a bound of its derivative.
         """
         n, unit = 2 * self._floor + 1, 2 << self._bits
         largest = abs(n) + 1
@@ -212,10 +210,7 @@ class RealRoot:
         return value, change
 
     def to_float(self, top: Dense, bottom: Dense) -> float:
-        """The quotient of two polynomials at this root as a float, correct but for the last bit.
-
-        ``top`` and ``bottom`` are coefficients, highest degree first. Infinite if it is too large.
-        """
+        """The quotient ``top``/``bottom`` at this root, to the last bit but one; maybe infinite."""
         if not top:
             return 0.0
         numbers, is_zero = (integers(top), integers(bottom)), None
@@ -232,14 +227,11 @@ class RealRoot:
         return to_float(QQ(above << max(0, -shift), below << max(0, shift)) * scale)
 
     def reduced(self, polynomial: Dense) -> Dense:
-        """The canonical form of a number of the field: coefficients, highest degree first."""
+        """The canonical form of a ``polynomial`` at this root: its remainder."""
         return tuple(dup_rem(list(trimmed(polynomial)), list(self.polynomial), QQ))
 
     def quotient(self, top: Dense, bottom: Dense) -> Dense:
-        """Canonical form of ``top``/``bottom`` at this root, where the bottom is not zero.
-
-        All are coefficients, from the highest degree on.
-        """
+        """Canonical form of ``top``/``bottom`` at this root, where the bottom is not zero."""
         modulus = list(self.polynomial)
         inverse = dup_invert(list(self.reduced(bottom)), modulus, QQ)
         return tuple(dup_rem(dup_mul(list(self.reduced(top)), inverse, QQ), modulus, QQ))
@@ -352,32 +344,14 @@ def real_roots(polynomial: Iterable[Number]) -> tuple[Real, ...]:
 
 
 def most_roots(polynomial: Dense, low: Number, high: Number) -> int:
-    """At least as many as a polynomial has roots between two rationals, by Descartes' rule."""
+    """An upper bound of the number of roots between two rationals, by Descartes' rule."""
     (a, b), (c, d) = pair(low), pair(high)
     unit = lcm(b, d)
     start, length = a * (unit // b), c * (unit // d) - a * (unit // b)
-    rest, power = list(integers(polynomial)), 1
-    for k in range(len(rest)):  # in multiples of 1/unit
-        rest[k] *= power
-        power *= unit
-    rest = _shifted(rest, start)  # from the low end
-    power = 1
-    for k in reversed(range(len(rest))):  # in multiples of the length
-        rest[k] *= power
-        power *= length
-    signs = [
-        c > 0 for c in _shifted(rest[::-1], 1) if c
-    ]  # x/(1 + x) goes from one end to the other
-    return sum(one != other for one, other in pairwise(signs))
-
-
-def _shifted(polynomial: Sequence[int], x: int) -> list[int]:
-    """A polynomial of a variable that is counted from x."""
-    rest = list(polynomial)
-    for end in range(len(rest), 1, -1):
-        for k in range(1, end):
-            rest[k] += x * rest[k - 1]
-    return rest
+    rest = [ZZ(c * unit**k) for k, c in enumerate(integers(polynomial))]  # in multiples of 1/unit
+    rest = dup_scale(dup_shift(rest, ZZ(start), ZZ), ZZ(length), ZZ)  # from the low end on
+    # x/(1 + x) goes from one end to the other
+    return int(dup_sign_variations(dup_shift(rest[::-1], ZZ.one, ZZ), ZZ))
 
 
 def roots_between(polynomial: Dense, low: Real, high: Real) -> tuple[Real, ...]:
@@ -484,7 +458,7 @@ def spread(low: Real, high: Real, n: int) -> list[Number]:
 
 
 def may_vanish(polynomial: Sequence[Number], low: float, high: float) -> bool:
-    """False if a polynomial has surely no zero between two doubles: by the mean value form."""
+    """False only if a polynomial has no zero between two doubles, by the mean value form."""
     if not polynomial:
         return False
     coefficients = [to_float(c) for c in polynomial]

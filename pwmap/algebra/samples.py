@@ -1,9 +1,8 @@
 """Rational points of the region that some inequalities admit, or that there are none.
 
 A point of its *interior* comes from linear programming, or from an open cylindrical decomposition;
-both are complete. Inequalities that cannot be strict together are solved for a parameter. More
-points lie along one parameter after the other. They depend on the order of the parameters
-(:func:`ranked`), not on names or the order of inequalities.
+both are complete. Inequalities that cannot be strict together are solved for a parameter. Points
+depend on the order of the parameters (:func:`ranked`), not on names or the order of inequalities.
 """
 
 from __future__ import annotations
@@ -16,7 +15,7 @@ from typing import Any
 from sympy import QQ
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.bivariate import at_root_of
+from pwmap.algebra.bivariate import at_root_of, coefficients_in
 from pwmap.algebra.exact import (
     HIGHEST,
     LOWEST,
@@ -27,15 +26,14 @@ from pwmap.algebra.exact import (
     degree_in,
     is_constant,
     sign,
+    total_degree,
 )
 from pwmap.algebra.inequalities import (
     Constraint,
-    affine,
     along,
     connected,
     factors,
     shown,
-    total_degree,
     value_at,
     variables,
 )
@@ -97,7 +95,7 @@ def points(
 def _gap(
     limits: Sequence[Constraint], values: Sequence[Number], variable: int
 ) -> tuple[Real, Real]:
-    """How far one parameter can move from a point inside."""
+    """The open interval in which one parameter can move from a point inside."""
     lines = [along(c.polynomial, values, variable) for c in limits]
     roots = {root for line in lines for root in real_roots(line)}
     below = (root for root in roots if root < values[variable])
@@ -215,7 +213,7 @@ def _solutions(factor: PolyElement, order: Sequence[int]) -> tuple[list[Solved],
     found = []
     for variable in order:
         if degree_in(factor, variable) == 1:
-            slope, rest = affine(factor, variable)
+            rest, slope = coefficients_in(factor, variable)
             if is_constant(slope):
                 return [Solved(variable, -rest, slope)], True
             found.append(Solved(variable, -rest, slope))
@@ -224,7 +222,7 @@ def _solutions(factor: PolyElement, order: Sequence[int]) -> tuple[list[Solved],
 
 
 def _peaks(factor: PolyElement, order: Sequence[int]) -> Iterator[Solved]:
-    """Equations for a point at which a polynomial is zero that is nowhere positive beside it."""
+    """Solutions for points at which a polynomial is zero and has a maximum."""
     for variable in order:
         slope = factor.diff(variable)
         if not is_constant(slope):
@@ -233,7 +231,7 @@ def _peaks(factor: PolyElement, order: Sequence[int]) -> Iterator[Solved]:
 
 
 def _substituted(constraint: Constraint, solved: Solved) -> Constraint:
-    """An inequality with a solution put for its parameter, times an even power of the bottom."""
+    """An inequality with a solution for its parameter, times an even power of the bottom."""
     polynomial, variable = constraint.polynomial, solved.variable
     line = solved.bottom * polynomial.ring.gens[variable] - solved.top
     total = at_root_of(polynomial, line, variable)
@@ -271,7 +269,7 @@ def _linear_point(
 def ranked(
     ring: Ring, constraints: Sequence[Constraint], coefficients: Sequence[Number] = ()
 ) -> list[int]:
-    """The parameters in an order by the terms they occur in; by name only as a last resort."""
+    """The parameters ordered by the terms in which they occur, and by name only in a tie."""
     ranks = [0] * len(ring.gens)
 
     def signature(terms: Iterable[tuple[tuple[int, ...], Number]]) -> list[tuple[Any, ...]]:

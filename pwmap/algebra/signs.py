@@ -2,8 +2,8 @@
 
 They are complete in one parameter (real roots), and for linear polynomials over linear inequalities
 (linear programming). Otherwise a polynomial of degree one in a parameter is bounded by its values
-at the bounds of that parameter, and the opposite of an open sign is refuted by products of
-inequalities with a negative sum. A sign may then remain unproved.
+at the bounds of that parameter, and signs are refuted by products of inequalities with a negative
+sum. A sign may then remain unproved.
 """
 
 from __future__ import annotations
@@ -11,19 +11,28 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache
 from itertools import chain, combinations, combinations_with_replacement, islice, product
+from math import prod
 
 from sympy.polys.rings import PolyElement
 
-from pwmap.algebra.exact import Number, Ring, constant, degree_in, dense, is_constant, sign
+from pwmap.algebra.bivariate import coefficients_in
+from pwmap.algebra.exact import (
+    Number,
+    Ring,
+    constant,
+    degree_in,
+    dense,
+    is_constant,
+    sign,
+    total_degree,
+)
 from pwmap.algebra.inequalities import (
     ANY,
     Constraint,
     Signs,
-    affine,
     connected,
     factors,
     proportion,
-    total_degree,
     value_at,
     variables,
 )
@@ -38,7 +47,7 @@ LIMIT = 200  # of the products of one refutation: beyond, linear programs take s
 def possible_signs(
     polynomial: PolyElement, constraints: Constraints, points: Callable[[], Iterable[Point]] = tuple
 ) -> Signs:
-    """All signs a polynomial may take where the constraints hold; the points show some of them."""
+    """All signs a polynomial may take where constraints hold; ``points`` satisfy them."""
     return _product_signs(
         polynomial, lambda factor: _fully(factor, connected(constraints, variables(factor)), points)
     )
@@ -177,7 +186,7 @@ def _signs_by_elimination(factor: PolyElement, constraints: Constraints, variabl
     top = max(total_degree(p) for p in (factor, *(c.polynomial for c in constraints)))
     kept = (c for c in _without(bounds) if total_degree(c.polynomial) <= top)  # no explosion
     others = tuple(dict.fromkeys((*others, *kept)))
-    slope, rest = affine(factor, variable)
+    rest, slope = coefficients_in(factor, variable)
     ends: dict[int, list[tuple[Signs, bool]]] = {1: [], -1: []}  # the lower ones, the upper ones
     for sense, gain, shift, strict in bounds:
         # at the bound, the parameter is -shift/gain: the factor is (rest gain - slope shift)/gain
@@ -210,14 +219,14 @@ def _bounds(constraints: Constraints, others: Constraints, variable: int) -> Ite
     """Inequalities that bound a parameter below (sign +1) or above (-1)."""
     for constraint in constraints:
         if degree_in(constraint.polynomial, variable) == 1:
-            gain, shift = affine(constraint.polynomial, variable)
+            shift, gain = coefficients_in(constraint.polynomial, variable)
             sides = _bounded_signs(gain, others)
             if sides in ({1}, {-1}):
                 yield next(iter(sides)), gain, shift, constraint.strict
 
 
 def _without(bounds: Sequence[Bound]) -> Iterator[Constraint]:
-    """What bounds of a parameter say of the others: each lower one is below each upper one."""
+    """Inequalities without a parameter: each of its lower bounds is below each upper one."""
     for sense, gain, shift, strict in bounds:
         for other_sense, other_gain, other_shift, other_strict in bounds:
             if sense > 0 > other_sense:
@@ -253,7 +262,6 @@ def _is_refuted(claim: Constraint, constraints: Constraints) -> bool:
 
 
 def _products(known: Constraints, top: int) -> Iterator[Constraint]:
-    """Products of inequalities up to a total degree."""
     for i, first in enumerate(known):
         yield first
         left = top - total_degree(first.polynomial)
@@ -265,13 +273,9 @@ def _products(known: Constraints, top: int) -> Iterator[Constraint]:
 
 
 def _squares(ring: Ring, used: Sequence[int], half: int) -> Iterator[Constraint]:
-    monomials = [ring.one]
-    for count in range(1, half + 1):
-        for chosen in combinations_with_replacement(used, count):
-            monomial = ring.one
-            for variable in chosen:
-                monomial = monomial * ring.gens[variable]
-            monomials.append(monomial)
+    gens, degrees = [ring.gens[variable] for variable in used], range(half + 1)
+    factors_ = chain.from_iterable(combinations_with_replacement(gens, n) for n in degrees)
+    monomials = [prod(each, start=ring.one) for each in factors_]
     yield from (Constraint(m**2, False) for m in monomials[1:])
     for first, second in combinations(monomials, 2):
         yield from (Constraint((first + s * second) ** 2, False) for s in (1, -1))

@@ -1,7 +1,4 @@
-"""Formulas and conditions as trees of the few operations a piecewise-linear map may hold.
-
-Text, numbers and sympy expressions become such trees, of bounded size; nothing is computed.
-"""
+"""Formulas and conditions of maps as trees of bounded size, from numbers and sympy expressions."""
 
 from __future__ import annotations
 
@@ -84,7 +81,7 @@ class Term:
     source: object = None  # what it was read from, for messages
 
     def __str__(self) -> str:
-        """As it was written, in one line, its middle left out if it is long."""
+        """As it was written, in one line; the middle of long text is left out."""
         return shortened(" ".join(str(self.source).split()))
 
     def names(self) -> dict[str, sympy.Symbol]:
@@ -131,7 +128,7 @@ def checked_parameter(name: object, symbols: Sequence[sympy.Symbol]) -> str:
 
 
 def float_refusal(value: object) -> TypeError:
-    """The error that a float is, naming the rational it probably means if that is short."""
+    """The error for a float, with the rational it probably means if that is short."""
     text = str(value)
     meant = ""
     if len(text) <= 40 and text.lower().lstrip("+-").rstrip("0123456789") in ("inf", "nan"):
@@ -190,54 +187,43 @@ _OPERATIONS: dict[Any, Operation] = {
 }
 
 
-class _Reader:
-    """Trees of sympy expressions, each part read once (by ``id``, as sympy compares slowly)."""
+def term_of_sympy(expr: sympy.Basic) -> Term:
+    """A sympy expression as a tree; TypeError for floats, ValueError for what no map may have."""
+    known: dict[int, Term] = {}  # by id, as sympy compares slowly
 
-    def __init__(self) -> None:
-        self._known: dict[int, Term] = {}
-
-    def read(self, expr: sympy.Basic, depth: int = 0) -> Term:
-        found = self._known.get(id(expr))
-        if found is None:
+    def read(part: sympy.Basic, depth: int) -> Term:
+        if id(part) not in known:
             if depth > MAX_DEPTH:
                 raise ValueError(f"an expression is nested more than {MAX_DEPTH} deep")
-            if len(self._known) > MAX_TERMS:
+            if len(known) > MAX_TERMS:
                 raise ValueError(f"an expression has more than {MAX_TERMS} parts")
-            found = self._leaf(expr) or self._inner(expr, depth)
-            self._known[id(expr)] = found  # whose source keeps the expression, and its id, alive
-        return found
-
-    def _leaf(self, expr: sympy.Basic) -> Term | None:
-        if isinstance(expr, sympy.Float):
-            raise float_refusal(expr)
-        if isinstance(expr, sympy.Rational):
-            return Term(Operation.NUMBER, value=_checked(int(expr.p), int(expr.q)), source=expr)
-        if isinstance(expr, sympy.Symbol):
-            return Term(Operation.NAME, value=expr, source=expr)
-        if isinstance(expr, BooleanAtom):
-            return Term(Operation.TRUTH, value=bool(expr), source=expr)
-        return None
-
-    def _inner(self, expr: sympy.Basic, depth: int) -> Term:
-        if isinstance(expr, sympy.Pow) and isinstance(expr.exp, sympy.Integer):
-            return Term(
-                Operation.POWER,
-                (self.read(expr.base, depth + 1), self.read(expr.exp, depth + 1)),
-                source=expr,
+            # the term keeps the part, and so its id, alive
+            known[id(part)] = _leaf(part) or Term(
+                _operation(part), tuple(read(a, depth + 1) for a in part.args), source=part
             )
-        operation = _OPERATIONS.get(expr.func)
-        if operation is None:
-            raise ValueError(
-                "a formula must be polynomial in the parameters over the rationals, "
-                f"got {shortened(str(expr))}"
-            )
-        return Term(operation, tuple(self.read(a, depth + 1) for a in expr.args), source=expr)
+        return known[id(part)]
+
+    return read(expr, 0)
 
 
-def term_of_sympy(expr: sympy.Basic) -> Term:
-    """A sympy expression as a tree.
+def _leaf(expr: sympy.Basic) -> Term | None:
+    if isinstance(expr, sympy.Float):
+        raise float_refusal(expr)
+    if isinstance(expr, sympy.Rational):
+        return Term(Operation.NUMBER, value=_checked(int(expr.p), int(expr.q)), source=expr)
+    if isinstance(expr, sympy.Symbol):
+        return Term(Operation.NAME, value=expr, source=expr)
+    if isinstance(expr, BooleanAtom):
+        return Term(Operation.TRUTH, value=bool(expr), source=expr)
+    return None
 
-    TypeError if a float occurs; ValueError if it has what no piecewise-linear map over the
-    rationals has, or is too large.
-    """
-    return _Reader().read(expr)
+
+def _operation(expr: sympy.Basic) -> Operation:
+    if isinstance(expr, sympy.Pow) and isinstance(expr.exp, sympy.Integer):
+        return Operation.POWER
+    if expr.func not in _OPERATIONS:
+        raise ValueError(
+            "a formula must be polynomial in the parameters over the rationals, "
+            f"got {shortened(str(expr))}"
+        )
+    return _OPERATIONS[expr.func]

@@ -16,10 +16,7 @@ from pwmap.checking.refusing import ORDER, ROWS, STEP, Effort, refuse
 
 
 class ClaimedStretch(NamedTuple):
-    """A claim that something exists from one place to another.
-
-    Place 2 i is the i-th edge, place 2 i + 1 the open interval from it to the next.
-    """
+    """A claim that something exists from one place to another: edge i is 2 i, the gap 2 i + 1."""
 
     kind: str
     order: int
@@ -45,7 +42,7 @@ class ClaimedStretch(NamedTuple):
 
 
 class ClaimedEnd(NamedTuple):
-    """A stretch that ends at an edge, and on which side it lies; 0 if it exists at the edge alone.
+    """A stretch that ends at an edge, with its side, 0 if it exists at the edge alone.
 
     A fixed point that ``passes`` exists on both sides and at the edge, with the same stability.
     """
@@ -56,12 +53,12 @@ class ClaimedEnd(NamedTuple):
 
     @property
     def kind(self) -> str:
-        """Of what it is an end; an interval is at one value of the parameter alone."""
+        """The kind of the stretch."""
         return self.stretch.kind
 
     @property
     def name(self) -> tuple[int, str, int]:
-        """What tells it from all others of fixed points at one edge."""
+        """Order, word and side, unique among the ends of fixed points at an edge."""
         return self.stretch.order, self.stretch.word, self.side
 
 
@@ -113,15 +110,12 @@ class ClaimedDiagram:
         self._things: dict[tuple[str, int, str], list[ClaimedStretch]] = {}
         for stretch in self.stretches:
             self._things.setdefault(stretch.thing, []).append(stretch)
-        self.study, self.ends = cache(self._study), cache(self._all_ends)
+        self.study = cache(lambda i, n: CheckedIterate(self.map, self.places[i], n))
+        self.ends = cache(self._all_ends)
         self._found = cache(lambda i, n: own_parts(self.study(i, n)))
 
-    def _study(self, place: int, order: int) -> CheckedIterate:
-        """An iterate at a place."""
-        return CheckedIterate(self.map, self.places[place], order)
-
     def verify(self) -> None:
-        """Whether everything claimed exists and, but for the first and last edge, nothing else."""
+        """Refuse unless all that is claimed exists and, between the outer edges, nothing else."""
         for same in self._things.values():
             for one, other in pairwise(sorted(same, key=lambda s: s.first)):
                 if other.first <= one.last:
@@ -167,11 +161,11 @@ class ClaimedDiagram:
         return sign(difference) == 0 and sign(one[1]) != 0 and sign(other[1]) != 0
 
     def found(self, i: int, n: int, kind: str) -> dict[str, Any]:
-        """What there is of a kind and of an order at a place."""
+        """All of a kind and an order at a place, by word."""
         return self._found(i, n)[kind]
 
     def _all_ends(self, edge: int) -> list[ClaimedEnd]:
-        """What ends at an edge, wherever a list cuts it, and the fixed points that pass there."""
+        """All ends at an edge, and the fixed points that pass there and on which others may end."""
         self.work.spend(5 * STEP * len(self.stretches))
         ends = [end for same in self._things.values() for end in ends_of(same, edge)]
         return [end for end in ends if not end.passes or self._is_bent(end, edge)]

@@ -33,7 +33,7 @@ def seal_of(certificate: Mapping[str, Any]) -> str:
 
 
 def statement_of(certificate: object) -> str:
-    """What a certificate proves, whatever its own sentence and seal say; Refused if nothing."""
+    """The sentence that a certificate proves, whatever its statement and seal; Refused if none."""
     if not isinstance(certificate, dict) or certificate.get("format") != FORMAT:
         refuse(f"this is no {FORMAT}")
     kind = certificate.get("kind")
@@ -47,7 +47,7 @@ def statement_of(certificate: object) -> str:
 
 
 def check(certificate: object) -> str:
-    """Verify a certificate; the same as :func:`check_certificate`, of what the file holds."""
+    """Verify the content of a certificate; see :func:`check_certificate`."""
     if not isinstance(certificate, dict) or certificate.get("seal") != seal_of(certificate):
         refuse("the seal is not that of the content")
     statement = statement_of(certificate)
@@ -57,7 +57,7 @@ def check(certificate: object) -> str:
 
 
 def read(path: str | Path) -> object:
-    """What a file of JSON holds; no name twice, no numbers but integers."""
+    """The content of a file of JSON without a name twice, or numbers but integers."""
 
     def unique(pairs: list[tuple[str, Any]]) -> dict[str, Any]:
         if len(dict(pairs)) < len(pairs):
@@ -91,7 +91,7 @@ def read(path: str | Path) -> object:
 
 
 def check_certificate(path: str | Path) -> str:
-    """Verify a certificate from nothing but its file, and state what it proves.
+    """Verify a certificate from its file alone, and state what it proves.
 
     Parameters
     ----------

@@ -21,9 +21,8 @@ class IterateValue(NamedTuple):
 class Atom(NamedTuple):
     """An open interval, or a point, whose points visit the same pieces.
 
-    ``left`` and ``right`` are the limits of the iterate at its ends, None if infinite, or twice the
-    value at the point. ``cut`` of a point holds the index of a break and how many letters lead
-    there.
+    ``left`` and ``right`` are the limits of the iterate at its ends, None if infinite, or both its
+    value at the point. ``cut`` of a point is the index of a break and the number of letters to it.
     """
 
     word: str
@@ -33,7 +32,7 @@ class Atom(NamedTuple):
 
 
 class Map(NamedTuple):
-    """Affine pieces over one denominator, and to which each break and open interval belongs."""
+    """Affine pieces over one denominator, and the piece of each break and open interval."""
 
     slots: str  # a letter for each interval and each break from left to right, in turn
     slopes: Mapping[str, Poly]

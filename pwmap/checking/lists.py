@@ -1,4 +1,4 @@
-"""Statements on an iterate of a map without a parameter: all that lies on its diagonal."""
+"""Statements on the diagonal of an iterate of a map without a parameter."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def rational_text(work: Effort, value: Quotient | None) -> str | None:
 
 
 def period(word: str) -> int:
-    """How many letters the shortest word has of which this one is a power."""
+    """The length of the shortest word of which this one is a power."""
     n = len(word)
     return next(d for d in range(1, n + 1) if n % d == 0 and word[:d] * (n // d) == word)
 

@@ -14,7 +14,7 @@ from pwmap.checking.refusing import ROWS, STEP, digits, refuse
 
 
 class Point:
-    """All that ends at one edge and one x; what has the least order decides its kind."""
+    """All ends at one edge and one x; those of the lowest order decide its kind."""
 
     def __init__(
         self, diagram: ClaimedDiagram, edge: int, ends: Sequence[ClaimedEnd], *, infinite: bool
@@ -110,7 +110,7 @@ class Point:
         return slope is not None and study.excess(word, 1) * study.excess(word, -1) < 0
 
     def _condition(self, end: ClaimedEnd, code: str) -> dict[str, Any]:
-        """What vanishes where a stretch of fixed points ends, and whether its zero is simple."""
+        """The polynomials that vanish at the end of a stretch, and whether the zeros are simple."""
         word = end.stretch.word
         if code in ("LP", "PD"):
             polynomials = [self.diagram.map.excess(word, 1 if code == "PD" else -1)]
@@ -152,7 +152,7 @@ class Point:
 
 
 def is_special(ends: Sequence[ClaimedEnd]) -> bool:
-    """Whether fixed points end, or pass where an interval of them exists at the edge alone."""
+    """Whether fixed points end here, or pass an interval that exists at the edge alone."""
     changing = any(not end.passes and end.kind != JUMPS for end in ends)
     return changing and any(end.kind == FIXED for end in ends)
 

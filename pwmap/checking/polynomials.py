@@ -1,7 +1,7 @@
-"""Polynomials with integer coefficients, and the signs that they have at roots of others.
+"""Polynomials with integer coefficients, and their signs at roots of others.
 
 Signs come from signed remainder sequences: theorems of Sturm and Tarski [BasuPollackRoy2006,
-Section 2.2]. Each multiplication states its cost first.
+Section 2.2]. The work of each multiplication is counted before it is done.
 """
 
 from __future__ import annotations
@@ -57,19 +57,15 @@ def times(work: Effort, f: Poly, g: Poly) -> Poly:
 
 def power(work: Effort, f: Poly, n: int) -> Poly:
     """The n-th power."""
-    powers = known(work, ("powers", f), _no_power)
+    powers: list[Poly] = known(work, ("powers", f), lambda: [(1,)])
     while len(powers) <= n:
         powers.append(times(work, powers[-1], f))
         work.keep(powers[-1])
     return powers[n]
 
 
-def _no_power() -> list[Poly]:
-    return [(1,)]
-
-
 def known(work: Effort, key: tuple[str, *tuple[Poly, ...]], compute: Callable[[], Kept]) -> Kept:
-    """What was computed before, or is now and is kept."""
+    """A value that is computed once for each key."""
     work.spend(STEP + sum(len(f) * (60 + length(f) // 16) for f in key[1:]))  # to look it up
     if key not in work.known:
         found = compute()
@@ -221,7 +217,7 @@ def between(low: Number, high: Number) -> Fraction:
 
 
 class Place:
-    """A value of the parameter, given twice, or an open interval on which no asked sign changes."""
+    """A value of the parameter, given twice, or an open interval; its signs must be constant."""
 
     def __init__(self, low: Number, high: Number, work: Effort) -> None:
         self.low, self.high = low, high

@@ -1,4 +1,4 @@
-"""What a certificate holds, read with suspicion."""
+"""The content of a certificate, refused unless it has the expected form."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def shown(value: object) -> str:
 
 
 def canonical(value: object) -> str:
-    """JSON without a choice."""
+    """The one text of JSON for a value."""
     try:
         return json.dumps(value, sort_keys=True, separators=(",", ":"), ensure_ascii=True)
     except (TypeError, ValueError, RecursionError) as error:

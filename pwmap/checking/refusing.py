@@ -21,7 +21,7 @@ STEP = 1_000  # work of any step, whatever it computes with
 
 
 class Refused(ValueError):  # noqa: N818  it is no error of the program
-    """What a certificate says is not proved by it; one sentence says why."""
+    """A certificate does not prove what it says; one sentence says why."""
 
 
 class Effort:

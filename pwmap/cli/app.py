@@ -79,12 +79,11 @@ def analyse(
 ) -> None:
     """Find all branches and special points over a parameter, exactly; draw and export them.
 
-    The iterates are taken order by order. If that takes more pieces than allowed, or is ended by
-    Ctrl-C, the orders that were completed are kept; Ctrl-C later keeps the diagram, and what is
-    known of the long run in files of its own. Tables are written and shown first, pictures after
-    them; Ctrl-C keeps those that are there, and Ctrl-C again ends it at once. What attracts in the
-    long run, and how complex it is, is asked for by --attractors and --entropy, which need a span,
-    and by --density.
+    Iterates are computed order by order. Beyond the allowed pieces, or after Ctrl-C, the completed
+    orders are kept; a later Ctrl-C keeps the diagram, and what is known of the long run in other
+    files. Tables are written and shown first, then pictures. Ctrl-C keeps what is there, and a
+    second one ends the command at once. --attractors and --entropy, which need --span, and
+    --density ask for the long run.
 
     Example: pwmap analyse "Piecewise((r - 2, x <= 0), (r - a*x, True))" --parameter r --set a=5/4
     """
@@ -132,12 +131,15 @@ def analyse(
                 except OSError as error:
                     failed = screen.in_words(error)
         failed = screen.record(out, "analyse", [*tables, *pictures], asked) or failed
-    _tell_end(kept, more, failed, without="" if pictures else ", without pictures")
+    if kept.interrupts:
+        for sentence in (*kept.diagram.given, *more.left_out):
+            screen.say(sentence)
+    screen.tell_end(bool(kept.interrupts), failed, "" if pictures else ", without pictures")
 
 
 @dataclass
 class _Kept:
-    """The diagram up to the completed orders, with its files made: both are kept at Ctrl-C."""
+    """The diagram of the completed orders and the content of its files, both kept at Ctrl-C."""
 
     about: dict[str, object]
     interrupts: list[bool] = field(default_factory=list)
@@ -145,7 +147,7 @@ class _Kept:
     files: dict[str, bytes] = field(default_factory=dict)
 
     def keep(self, diagram: Diagram) -> None:
-        """Make the files of a diagram; after Ctrl-C those that were there stay."""
+        """Make the files of a diagram; after Ctrl-C the earlier ones stay."""
         from pwmap.diagrams.tables import results_as_bytes
 
         if not self.interrupts and self.diagram is not diagram:
@@ -161,7 +163,7 @@ class _Kept:
 
     @contextmanager
     def going_on(self) -> Iterator[None]:
-        """Let Ctrl-C end what goes on here, if something is kept; another one ends the command."""
+        """Let Ctrl-C end this context, if something is kept; another one ends the command."""
         try:
             yield
         except KeyboardInterrupt:
@@ -171,7 +173,7 @@ class _Kept:
 
     @property
     def lost(self) -> str:
-        """What an interrupt that ends the command has left."""
+        """What is lost by an interrupt that ends the command."""
         return "there is nothing to keep yet" if self.diagram is None else "files may be missing"
 
 
@@ -185,7 +187,7 @@ def _computed(
     kept: _Kept,
     bar: Bar,
 ) -> Diagram:
-    """The diagram, which is kept order by order; a bar says how far it is."""
+    """The diagram, which is kept order by order, with progress on a bar."""
     from pwmap import bifurcation_diagram
 
     task = bar.add_task("order 1", total=max(orders, default=1))
@@ -214,24 +216,13 @@ def _written(kept: _Kept, more: LongRun, out: Path) -> list[str]:
 
 
 def _tell(map_: PiecewiseLinearMap, found: Diagram, more: LongRun) -> None:
-    """All tables for a person; before them, if they hold in a part of what was assumed only."""
+    """All tables for a person, after a warning if they hold for part of the assumptions only."""
     from pwmap.cli.given import in_a_part_only
     from pwmap.diagrams.tables import table_of_branches, table_of_points
 
     if part := in_a_part_only(map_, found):
         screen.say(part)
     screen.show(table_of_branches(found), table_of_points(found), *more.tables())
-
-
-def _tell_end(kept: _Kept, more: LongRun, failed: str, without: str) -> None:
-    if kept.interrupts:
-        for sentence in (*kept.diagram.given, *more.left_out):
-            screen.say(sentence)
-        screen.complain(f"Interrupted: what was finished is kept{without}")
-        raise typer.Exit(screen.INTERRUPTED)
-    if failed:
-        screen.complain(f"Failed: {failed}; what was finished is kept{without}")
-        raise typer.Exit(1)
 
 
 def _draw(found: Diagram, more: LongRun, out: Path, picture: PictureFormat) -> Iterator[str]:

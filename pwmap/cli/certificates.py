@@ -73,9 +73,9 @@ def prove_map(
 def check_files(
     files: Annotated[list[Path], typer.Argument(help="Certificates.")],
 ) -> None:
-    """Verify certificates from nothing but their files, and print what they prove.
+    """Verify certificates from their files alone, and print what they prove.
 
-    All files are read; the exit status is 1 if one is refused.
+    The exit status is 1 if one of them is refused.
     """
     from pwmap import check_certificate
     from pwmap.checking import Refused

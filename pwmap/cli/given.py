@@ -1,4 +1,4 @@
-"""What a command says first where its answer holds in a part of what was assumed only."""
+"""The warning of a command whose answer holds for part of the assumptions only."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 
 def in_a_part_only(map_: PiecewiseLinearMap, diagram: Diagram) -> str:
-    """A sentence if a diagram holds for a part of the assumptions only, and how to get the rest."""
+    """A sentence if a diagram holds for part of the assumptions only, and how to get the rest."""
     varied = diagram.parameter_name
     assumed = [each for each in map_.given if varied not in map(str, each.free_symbols)]
     named = {str(symbol): symbol for symbol in map_.parameters if str(symbol) in diagram.sample}

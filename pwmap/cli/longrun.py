@@ -27,9 +27,9 @@ HIGHEST = 5  # order up to which crises are looked for
 
 
 class LongRun:
-    """Attractors and entropy over a map's only parameter, and densities at values of it.
+    """Attractors and entropy over a span of a map's only parameter, and densities at its values.
 
-    The span, two rationals, is needed for the first two. After a Ctrl-C nothing more is begun.
+    After Ctrl-C nothing more is begun.
     """
 
     def __init__(
@@ -44,32 +44,27 @@ class LongRun:
         self.left_out = list[str]()  # sentences on what is not known
 
     def ask(self, *, attractors: bool, entropy: bool, density: tuple[str, ...], order: int) -> None:
-        """Ask question after question, until Ctrl-C; ValueError without the span that one needs."""
+        """Compute what is asked for, until Ctrl-C; ValueError if a span is missing."""
         map_, name, span = self._map, self._parameter, self._span
         if span is None and (attractors or entropy):
             raise ValueError("--attractors and --entropy need an interval of the parameter: --span")
         if span is not None and attractors:
-            over = map_, name, span, min(order, HIGHEST)
-            self.found = self._asked(
-                "attractors", lambda budget: attractor_diagram(*over, budget=budget)
-            )
+            question = partial(attractor_diagram, map_, name, span, min(order, HIGHEST))
+            self.found = self._asked("attractors", question)
         if span is not None and entropy:
-            whole = map_, name, span
-            self.constant = self._asked(
-                "entropy", lambda budget: constant_entropy(*whole, budget=budget)
-            )
+            self.constant = self._asked("entropy", partial(constant_entropy, map_, name, span))
         for value in density:
             seen = self._asked(f"density at {value}", partial(self._at, value))
             if seen is not None:
                 self.at[value] = seen
 
-    def _asked(self, what: str, question: Callable[[Budget], Found | None]) -> Found | None:
-        """What is found of a question; None if Ctrl-C ended it before anything was."""
+    def _asked(self, what: str, question: Callable[..., Found | None]) -> Found | None:
+        """The answer to a question; None if Ctrl-C ended it before anything was found."""
         found: Found | None = None
         if not self._interrupts:
             with budget_on(self._bar, what, self._interrupts) as budget:
                 try:
-                    found = question(budget)
+                    found = question(budget=budget)
                 except KeyboardInterrupt:
                     self._interrupts.append(True)
         if found is None:
@@ -102,13 +97,10 @@ class LongRun:
 
     def write(self, folder: Path) -> list[str]:
         """Write tables of what was found into a folder, and name the files."""
-        found = self.found
         tables: dict[str, tuple[tuple[str, ...], Iterable[Sequence[object]]]] = {}
-        if found is not None:
-            tables = {
-                "attractors.csv": (CELLS, _cells(found)),
-                "crises.csv": (CRISES, _crises(found)),
-            }
+        if self.found is not None:
+            tables["attractors.csv"] = CELLS, _cells(self.found)
+            tables["crises.csv"] = CRISES, _crises(self.found)
         if self.constant is not None:
             tables["entropy.csv"] = INTERVALS, _intervals(self.constant)
         for name, (header, rows) in tables.items():

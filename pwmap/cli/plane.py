@@ -61,8 +61,8 @@ def draw_plane(
 ) -> None:
     """Cut a rectangle of two parameters into cells, exactly, and name the curves between them.
 
-    Strips of cells are found from left to right; Ctrl-C keeps those that are finished, and of
-    curves of crises and of the raster what is, as tables and as a picture.
+    Strips of cells are found from left to right. Ctrl-C keeps what is finished of them, of curves
+    of crises and of the raster, as tables and as a picture.
 
     Example: pwmap plane "Piecewise((a*x + 1, x <= 0), (b*x + 1, True))" --across a --along b
     --across-span 1/10 11/10 --along-span -5 -1/2 --orders 1,2,3 --colours bands
@@ -107,12 +107,7 @@ def draw_plane(
             screen.say(sentence)
         failed = screen.record(out, "plane", names, asked) or failed
     without = "" if file in names else ", without the picture"
-    if interrupts:
-        screen.complain(f"Interrupted: what was finished is kept{without}")
-        raise typer.Exit(screen.INTERRUPTED)
-    if failed:
-        screen.complain(f"Failed: {failed}; what was finished is kept{without}")
-        raise typer.Exit(1)
+    screen.tell_end(bool(interrupts), failed, without)
 
 
 def _computed(
@@ -123,7 +118,7 @@ def _computed(
     budget: Budget,
     interrupts: list[bool],
 ) -> tuple[ParameterPlane, PlaneRaster | None]:
-    """The plane, with curves of crises and a raster if asked for, as far as Ctrl-C lets it come."""
+    """The plane, with curves of crises and a raster if asked for, as far as it was computed."""
     from pwmap import parameter_plane
     from pwmap.plane import plane_raster, with_crises
     from pwmap.plane.crisiscurves import SEARCH

@@ -1,4 +1,4 @@
-"""What commands read from text: maps, values of parameters and orders."""
+"""Maps, values of parameters and orders from the text of a command."""
 
 from __future__ import annotations
 
@@ -19,10 +19,7 @@ AS_TEXT = (
 def map_of(
     formula: str, variable: str, given: Sequence[str], values: Mapping[str, str]
 ) -> PiecewiseLinearMap:
-    """A map given as text, with some of its parameters at values.
-
-    ValueError if the text is no formula, with how one is written, no map, or lacks a parameter.
-    """
+    """A map given as text, with values of parameters; ValueError if it is none or lacks one."""
     from pwmap import PiecewiseLinearMap
     from pwmap.algebra.assumptions import AssumedRegion, read_constraints
     from pwmap.algebra.exact import sign
@@ -68,13 +65,13 @@ DECIMAL = re.compile(r"[+-]?(\d+\.\d*|\.?\d+)(e[+-]?\d{1,3})?", re.IGNORECASE)
 
 
 def exact(text: str) -> str:
-    """A number as it is written, where it is a decimal: 1.25 is 5/4, not a double near it."""
+    """A decimal as an exact fraction, 1.25 as 5/4; other text as it is."""
     stripped = text.strip()
     return str(Fraction(stripped)) if DECIMAL.fullmatch(stripped) else text
 
 
 def exact_span(span: tuple[str, str] | None) -> tuple[str, str] | None:
-    """Both ends of an interval so; ValueError if they are none."""
+    """Both ends of an interval by :func:`exact`; ValueError if it is no interval."""
     from pwmap.parameters.cells import checked_span
 
     if span is None:

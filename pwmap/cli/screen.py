@@ -1,6 +1,6 @@
-"""What the commands of both packages print: tables and sentences for people, or for a program.
+"""Output of the commands of both packages: tables and sentences for people, or for a program.
 
-With ``--format`` csv or json tables alone go to stdout, and sentences to stderr. In a pipe no line
+With ``--format`` csv or json only tables go to stdout, and sentences to stderr. In a pipe no line
 is broken.
 """
 
@@ -63,7 +63,7 @@ _tables: ContextVar[Format | None] = ContextVar("_tables", default=None)
 
 class _Screen(Console):
     def on_broken_pipe(self) -> None:
-        """What reads a pipe, as ``head`` does, may end first: pictures are drawn all the same."""
+        """A reader of a pipe, such as ``head``, may end first; pictures are drawn all the same."""
         os.dup2(os.open(os.devnull, os.O_WRONLY), self.file.fileno())
 
 
@@ -73,7 +73,7 @@ def option(text: str, *names: str, **keywords: Any) -> Any:
 
 
 def picture_format(asked: Iterable[Format] | None) -> PictureFormat:
-    """The asked format of pictures, that of tables being kept; ValueError if two are asked."""
+    """The format of pictures; that of tables is stored. ValueError if two of a kind are given."""
     listed = [*dict.fromkeys(asked or ())]
     tables = [each for each in listed if each in TABLES]
     pictures = [each for each in listed if each not in TABLES]
@@ -168,7 +168,7 @@ def progress() -> Progress:
 def budget_on(
     bar: Progress, what: str, interrupts: list[bool], pieces: int = BUDGET.pieces
 ) -> Iterator[Budget]:
-    """A budget that shows on a bar how far something is, and to which each Ctrl-C is added."""
+    """A budget that shows progress on a bar and adds each Ctrl-C to ``interrupts``."""
     task = bar.add_task(what, total=None)
 
     def tell(at: Advance) -> None:
@@ -181,7 +181,7 @@ def budget_on(
 
 @contextmanager
 def told(lost: Callable[[], str]) -> Iterator[None]:
-    """What ends a command is told in a sentence; after Ctrl-C that what is lost."""
+    """Tell in a sentence what ends a command; after Ctrl-C, what is lost."""
     try:
         yield
     except KeyboardInterrupt:
@@ -193,14 +193,14 @@ def told(lost: Callable[[], str]) -> Iterator[None]:
 
 
 def in_words(error: Exception) -> str:
-    """What went wrong, without the number that an operating system has for it."""
+    """The sentence of an error, without the number of the operating system."""
     if isinstance(error, OSError) and error.strerror and error.filename is not None:
         return f"{error.filename}: {error.strerror}"
     return str(error)
 
 
 def check_folder(folder: Path) -> None:
-    """ValueError if ``--out`` is a file, or is named as one: it is a folder, of several files."""
+    """ValueError if ``--out`` is a file, or has the name of one: it is a folder."""
     if folder.is_file():
         raise ValueError(f"{folder}: --out is a folder, and this is a file")
     if folder.suffix.lower() in FILES and not folder.exists():
@@ -226,7 +226,7 @@ def tell_written(folder: Path, names: Sequence[str], gone: Sequence[str] = ()) -
 
 
 def record(folder: Path, command: str, names: Sequence[str], about: Mapping[str, object]) -> str:
-    """Record what a command wrote, and say it; why there is no record if it cannot be written."""
+    """Record what a command wrote, and say it; returns why there is no record, or nothing."""
     from pwmap.diagrams.record import keep_record, record_of
 
     try:
@@ -238,8 +238,16 @@ def record(folder: Path, command: str, names: Sequence[str], about: Mapping[str,
     return ""
 
 
+def tell_end(interrupted: bool, failed: str, without: str) -> None:
+    """Say why a command ended early, if it did, and leave with the exit status of that."""
+    why = "Interrupted" if interrupted else f"Failed: {failed}" if failed else ""
+    if why:
+        complain(f"{why}{':' if interrupted else ';'} what was finished is kept{without}")
+        raise typer.Exit(INTERRUPTED if interrupted else 1)
+
+
 def command_line(package: str, text: str) -> typer.Typer:
-    """A command, still without any of its own, that says its version and draws into files only."""
+    """A command line without commands, that says its version and draws into files only."""
     app = typer.Typer(
         help=text,
         no_args_is_help=True,
@@ -266,7 +274,7 @@ def command_line(package: str, text: str) -> typer.Typer:
 
 
 def in_paragraphs(app: typer.Typer) -> None:
-    """Let the help of each command break its lines where the screen ends, not where code does."""
+    """Let the help of each command break its lines where the screen ends, not as in the code."""
     for command in app.registered_commands:
         text = inspect.getdoc(command.callback) or ""
         paragraphs = (" ".join(each.split()) for each in text.split("\n\n"))

@@ -1,4 +1,4 @@
-"""Branches and special points, of which the diagrams of both packages are made."""
+"""Branches and special points, the parts of diagrams of both packages."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ class BranchKind(StrEnum):
 
 
 class Coded(StrEnum):
-    """A closed set of codes, each with a phrase; a member is written as its code and the phrase."""
+    """A closed set of codes; a member is written as its code and a phrase."""
 
     _value_: str
     meaning: str  #: One phrase that says what it is.
@@ -77,11 +77,10 @@ def _locked(values: Sequence[float] | FloatArray, dtype: type) -> npt.NDArray[np
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """A part of a branch with one word, up to where the next begins; see :class:`Branch`.
+    """A part of a branch with one word, up to the first sample of the next; see :class:`Branch`.
 
-    ``first`` is its first sample, where a word changes that at the border; ``cause`` is a sentence
-    on what happens where it begins, empty at the start of a branch; ``exact`` holds sympy
-    expressions by name, such as ``{"x": r/(a + 1)}``, and is empty for the toy.
+    Where a word changes, ``first`` is the sample at the border, and ``cause`` a sentence on what
+    happens there. ``exact`` holds sympy expressions by name, such as ``{"x": r/(a + 1)}``.
     """
 
     first: int
@@ -97,29 +96,26 @@ class Branch:
 
     Parameters
     ----------
-    id
-        Unique in its diagram, without ``:``.
+    id, order
+        Unique in its diagram, without ``:``; the iterate, at least 1.
     kind
-        Fixed points of P_order; a jump of P_order whose one-sided limits lie strictly on opposite
-        sides of the diagonal; or a band of a chaotic attractor that P_order maps to itself, with
-        its middle as x.
-    order
-        The iterate, at least 1.
+        Fixed points of P_order; a jump of P_order with one-sided limits strictly on opposite sides
+        of the diagonal; or a band of a chaotic attractor that P_order maps to itself, with its
+        middle as x.
     word
-        Sequence of events (toy) or of visited pieces (piecewise-linear map) at its first sample.
+        Its events (toy) or visited pieces (piecewise-linear map) at the first sample.
     parameter, x, multiplier
-        Samples along the curve, each of shape (n,), n >= 1. The multiplier of a jump is nan.
+        Samples along the curve, of shape (n,), n >= 1. The multiplier of a jump is nan.
     ends
         Ids of the special points at the first and the last sample.
     exact
-        Exact sympy expressions by name, of its first stretch; empty for the toy.
+        Sympy expressions by name, of the first stretch; empty for the toy.
     attracts
-        Whether its fixed points attract where the multiplier does not say, at the border of two
-        pieces of different slopes; else None.
+        Whether its fixed points attract, at a border of pieces of different slopes; else None.
     words
         Its stretches in order, by default one; the first has ``word`` and ``exact``.
     columns
-        What else was observed at each sample, arrays (n,) by name.
+        Other observed values, arrays (n,) by name.
 
     Examples
     --------
@@ -179,7 +175,7 @@ class Branch:
 
     @property
     def changes(self) -> tuple[Stretch, ...]:
-        """The stretches that begin with a change of word: all but the first."""
+        """The stretches but for the first: each begins with a change of word."""
         return self.words[1:]
 
     def stretch_at(self, sample: int) -> Stretch:
@@ -200,7 +196,7 @@ class Branch:
         return np.asarray(np.abs(self.multiplier) < 1.0)
 
     def to_dataframe(self) -> DataFrame:
-        """The samples as rows of a pandas DataFrame; ImportError if pandas is not installed.
+        """The samples as rows of a pandas DataFrame; ImportError without pandas.
 
         Its columns are ``branch``, ``kind``, ``order``, ``word``, ``parameter``, ``x``,
         ``multiplier``, ``stable`` and those of :attr:`columns`.
@@ -235,31 +231,24 @@ class SpecialPoint:
 
     Parameters
     ----------
-    id
-        Unique in its diagram, without ``:``.
-    branches
-        Ids of the branches that end here.
-    order
-        The iterate it belongs to.
+    id, branches, order
+        Unique in its diagram, without ``:``; ids of the branches that end here; the iterate.
     note
-        What the code leaves open, e.g. ``"persistence"`` or ``"fold"`` for a BC.
+        What the kind leaves open, such as ``"persistence"`` or ``"fold"`` of a BC.
     exact
-        Exact sympy expressions by name; empty for the toy.
+        Sympy expressions by name; empty for the toy.
     cause
-        A sentence on what happens there; empty if code and note say it all.
-    interval
-        Of the parameter, around the point. None if it is open, or ``exact`` has the parameter.
-    precision
-        How well the parameter is located: 0 if it is exact, infinite if it is open.
-    status
-        Whether it was located.
+        A sentence on what happens there; empty if kind and note say it.
+    interval, precision, status
+        An interval of the parameter around the point, None if it is open or ``exact`` has the
+        parameter; how well it is located, 0 if exact, infinite if open; whether it was located.
     name
         Such as A; see :meth:`Diagram.named`.
 
     Raises
     ------
     ValueError
-        If the id is no text without ``:``, kind or status is unknown, the precision is negative, or
+        If the id is empty or holds ``:``, kind or status is unknown, the precision is negative, or
         the interval does not hold the parameter.
     """
 
@@ -294,10 +283,7 @@ class SpecialPoint:
 
 
 class Hit(NamedTuple):
-    """Where :meth:`Diagram.at` meets a branch; the multiplier of a jump is nan.
-
-    ``exact`` has the entries of :attr:`Stretch.exact` without ``interval``.
-    """
+    """Where :meth:`Diagram.at` meets a branch, with :attr:`Stretch.exact` but for ``interval``."""
 
     branch: Branch
     x: float
@@ -314,7 +300,7 @@ class StableInterval(NamedTuple):
 
 
 def columns_of(branch: Branch, parameter: str, x: str) -> dict[str, Column]:
-    """Columns of a table with a row for each sample; the names of two are given."""
+    """Columns of a table with a row for each sample, with names for parameter and x."""
     firsts = [stretch.first for stretch in branch.words]
     lengths = np.diff([*firsts, len(branch)]).tolist()
     words = [s.word for s, n in zip(branch.words, lengths, strict=True) for _ in range(n)]
@@ -338,7 +324,7 @@ def runs_of(flags: BoolArray) -> list[tuple[int, int]]:
 
 
 def stable_inside(branch: Branch) -> BoolArray:
-    """Whether samples are stable; ends, which may be flips but for rounding, as those beside."""
+    """Whether samples are stable; an end, which may be a flip, counts as the sample beside it."""
     stable = branch.stable.copy()
     if len(branch) > 2:
         stable[0], stable[-1] = stable[1], stable[-2]

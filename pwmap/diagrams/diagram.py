@@ -1,4 +1,4 @@
-"""The diagram of any map of the line over one parameter, for both packages."""
+"""The diagram of a map of the line over one parameter, for both packages."""
 
 from __future__ import annotations
 
@@ -45,11 +45,11 @@ class Diagram:
     Parameters
     ----------
     parameter_name, x_name
-        Names for axes, tables and graph attributes, e.g. ``"eps_n1"`` and ``"phi_s"``.
+        Names for axes, tables and graphs, such as ``"eps_n1"`` and ``"phi_s"``.
     branches, points
-        In the order in which they were found; ends of branches refer to ids of points.
+        In the order in which they were found; ends of branches are ids of points.
     given
-        Under which conditions on other, symbolic parameters the diagram holds, or how it was found.
+        Conditions on symbolic parameters under which the diagram holds, or how it was found.
     sample
         Values of these parameters by name, at which the floats were taken.
     about
@@ -63,12 +63,8 @@ class Diagram:
     >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
     >>> [(point.id, point.note, point.parameter, point.x) for point in diagram.points[1:3]]
     [('BC1', 'persistence', 0.0, 0.0), ('BC2', 'persistence', 1.0, 0.0)]
-    >>> diagram.sides("BC1")  # branches on the left and on the right
-    (('F1',), ('J1',))
     >>> [(hit.branch.id, hit.x, hit.exact["x"]) for hit in diagram.at("-1/2")]
     [('F1', -1.0, -1)]
-    >>> [(each.branch.id, each.low, each.high) for each in diagram.stable_intervals()]
-    [('F1', -1.0, 0.0), ('F2', 1.0, 2.0)]
     """
 
     parameter_name: str
@@ -129,11 +125,10 @@ class Diagram:
     ) -> Diagram:
         """The same diagram with names for special points, such as those of a publication.
 
-        ``places`` has for each name the id of a point, such as ``PD1``, or a parameter and an x:
-        then the nearest border collision of the lowest order gets the name. Names without one
-        ``within`` that distance, as a part of the diagram's extent in either coordinate, are left
-        out. ValueError if a name is another point's id, or two names fall on one point; KeyError if
-        there is no point of an id; TypeError if a name or place is none.
+        ``places`` maps each name to the id of a point, such as ``PD1``, or to a parameter and an x.
+        These name the nearest border collision of the lowest order ``within`` that part of the
+        diagram's extent in both coordinates, or none. ValueError if a name is an id, or two name
+        one point; KeyError for an unknown id; TypeError if a name or place is none.
         """
         given: dict[str, str] = {}
         check_mapping("places", places, "{'A': 'BC1'}")
@@ -158,25 +153,22 @@ class Diagram:
         return replace(self, points=points)
 
     def sides(self, point_id: str) -> tuple[tuple[str, ...], tuple[str, ...]]:
-        """Ids of the branches at a point, at smaller and at larger parameters.
+        """Ids of the branches at a point (id or name), at smaller and at larger parameters.
 
         A branch along one value of the parameter is in neither; one that starts and ends at the
-        point comes twice. KeyError if there is no point of this id or name.
+        point comes twice. KeyError if there is no such point.
         """
         point = self.point(point_id)
         return queries.sides_of(point, self._incident[point.id])
 
     def at(self, parameter: object) -> tuple[Hit, ...]:
-        """What the diagram shows at one value of the parameter, in order of x.
+        """Where branches are at one value of the parameter, in order of x.
 
         ``parameter`` may be an int, a Fraction, text such as ``"5/4"``, a number of sympy, or a
-        float (the binary number it holds). In an exact diagram all values are exact: a branch is
-        met where the ``interval`` of one of its stretches holds the parameter, and a band of
-        fixed points along this value at both ends. Where other parameters are symbolic, branches
-        are met and sorted as at :attr:`sample`.
-
-        Otherwise values lie on the straight line between neighbouring samples; a branch that turns
-        round is met more than once. ValueError or TypeError if it is no finite real number.
+        float (the binary number it holds); ValueError or TypeError if it is no finite real number.
+        In an exact diagram the values are exact, of a band along this value those of both ends;
+        branches are met and sorted as at :attr:`sample`. Otherwise they are interpolated linearly
+        between samples, and a branch that turns round is met more than once.
         """
         return queries.hits(self.branches, self.parameter_name, parameter, self.sample)
 
@@ -193,8 +185,8 @@ class Diagram:
     def within(self, low: object, high: object) -> Diagram:
         """The branches that exist somewhere from ``low`` to ``high``, whole, and their ends.
 
-        Both are values as in :meth:`at`, or infinite. ValueError if that is no interval of the
-        parameter, TypeError if these are no numbers.
+        Both are values as in :meth:`at`, or infinite. ValueError if that is no interval, TypeError
+        if these are no numbers.
         """
         ends = queries.end_of(low), queries.end_of(high)
         if not ends[0] <= ends[1]:
@@ -214,17 +206,16 @@ class Diagram:
         return replace(self, branches=tuple(branches), points=tuple(points))
 
     def path(self, first: str, last: str) -> tuple[str, ...]:
-        """A shortest way from ``first`` to ``last``: ids of branches and points in turn.
+        """A shortest path from ``first`` to ``last``, ids or names: branches and points in turn.
 
-        Both are ids, or names of points; KeyError if there is none. Empty if they are not
-        connected.
+        Empty if they are not connected. KeyError if there is no such branch or point.
         """
         return queries.path_between(
             self.branches, self.points, self._place(first), self._place(last)
         )
 
     def _place(self, name: str) -> queries.Place:
-        """A branch or a point, between which there are ways: ids of both may be the same text."""
+        """A branch or a point as a node of :meth:`path`: ids of both may be the same text."""
         if name in self._branch:
             return name, 0
         try:
@@ -245,10 +236,9 @@ class Diagram:
     def save(self, path: str | Path) -> Path:
         """Write the diagram as JSON that :func:`pwmap.load_diagram` reads; returns the path.
 
-        Numbers are kept to the last bit, exact values as formulas (:mod:`pwmap.diagrams.encoding`).
-        A name that ends with ``.gz`` is compressed. The file is written whole or not at all.
-        FileNotFoundError if its folder does not exist; TypeError if an exact value is no algebraic
-        formula.
+        Numbers are kept to the last bit, exact values as formulas (:mod:`pwmap.diagrams.encoding`);
+        ``.gz`` is compressed. The file is written whole or not at all. FileNotFoundError without
+        its folder; TypeError if an exact value is no algebraic formula.
         """
         path = checked_path(path)
         write_record(path, self, NAME, VERSION)
@@ -257,8 +247,8 @@ class Diagram:
     def to_dataframe(self) -> DataFrame:
         """The samples of all branches as rows of a pandas DataFrame; ImportError without pandas.
 
-        Its columns are those of :meth:`Branch.to_dataframe`, the parameter and x by their names,
-        such as ``eps_n1`` and ``phi_s``. What was not observed on a branch is nan.
+        Its columns are those of :meth:`Branch.to_dataframe`, the parameter and x by their own
+        names. What was not observed on a branch is nan.
         """
         tables = [columns_of(branch, *self._names) for branch in self.branches]
         first = ("branch", "kind", "order", "word", self.parameter_name, self.x_name)
@@ -269,17 +259,16 @@ class Diagram:
 
         Its columns are ``point`` (the id), ``name``, ``kind``, the parameter and x by their names,
         ``order``, ``note``, ``cause``, ``status``, ``precision``, ``interval_min`` and
-        ``interval_max`` (nan where there is no interval), ``branches`` (ids with blanks between),
-        and exact values of sympy such as ``x_exact``, None where a point has none.
+        ``interval_max`` (nan without an interval), ``branches`` (ids with blanks between), and
+        expressions of sympy such as ``x_exact``, None where a point has none.
         """
         return dataframe(presentation.columns_of_points(self._names, self.points))
 
     def graph(self) -> nx.MultiGraph:
-        """How the branches are connected: special points are nodes, branches edges keyed by id.
+        """The special points as nodes, and the branches as edges keyed by id.
 
-        Numeric attributes are floats, all others text, as every export format keeps them. Those of
-        the graph are ``parameter``, ``x``, ``given`` and the parts of ``about``, as JSON if need
-        be.
+        Attributes are floats or text, as every export format keeps them. Those of the graph are
+        ``parameter``, ``x``, ``given`` and the parts of ``about``, as JSON if need be.
         """
         given = {"given": ", ".join(self.given)} if self.given else {}
         names = {"parameter": self.parameter_name, "x": self.x_name}
@@ -288,7 +277,7 @@ class Diagram:
 
 
 def load_diagram(path: str | Path) -> Diagram:
-    """Read a diagram of :meth:`Diagram.save` again, of a piecewise-linear map or of the toy.
+    """Read a diagram that :meth:`Diagram.save` wrote, of a piecewise-linear map or of the toy.
 
     Parameters
     ----------
@@ -298,20 +287,19 @@ def load_diagram(path: str | Path) -> Diagram:
     Returns
     -------
     Diagram
-        Equal to the one that was saved, to the last bit, with the same exact formulas.
+        Equal to the saved one, to the last bit, with the same exact formulas.
 
     Raises
     ------
     ValueError, FileNotFoundError
-        If the file is no saved diagram, one of a newer version of the format, or not there.
+        If the file is no saved diagram, of a newer version of the format, or not there.
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram, load_diagram
-    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
-    >>> path = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)).save("lines.json")
-    >>> [(branch.id, str(branch.exact["x"])) for branch in load_diagram(path).branches]
-    [('F1', '2*p'), ('J1', '0'), ('F2', '3*p/2 - 3/2')]
+    >>> from pwmap import Diagram, load_diagram
+    >>> path = Diagram(parameter_name="p", x_name="x", branches=(), points=()).save("empty.json")
+    >>> load_diagram(path)
+    Diagram(x over p: 0 branches, 0 special points)
     """
     diagram: Diagram = read_record(checked_path(path), Diagram, NAME, VERSION)
     return diagram

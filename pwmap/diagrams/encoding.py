@@ -58,7 +58,7 @@ def to_plain(value: Any) -> Any:
 
 
 def from_plain(data: Any, kind: Any) -> Any:
-    """A value of a type from :func:`to_plain`; ValueError, TypeError, LookupError if it is none."""
+    """A value of a type from :func:`to_plain`; ValueError, TypeError or LookupError if none."""
     if _is_record(kind):
         return _record(data, kind)
     origin, inner = get_origin(kind), get_args(kind)
@@ -85,7 +85,7 @@ def from_plain(data: Any, kind: Any) -> Any:
 
 
 def _untyped(data: Any, rows: type = list) -> Any:
-    """What JSON says itself, but for formulas and the values that it lacks."""
+    """Data of JSON, with formulas and the values that JSON lacks."""
     match data:
         case {"$formula": formula}:
             return formulas.from_plain(formula)

@@ -1,4 +1,4 @@
-"""Files that are there whole or not at all."""
+"""Files that are written whole or not at all."""
 
 from __future__ import annotations
 
@@ -14,10 +14,9 @@ from typing import Any
 
 
 def write_whole(path: Path, content: bytes) -> None:
-    """Write a file beside its final place and rename it: never half a file.
+    """Write a file under another name and rename it: never half a file.
 
-    FileNotFoundError without the folder; IsADirectoryError if a folder has this name; any OSError
-    names the file.
+    FileNotFoundError without the folder; IsADirectoryError for a folder; an OSError names the file.
     """
     if not path.parent.is_dir():
         raise FileNotFoundError(f"cannot write {path.name}: there is no folder {path.parent}")
@@ -48,7 +47,7 @@ def table_as_text(header: Sequence[str], rows: Iterable[Sequence[object]]) -> st
 
 
 def rows_as_text(rows: Iterable[Sequence[object]]) -> str:
-    """Rows of a table as CSV, for one that is put together from parts."""
+    """Rows of a table as CSV."""
     text = io.StringIO(newline="")
     csv.writer(text).writerows(rows)
     return text.getvalue()

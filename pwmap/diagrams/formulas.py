@@ -2,8 +2,7 @@
 
 A rational or an infinity is text such as ``"5/4"``; all else is a list that begins with a name:
 ``["Add", ["Symbol", "r"], "-2"]``, ``["CRootOf", ["1", "0", "-2"], ["Symbol", "t"], 1]`` with
-coefficients, or ``["RealRootOf", polynomial, ["Symbol", "b"], 0]``. The tree that is read is the
-one that was written: nothing is evaluated, sorted or expanded.
+coefficients, ``["RealRootOf", polynomial, ["Symbol", "b"], 0]``. Nothing is evaluated or sorted.
 """
 
 from __future__ import annotations
@@ -51,12 +50,12 @@ def to_plain(value: sympy.Basic) -> Any:
 
 @lru_cache(maxsize=65536, typed=True)
 def text_of(value: object) -> str:
-    """An exact value as people read it, kept: the files of a diagram write each several times."""
+    """An exact value as text, cached: the files of a diagram hold each several times."""
     return str(value)
 
 
 def from_plain(data: Any) -> Any:
-    """What :func:`to_plain` wrote; ValueError, TypeError, LookupError if it is none of these."""
+    """The inverse of :func:`to_plain`; ValueError, TypeError or LookupError for other data."""
     if isinstance(data, str):
         return NUMBERS[data] if data in NUMBERS else _rational(data)
     name, *parts = data
@@ -90,16 +89,17 @@ def from_plain(data: Any) -> Any:
 
 
 def cost(data: Any) -> float:
-    """The cost of reading a formula (6 million take a second): its polynomials are factored."""
+    """The cost of reading all formulas in data of JSON, of factoring; 6 million take a second."""
     total, todo = 0.0, [data]
     while todo:
-        part = todo.pop()
-        if not isinstance(part, list):
-            continue
-        if part[:1] == ["CRootOf"] and isinstance(part[1], list):
-            digits = sum(len(each) for each in part[1] if isinstance(each, str))
-            total += (len(part[1]) * digits * BITS) ** 1.5
-        todo += part[1:]
+        match todo.pop():
+            case dict() as part:
+                todo += part.values()
+            case list() as part:
+                todo += part
+                if part[:1] == ["CRootOf"] and isinstance(part[1], list):
+                    digits = sum(len(each) for each in part[1] if isinstance(each, str))
+                    total += (len(part[1]) * digits * BITS) ** 1.5
     return total
 
 

@@ -13,7 +13,7 @@ Column = Sequence[Any] | np.ndarray[Any, Any]
 
 
 def dataframe(columns: Mapping[str, Column]) -> DataFrame:
-    """Columns of one length as a pandas.DataFrame; ImportError with the remedy without pandas."""
+    """Columns of one length as a pandas.DataFrame; ImportError without pandas."""
     try:
         import pandas as pd
     except ImportError:
@@ -24,7 +24,7 @@ def dataframe(columns: Mapping[str, Column]) -> DataFrame:
 
 
 def _values(column: Column) -> Column:
-    """Arrays as copies that can be written: what a caller does to a frame stays there."""
+    """A copy: what a caller changes in a frame changes nothing here."""
     return np.array(column) if isinstance(column, np.ndarray) else list(column)
 
 

@@ -1,16 +1,15 @@
 r"""Graphs to and from files without loss: GraphML, GEXF, JSON node-link and DOT.
 
-Every format holds the graph of :func:`sanitised`; networkx writes and reads the first three. What a
-format cannot say is encoded:
+Every format holds the graph of :func:`sanitised`; networkx writes and reads the first three.
 
 - An attribute with a name that the format reserves (``id``), or in GEXF with values of two types,
-  is stored with its type, ``id:float`` or ``id:str``; no other name holds a colon.
-- GraphML: the edge key is the id of the edge. Without parallel edges ``nx.read_graphml(path)``
-  gives a plain graph with the key as attribute ``id``; ``force_multigraph=True`` keeps the keys.
-- GEXF: the edge key is the label of the edge, and graph attributes are its name, as JSON.
+  is stored with its type, as ``id:float`` or ``id:str``; no other name holds a colon.
+- GraphML: the edge key is the id of the edge. Without parallel edges ``nx.read_graphml`` gives a
+  plain graph with the key as attribute ``id``, unless ``force_multigraph=True``.
+- GEXF: the edge key is the label of the edge; graph attributes are its name, as JSON.
 - JSON: nan and infinities are ``{"$numberDouble": "NaN"}``, as in MongoDB's Extended JSON.
-- DOT: text is quoted with ``\"``, ``\\``, ``\n`` and ``\r``; numbers are not, and have no exponent
-  or are ``nan``, ``inf`` and ``minus_inf``; the edge key is ``key``.
+- DOT: text is quoted with ``\"``, ``\\``, ``\n`` and ``\r``; numbers have no exponent, or are
+  ``nan``, ``inf`` and ``minus_inf``; the edge key is ``key``.
 """
 
 from __future__ import annotations
@@ -28,6 +27,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from decimal import Decimal
 from enum import Enum
+from itertools import repeat
 from pathlib import Path
 from typing import Any
 
@@ -48,18 +48,19 @@ _HINT = (
 )
 _DOT_WORDS = {"nan": "nan", "inf": "inf", "-inf": "minus_inf"}  # -inf is no word of DOT
 _DOT_ESCAPES = str.maketrans({'"': r"\"", "\\": r"\\", "\n": r"\n", "\r": r"\r"})
-_DOT_TOKEN = re.compile(r'\s+|"(?:[^"\\]++|\\["\\nr])*+"|--|[][{}=,;]|-?[A-Za-z0-9_.]+')
+_DOT_TOKEN = re.compile(
+    r'\s+|"(?:[^"\\]++|\\["\\nr])*+"|--|[][{}=,;]|-?[A-Za-z0-9_.]+|(?P<other>.)'
+)
 _DOT_UNESCAPES = {'"': '"', "\\": "\\", "n": "\n", "r": "\r"}
 # networkx < 3.4 calls the edges of node-link data "link" and lacks the keyword "edges"
 _EDGES = "edges" if "edges" in inspect.signature(nx.node_link_data).parameters else "link"
 
 
 def sanitised(graph: nx.MultiGraph) -> nx.MultiGraph:
-    """Copy a graph into the form that every file format keeps, with floats and text only.
+    """Copy a graph, with floats and text only, as every file format keeps it.
 
-    Ids of nodes and keys of edges are non-empty text without ``:``, names of attributes
-    identifiers, values numbers, text of XML 1.0, or enums of these. Nodes and edges keep their
-    order. TypeError, ValueError: one sentence names the node or edge, the attribute and the value.
+    TypeError or ValueError unless ids of nodes and keys of edges are non-empty text without ``:``,
+    names of attributes identifiers, and values numbers, text of XML 1.0, or enums of these.
     """
     _check_kind(graph)
     copy = nx.MultiGraph()
@@ -78,21 +79,21 @@ def sanitised(graph: nx.MultiGraph) -> nx.MultiGraph:
 def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
     """Write a graph in the format of the suffix: .graphml, .gexf, .json, .dot or .gv.
 
-    The file is written whole or not at all. networkx needs ``read_graphml(path,
-    force_multigraph=True)`` for a GraphML file without parallel edges.
+    The file is written whole or not at all. networkx keeps the keys of edges by
+    ``read_graphml(path, force_multigraph=True)``.
 
     Parameters
     ----------
     graph
-        For instance ``diagram.graph()``: an undirected multigraph whose ids and keys are text
-        without ``:`` and whose attributes are numbers or text.
+        An undirected multigraph such as ``diagram.graph()``, whose ids and keys are text without
+        ``:`` and whose attributes are numbers or text.
     path
-        The file; its folder must exist.
+        The file, in a folder that exists.
 
     Returns
     -------
     pathlib.Path
-        Where the graph was written.
+        The path.
 
     Raises
     ------
@@ -101,10 +102,9 @@ def write_graph(graph: nx.MultiGraph, path: str | Path) -> Path:
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram, write_graph
-    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
-    >>> diagram = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,))
-    >>> write_graph(diagram.graph(), "lines.graphml").name
+    >>> import networkx as nx
+    >>> from pwmap import write_graph
+    >>> write_graph(nx.MultiGraph([("A", "B", "F1", {"x": 0.1})]), "lines.graphml").name
     'lines.graphml'
     """
     path = checked_path(path)
@@ -119,30 +119,30 @@ def graph_as_bytes(graph: nx.MultiGraph, path: Path) -> bytes:
 
 
 def read_graph(path: str | Path) -> nx.MultiGraph:
-    """Read a file of :func:`write_graph` again.
+    """Read a graph that :func:`write_graph` wrote.
 
     Parameters
     ----------
     path
-        A file with one of its suffixes.
+        The file.
 
     Returns
     -------
     networkx.MultiGraph
-        With the nodes, keyed edges and attributes that were written, in their order.
+        With nodes, keyed edges and attributes as they were written, in their order.
 
     Raises
     ------
     ValueError, FileNotFoundError
-        If the suffix is unknown, the file does not hold such a graph, or is not there.
+        If the suffix is unknown, the file holds no such graph, or is not there.
 
     Examples
     --------
-    >>> from pwmap import PiecewiseLinearMap, bifurcation_diagram, read_graph, write_graph
-    >>> lines = PiecewiseLinearMap.from_sympy("Piecewise((p + x/2, x <= 0), (p - 1 + x/3, True))")
-    >>> graph = bifurcation_diagram(lines, "p", (-1, 2), orders=(1,)).graph()
-    >>> read_graph(write_graph(graph, "lines.json")).nodes["BC2"]["parameter"]
-    1.0
+    >>> import networkx as nx
+    >>> from pwmap import read_graph, write_graph
+    >>> graph = nx.MultiGraph([("A", "B", "F1", {"x": 0.1})])
+    >>> read_graph(write_graph(graph, "lines.json")).edges["A", "B", "F1"]
+    {'x': 0.1}
     """
     path = checked_path(path)
     decode = _format(path).decode
@@ -237,7 +237,7 @@ def _to_graphml(graph: nx.MultiGraph) -> bytes:
 
 
 class _Bounded:
-    """Builds the tree of an XML file, bounded in depth; a document type (entities) is refused."""
+    """Builds the tree of an XML file of bounded depth; a document type (entities) is refused."""
 
     def __init__(self) -> None:
         self._builder = ET.TreeBuilder()
@@ -279,12 +279,14 @@ def _ends(edge: ET.Element) -> list[str]:
 
 def _once(names: Iterable[Any], what: str) -> None:
     """Refuse a name that comes twice: the second would replace the first in silence."""
-    seen = set()
-    for name in names:
-        if name in seen:
-            shown = name if isinstance(name, str) else " ".join(map(str, name))
-            raise ValueError(f"{what} {shown!r} comes twice")
-        seen.add(name)
+    for name, count in Counter(names).items():
+        _check_new(name, what, known=count > 1)
+
+
+def _check_new(name: Any, what: str, *, known: bool) -> None:
+    if known:
+        shown = name if isinstance(name, str) else " ".join(map(str, name))
+        raise ValueError(f"{what} {shown!r} comes twice")
 
 
 def _from_graphml(content: bytes) -> nx.MultiGraph:
@@ -419,17 +421,17 @@ def _from_dot(content: bytes) -> nx.MultiGraph:
             break
         name, sign = _undot(token), next(tokens)
         if sign == "=":
-            _once([name] * (1 + (name in graph.graph)), "the attribute")
+            _check_new(name, "the attribute", known=name in graph.graph)
             graph.graph[name] = _undot(next(tokens))
         elif sign == "[":
-            _once([name] * (1 + (name in graph)), "the node")
+            _check_new(name, "the node", known=name in graph)
             graph.add_nodes_from([(name, _dot_attributes(tokens))])
         elif sign == "--":
             other = _undot(next(tokens))
             _expect(tokens, "[")
             data = _dot_attributes(tokens)
             key = data.pop("key")
-            _once([key] * (1 + graph.has_edge(name, other, key)), "the edge")
+            _check_new(key, "the edge", known=graph.has_edge(name, other, key))
             graph.add_edges_from([(name, other, key, data)])
         else:
             raise ValueError(f"unexpected {shortened(sign)!r} after {shortened(token)}")
@@ -439,16 +441,12 @@ def _from_dot(content: bytes) -> nx.MultiGraph:
 
 def _dot_tokens(text: str) -> Iterator[str]:
     """Signs, words and quoted texts; "" at the end."""
-    at = 0
-    while at < len(text):
-        found = _DOT_TOKEN.match(text, at)
-        if found is None:
-            raise ValueError(f"unexpected {shortened(text[at : at + 40])!r}")
-        at = found.end()
+    for found in _DOT_TOKEN.finditer(text):
+        if found["other"]:
+            raise ValueError(f"unexpected {shortened(text[found.start() :][:40])!r}")
         if not found[0].isspace():
             yield found[0]
-    while True:
-        yield ""
+    yield from repeat("")
 
 
 def _dot_attributes(tokens: Iterator[str]) -> Attributes:
@@ -460,7 +458,7 @@ def _dot_attributes(tokens: Iterator[str]) -> Attributes:
                 raise ValueError(f"unexpected {shortened(token)!r} in a list of attributes")
             token = next(tokens)
         name = _undot(token)
-        _once([name] * (1 + (name in data)), "the attribute")
+        _check_new(name, "the attribute", known=name in data)
         _expect(tokens, "=")
         data[name] = _undot(next(tokens))
     return data
@@ -483,19 +481,8 @@ class _Format:
 
 _ARGUMENTS = {"self", "node_for_adding", "u_for_edge", "v_for_edge", "key"}  # in networkx
 _GRAPHML = {"id", "node_default", "edge_default"}
-_GEXF = {
-    "networkx_key",
-    "id",
-    "label",
-    "type",
-    "weight",
-    "start",
-    "end",
-    "pid",
-    "parents",
-    "spells",
-    "viz",
-}
+_GEXF = {"networkx_key", "id", "label", "type", "weight"}
+_GEXF |= {"start", "end", "pid", "parents", "spells", "viz"}
 _FORMATS = {
     ".graphml": _Format(_to_graphml, _from_graphml, _ARGUMENTS | _GRAPHML),
     ".gexf": _Format(_to_gexf, _from_gexf, _ARGUMENTS | _GEXF),

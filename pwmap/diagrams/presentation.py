@@ -1,4 +1,4 @@
-"""A diagram as a person or another program meets it: in a line, as a table, as a graph."""
+"""A diagram in a few lines, as a table, and as a graph."""
 
 from __future__ import annotations
 
@@ -103,7 +103,6 @@ def _of_node(point: SpecialPoint) -> dict[str, str | float]:
 
 
 def _bounds(point: SpecialPoint) -> dict[str, float]:
-    """The interval that holds a point as attributes, if there is one."""
     ends = zip(("interval_min", "interval_max"), point.interval or (), strict=False)
     return {name: float(end) for name, end in ends}
 

@@ -1,4 +1,4 @@
-"""What a diagram shows: branches at a parameter, beside a point, on the way from one to another."""
+"""Queries of a diagram: branches at a parameter, beside a point, on a path, stable intervals."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ Place = tuple[str, int]  # an id of a branch with 0, of a point with 1: ids of b
 def hits(
     branches: Sequence[Branch], name: str, parameter: object, sample: Mapping[str, Any]
 ) -> tuple[Hit, ...]:
-    """Where branches are at a value of the parameter of a name, in order of x."""
+    """Where branches are at a value of the parameter, in order of x."""
     exact = exact_number(parameter)
     if any("interval" in branch.exact for branch in branches):
         return _exact_hits(branches, ExactSlice(name, exact, sample))
@@ -43,7 +43,7 @@ def hits(
 def exists_within(
     branch: Branch, low: Real, high: Real, name: str, sample: Mapping[str, Any]
 ) -> bool:
-    """Whether a branch exists somewhere from one value of the parameter of a name to another."""
+    """Whether a branch exists somewhere between two values of the parameter, or at one."""
     if "interval" not in branch.exact:
         ends = branch.parameter.min(), branch.parameter.max()
         return bool(ends[0] <= _double(high) and _double(low) <= ends[1])
@@ -60,7 +60,7 @@ def _exact_hits(branches: Sequence[Branch], here: ExactSlice) -> tuple[Hit, ...]
     found: list[tuple[ExactValue, Hit]] = []
     for branch in branches:
         for formulas in (stretch.exact for stretch in branch.words):
-            if "interval" in formulas and here.meets(formulas["interval"]):
+            if "interval" in formulas and here.overlaps(formulas["interval"], here.at):
                 found += _hits_of(branch, formulas, here)
     in_order = cmp_to_key(here.compare)
     found.sort(key=lambda each: in_order(each[0]))
@@ -70,7 +70,7 @@ def _exact_hits(branches: Sequence[Branch], here: ExactSlice) -> tuple[Hit, ...]
 def _hits_of(
     branch: Branch, formulas: Mapping[str, object], here: ExactSlice
 ) -> Iterator[tuple[ExactValue, Hit]]:
-    """Where a branch is that has some formulas at a parameter: a band at both of its ends."""
+    """Where a branch with some formulas is at a parameter; a band is at both of its ends."""
     names = [n for n in formulas if n not in ("interval", "lower", "upper", "x")]
     values = {name: here.value(formulas[name]) for name in names}
     exact = {name: value.formula for name, value in values.items()}

@@ -1,6 +1,6 @@
-"""What a command wrote into a folder, and from what: ``about_<command>.json``, beside the files.
+"""A record of what a command wrote into a folder, and from what: ``about_<command>.json``.
 
-It names the files too, so that a new run removes those of an earlier one that it does not write.
+It lists the files, so that a new run removes those of an earlier one that it does not write.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ def record_of(command: str) -> str:
 def keep_record(
     folder: Path, command: str, names: Iterable[str], about: Mapping[str, object]
 ) -> tuple[str, ...]:
-    """Record what a command wrote; returns unchanged files of its earlier run, which it removes."""
+    """Record what a command wrote; unchanged other files of its last run are removed, returned."""
     path, written = folder / record_of(command), list(names)
     stale = [
         name
@@ -49,7 +49,7 @@ def earlier_files(folder: Path, command: str) -> tuple[str, ...]:
 
 
 def plain(value: object) -> Any:
-    """What was asked for as JSON says it: enums by their values, infinite numbers as text."""
+    """A value for JSON: enums by their values, infinite numbers as text."""
     if isinstance(value, Mapping):
         return {str(name): plain(each) for name, each in value.items()}
     if isinstance(value, list | tuple):

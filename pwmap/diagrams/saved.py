@@ -1,8 +1,4 @@
-"""Records in files of their own: one JSON object with its name, its version and the content.
-
-Names that end with ``.gz`` are compressed. What is read is bounded in size and in the cost of its
-formulas; whatever is wrong with it is said in one sentence.
-"""
+"""Records as files: JSON with a name, a version and the content, bounded in size and in cost."""
 
 from __future__ import annotations
 
@@ -50,7 +46,8 @@ def read_record(path: Path, kind: type, name: str, version: int) -> Any:
         if type(written) is not int or written < 1:
             raise ValueError(f"its version must be a whole number from 1 on, got {written!r}")
         if written <= version:
-            _check_cost(content)
+            if formulas.cost(content) > COSTLIEST:
+                raise ValueError("its formulas have numbers so long that they are not read")
             return from_plain(content[name], kind)
     except RecursionError:
         reason = "it is nested too deep"
@@ -73,18 +70,3 @@ def _unzipped(data: bytes) -> bytes:
     if len(found) > most:
         raise ValueError(f"{len(data)} bytes of it hold more than {most}")
     return found
-
-
-def _check_cost(content: Any) -> None:
-    """Complain of formulas that take too long to be read, before any of them is."""
-    costs, todo = 0.0, [content]
-    while todo:
-        match todo.pop():
-            case {"$formula": formula}:
-                costs += formulas.cost(formula)
-            case dict() as data:
-                todo += data.values()
-            case list() as rows:
-                todo += rows
-    if costs > COSTLIEST:
-        raise ValueError("its formulas have numbers so long that they are not read")

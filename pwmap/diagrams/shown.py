@@ -1,4 +1,4 @@
-"""Results as a person meets them at a prompt, a line or two, and in a notebook, a small table."""
+"""Results at a prompt, in a line or two, and in a notebook, as a small table."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""What an exact diagram shows at one value of its parameter, by substitution in its formulas.
+"""An exact diagram at one value of its parameter, by substitution in its formulas.
 
-At an algebraic value numbers live in its field, where exact signs compare them.
+At an algebraic value numbers are elements of its field and are compared by exact signs.
 """
 
 from __future__ import annotations
@@ -45,10 +45,6 @@ class ExactSlice:
     name: str
     at: Real
     sample: Mapping[str, sympy.Expr]  # of parameters that stay symbolic
-
-    def meets(self, interval: sympy.Set) -> bool:
-        """Whether an interval of the parameter holds the value."""
-        return self.overlaps(interval, self.at)
 
     def overlaps(self, interval: sympy.Set, most: Real) -> bool:
         """Whether an interval of the parameter holds a value from this one up to another."""

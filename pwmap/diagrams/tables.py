@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from itertools import islice, repeat
 from pathlib import Path
 
+import numpy as np
 from rich.table import Column, Table
 
 from pwmap.diagrams.data import Branch, BranchKind, SpecialPoint, Stretch
@@ -13,6 +14,7 @@ from pwmap.diagrams.diagram import NAME, VERSION, Diagram
 from pwmap.diagrams.files import table_as_text, write_whole
 from pwmap.diagrams.formulas import text_of
 from pwmap.diagrams.graph import graph_as_bytes
+from pwmap.diagrams.presentation import columns_of_points
 from pwmap.diagrams.saved import record_as_bytes
 
 LONGEST = 160  # characters of an exact text in a table for people: two lines of a wide column
@@ -38,26 +40,18 @@ def results_as_bytes(diagram: Diagram) -> dict[str, bytes]:
 
 
 def _points_as_text(diagram: Diagram) -> str:
-    exact = _names(diagram.points)
-    header = (
-        *("id", "name", "kind", diagram.parameter_name, diagram.x_name, "order", "note"),
-        *("cause", "status", "precision", "interval_min", "interval_max", "branches"),
-        *(f"{name}_exact" for name in exact),
-    )
-    rows = (
-        (
-            *(p.id, p.name, p.kind, p.parameter, p.x, p.order, p.note, p.cause, p.status),
-            *(p.precision, *(p.interval or ("", "")), " ".join(p.branches)),
-            *(text_of(p.exact.get(name, "")) for name in exact),
-        )
-        for p in diagram.points
-    )
-    return table_as_text(header, rows)
+    columns = columns_of_points((diagram.parameter_name, diagram.x_name), diagram.points)
+    for name, values in columns.items():
+        if name in ("interval_min", "interval_max"):
+            columns[name] = ["" if np.isnan(value) else value for value in values]
+        elif name.endswith("_exact"):
+            columns[name] = ["" if value is None else text_of(value) for value in values]
+    return table_as_text(["id", *[*columns][1:]], zip(*columns.values(), strict=True))
 
 
 def _branches_as_text(diagram: Diagram) -> str:
     observed = tuple(dict.fromkeys(name for b in diagram.branches for name in b.columns))
-    exact = _names(diagram.branches)
+    exact = tuple(dict.fromkeys(name for b in diagram.branches for name in b.exact))
     header = (
         *("id", "kind", "order", "word", "from", "to"),
         *(diagram.parameter_name, diagram.x_name, "multiplier", *observed),
@@ -82,7 +76,7 @@ def _rows_of(
 
 
 def table_of_points(diagram: Diagram) -> Table:
-    """Special points with their causes; changes of word are counted. Exact values where known."""
+    """Special points with their causes, exact where known; changes of word are counted."""
     changes = sum(len(branch.changes) for branch in diagram.branches)
     table = Table(
         *_columns("point", diagram.parameter_name, diagram.x_name, "what", "left", "right"),
@@ -105,7 +99,7 @@ def table_of_points(diagram: Diagram) -> Table:
 
 
 def table_of_branches(diagram: Diagram) -> Table:
-    """Branches with their exact formulas, stretch by stretch; for diagrams that have them."""
+    """The branches of an exact diagram with their formulas, stretch by stretch."""
     names = ("branch", "kind", "order", "word", diagram.x_name, "multiplier", "exists for")
     table = Table(*_columns(*names))
     for branch, stretch in ((b, stretch) for b in diagram.branches for stretch in b.words):
@@ -125,7 +119,7 @@ def table_of_branches(diagram: Diagram) -> Table:
 
 
 def short(value: object, most: int = LONGEST) -> str:
-    """Text for people: the beginning and the end of what is longer than a few lines."""
+    """Text for people: of long text the beginning and the end."""
     text = str(value)
     if len(text) <= most:
         return text
@@ -137,10 +131,6 @@ def short(value: object, most: int = LONGEST) -> str:
 def _columns(*names: str) -> list[Column]:
     """Columns that fold what is too long for one line."""
     return [Column(name, overflow="fold") for name in names]
-
-
-def _names(items: Sequence[SpecialPoint | Branch]) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(name for item in items for name in item.exact))
 
 
 def _shown(point: SpecialPoint, name: str, value: float) -> str:

@@ -1,8 +1,8 @@
 """How much may be computed, how far a computation is, and how it ends early.
 
-A call makes a *meter* of its *budget* and hands it down; each loop notes its work there before it
-does it. At a limit or an interrupt the outermost loop keeps the parts that are finished, and the
-result says what is missing. The meter is an argument, no global state: lazy results keep theirs.
+A call makes a *meter* of its *budget* and hands it down; each loop counts its work there before it
+does it. At a limit or an interrupt the outermost loop keeps the finished parts, and the result says
+what is missing. The meter is an argument, not global state: lazy results keep theirs.
 """
 
 from __future__ import annotations
@@ -30,10 +30,9 @@ OFTEN = 0.25  # seconds between two calls of ``progress``
 
 
 class Advance(NamedTuple):
-    """How far a call is, as :class:`pwmap.Budget` tells it.
+    """How far a call of a :class:`pwmap.Budget` is, after ``work``.
 
-    ``what`` is counted, such as ``"columns"`` (empty before anything is); ``done`` of ``total`` are
-    finished, which is 0 if it is not known in advance, after so much ``work``.
+    ``done`` of ``total`` (0 if unknown) of ``what``, such as ``"columns"`` or ``""``, are finished.
     """
 
     what: str
@@ -48,7 +47,7 @@ NOTHING = Advance("", 0, 0, 0)
 @explained_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Budget:
-    """What a call may take, whom it tells how far it is, and what an interrupt does.
+    """Limits of a call, whom it tells its progress, and what an interrupt does.
 
     At a limit the call returns what is finished, and the result says what is not; if nothing is, or
     a part of the result would be wrong, it raises :class:`BudgetError`. Limits are counts, the same
@@ -57,8 +56,7 @@ class Budget:
     Attributes
     ----------
     pieces
-        Of one iterate of a map; of a diagram, of all iterates in all cells together, in about half
-        a gigabyte.
+        Of one iterate; of a diagram, of all iterates in all cells (about half a gigabyte).
     letters
         Of a word, which takes time in proportion to its square.
     work
@@ -66,22 +64,17 @@ class Budget:
     seconds
         None for no limit; with one, what is finished depends on the machine.
     progress
-        Is called with a :class:`pwmap.maps.Advance` at once, some times a second, and after each
-        part.
+        Called with a :class:`pwmap.maps.Advance` at once, a few times a second, after each part.
     on_interrupt
-        Is called at Ctrl-C, after which what is finished is returned; by default
-        ``KeyboardInterrupt`` is raised.
+        Called at Ctrl-C; what is finished is then returned. By default ``KeyboardInterrupt`` is
+        raised.
 
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, Budget, bifurcation_diagram
     >>> p1 = PiecewiseLinearMap.from_sympy("Piecewise((r - 2, x <= 0), (r - 5*x/4, True))")
-    >>> told = []
-    >>> few = Budget(pieces=40, progress=told.append)
-    >>> bifurcation_diagram(p1, "r", (-1, 4), range(1, 9), budget=few).given
+    >>> bifurcation_diagram(p1, "r", (-1, 4), range(1, 9), budget=Budget(pieces=40)).given
     ('stopped after orders 1..2: order 3 takes more than 40 pieces in all cells',)
-    >>> told[-1][:3]
-    ('orders', 2, 8)
     """
 
     pieces: int = 500_000
@@ -126,11 +119,9 @@ class Meter:
     Attributes
     ----------
     work
-        That was done so far.
-    stopped
-        Why it ended early, in words; empty while it goes on.
-    left_out
-        A sentence on what was finished, and why not more was; empty if all was.
+        Done so far.
+    stopped, left_out
+        Why the call ended early, and a sentence on what is finished; empty otherwise.
 
     Examples
     --------
@@ -206,9 +197,9 @@ class Meter:
     def keeping(self, finished: Sized) -> Iterator[None]:
         """Let a loop end early, at a limit or an interrupt, if it has finished anything.
 
-        The loop inside of this context adds each part to ``finished``; behind it :attr:`left_out`
-        says whether it ended early. BudgetError or KeyboardInterrupt passes if nothing is finished,
-        or an interrupt is to keep nothing.
+        The loop in this context adds each part to ``finished``; :attr:`left_out` then says whether
+        it ended early. BudgetError or KeyboardInterrupt passes if nothing is finished, and an
+        interrupt without :attr:`Budget.on_interrupt`.
         """
         self._loops.append(NOTHING)
         try:
@@ -240,7 +231,7 @@ def check_budget(budget: object) -> None:
 
 
 def metered(budget: Budget | Meter, on_interrupt: Callable[[], None] | None = None) -> Meter:
-    """The meter of a call, or of the call that it is part of; its own ``on_interrupt`` counts."""
+    """A new meter of a budget, with another ``on_interrupt``, or that of an outer call as it is."""
     check_functions(on_interrupt=on_interrupt)
     check_budget(budget)
     if isinstance(budget, Meter):
@@ -249,7 +240,7 @@ def metered(budget: Budget | Meter, on_interrupt: Callable[[], None] | None = No
 
 
 def check_work(what: str, work: int, meter: Meter) -> None:
-    """BudgetError if something takes more work than a budget allows, which is known before."""
+    """BudgetError if work that is known in advance exceeds the budget."""
     if work > meter.budget.work:
         about = Decimal(work).normalize(Context(prec=3))  # it may be too large for a double
         raise BudgetError(
@@ -258,13 +249,10 @@ def check_work(what: str, work: int, meter: Meter) -> None:
 
 
 class Progress(NamedTuple):
-    """What was completed: the last order, with its cells, edges included, and all pieces so far.
-
-    :func:`pwmap.bifurcation_diagram` tells it to its ``progress``.
-    """
+    """The last completed order of :func:`pwmap.bifurcation_diagram`, its cells, all pieces."""
 
     order: int
-    cells: int
+    cells: int  # and edges
     pieces: int
 
 

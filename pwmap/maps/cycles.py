@@ -1,4 +1,4 @@
-"""Cycles of a map by their words, with the conditions under which they exist."""
+"""Cycles of a map by their words, with conditions for their existence."""
 
 from __future__ import annotations
 
@@ -18,11 +18,10 @@ from pwmap.maps.words import Layout, Offset, Word
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Cycle:
-    """What :meth:`PiecewiseLinearMap.cycle` gives: a cycle by its word.
+    """A cycle of :meth:`PiecewiseLinearMap.cycle`, with its points in the order of the word.
 
-    ``points`` are in the order of the word; ``multiplier`` is the product of the slopes, ``nan`` if
-    one of the pieces is a single point. For the cycle to exist ``conditions`` must hold: each point
-    in its piece.
+    ``multiplier`` is the product of the slopes, ``nan`` if one of the pieces is a single point. The
+    cycle exists if all ``conditions`` hold: each point lies in its piece.
     """
 
     word: str
@@ -68,7 +67,7 @@ def cycle_of(map_: Decided, word: str) -> Cycle:
 
 
 def beyond(point: sympy.Expr, at: sympy.Expr, side: int, closed: bool) -> sympy.Basic:
-    """That a point lies on the right (side 1) of another or on the left (-1), or is it."""
+    """The condition that a point lies to the right (side 1) or left (-1) of another, or is it."""
     relations = (sympy.Ge, sympy.Gt) if side > 0 else (sympy.Le, sympy.Lt)
     return relations[0 if closed else 1](point, at)
 

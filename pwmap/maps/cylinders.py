@@ -2,8 +2,7 @@
 
 The *cylinder* of a word is the set of points that visit the pieces the word names. Each A_w is
 monotone, so cylinders of length n are intervals that partition the line: the pieces of the n-th
-iterate. Their ends are kept as cuts (a preimage of a break along the word's own prefix), never as
-numbers.
+iterate. Their ends are cuts (preimages of breaks along prefixes of the word), not numbers.
 """
 
 from __future__ import annotations
@@ -165,8 +164,7 @@ class Inclusion(Enum):
     UPPER = "at the upper end, which belongs to its cylinder"
     POINT = "its cylinder is this point alone"
     BAND = "every point of the cylinder is fixed"
-    VIRTUAL = "outside its cylinder"
-    NONE = "there is none: the slope is 1"
+    VIRTUAL = "outside its cylinder, or there is none"
 
 
 class CylinderCrossing(NamedTuple):
@@ -179,7 +177,7 @@ class CylinderCrossing(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class StudiedIterate:
-    """What one iterate shows at a place: its cylinders and what lies on the diagonal."""
+    """One iterate at a place: its cylinders and what lies on the diagonal."""
 
     cylinders: tuple[Cylinder, ...]
     inclusion: tuple[Inclusion, ...]  # of the fixed point of each cylinder
@@ -188,7 +186,7 @@ class StudiedIterate:
 
 
 def iterate_of(cylinders: tuple[Cylinder, ...], ask: Ask) -> StudiedIterate:
-    """All that an iterate shows, with every sign that it depends on."""
+    """Cylinders, fixed points and crossings of an iterate."""
     sides = [None if each.is_point else ask(sides_of, each) for each in cylinders]
     inclusion = tuple(map(partial(ask, inclusion_of), cylinders, sides))
     beside = (words_beside(cylinders, i, each) for i, each in enumerate(inclusion))
@@ -202,7 +200,7 @@ def inclusion_of(cylinder: Cylinder, known: Sides | None, oracle: SignOracle) ->
     steepness = oracle.multiplier(word, 1)
     if steepness == 0:
         if oracle.sign(Offset(word)) != 0:
-            return Inclusion.NONE
+            return Inclusion.VIRTUAL
         return Inclusion.POINT if cylinder.is_point else Inclusion.BAND
     # signs of (fixed point - end)
     sides = [-steepness * side for side in known or sides_of(cylinder, oracle)]
@@ -229,7 +227,7 @@ def crossings(
 
 @lru_cache(maxsize=65536)  # a word is asked in many cells
 def minimal_period(word: Word, unit: int = 1) -> int:
-    """How many units long the shortest word is of which this one is a power."""
+    """The length, in units, of the shortest word of which this one is a power."""
     n = len(word)
     lengths = (d for d in range(unit, n + 1, unit) if n % d == 0)
     return next(d for d in lengths if word[:d] * (n // d) == word) // unit
@@ -259,27 +257,18 @@ def is_stable(cut: Cut | None, words: tuple[Word, ...], oracle: SignOracle) -> b
 
 def stability_tests(
     cut: Cut | None, words: tuple[Word, ...], oracle: SignOracle
-) -> tuple[Callable[[], bool], ...]:
-    """What must be true of a fixed point that attracts from both sides, each on its own."""
+) -> Iterator[Callable[[], bool]]:
+    """Conditions that together say that a fixed point attracts from both sides."""
     if not words:
-        return (lambda: False,)
-    if cut is None:
+        yield lambda: False
+    elif cut is None:
         (word,) = words
-        return lambda: oracle.multiplier(word, 1) < 0, lambda: oracle.multiplier(word, -1) > 0
-    # continuous with slopes m < 1, n < 1 and m n < 1: a positive slope keeps its side, two
-    # negative ones alternate
-    left, right = words
-    meets = partial(_meets_diagonal, oracle, cut)
-    contracts = partial(_is_less_than_one, oracle)
-    return (
-        *(partial(meets, word) for word in words),
-        *(partial(contracts, word) for word in (left, right, left + right)),
-    )
-
-
-def _meets_diagonal(oracle: SignOracle, cut: Cut, word: Word) -> bool:
-    return above_diagonal(oracle, word, cut) == 0
-
-
-def _is_less_than_one(oracle: SignOracle, word: Word) -> bool:
-    return oracle.multiplier(word, 1) < 0
+        yield lambda: oracle.multiplier(word, 1) < 0
+        yield lambda: oracle.multiplier(word, -1) > 0
+    else:
+        # continuous with slopes m < 1, n < 1 and m n < 1: a positive slope keeps its side, two
+        # negative ones alternate
+        for side in words:
+            yield lambda w=side: above_diagonal(oracle, w, cut) == 0  # type: ignore[misc]
+        for factors in (*words, words[0] + words[1]):
+            yield lambda w=factors: oracle.multiplier(w, 1) < 0  # type: ignore[misc]

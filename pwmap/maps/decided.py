@@ -1,4 +1,4 @@
-"""What a map is: a table of pieces, the maps that are applied one after the other, who decides."""
+"""A map as a table of pieces, a chain of maps, and an oracle of signs."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ class Decided:
 
     @property
     def studied(self) -> StudiedIterate | None:
-        """What the map shows on the diagonal, if the cell was cut for it."""
+        """Fixed points and crossings, if the cell was cut for this iterate."""
         return self.iterates.get(self.chain)
 
     @cached_property

@@ -1,9 +1,9 @@
-"""What a map shows on the diagonal and at its jumps, and where it takes a point."""
+"""Fixed points and jumps of a map, and the images of points."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -13,20 +13,20 @@ from pwmap.algebra.arithmetic import fraction_of
 from pwmap.algebra.assumptions import UndecidedError
 from pwmap.algebra.exact import Fraction_, Number, fraction_to_sympy, quotient_to_sympy
 from pwmap.maps import cylinders as cyl
-from pwmap.maps.cylinders import Cylinder, Inclusion
+from pwmap.maps.cylinders import Inclusion
 from pwmap.maps.decided import Decided
 from pwmap.maps.words import Layout, Word
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FixedPoint:
-    """A fixed point of an iterate, of :meth:`PiecewiseLinearMap.fixed_points`.
+    """A fixed point of an iterate, of :meth:`PiecewiseLinearMap.fixed_points`, exact.
 
     Attributes
     ----------
-    x, multiplier
-        Exact. At the end of a piece the multiplier is the slope of the piece that owns the point,
-        ``nan`` if that is the point alone.
+    multiplier
+        At the end of a piece the slope of the piece that owns the point; ``nan`` if that is the
+        point alone.
     word
         The pieces visited, starting at x.
     order, period
@@ -34,7 +34,7 @@ class FixedPoint:
     admissible
         False for a virtual fixed point: that of a formula, outside the formula's piece.
     stable
-        Whether all orbits from nearby, on both sides, stay near and converge to it; None if the
+        Whether all nearby orbits, on both sides, stay near and converge to it; None if the
         assumptions leave it open.
     at_border
         Whether it lies at an end of a piece.
@@ -52,10 +52,7 @@ class FixedPoint:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class FixedInterval:
-    """A piece of an iterate that is the identity: every point of it is fixed.
-
-    See :meth:`PiecewiseLinearMap.fixed_intervals`.
-    """
+    """A piece that is the identity, of :meth:`PiecewiseLinearMap.fixed_intervals`."""
 
     interval: sympy.Set
     word: str
@@ -75,10 +72,7 @@ class Discontinuity:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class JumpCrossing:
-    """A discontinuity with limits strictly on opposite sides of the diagonal.
-
-    See :meth:`PiecewiseLinearMap.jump_crossings`.
-    """
+    """A discontinuity that crosses the diagonal, of :meth:`PiecewiseLinearMap.jump_crossings`."""
 
     x: sympy.Expr
     left: sympy.Expr
@@ -92,7 +86,7 @@ class JumpCrossing:
 
 
 def followed(map_: Decided, x: object, direction: int = 0) -> tuple[Word, Fraction_]:
-    """Word and value of a point (direction 0) or of points just beside it (-1, +1)."""
+    """Word and value of a point (direction 0), or their limits from the left (-1) or right (1)."""
     table, decide = map_.definition.table, map_.scope.sign
     top, bottom = fraction_of(x, map_.definition.ring, "a point")
     word: list[int] = []
@@ -127,27 +121,18 @@ def _slot(map_: Decided, layout: Layout, point: Fraction_) -> int:
 def jumps(map_: Decided) -> Iterator[Discontinuity]:
     """All discontinuities, from left to right."""
     value = map_.orbits.value
-    for before, left, right, after in _neighbours(map_.cylinders):
+    cylinders = map_.cylinders
+    for i, (left, right) in enumerate(pairwise(cylinders)):
+        if left.is_point:  # the cut came as the lower end of this point
+            continue
         cut = right.lower
         assert cut is not None
-        owner = left if left.upper_closed else right
-        limits = [value(cut.k, c.word[cut.steps :]) for c in (before, owner, after)]
+        owner, after = left if left.upper_closed else right, cylinders[i + 1 + right.is_point]
+        limits = [value(cut.k, c.word[cut.steps :]) for c in (left, owner, after)]
         if not all(map_.is_zero(a * d - c * b) for (a, b), (c, d) in pairwise(limits)):
             values = [quotient_to_sympy(limit) for limit in limits]
             x = map_.cut_to_sympy(right.word, cut)
             yield Discontinuity(x=x, left=values[0], value=values[1], right=values[2])
-
-
-def _neighbours(
-    cylinders: Sequence[Cylinder],
-) -> Iterator[tuple[Cylinder, Cylinder, Cylinder, Cylinder]]:
-    """For each cut: the interval before it, the pieces that meet there, the interval after it."""
-    for i, (left, right) in enumerate(pairwise(cylinders)):
-        # a piece that is a point lies between two cuts at one place: that cut comes once
-        if left.is_point:
-            continue
-        after = cylinders[i + 2] if right.is_point else right
-        yield left, left, right, after
 
 
 def jump_crossings(map_: Decided) -> Iterator[JumpCrossing]:
@@ -175,19 +160,18 @@ def jump_crossings(map_: Decided) -> Iterator[JumpCrossing]:
 
 
 def fixed_points(map_: Decided, virtual: bool) -> Iterator[FixedPoint]:
-    """All isolated fixed points, from left to right, the virtual ones among them or not."""
+    """All isolated fixed points, from left to right, with the virtual ones or without."""
     for i, cylinder in enumerate(map_.cylinders):
         inclusion = _inclusion(map_, i)
-        if inclusion in (Inclusion.NONE, Inclusion.BAND):
-            continue
-        is_virtual = inclusion is Inclusion.VIRTUAL
-        if is_virtual and (not virtual or map_.oracle.multiplier(cylinder.word, 1) == 0):
-            continue
-        yield _fixed_point(map_, i, inclusion)
+        if inclusion is Inclusion.VIRTUAL:
+            shown = virtual and map_.oracle.multiplier(cylinder.word, 1) != 0
+        else:
+            shown = inclusion is not Inclusion.BAND
+        if shown:
+            yield _fixed_point(map_, i, inclusion)
 
 
 def _inclusion(map_: Decided, i: int) -> Inclusion:
-    """Whether the fixed point of a cylinder lies in it, and where."""
     if map_.studied is not None:
         return map_.studied.inclusion[i]
     return cyl.inclusion_of(map_.cylinders[i], None, map_.oracle)
@@ -214,7 +198,7 @@ def _fixed_point(map_: Decided, i: int, inclusion: Inclusion) -> FixedPoint:
 
 
 def _is_stable(map_: Decided, i: int, inclusion: Inclusion) -> bool | None:
-    """Whether a fixed point attracts; None if that is open, as what would refuse it is."""
+    """Whether a fixed point attracts; None if a condition is open and none is false."""
     if map_.studied is not None:
         return map_.studied.stable[i]
     open_ = False

@@ -28,8 +28,7 @@ class PiecewiseLinearMap:
     """A piecewise-linear map of the line with finitely many pieces.
 
     Coefficients are quotients of polynomials in parameters over the rationals, with denominators of
-    one sign under the assumptions. Each break belongs to the piece that says so; a single point can
-    be a piece of its own. Nothing is ever decided by a float.
+    one sign under the assumptions. Each break belongs to one piece; a single point can be a piece.
 
     Parameters
     ----------
@@ -39,7 +38,7 @@ class PiecewiseLinearMap:
     x
         The variable.
     given
-        What is assumed of the parameters: inequalities such as ``a > 1``.
+        Assumptions on the parameters: inequalities such as ``a > 1``.
     letters
         One letter for each piece from left to right; by default L R, L M R, or A B C ...
 
@@ -57,17 +56,10 @@ class PiecewiseLinearMap:
     ... )
     >>> [(point.x, point.word, point.multiplier, point.stable) for point in p1.fixed_points()]
     [(r - 2, 'L', 0, True), (r/(a + 1), 'R', -a, False)]
-    >>> p1.jumps()
-    (Discontinuity(x=0, left=r - 2, value=r - 2, right=r),)
-    >>> p1.cycle("RL").conditions
-    (r - 2 > 0, -a*r + 2*a + r <= 0)
-    >>> second = p1.at({"a": "5/4", "r": 1}).iterate(2)
-    >>> print(second)
+    >>> print(p1.at({"a": "5/4", "r": 1}).iterate(2))
     LL  -1             for x <= 0
     RR  25*x/16 - 1/4  for 0 < x < 4/5
     RL  -1             for 4/5 <= x
-    >>> [(jump.x, jump.left_word, jump.right_word) for jump in second.jump_crossings()]
-    [(4/5, 'RR', 'RL')]
     """
 
     @explained()
@@ -91,8 +83,8 @@ class PiecewiseLinearMap:
     ) -> PiecewiseLinearMap:
         """A map from a ``sympy.Piecewise`` of affine formulas, one formula, or the text of either.
 
-        The first condition of ``piecewise`` that holds counts; ``x``, ``given``, ``letters`` and
-        errors are those of the class.
+        The first condition of ``piecewise`` that holds counts; for ``x``, ``given``, ``letters``
+        and errors see the class.
         """
         return cls.of(as_written(read_formula(piecewise, x, given, letters)))
 
@@ -184,11 +176,11 @@ class PiecewiseLinearMap:
         return self.of(with_values(self._map, values))
 
     def iterate(self, j: int) -> PiecewiseLinearMap:
-        """The j-th iterate, j >= 1, whose pieces are computed when they are asked for.
+        """The j-th iterate, j >= 1, whose pieces are computed when they are used.
 
-        ValueError if j is no integer of at least 1, BudgetError if its words would be too long.
-        When its pieces are asked for: BudgetError if they are too many, UndecidedError if they
-        differ within the assumptions.
+        ValueError if j is no integer of at least 1, BudgetError if its words are too long. When
+        pieces are used: BudgetError if they are too many, UndecidedError if the assumptions leave
+        them open.
         """
         order = checked_order(j)
         checked_size(order, len(self.chain))
@@ -197,8 +189,8 @@ class PiecewiseLinearMap:
     def compose(self, inner: PiecewiseLinearMap) -> PiecewiseLinearMap:
         """The map x -> self(inner(x)); words hold the letters of ``inner``, then of ``self``.
 
-        Maps of one cell make a map of this cell. Of two different maps with parameters only the
-        assumptions are kept. ValueError if cells or variables differ.
+        Maps of one cell make a map of this cell; of two different maps with parameters cells are
+        dropped. ValueError if cells or variables differ.
         """
         check_map(inner)
         return self.of(composed(self._map, inner._map))
@@ -212,8 +204,7 @@ class PiecewiseLinearMap:
     def __call__(self, x: object) -> sympy.Expr:
         """The exact value at a point, a rational or an expression in the parameters.
 
-        TypeError if it is a float; UndecidedError if the assumptions do not say in which piece it
-        lies.
+        TypeError if it is a float; UndecidedError if the assumptions leave its piece open.
         """
         return fraction_to_sympy(diagonal.followed(self._map, x)[1])
 
@@ -223,20 +214,14 @@ class PiecewiseLinearMap:
 
     @explained()
     def limit(self, x: object, side: str) -> sympy.Expr:
-        """The one-sided limit at ``x`` from the ``side`` ``"-"`` (left) or ``"+"`` (right), exact.
-
-        It does not depend on the value at the point itself. ValueError if the side is neither.
-        """
+        """The exact limit at ``x`` from the ``side`` ``"-"`` (left) or ``"+"``; else ValueError."""
         if side not in ("-", "+"):
             raise ValueError(f"the side must be '-' or '+', got {side!r}")
         _, value = diagonal.followed(self._map, x, 1 if side == "+" else -1)
         return fraction_to_sympy(value)
 
     def jumps(self) -> tuple[Discontinuity, ...]:
-        """All discontinuities, from left to right: where the limits differ as formulas.
-
-        These may still agree for single values of the parameters.
-        """
+        """All discontinuities, from left to right; limits may agree for single parameter values."""
         return tuple(diagonal.jumps(self._map))
 
     # --- The diagonal ---------------------------------------------------------------------------
@@ -272,9 +257,9 @@ class PiecewiseLinearMap:
     def cycle(self, word: str) -> Cycle:
         """The cycle of a word such as ``"RLL"``, with its conditions; it need not be admissible.
 
-        In a composition letters are those of the inner map and the outer in turn. ValueError if a
-        letter is unknown, or the word has slope 1 and its points form a band
-        (:meth:`fixed_intervals`) or no cycle; UndecidedError if the assumptions leave open which.
+        In a composition letters are those of the inner and the outer map in turn. ValueError if a
+        letter is unknown, or the slope is 1 and there is a band (:meth:`fixed_intervals`) or no
+        cycle; UndecidedError if the assumptions leave that open.
         """
         return cycle_of(self._map, word)
 

@@ -2,8 +2,7 @@
 
 With n breaks the line has 2 n + 1 slots: open intervals and breaks in turn. A profile has on each a
 quotient, a truth value, a sign, or None where it is undefined. Operations work slot by slot; a
-comparison adds breaks where a difference is zero. The assumptions decide how breaks, quotients of
-polynomials in the parameters, lie.
+comparison adds breaks where a difference is zero. Assumptions decide the order of breaks.
 """
 
 from __future__ import annotations
@@ -65,7 +64,7 @@ class ProfileLine:
     def formula(self, term: Term) -> Profile:
         """A formula as a profile of quotients.
 
-        UndecidedError if the assumptions leave open how its breaks lie; ValueError if it is no
+        UndecidedError if the assumptions leave the order of breaks open; ValueError if it is no
         formula, too large, or no polynomial on a slot.
         """
         if term.operation in CONDITIONS:
@@ -96,13 +95,11 @@ class ProfileLine:
             return self._chosen_by_conditions(term)
         profiles = [self.formula(argument) for argument in term.arguments]
         if operation is Operation.ABS:
-            return self._larger([profiles[0], self._lifted(profiles, self._negative)], 1, term)
+            negative = self._lifted(profiles, lambda v: self._arithmetic.negative(v[0]))
+            return self._larger([profiles[0], negative], 1, term)
         if operation in (Operation.MAX, Operation.MIN):
             return self._larger(profiles, 1 if operation is Operation.MAX else -1, term)
         return self._lifted(profiles, lambda values: self._arithmetic.applied(term, values))
-
-    def _negative(self, values: Sequence[Quotient]) -> Quotient:
-        return self._arithmetic.negative(values[0])
 
     def _relation(self, term: Term) -> Profile:
         try:
@@ -165,11 +162,7 @@ class ProfileLine:
     # --- Slots ----------------------------------------------------------------------------------
 
     def union(self, profiles: Iterable[Profile]) -> tuple[Fraction_, ...]:
-        """The breaks of all profiles, sorted.
-
-        UndecidedError if the assumptions leave their order open; ValueError if two coincide, or
-        there are too many.
-        """
+        """The sorted breaks of all profiles; UndecidedError; ValueError if some coincide."""
         several = {profile.breaks for profile in profiles if profile.breaks}
         if len(several) <= 1:
             return next(iter(several), ())
@@ -199,7 +192,7 @@ class ProfileLine:
         return values
 
     def _lifted(self, profiles: Sequence[Profile], function: Callable[[Any], Any]) -> Profile:
-        """A function of values, applied slot by slot; not defined where one of them is not."""
+        """A function of values, applied slot by slot; None where one of them is."""
         breaks = self.union(profiles)
         if not breaks:
             columns = [tuple(profile.slots[0] for profile in profiles)]

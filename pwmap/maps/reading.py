@@ -1,4 +1,4 @@
-"""From formulas and conditions to the table of a map, with every fault named."""
+"""From formulas and conditions to the table of a map; each error names the piece."""
 
 from __future__ import annotations
 
@@ -57,9 +57,9 @@ def read(
     *,
     first_wins: bool,
 ) -> Definition:
-    """Read pieces (formula, condition), of which one holds; with ``first_wins`` the first counts.
+    """Read pieces (formula, condition), of which just one, or with ``first_wins`` the first, holds.
 
-    ValueError, TypeError: one sentence that names the piece and what is wrong with it.
+    ValueError or TypeError names the piece and what is wrong with it.
     """
     variable = _symbol(x)
     if isinstance(pieces, str) or not isinstance(pieces, Iterable):
@@ -107,13 +107,17 @@ def _read(
     breaks = line.union([*conditions, *formulas])
     holds = [line.spread(condition, breaks) for condition in conditions]
     values = [line.spread(formula, breaks) for formula in formulas]
-    choose = _first if first_wins else _only
     owners, affine = list[int](), list[Affine]()
     for slot in range(2 * len(breaks) + 1):
         name = partial(slot_name, slot, breaks, x)
-        owner = choose([i for i in range(len(pairs)) if holds[i][slot]], name)
-        owners.append(owner)
-        affine.append(_affine(values[owner][slot], pairs[owner][0], name, x))
+        holding = [i for i in range(len(pairs)) if holds[i][slot]]
+        if not holding:
+            raise ValueError(f"there is a gap: no piece covers {name()}")
+        if len(holding) > 1 and not first_wins:
+            first, second = (i + 1 for i in holding[:2])
+            raise ValueError(f"pieces {first} and {second} overlap: both cover {name()}")
+        owners.append(holding[0])
+        affine.append(_affine(values[holding[0]][slot], pairs[holding[0]][0], name, x))
     _join_points(breaks, owners, affine)
     return _assembled(x, region, breaks, list(zip(owners, affine, strict=True)), letters)
 
@@ -126,7 +130,7 @@ def _formula(term: Term, line: ProfileLine) -> Profile:
 
 
 def _region(terms: Sequence[Term], assumed: Sequence[Term], x: sympy.Symbol) -> AssumedRegion:
-    """The parameters of some trees, with assumptions on them; other assumptions are only read."""
+    """The parameters of some trees, with the assumptions on them."""
     used = set().union(*(term.names() for term in terms)) - {plain_name(x)}
     chosen = _symbols([*terms, *assumed])
     for condition in assumed:
@@ -154,7 +158,7 @@ def _region(terms: Sequence[Term], assumed: Sequence[Term], x: sympy.Symbol) -> 
 
 
 def _symbols(terms: Iterable[Term]) -> dict[str, sympy.Symbol]:
-    """One symbol for each name: the one of which most is assumed."""
+    """One symbol for each name: that with the most assumptions."""
     found: dict[str, sympy.Symbol] = {}
     for term in terms:
         for name, symbol in term.names().items():
@@ -179,7 +183,7 @@ def _affine(
 
 
 def _join_points(breaks: Sequence[Fraction_], owners: Sequence[int], affine: list[Affine]) -> None:
-    """Where formulas of one piece agree at a break, the break takes one that holds beside it."""
+    """Give a break the formula beside it if that is of the same piece and agrees there."""
     for i, b in enumerate(breaks):
         slot = 2 * i + 1
         for beside in (slot + 1, slot - 1):
@@ -259,19 +263,6 @@ def _symbol(x: object) -> sympy.Symbol:
         return sympy.Symbol(checked_name(x))
     except ValueError as error:
         raise ValueError(f"the variable must be a symbol such as x: {error}") from None
-
-
-def _first(holding: Sequence[int], slot: Callable[[], str]) -> int:
-    if not holding:
-        raise ValueError(f"there is a gap: no piece covers {slot()}")
-    return holding[0]
-
-
-def _only(holding: Sequence[int], slot: Callable[[], str]) -> int:
-    if len(holding) > 1:
-        first, second = (i + 1 for i in holding[:2])
-        raise ValueError(f"pieces {first} and {second} overlap: both cover {slot()}")
-    return _first(holding, slot)
 
 
 def _letters(letters: Sequence[str] | None, n: int) -> tuple[str, ...]:

@@ -1,7 +1,7 @@
-"""For which values of the parameters the answers of a map hold: its assumptions, or a cell.
+"""The values of the parameters for which the answers of a map hold: its assumptions, or a cell.
 
-A cell is cut for some orders of iterates; any other question about its map is answered if the
-answer is the same throughout the cell, and refused otherwise.
+A cell is cut for some orders of iterates; other questions about its map are answered if the answer
+is the same throughout the cell, and refused otherwise.
 """
 
 from __future__ import annotations
@@ -153,7 +153,6 @@ class SymbolicCell(CellScope):
         return names_of(self.region.ring).index(str(self.symbol))
 
     def _sign(self, polynomial: Number) -> int | None:
-        """The sign that the inequalities prove, with the one value put for the parameter."""
         if self.value is None:
             return _sign_in(self.region, polynomial)
         found = _sign_in(self.region, at_root_of(polynomial, self._line(), self._index))
@@ -175,11 +174,7 @@ class SymbolicCell(CellScope):
 
 @dataclass(frozen=True, slots=True)
 class ColumnCell(CellScope):
-    """The part of a column between two roots, or the ends of the line; or one root.
-
-    Over an open interval of one parameter real roots in the other one are functions that do not
-    meet. A cell lies between two of them, an edge is one of them.
-    """
+    """The part of a column between two roots that do not meet, or ends of the line; or one root."""
 
     column: Column
     low: Root | Infinite

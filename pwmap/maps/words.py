@@ -1,11 +1,10 @@
-"""Words, the affine maps they stand for, and the only decisions that ever need a sign.
+"""Words, the affine maps they stand for, and the decisions that need a sign.
 
 Let the pieces of a map be A_i(x) = m_i x + c_i and its breaks b_k. A word w = i_1 ... i_n names A_w
 = A_{i_n} o ... o A_{i_1}. Every break of an iterate is a preimage of some b_k along the prefix of a
-word, and following it onward gives A_v(b_k): so composition, fixed points and jump crossings need
-the signs of *critical orbits* A_v(b_k) - b_l, of slopes m_i, and of multipliers minus 1 or plus 1.
-What holds for one value of the parameters is a table of such signs, and it holds wherever these
-polynomials keep their signs.
+word, whose image under the rest is A_v(b_k). So composition, fixed points and jump crossings need
+the signs of *critical orbits* A_v(b_k) - b_l, of slopes m_i, and of multipliers minus 1 or plus 1;
+they stay the same wherever these polynomials keep their signs.
 """
 
 from __future__ import annotations
@@ -34,17 +33,14 @@ class Layout(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Table(Portable):
-    """Coefficients of one or more maps: slope and intercept by letter, breaks by index.
+    """Coefficients of one or more maps, as numerators over one denominator."""
 
-    They are numerators over one ``denominator``, which is positive under the assumptions.
-    """
-
-    slopes: tuple[Number, ...]
-    intercepts: tuple[Number, ...]
+    slopes: tuple[Number, ...]  # by letter
+    intercepts: tuple[Number, ...]  # by letter
     breaks: tuple[Number, ...]
     layouts: tuple[Layout, ...]
-    one: Number  # of the ring the coefficients live in
-    denominator: Number
+    one: Number  # of the ring of the coefficients
+    denominator: Number  # positive under the assumptions
 
     def mapped(self, change: Callable[[Number], Number]) -> Table:
         """The same maps with other coefficients; a constant denominator is divided out."""
@@ -138,7 +134,7 @@ Decision = CriticalOrbit | OrbitReturn | Slope | MultiplierSign | Offset
 
 
 def first_turn(word: Letters, step: int = 1) -> Letters:
-    """The first of the words of a cycle in the alphabet; it may begin at multiples of a step."""
+    """The alphabetically first word of a cycle that begins at a multiple of ``step`` letters."""
     return min(word[i:] + word[:i] for i in range(0, len(word), step))
 
 
@@ -163,7 +159,7 @@ class Orbits:
         return Orbits, (self.table,)
 
     def work(self, letters: int) -> int:
-        """The work of one operation with what follows so many letters: an integer, or more."""
+        """The work of one operation with numbers that follow so many letters."""
         if self._whole:
             return cost(letters * self.table.denominator.bit_length())
         return (1 + letters) * cost(letters * self._bits)
@@ -213,7 +209,7 @@ class Orbits:
         return next((n for n in range(len(word) - 1, 0, -1) if is_known(word[:n])), 0)
 
     def slope(self, word: Word) -> Fraction_:
-        """The slope of A_word, as numerator and denominator; the order of letters is no matter."""
+        """The slope of A_word, as numerator and denominator, for any order of the letters."""
         known = self._slopes.get(word)
         if known is None:
             counts = tuple(sorted(Counter(word).items()))
@@ -287,7 +283,7 @@ class Orbits:
 
 
 class SignOracle:
-    """Gives the signs of decisions, and remembers them."""
+    """The signs of decisions, each computed once."""
 
     def __init__(
         self,

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import islice, pairwise
 from typing import Any
@@ -31,19 +31,12 @@ class AdmittedInterval:
     high: Any
     closed: tuple[bool, bool]  # whether they hold at these ends too
 
-    @property
-    def closed_ends(self) -> tuple[Any, ...]:
-        """The ends that belong to it."""
-        return tuple(
-            end for end, belongs in zip((self.low, self.high), self.closed, strict=True) if belongs
-        )
-
 
 def admitted_intervals(axis: Axis, span: Span) -> list[AdmittedInterval]:
     """The parts of a span that the assumptions admit, from left to right.
 
-    ValueError if an interval inside a span with two ends is not admitted, a value is admitted that
-    has none beside it, or an assumption is of a degree that the axis does not take.
+    ValueError if part of a finite span is not admitted, a single value is admitted alone, or an
+    assumption has a degree that the axis does not take.
     """
     low, high = (end if isinstance(end, Infinite) else axis.place(end) for end in span)
     limits = _limits(axis)
@@ -62,7 +55,8 @@ def admitted_intervals(axis: Axis, span: Span) -> list[AdmittedInterval]:
             raise ValueError(f"{shown} in the span contradicts the assumption {broken}")
     ends = [end for interval in found for end in (interval.low, interval.high)]
     for place in inner:
-        if not any(place is end for end in ends) and _is_alone(axis, place, found):
+        is_inside = any(s.low < place < s.high for s in found)
+        if not any(place is end for end in ends) and not is_inside and _belongs(axis, place):
             raise ValueError(
                 f"{axis.name} = {axis.to_sympy(place)} is admitted, but no value beside it: "
                 "give it that value (.at), or exclude it by another assumption"
@@ -87,11 +81,6 @@ def _broken(axis: Axis, place: Any) -> Constraint | None:
 
 def _belongs(axis: Axis, place: Any) -> bool:
     return not isinstance(place, Infinite) and _broken(axis, place) is None
-
-
-def _is_alone(axis: Axis, place: Any, found: Sequence[AdmittedInterval]) -> bool:
-    """Whether a place is admitted, and is not inside an interval."""
-    return not any(s.low < place < s.high for s in found) and _belongs(axis, place)
 
 
 # --- Samples of the other parameters --------------------------------------------------------------
@@ -126,7 +115,7 @@ def samples(
 
 
 def _over(region: AssumedRegion, name: str, span: Span) -> AssumedRegion:
-    """What assumptions leave to the other parameters if they hold all over a span."""
+    """The assumptions on the other parameters if they are to hold all over a span."""
     if span == (LOWEST, HIGHEST):
         return region
     index = [str(symbol) for symbol in region.ring.symbols].index(name)

@@ -1,7 +1,7 @@
-"""Branches as arrays of floats, for drawing: nothing is decided here.
+"""Branches as arrays of floats, for drawing only.
 
-Along a curved branch x and multiplier are computed in floats with a bound of rounding errors; where
-it is too large (near a pole, or where large terms cancel), from exact numbers.
+Along a curved branch x and multiplier are computed in floats with a bound of rounding errors, or
+from exact numbers where that is too large (near a pole, or where large terms cancel).
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from sympy import QQ
 from pwmap.algebra.exact import Fraction_, Number, to_float
 from pwmap.diagrams.data import BranchKind, FloatArray
 from pwmap.parameters.axis import Axis
-from pwmap.parameters.branches import Continuation
+from pwmap.parameters.branches import Continuation, remembered
 from pwmap.parameters.curves import SegmentCurve
 from pwmap.parameters.segments import Segment
 
@@ -29,51 +29,36 @@ def curve_arrays(continuation: Continuation, curve: SegmentCurve) -> tuple[Float
     """Parameter, x and multiplier of a branch, (3, n), and the first sample of each segment."""
     parts = []
     for segment, entered in curve:
-        found = _known_arrays(continuation, segment)[:, :: -1 if entered else 1]
+        found = segment_arrays(continuation, segment)[:, :: -1 if entered else 1]
         # a sample that two segments share is that of the later one
         parts.append(found if segment is curve[-1][0] else found[:, : max(1, len(found[0]) - 1)])
     starts = np.cumsum([0, *(len(part[0]) for part in parts[:-1])])
     return np.hstack(parts), starts.tolist()
 
 
-def _known_arrays(continuation: Continuation, segment: Segment) -> FloatArray:
-    known = continuation.known.arrays
-    if segment not in known:
-        known[segment] = segment_arrays(continuation, segment)
-    return known[segment]
-
-
+@remembered
 def segment_arrays(continuation: Continuation, segment: Segment) -> FloatArray:
-    """Parameter, x and multiplier along a segment, at few points if that is enough."""
+    """Parameter, x and multiplier along a segment, (3, n); at its ends only if it is straight."""
     axis, slope = continuation.axis, continuation.orbits.slope(segment.key.word)
     ends = [continuation.number(end) for end in continuation.ends(segment)]
     smooth = segment.key.kind is BranchKind.FIXED_POINT and not segment.is_isolated
-    outer = [
-        (
-            *end,
-            axis.number(slope, place) if smooth and continuation.is_finite(slope, place) else nan,
-        )
-        for end, place in zip(ends, segment.places, strict=True)
-    ]
+    multipliers = (
+        axis.number(slope, place) if smooth and continuation.is_finite(slope, place) else nan
+        for place in segment.places
+    )
+    outer = np.array([(*end, m) for end, m in zip(ends, multipliers, strict=True)]).T
     if segment.band is not None:
-        return np.array(outer).T
+        return outer
     if segment.places[0] == segment.places[1]:
-        return np.array(outer[:1]).T
+        return outer[:, :1]
     position = continuation.position(segment.key)
     degrees = [axis.degree(number) for number in (*position, *slope)]
     if degrees[0] <= 1 and not any(degrees[1:]):
-        return np.array(outer).T
+        return outer
     places, parameter = _spread(axis, segment, *(p for p, _ in ends))
-    multiplier = values(axis, slope, places, parameter)
-    inner = np.array(
-        [
-            parameter,
-            values(axis, position, places, parameter),
-            multiplier if smooth else np.full(len(parameter), nan),
-        ]
-    )
-    first, last = (np.array(end)[:, None] for end in outer)
-    return np.hstack([first, inner, last])
+    x = values(axis, position, places, parameter)
+    multiplier = values(axis, slope, places, parameter) if smooth else np.full(len(x), nan)
+    return np.hstack([outer[:, :1], [parameter, x, multiplier], outer[:, 1:]])
 
 
 def _spread(axis: Axis, segment: Segment, low: float, high: float) -> tuple[list[Any], FloatArray]:
@@ -99,9 +84,6 @@ def values(axis: Axis, fraction: Fraction_, places: list[Any], parameter: FloatA
 
 def _horner(axis: Axis, number: Number, parameter: FloatArray) -> tuple[FloatArray, FloatArray]:
     """A polynomial in floats by Horner's rule, and a bound of the error."""
-    value, size = np.zeros_like(parameter), np.zeros_like(parameter)
-    coefficients = [to_float(c) for c in axis.coefficients(number)]
-    for coefficient in coefficients:
-        value = value * parameter + coefficient
-        size = size * np.abs(parameter) + abs(coefficient)
-    return value, 2 * len(coefficients) * ROUNDING * size
+    coefficients = np.array([to_float(c) for c in axis.coefficients(number)], dtype=float)
+    size = np.polyval(np.abs(coefficients), np.abs(parameter))
+    return np.polyval(coefficients, parameter), 2 * len(coefficients) * ROUNDING * size

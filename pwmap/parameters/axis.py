@@ -1,7 +1,7 @@
 """One parameter of a map as an axis with exact places on it.
 
-A place is a number or, beside symbolic parameters, a function of these with its value at a sample,
-where all is decided; such an axis records which polynomials in these must keep their signs.
+A place is a number or, beside symbolic parameters, a function of these. Signs are then decided at a
+sample of these, and the axis records which polynomials in them must keep their signs.
 """
 
 from __future__ import annotations
@@ -95,7 +95,7 @@ class Axis(ABC):
         self._roots: dict[Decision | PolyElement, tuple[Any, ...] | None] = {}
 
     def copy(self) -> Axis:
-        """The same axis, which records for itself what is decided from now on."""
+        """The same axis; what it records from now on is not recorded here."""
         twin = copy(self)
         for name, value in vars(self).items():
             if isinstance(value, dict):
@@ -158,7 +158,7 @@ class Axis(ABC):
         return Orbits(table)
 
     def oracle(self, place: Any) -> SignOracle:
-        """Who decides all signs at a place."""
+        """The signs of all decisions at a place."""
         value = self.real(place)
         if isinstance(value, RealRoot):
             return SignOracle(self._orbits_here, partial(_sign_at_root, value))
@@ -193,16 +193,22 @@ class Axis(ABC):
     def value(self, fraction: Fraction_, place: Any) -> Any:
         """A quotient at a place, in a canonical form, or INFINITE."""
 
-    @abstractmethod
     def compare(self, first: Fraction_, second: Fraction_, place: Any) -> int:
         """Sign of the difference of two finite quotients at a place."""
+        (a, b), (c, d) = first, second
+        found = self.recorded_sign(a * d - c * b, place)
+        return found and found * self.recorded_sign(b, place) * self.recorded_sign(d, place)
+
+    def recorded_sign(self, polynomial: Number, place: Any) -> int:
+        """Sign of a polynomial at a place, with what it asks of other parameters recorded."""
+        return self.sign(polynomial, place)
 
     def closing(self, places: Sequence[Any], decided: Iterable[Decision]) -> None:  # noqa: B027
         """Record what the order of places, and decisions at them, ask of other parameters."""
 
     @property
     def given(self) -> tuple[sympy.Basic, ...]:
-        """Conditions on other, symbolic parameters under which all that was decided holds."""
+        """Conditions on symbolic parameters under which all decisions hold."""
         return ()
 
     # --- What a user sees -----------------------------------------------------------------------
@@ -217,7 +223,7 @@ class Axis(ABC):
 
     @abstractmethod
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
-        """Where the decisions of a cell hold, for the orders of its cut; after :meth:`closing`."""
+        """Where the signs of a cell hold; after :meth:`closing`."""
 
     @property
     def identity(self) -> Fraction_:
@@ -257,11 +263,6 @@ class RationalAxis(Axis):
     def value(self, fraction: Fraction_, place: Any) -> Any:
         top, bottom = (dense(number) for number in fraction)
         return quotient_at(top, bottom, place) if sign_at(bottom, place) else INFINITE
-
-    def compare(self, first: Fraction_, second: Fraction_, place: Any) -> int:
-        (a, b), (c, d) = first, second
-        bottom = sign_at(dense(b), place) * sign_at(dense(d), place)
-        return sign_at(dense(a * d - c * b), place) * bottom
 
     def to_sympy(self, place: Any) -> sympy.Expr:
         return real_to_sympy(place)

@@ -1,7 +1,7 @@
 """The exact bifurcation diagram of a piecewise-linear map over one parameter.
 
-Segments become branches, and the junctions of their ends special points, whose kind follows from
-the branches that meet there, and on which side.
+Curves of segments become branches. The junctions of their ends become special points, whose kind
+follows from the branches that meet there and the sides on which they lie.
 """
 
 from __future__ import annotations
@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections import Counter, defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import islice, pairwise
+from itertools import count, islice, pairwise
 from typing import Any
 
 import sympy
@@ -28,7 +28,7 @@ from pwmap.maps.words import Word
 from pwmap.parameters.admitted import Span
 from pwmap.parameters.arrays import curve_arrays
 from pwmap.parameters.axis import Axis, ResampleError
-from pwmap.parameters.branches import Continuation
+from pwmap.parameters.branches import Continuation, remembered
 from pwmap.parameters.cells import (
     Cell,
     CellStage,
@@ -46,7 +46,7 @@ from pwmap.parameters.segments import (
     RIGHT,
     BranchKey,
     Junction,
-    KnownValues,
+    Known,
     Segment,
     SegmentEnd,
 )
@@ -70,37 +70,36 @@ def bifurcation_diagram(
     Parameters
     ----------
     map_, parameter
-        The map, whose other parameters have values or stay symbolic, and the symbol or name.
+        The map and the symbol or name of a parameter; others have values or stay symbolic.
     span
-        Two rationals; by default from about one below the first value at which something happens to
-        about one above the last. What exists at an end of the span only is left out.
+        Two rationals; by default all values at which something happens, and about one more on each
+        side. What exists at an end of the span only is left out.
     orders
-        The iterates j. A periodic point is listed with its minimal period only, a jump crossing
-        with every order it occurs in, a band (where an iterate is the identity) by those of its
-        ends that belong to it.
+        The iterates. A periodic point is listed with its minimal period only, a jump crossing with
+        every order, a band (where an iterate is the identity) by the ends that belong to it.
     sample
-        Values for symbolic parameters, at which floats are taken and around which the formulas
+        Values of symbolic parameters, at which floats are taken and around which the formulas
         hold; by default values that the assumptions admit.
     budget
         Orders that take more are left out, and ``given`` says so.
     progress, finished
-        Called with every order that is completed, and with the diagram up to it.
+        Called with every completed order, and with the diagram up to it.
     on_interrupt
-        Called at Ctrl-C, after which the completed orders are returned, as that of the budget.
+        Called at Ctrl-C; the completed orders are then returned.
 
     Returns
     -------
     Diagram
-        With sympy objects in ``exact``. That of a branch holds ``x``, ``multiplier`` (or the limits
-        ``left`` and ``right`` of a jump) and ``interval``, the values of the parameter at which it
-        exists; a jump that changes its word has them for each stretch of ``words``, and a band
-        along one value has ``lower`` and ``upper`` for ``x``. That of a point holds ``parameter``
-        and ``x``. ``given`` says for which values of symbolic parameters all of it holds.
+        ``exact`` of a branch holds sympy expressions: ``x``, ``multiplier`` (of a jump its limits
+        ``left`` and ``right``) and ``interval``, the values of the parameter at which it exists. A
+        jump that changes its word has them for each stretch of ``words``; a band along one value
+        has ``lower`` and ``upper`` instead of ``x``. ``exact`` of a point holds ``parameter`` and
+        ``x``. ``given`` says for which values of symbolic parameters the diagram holds.
 
     Raises
     ------
     ValueError, TypeError
-        As :func:`pwmap.parameter_cells`. A ``BudgetError`` if no order was completed.
+        As :func:`pwmap.parameter_cells`; ``BudgetError`` if no order was completed.
 
     Examples
     --------
@@ -131,7 +130,7 @@ def bifurcation_diagram(
 
 @dataclass(frozen=True, slots=True)
 class _Growing:
-    """Makes the diagram of each completed order, if an interrupt is to keep it."""
+    """Makes the diagram of all orders, and that of each completed one if it is asked for."""
 
     map: PiecewiseLinearMap
     orders: tuple[int, ...]
@@ -142,7 +141,7 @@ class _Growing:
 
     def __call__(self, axis: Axis, found: Iterator[CellStage]) -> Diagram:
         """The diagram of all orders, or of those that were completed."""
-        known, cells = KnownValues(), list[Cell]()
+        known, cells = Known(dict), list[Cell]()
         done: dict[int, Diagram | None] = {}  # up to each order of those that were asked for
         with self.meter.keeping(done):
             self.meter.advance("orders", 0, len(self.orders))
@@ -157,10 +156,8 @@ class _Growing:
             diagram if len(done) == len(self.orders) else _said(diagram, done, self.meter.stopped)
         )
 
-    def _upto(
-        self, order: int, axis: Axis, cells: list[Cell], known: KnownValues
-    ) -> Diagram | None:
-        """The diagram up to an order, if it is wanted now."""
+    def _upto(self, order: int, axis: Axis, cells: list[Cell], known: Known) -> Diagram | None:
+        """The diagram up to an order, if somebody asks for it now."""
         finished = self.finished or (lambda _: None)
         if order == self.orders[-1]:
             diagram = self._built(axis, cells, known)
@@ -175,8 +172,8 @@ class _Growing:
         finished(_said(diagram, [n for n in self.orders if n <= order], INTERRUPTED))
         return diagram
 
-    def _built(self, axis: Axis, cells: list[Cell], known: KnownValues) -> Diagram:
-        """The diagram from cells of some order, what they ask of the axis recorded."""
+    def _built(self, axis: Axis, cells: list[Cell], known: Known) -> Diagram:
+        """The diagram from cells; conditions on other parameters are recorded in the axis."""
         close(axis, cells)
         low, high = self.limits
         if isinstance(low, Infinite):
@@ -185,9 +182,8 @@ class _Growing:
             close(axis, cells)
         else:
             ends = axis.place(low), axis.place(high)
-        known = known if not axis.sample else KnownValues()
-        continuation = Continuation(axis, cells, len(self.map.chain), ends, known)
-        return _assembled(self.map, continuation, self.orders)
+        known = known if not axis.sample else Known(dict)
+        return _assembled(Continuation(self.map, axis, cells, ends, known), self.orders)
 
 
 def _said(diagram: Diagram, done: Iterable[int], reason: str) -> Diagram:
@@ -223,17 +219,17 @@ def _cut_off(
     return kept
 
 
-def _assembled(
-    map_: PiecewiseLinearMap, continuation: Continuation, orders: Sequence[int]
-) -> Diagram:
+def _assembled(continuation: Continuation, orders: Sequence[int]) -> Diagram:
     """Name branches and special points of some orders, and put them together."""
+    map_ = continuation.map
     segments = continuation.segments()
     curves, junctions = connected(segments, continuation.junctions(segments), continuation.stops)
+    counts = defaultdict[str, Iterator[int]](lambda: count(1))  # F1, F2, ..., J1, ..., BC1, ...
     branch_ids: dict[Tip, str] = {}  # by where branches begin and end
     shown = [curve for curve in curves if _length(curve) // continuation.length in orders]
-    for curve, name in zip(shown, _names(shown), strict=True):
-        branch_ids.update(dict.fromkeys(tips_of(curve), name))
-    counts: dict[str, int] = defaultdict(int)
+    for curve in shown:
+        letter = "F" if curve[0][0].key.kind is BranchKind.FIXED_POINT else "J"
+        branch_ids.update(dict.fromkeys(tips_of(curve), f"{letter}{next(counts[letter])}"))
     points: dict[Tip, SpecialPoint] = {}
     for junction in junctions:
         tips = [tip for end in junction.ends if (tip := (end.segment, end.which)) in branch_ids]
@@ -242,15 +238,13 @@ def _assembled(
         kind, note = classify(junction, at_span_end=junction.place in continuation.stops)
         if junction.place in continuation.stops and junction.place not in continuation.span:
             note = "end of what is assumed"
-        counts[kind] += 1
         names = tuple(dict.fromkeys(branch_ids[tip] for tip in tips))
-        point = _point(continuation, junction, f"{kind}{counts[kind]}", kind, note, names)
-        point = replace(point, cause=_cause(map_, continuation, junction, kind))
+        point = _point(continuation, junction, f"{kind}{next(counts[kind])}", kind, note, names)
         points.update(dict.fromkeys(tips, point))
     return Diagram(
         parameter_name=continuation.axis.name,
         x_name=str(map_.x),
-        branches=tuple(_branch(map_, continuation, curve, branch_ids, points) for curve in shown),
+        branches=tuple(_branch(continuation, curve, branch_ids, points) for curve in shown),
         points=tuple({point.id: point for point in points.values()}.values()),
         given=tuple(str(relation) for relation in continuation.axis.given),
         sample={name: QQ.to_sympy(value) for name, value in continuation.axis.sample.items()},
@@ -259,7 +253,7 @@ def _assembled(
 
 
 def _text(map_: PiecewiseLinearMap) -> list[str]:
-    """A map, a line for each piece where these can be told without more assumptions."""
+    """A map, a line for each piece; in one line if the assumptions leave the pieces open."""
     try:
         return str(map_).splitlines() if map_.order == 1 else [repr(map_)]
     except UndecidedError:
@@ -268,15 +262,6 @@ def _text(map_: PiecewiseLinearMap) -> list[str]:
 
 def _length(curve: SegmentCurve) -> int:
     return len(curve[0][0].key.word)
-
-
-def _names(curves: Sequence[SegmentCurve]) -> Iterator[str]:
-    """F1, F2, ... for branches of fixed points, and J1, J2, ... for jumps."""
-    counts: dict[str, int] = defaultdict(int)
-    for curve in curves:
-        letter = "F" if curve[0][0].key.kind is BranchKind.FIXED_POINT else "J"
-        counts[letter] += 1
-        yield f"{letter}{counts[letter]}"
 
 
 def _point(
@@ -299,30 +284,25 @@ def _point(
         order=lowest(junction.ends) // continuation.length,
         note=note,
         exact={"parameter": axis.to_sympy(place), "x": exact_x},
+        cause=_cause(continuation, junction, kind),
     )
 
 
-def _cause(
-    map_: PiecewiseLinearMap, continuation: Continuation, junction: Junction, kind: PointKind
-) -> str:
-    """A sentence on what happens at a special point; empty if its note says it all."""
-    match kind:
-        case PointKind.LP | PointKind.PD:
-            return "" if isinstance(junction.value, Infinite) else kind.meaning.split(": ")[1]
-        case PointKind.BC | PointKind.FF:
-            pass
-        case _:
-            return ""
+def _cause(continuation: Continuation, junction: Junction, kind: PointKind) -> str:
+    """A sentence on what happens at a special point, or nothing if kind and note say it."""
+    if kind in (PointKind.LP, PointKind.PD):
+        return "" if isinstance(junction.value, Infinite) else kind.meaning.split(": ")[1]
+    if kind not in (PointKind.BC, PointKind.FF):
+        return ""
     cuts = (end.segment.key.cut for end in junction.ends)
     met = {cut.k for cut in cuts if cut is not None}
     if len(continuation.orbits.table.breaks) == 1:
         met = {0}
     what = "fixed point" if lowest(junction.ends) == continuation.length else "point of a cycle"
-    return f"a {what} meets {_borders(map_, continuation, met)}"
+    return f"a {what} meets {_borders(continuation, met)}"
 
 
 def _branch(
-    map_: PiecewiseLinearMap,
     continuation: Continuation,
     curve: SegmentCurve,
     branch_ids: Mapping[Tip, str],
@@ -332,11 +312,11 @@ def _branch(
     first, (start, end) = segments[0], tips_of(curve)
     (parameter, x, multiplier), starts = curve_arrays(continuation, curve)
     words = [
-        Stretch(sample, _spelled(map_, segment), exact=_formulas(continuation, segment))
+        Stretch(sample, _spelled(continuation, segment), exact=_formulas(continuation, segment))
         for sample, segment in zip(starts, segments, strict=True)
     ]
     for i, (before, after) in enumerate(pairwise(segments), start=1):
-        cause = _cause_of_change(map_, continuation, before.key, after.key)
+        cause = _cause_of_change(continuation, before.key, after.key)
         words[i] = replace(words[i], cause=cause)
     location = first.location
     return Branch(
@@ -354,19 +334,13 @@ def _branch(
     )
 
 
-def _spelled(map_: PiecewiseLinearMap, segment: Segment) -> str:
+def _spelled(continuation: Continuation, segment: Segment) -> str:
     """The word of a fixed point, or those on both sides of a jump."""
-    return "|".join(map_.spelled(word) for word in segment.key.words)
+    return "|".join(map(continuation.map.spelled, segment.key.words))
 
 
+@remembered
 def _formulas(continuation: Continuation, segment: Segment) -> dict[str, sympy.Basic]:
-    known = continuation.known.formulas
-    if segment not in known:
-        known[segment] = _new_formulas(continuation, segment)
-    return known[segment]
-
-
-def _new_formulas(continuation: Continuation, segment: Segment) -> dict[str, sympy.Basic]:
     key, axis, orbits = segment.key, continuation.axis, continuation.orbits
     low, high = (axis.to_sympy(place) for place in segment.places)
     exact: dict[str, sympy.Basic] = {"interval": _interval(segment, low, high)}
@@ -386,10 +360,8 @@ def _new_formulas(continuation: Continuation, segment: Segment) -> dict[str, sym
     return exact
 
 
-def _cause_of_change(
-    map_: PiecewiseLinearMap, continuation: Continuation, before: BranchKey, after: BranchKey
-) -> str:
-    """A sentence on what happens where a jump goes on with another word."""
+def _cause_of_change(continuation: Continuation, before: BranchKey, after: BranchKey) -> str:
+    """A sentence on what happens where a jump changes its word."""
     assert before.cut is not None
     assert after.cut is not None
     if before.words == after.words:
@@ -400,26 +372,24 @@ def _cause_of_change(
         met = {
             k
             for words in zip(before.words, after.words, strict=True)
-            for k in islice(_between(map_, continuation, *words), 1)
+            for k in islice(_between(continuation, *words), 1)
         }
-    return f"an orbit of the jump meets {_borders(map_, continuation, met)}"
+    return f"an orbit of the jump meets {_borders(continuation, met)}"
 
 
-def _between(
-    map_: PiecewiseLinearMap, continuation: Continuation, one: Word, other: Word
-) -> Iterator[int]:
-    """The breaks between the letters of two words where these differ."""
-    table = continuation.orbits.table
+def _between(continuation: Continuation, one: Word, other: Word) -> Iterator[int]:
+    """The breaks between the letters in which two words differ."""
+    table, chain = continuation.orbits.table, continuation.map.chain
     for i, letters in enumerate(zip(one, other, strict=True)):
-        layout = table.layouts[map_.chain[i % len(map_.chain)]]
+        layout = table.layouts[chain[i % len(chain)]]
         for k, *sides in zip(layout.breaks, layout.slots[:-1:2], layout.slots[2::2], strict=True):
             if letters[0] != letters[1] and {*sides} == {*letters}:
                 yield k
 
 
-def _borders(map_: PiecewiseLinearMap, continuation: Continuation, met: Iterable[int]) -> str:
+def _borders(continuation: Continuation, met: Iterable[int]) -> str:
     values = [quotient_to_sympy(continuation.orbits.value(k, ())) for k in sorted(met)]
-    which = " and ".join(f"{map_.x} = {value}" for value in values)
+    which = " and ".join(f"{continuation.map.x} = {value}" for value in values)
     return f"the border {which}" if which else "a border"
 
 
@@ -443,27 +413,23 @@ def lowest(ends: Sequence[SegmentEnd]) -> int:
 def classify(junction: Junction, *, at_span_end: bool) -> tuple[PointKind, str]:
     """Kind of a special point, and a note, from the branches that meet there.
 
-    With n the lowest order of the fixed points that meet, look at all branches of that order. If
-    one passes with the same word on both sides, its multiplier is +1 (LP) or -1 (PD), or it lies on
-    a border, where its stability changes or other branches end: on both sides (persistence) or on
-    one (fold); where the map is continuous at this parameter only, it can attract here and on
-    neither side. Otherwise fixed points meet a border (BC): the branches lie on both sides of the
-    parameter (persistence) or on one (fold).
+    Let n be the lowest order of the fixed points that meet; branches of that order decide. If one
+    passes with the same word on both sides, its multiplier is +1 (LP) or -1 (PD), or it lies on a
+    border (BC), where its stability changes or other branches end on it; where the map is
+    continuous at this parameter only, it can attract here and on neither side. Otherwise fixed
+    points meet a border (BC). Their branches lie on both sides of the parameter (persistence) or on
+    one (fold).
 
     A fold of one branch of fixed points, with multiplier m, into a jump branch is a fold-flip (FF)
-    just if |m| > 1: then a jump branch of order 2n starts at the preimage of the jump. Let F be the
-    distance of the limit on the fixed point's side from the diagonal and D that on the other side,
-    of opposite sign where the jump crosses. The preimage lies at -F/m from the jump; there P_2n
-    jumps between F and D, and F - (-F/m) = F (1 + 1/m) has the sign of F just if |m| > 1.
+    if and only if |m| > 1: then a jump branch of order 2n starts at the preimage of the jump. Let F
+    be the distance of the limit on the fixed point's side from the diagonal and D that on the other
+    side, of opposite sign where the jump crosses. The preimage lies at -F/m from the jump; there
+    P_2n jumps between F and D, and F - (-F/m) = F (1 + 1/m) has the sign of F if and only if
+    |m| > 1. A jump branch of order 2n can also start at the jump itself, which is no fold-flip
+    (``docs/theory/fold_flip.md``).
 
-    A jump branch of order 2n can start at the jump itself too, which is no fold-flip. There the
-    limits of P_2n are at the distances E, to which P_n takes the limit D, and F (1 + m), or about D
-    for those F that P_n takes across the jump. So with |m| < 1 there is one on just one side of the
-    parameter, that of the fold if E and D have the same sign; with |m| > 1 there is one on both
-    sides if these signs differ, otherwise on neither.
-
-    Where jumps end and no fixed point is, they end (EP): where just two meet they go on in each
-    other (:mod:`pwmap.parameters.curves`).
+    Jumps that meet no fixed point end there (EP), unless they continue each other
+    (:mod:`pwmap.parameters.curves`).
     """
     ends = junction.ends
     if at_span_end:
@@ -498,7 +464,7 @@ def classify(junction: Junction, *, at_span_end: bool) -> tuple[PointKind, str]:
 
 
 def _of_jumps(ends: Sequence[SegmentEnd]) -> str:
-    """What happens where jumps end, but no fixed points; one alone ends where a piece is flat."""
+    """What happens where only jumps end; a single one ends where a piece is flat."""
     beside = Counter(end.length for end in ends if end.side != ALONG)
     if max(beside.values(), default=0) > 2:
         return "jumps meet"
@@ -506,7 +472,7 @@ def _of_jumps(ends: Sequence[SegmentEnd]) -> str:
 
 
 def _staying_note(junction: Junction, own: Sequence[SegmentEnd], staying: set[BranchKey]) -> str:
-    """What happens to a branch that stays on a border, and which others end on it."""
+    """What happens to a branch that stays on a border, and what ends on it."""
     stayed = [end.segment for end in own if end.segment.key in staying]
     stable = {segment.location.stable for segment in stayed if segment.location}
     sides = {end.side for end in own if end.segment.key not in staying} - {ALONG}

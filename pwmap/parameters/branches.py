@@ -1,24 +1,25 @@
 """Fixed points and jump crossings through the cells of a parameter, and where they meet.
 
 The key of a fixed point is its word, that of a crossing its cut and the words on both sides. A
-segment lasts while its key does, up to a multiplier of +1 or -1; ends at one place meet in a
+segment ends where its key does, or where its multiplier is +1 or -1. Ends at one place meet in a
 junction.
 """
 
 from __future__ import annotations
 
 from collections import ChainMap, defaultdict
-from collections.abc import Hashable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property, cmp_to_key
+from functools import cached_property, cmp_to_key, wraps
 from itertools import pairwise
 from math import inf
-from typing import Any
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
-from pwmap.algebra.exact import Fraction_, Infinite, is_constant, side_of
+from pwmap.algebra.exact import Fraction_, Infinite, cancelled, is_constant, side_of
 from pwmap.diagrams.data import BranchKind
 from pwmap.maps.cylinders import Cut, Cylinder, Inclusion, StudiedIterate, minimal_period
-from pwmap.maps.words import Orbits, SignOracle, Word
+from pwmap.maps.piecewise_linear import PiecewiseLinearMap
+from pwmap.maps.words import Orbits, SignOracle
 from pwmap.parameters.axis import INFINITE, Axis
 from pwmap.parameters.cells import Cell
 from pwmap.parameters.segments import (
@@ -27,28 +28,49 @@ from pwmap.parameters.segments import (
     RIGHT,
     BranchKey,
     Junction,
-    KnownValues,
+    Known,
     Location,
     Position,
     Segment,
     SegmentEnd,
 )
 
-Borders = set[tuple[int, int]]  # edge and word length of fixed points that others may end on
 EndValues = dict[Any, dict[int, dict[Any, float]]]  # by place and word length; with floats
 EPSILON = 2.0**-52  # spacing of doubles at 1
-NOWHERE = (Inclusion.VIRTUAL, Inclusion.NONE)  # then a cylinder holds no fixed point
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+
+def remembered(
+    find: Callable[Concatenate[Continuation, P], R],
+) -> Callable[Concatenate[Continuation, P], R]:
+    """A function of a continuation and other arguments, computed once for each of these."""
+
+    @wraps(find)
+    def found(continuation: Continuation, /, *about: P.args, **named: P.kwargs) -> R:
+        values: dict[object, R] = continuation.known[find]
+        if about not in values:
+            values[about] = find(continuation, *about, **named)
+        return values[about]
+
+    return found
 
 
 @dataclass(frozen=True, eq=False)
 class Continuation:
     """What lies on the diagonal, followed through the cells of a parameter from left to right."""
 
+    map: PiecewiseLinearMap
     axis: Axis
     cells: Sequence[Cell]
-    length: int  # of the words of order 1: how many maps are composed
     span: tuple[Any, Any]  # first and last value, as far as the assumptions reach
-    known: KnownValues = field(default_factory=KnownValues, repr=False)  # of the axis
+    known: Known = field(default_factory=lambda: defaultdict(dict), repr=False)  # of the axis
+
+    @property
+    def length(self) -> int:
+        """The length of the words of order 1: how many maps are composed."""
+        return len(self.map.chain)
 
     @property
     def orbits(self) -> Orbits:
@@ -58,28 +80,29 @@ class Continuation:
     @cached_property
     def present(self) -> list[dict[BranchKey, Location | None]]:
         """For each cell what lies on the diagonal: fixed points with their location, and jumps."""
-        same = self.known.keys  # so that dictionaries need no ==
         found = [dict(self._keys(cell)) for cell in self.cells]
         for i, keys in enumerate(found):
             # at an edge a fixed point that is a cylinder of its own, without slope, has the key of
             # the branch beside
             beside = [*found[i - 1 : i], *found[i + 1 : i + 2]] if self.cells[i].is_edge else []
             for key in [key for key, location in keys.items() if location and location.is_isolated]:
-                plain = same.get(plain := BranchKey(key.kind, key.words), plain)
+                plain = self._same(BranchKey(key.kind, key.words))
                 if any(plain in others for others in beside):
                     keys[plain] = keys.pop(key)
         return found
 
     def _keys(self, cell: Cell) -> Iterator[tuple[BranchKey, Location | None]]:
-        known = self.known.present
+        known = self.known["iterates"]  # by id: an iterate is kept with what was found
         for order, iterate in cell.study.iterates.items():
             if id(iterate) not in known:  # cells have those of lower orders in common
-                found = [
-                    (self.known.keys.setdefault(key, key), location)
-                    for key, location in self._of_iterate(order, iterate, cell.study.oracle)
-                ]
+                found = [*self._of_iterate(order, iterate, cell.study.oracle)]
                 known[id(iterate)] = iterate, found
             yield from known[id(iterate)][1]
+
+    @remembered
+    def _same(self, key: BranchKey) -> BranchKey:
+        """One object for equal keys, so that dictionaries need no ==."""
+        return key
 
     def _of_iterate(
         self, order: int, iterate: StudiedIterate, oracle: SignOracle
@@ -87,13 +110,13 @@ class Continuation:
         for cylinder, inclusion, stable in zip(
             iterate.cylinders, iterate.inclusion, iterate.stable, strict=True
         ):
-            if inclusion not in NOWHERE and self._is_own(cylinder, inclusion, order, oracle):
+            is_there = inclusion is not Inclusion.VIRTUAL
+            if is_there and self._is_own(cylinder, inclusion, order, oracle):
                 for cut in _cuts(cylinder, inclusion):
                     key = BranchKey(BranchKind.FIXED_POINT, (cylinder.word,), cut)
-                    yield key, Location(inclusion, stable)
-        for crossing in iterate.crossings:
-            words = crossing.left, crossing.right
-            yield BranchKey(BranchKind.JUMP, words, crossing.cut), None
+                    yield self._same(key), Location(inclusion, stable)
+        for cut, *words in iterate.crossings:
+            yield self._same(BranchKey(BranchKind.JUMP, tuple(words), cut)), None
 
     def _is_own(
         self, cylinder: Cylinder, inclusion: Inclusion, order: int, oracle: SignOracle
@@ -114,26 +137,18 @@ class Continuation:
 
     def segments(self) -> list[Segment]:
         """All segments: first those over the parameter, then bands along one value of it."""
-        stretches = list(self._stretches())
-        bands = list(self._bands())
-        borders = {
-            (i, len(key.word))
-            for key, s in stretches
-            if key.kind is BranchKind.FIXED_POINT
-            for i in s
-            if self.cells[i].is_edge and (len(s) == 1 or self._is_on_border(key, i))
-        }
-        values = self._end_values(stretches, bands, borders)
         found = [
             self._segment(key, part)
-            for key, stretch in stretches
-            for part in self._cut(key, stretch, borders, values)
+            for key, stretch in self._stretches
+            for part in self._cut(key, stretch)
         ]
-        junctions = self.junctions(found) if bands else []
-        return found + [segment for band in bands for segment in self._parted(*band, junctions)]
+        junctions = self.junctions(found) if self._bands else []
+        return found + [part for band in self._bands for part in self._parted(*band, junctions)]
 
-    def _stretches(self) -> Iterator[tuple[BranchKey, list[int]]]:
-        """Maximal stretches of cells with one key; a multiplier of +1 or -1 parts them too."""
+    @cached_property
+    def _stretches(self) -> list[tuple[BranchKey, list[int]]]:
+        """Maximal stretches of cells with one key; a multiplier of +1 or -1 parts them, too."""
+        found: list[tuple[BranchKey, list[int]]] = []
         where: dict[BranchKey, list[int]] = defaultdict(list)
         for i, keys in enumerate(self.present):
             for key in keys:
@@ -146,8 +161,20 @@ class Continuation:
                 parted = len(stretch) > 1 and self.cells[i].is_edge and goes_on
                 if not goes_on or (parted and self._changes(key, i)):
                     if len(stretch) > 1 or not (self._is_edge_of_band(key, i) or self._at_end(i)):
-                        yield key, stretch
+                        found.append((key, stretch))
                     stretch = [i] if goes_on else []
+        return found
+
+    @cached_property
+    def _borders(self) -> set[tuple[int, int]]:
+        """Edge and word length of fixed points on which others may end."""
+        return {
+            (i, len(key.word))
+            for key, s in self._stretches
+            if key.kind is BranchKind.FIXED_POINT
+            for i in s
+            if self.cells[i].is_edge and (len(s) == 1 or self._is_on_border(key, i))
+        }
 
     def _changes(self, key: BranchKey, i: int) -> bool:
         """Whether a fixed point changes its stability at an edge through which it passes."""
@@ -160,24 +187,18 @@ class Continuation:
         hits = any(oracle.multiplier(key.word, unit) == 0 for unit in (1, -1))
         return hits and self.unit_multiplier(key, self.cells[i].lower) != 0
 
-    def _end_values(
-        self,
-        stretches: Sequence[tuple[BranchKey, list[int]]],
-        bands: Sequence[tuple[Cylinder, Any]],
-        borders: Borders,
-    ) -> EndValues:
+    @cached_property
+    def _end_values(self) -> EndValues:
         """For each place that segments pass the x of all ends there, on which they may lie."""
-        passed = {
-            self.cells[i].lower for key, s in stretches for i in self._exposed(key, s, borders)
-        }
+        passed = {self.cells[i].lower for key, s in self._stretches for i in self._exposed(key, s)}
         found: EndValues = {place: defaultdict(dict) for place in passed}
-        for key, stretch in stretches if passed else ():
+        for key, stretch in self._stretches if passed else ():
             segment = self._segment(key, stretch)
             for k, place in enumerate(segment.places):
                 value = self._value(segment, k) if place in passed else None
                 if value is not None and not isinstance(value, Infinite):
                     found[place][len(key.word)][value] = self._number(key, place)
-        for cylinder, place in bands:
+        for cylinder, place in self._bands:
             for cut in (cylinder.lower, cylinder.upper):
                 if cut is not None and place in passed:
                     x = self.orbits.preimage(cut.k, cylinder.word[: cut.steps])
@@ -185,12 +206,14 @@ class Continuation:
                     values[self.axis.value(x, place)] = self.axis.number(x, place)
         return found
 
-    def _exposed(self, key: BranchKey, stretch: Sequence[int], borders: Borders) -> Iterator[int]:
+    def _exposed(self, key: BranchKey, stretch: Sequence[int]) -> Iterator[int]:
         """Edges that a segment passes and at which others of its order can end on it."""
         order = len(key.word)
         for i in stretch[1:-1]:
             # a fixed point has others near on a border only, a jump where its break is one
-            if self.cells[i].is_edge and ((i, order) in borders or self._is_on_border(key, i)):
+            if self.cells[i].is_edge and (
+                (i, order) in self._borders or self._is_on_border(key, i)
+            ):
                 yield i
 
     def _is_on_border(self, key: BranchKey, i: int) -> bool:
@@ -198,17 +221,12 @@ class Continuation:
         location = self.present[i][key]
         return location is not None and not location.is_inside
 
-    def _cut(
-        self, key: BranchKey, stretch: Sequence[int], borders: Borders, values: EndValues
-    ) -> Iterator[Sequence[int]]:
-        """The parts of a stretch between the places where other segments end on it.
-
-        A jump passes those of other orders.
-        """
+    def _cut(self, key: BranchKey, stretch: Sequence[int]) -> Iterator[Sequence[int]]:
+        """The parts of a stretch between the ends of others on it; of a jump, of its order."""
         start = 0
-        for i in self._exposed(key, stretch, borders):
+        for i in self._exposed(key, stretch):
             place = self.cells[i].lower
-            ends = values[place]
+            ends = self._end_values[place]
             own = [ends[len(key.word)]] if key.kind is BranchKind.JUMP else ends.values()
             if self._is_among(key, place, ChainMap(*own)):
                 stop = stretch.index(i)
@@ -217,7 +235,7 @@ class Continuation:
         yield stretch[start:]
 
     def _is_among(self, key: BranchKey, place: Any, values: Mapping[Any, float]) -> bool:
-        """Whether the x of what has a key, where it is finite, is one of some values."""
+        """Whether the x of a key at a place is finite and one of some values."""
         x = self._number(key, place)
         # floats, right but for the last bit, tell most of them apart
         near = any(
@@ -236,42 +254,41 @@ class Continuation:
             or self.present[stretch[0]][key],
         )
 
+    @remembered
     def _kept(self, *held: Any) -> Segment:
-        """A segment of some key, places and more; the one that is known if there is one."""
-        return self.known.segments.setdefault(held, Segment(*held))
+        """The one segment of some key, places and other fields."""
+        return Segment(*held)
 
     def _at_end(self, i: int) -> bool:
-        """Whether the cells end at a cell: what exists there only is left out."""
+        """Whether a cell is an end of all cells; what exists only there is left out."""
         return self.cells[i].is_edge and self.cells[i].lower in self.stops
 
     def _is_edge_of_band(self, key: BranchKey, i: int) -> bool:
-        """Whether what has a key at an edge only is an end of a band along that edge."""
+        """Whether a key at an edge is that of an end of a band along that edge."""
         location = self.present[i][key]
-        return (
-            self.cells[i].is_edge and location is not None and location.inclusion is Inclusion.BAND
-        )
+        in_band = location is not None and location.inclusion is Inclusion.BAND
+        return in_band and self.cells[i].is_edge
 
-    def _bands(self) -> Iterator[tuple[Cylinder, Any]]:
+    @cached_property
+    def _bands(self) -> list[tuple[Cylinder, Any]]:
         """Pieces that are the identity at one value of the parameter only, and that value."""
+        found: list[tuple[Cylinder, Any]] = []
         for i, cell in enumerate(self.cells):
             if not cell.is_edge or self._at_end(i):
                 continue
-            beside = self._bands_beside(i)
-            for order, cylinder in _identities(cell):
-                if cylinder.word not in beside and self._is_own(
-                    cylinder, Inclusion.BAND, order, cell.study.oracle
-                ):
-                    yield cylinder, cell.lower
-
-    def _bands_beside(self, i: int) -> set[Word]:
-        """Words that are the identity in a cell next to an edge."""
-        beside = self.cells[i - 1], self.cells[i + 1]
-        return {cylinder.word for cell in beside for _, cylinder in _identities(cell)}
+            beside = {c.word for k in (i - 1, i + 1) for _, c in _identities(self.cells[k])}
+            found += [
+                (cylinder, cell.lower)
+                for order, cylinder in _identities(cell)
+                if cylinder.word not in beside
+                and self._is_own(cylinder, Inclusion.BAND, order, cell.study.oracle)
+            ]
+        return found
 
     def _parted(
         self, cylinder: Cylinder, place: Any, junctions: Sequence[Junction]
     ) -> Iterator[Segment]:
-        """The segments of such a piece, which special points inside it part."""
+        """The segments of a band, cut at the special points inside it."""
         word, compare = cylinder.word, self.axis.compare
         low, high = (
             None if cut is None else self.orbits.preimage(cut.k, word[: cut.steps])
@@ -342,42 +359,40 @@ class Continuation:
         one, other = map(side_of, values)
         return one - other if one or other else self.axis.compare_values(*values, place)
 
+    @remembered
     def ends(self, segment: Segment) -> tuple[SegmentEnd, SegmentEnd]:
         """Both ends of a segment."""
-        if segment not in self.known.ends:
-            along = segment.places[0] == segment.places[1]
-            is_steep = self._is_steep(segment)
-            first, last = (
-                SegmentEnd(
-                    segment,
-                    which,
-                    ALONG if along else side,
-                    self._unit_at_end(segment, which),
-                    is_steep,
-                    self._x(segment, which),
-                    self._value(segment, which),
-                )
-                for which, side in ((0, RIGHT), (1, LEFT))
+        along = segment.places[0] == segment.places[1]
+        is_steep = self._is_steep(segment)
+        first, last = (
+            SegmentEnd(
+                segment,
+                which,
+                ALONG if along else side,
+                0 if segment.band else self.unit_multiplier(segment.key, segment.places[which]),
+                is_steep,
+                self._x(segment, which),
+                self._value(segment, which),
             )
-            self.known.ends[segment] = first, last
-        return self.known.ends[segment]
+            for which, side in ((0, RIGHT), (1, LEFT))
+        )
+        return first, last
 
+    @remembered
     def position(self, key: BranchKey) -> Fraction_:
         """The x of what has a key, as a quotient in lowest terms."""
-        if key not in self.known.positions:
-            self.known.positions[key] = key.x(self.orbits)
-        return self.known.positions[key]
+        if key.cut is None:
+            return cancelled(self.orbits.fixed_point(key.word))
+        return cancelled(self.orbits.preimage(key.cut.k, key.word[: key.cut.steps]))
 
+    @remembered
     def _at(self, key: BranchKey, place: Any) -> Any:
         """The x of what has a key at a place, in canonical form."""
-        if (key, place) not in self.known.values:
-            self.known.values[key, place] = self.axis.value(self.position(key), place)
-        return self.known.values[key, place]
+        return self.axis.value(self.position(key), place)
 
+    @remembered
     def _number(self, key: BranchKey, place: Any) -> float:
-        if (key, place) not in self.known.numbers:
-            self.known.numbers[key, place] = self.axis.number(self.position(key), place)
-        return self.known.numbers[key, place]
+        return self.axis.number(self.position(key), place)
 
     def _x(self, segment: Segment, which: int) -> Position:
         return self.position(segment.key) if segment.band is None else segment.band[which]
@@ -398,23 +413,17 @@ class Continuation:
         )
         return Infinite(top * bottom)
 
-    def _unit_at_end(self, segment: Segment, which: int) -> int:
-        if segment.band is not None:
-            return 0
-        return self.unit_multiplier(segment.key, segment.places[which])
-
     def unit_multiplier(self, key: BranchKey, place: Any) -> int:
         """+1 or -1 where the multiplier of a fixed point passes through that value, else 0."""
-        slope, one = self.orbits.slope(key.word), self.orbits.table.one
+        slope = self.orbits.slope(key.word)
         if key.kind is BranchKind.JUMP or key.cut is not None or all(map(is_constant, slope)):
             return 0
-        if not self.is_finite(slope, place):
-            return 0
-        if (slope, place) not in self.known.units:
-            compare = self.axis.compare
-            units = (u for u in (1, -1) if compare(slope, (u * one, one), place) == 0)
-            self.known.units[slope, place] = next(units, 0)
-        return self.known.units[slope, place]
+        return self._unit(slope, place) if self.is_finite(slope, place) else 0
+
+    @remembered
+    def _unit(self, slope: Fraction_, place: Any) -> int:
+        compare, one = self.axis.compare, self.orbits.table.one
+        return next((u for u in (1, -1) if compare(slope, (u * one, one), place) == 0), 0)
 
     def is_finite(self, fraction: Fraction_, place: Any) -> bool:
         """Whether a quotient has a value; a denominator may vanish at an open end of the span."""

@@ -1,13 +1,12 @@
 """Parameter cells: where along a parameter the same words describe the iterates of a map.
 
-A map is studied at an exact sample, and the polynomials of all signs that decided something are
-kept: their nearest roots bound the cell of the sample, in which words, fixed points and crossings
-are the same. The next sample is taken beyond; edges are cells of their own, studied exactly at the
-root.
+A map is studied at an exact sample. The nearest roots of the polynomials whose signs were used
+bound a cell, in which words, fixed points and crossings are the same. The next sample is taken
+beyond it. Edges are cells of their own, studied exactly at the root.
 
-With other parameters symbolic the same is done at a sample of these. Beside one other parameter a
-place is a root of a polynomial in both; beside several, polynomials must be of degree one in the
-parameter of the axis. The order of all roots is recorded: where it persists, everything holds.
+Symbolic parameters have values at a sample. Beside one of them a place is a root of a polynomial in
+both; beside several, polynomials must be of degree one in the parameter of the axis. The order of
+all roots is recorded: the results hold where it persists.
 """
 
 from __future__ import annotations
@@ -28,7 +27,6 @@ from pwmap.maps.cylinders import (
     WHOLE_LINE,
     Ask,
     Cylinder,
-    Inclusion,
     StudiedIterate,
     iterate_of,
     refined,
@@ -61,28 +59,15 @@ class PlaceStudy:
     iterates: dict[int, StudiedIterate]
     cylinders: tuple[Cylinder, ...] = WHOLE_LINE  # of the last iterate
 
-    def shown(self) -> dict[int, StudiedIterate]:
-        """The iterates, without telling apart fixed points that are virtual or missing."""
-        return {
-            order: replace(
-                it,
-                inclusion=tuple(
-                    Inclusion.VIRTUAL if found is Inclusion.NONE else found
-                    for found in it.inclusion
-                ),
-            )
-            for order, it in self.iterates.items()
-        }
-
     def agreed(self, *others: PlaceStudy) -> PlaceStudy:
-        """What this study and others that show the same have in common."""
+        """The study of several places with the same iterates, with the signs that all have."""
         shared = {
             decision: sign
             for decision, sign in self.oracle.signs.items()
             if all(other.oracle.signs.get(decision) == sign for other in others)
         }
         oracle = SignOracle(self.oracle.orbits, self.oracle.sign_of, shared)
-        return PlaceStudy(oracle, self.shown())
+        return PlaceStudy(oracle, self.iterates)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -114,7 +99,7 @@ def grown(
     meter: Meter,
     ask: Ask | None = None,
 ) -> PlaceStudy:
-    """A study of one order more, with every sign that its fixed points depend on if it is shown."""
+    """A study of the next order, with its fixed points and crossings if it is shown."""
     oracle, current, iterates = study.oracle, study.cylinders, study.iterates
     ask = ask or oracle.ask
     for layout in chain:
@@ -135,11 +120,10 @@ def stages(
     cells: list[Cell],
     meter: Meter,
 ) -> Iterator[CellStage]:
-    """Cut cells of which nothing is known into cells and edges, order by order.
+    """Cut cells into cells and edges, order by order.
 
-    What is known of lower orders holds in all parts and on the edges between them; what a new order
-    finds is kept from one place to the next (:mod:`pwmap.parameters.persistence`). BudgetError if
-    an order takes more pieces than are left.
+    Lower orders are the same in all parts of a cell; what a new order finds is kept from one place
+    to the next (:mod:`pwmap.parameters.persistence`). BudgetError if there are too many pieces.
     """
     pieces = 0
 
@@ -162,7 +146,7 @@ def stages(
 def _parts(
     axis: Axis, cell: Cell, answers: Answers, grow: Callable[[PlaceStudy, Ask], PlaceStudy]
 ) -> list[Cell]:
-    """A cell, or what an order more cuts it into: cells and the edges between them."""
+    """The cells, and edges between them, into which the next order cuts a cell."""
     if cell.is_excluded:
         return [cell]
 
@@ -203,7 +187,7 @@ def _parts(
 
 
 def aside(axis: Axis, cells: Sequence[Cell]) -> tuple[Axis, list[Cell]]:
-    """Copies of an axis and its cells: what is decided there is recorded in neither."""
+    """Copies of an axis and its cells; what they decide is not recorded in the originals."""
 
     def copied(cell: Cell) -> Cell:
         oracle = cell.study.oracle
@@ -214,7 +198,7 @@ def aside(axis: Axis, cells: Sequence[Cell]) -> tuple[Axis, list[Cell]]:
 
 
 def studied_at(place: Any, axis: Axis, chain: tuple[int, ...], cell: Cell) -> Cell:
-    """An edge at some place in or beside a cell, with the same iterates."""
+    """An edge at a place in or beside a cell, with the same iterates."""
     study = PlaceStudy(axis.oracle(place), {})
     for order in range(1, max(cell.study.iterates) + 1):
         study = grown(study, chain, order, shown=order in cell.study.iterates,
@@ -230,7 +214,7 @@ def _edge(axis: Axis, place: Any, study: PlaceStudy, answers: Answers) -> Cell:
 
 
 def _edge_at(axis: Axis, place: Any, answers: Answers) -> Any:
-    """The root that a place hits, if a new sign is zero there but not everywhere."""
+    """The root at a place, if a new sign is zero there but not everywhere; else None."""
     found = None
     for decision in answers.zeros():
         roots = axis.roots(decision)
@@ -250,7 +234,7 @@ def merged(cells: Sequence[Cell]) -> list[Cell]:
         if (
             len(kept) >= 2
             and kept[-1].is_edge
-            and kept[-2].study.shown() == kept[-1].study.shown() == cell.study.shown()
+            and kept[-2].study.iterates == kept[-1].study.iterates == cell.study.iterates
         ):
             study = kept[-2].study.agreed(kept[-1].study, cell.study)
             kept[-2:] = [replace(kept[-2], upper=cell.upper, study=study)]
@@ -277,12 +261,11 @@ def parameter_cells(
     Parameters
     ----------
     map_, parameter
-        The map, whose other parameters have values or stay symbolic, and the symbol or name.
+        The map and the symbol or name of a parameter; others have values or stay symbolic.
     orders, span
-        The iterates to look at, and two rationals, or None for the whole line.
+        The iterates, and two rationals, or None for the whole line.
     sample
-        Values of the symbolic parameters around which the list is to hold; by default one that the
-        assumptions admit.
+        Values of symbolic parameters around which the list holds; by default admitted ones.
     budget
         How much may be computed.
 
@@ -294,18 +277,15 @@ def parameter_cells(
     Raises
     ------
     ValueError
-        If the parameter is unknown, or with two or more other parameters symbolic a decision is not
-        of degree one in it. A ``BudgetError`` if it takes more than is allowed.
+        If the parameter is unknown, or beside several symbolic parameters a decision is not of
+        degree one in it; ``BudgetError`` if it takes more than is allowed.
 
     Examples
     --------
     >>> from pwmap import PiecewiseLinearMap, parameter_cells
     >>> p1 = PiecewiseLinearMap([("r - 2", "x <= 0"), ("r - a*x", "x > 0")], given=["a > 1"])
-    >>> cells = parameter_cells(p1, "r", orders=(1, 2, 3))
-    >>> cells.edges
+    >>> parameter_cells(p1, "r", orders=(1, 2, 3)).edges
     (0, 2, 2*a**2/(a**2 - a + 1), 2*a/(a - 1))
-    >>> [len(cell.map.fixed_points()) for cell in cells]
-    [1, 1, 2, 2, 1, 1, 1, 1, 1]
     """
     meter = metered(budget)
     orders = checked_orders(orders, meter.budget)
@@ -369,8 +349,8 @@ def with_stages(
 ) -> Result:
     """Build something from cells that are cut order by order, at the first generic sample.
 
-    With ``with_ends`` admitted ends of the span, and of what the assumptions admit of it, are edges
-    too. ``build`` calls :func:`close`, which records what its cells ask of the other parameters.
+    ``with_ends``: ends of admitted intervals that belong to these are edges, too. ``build`` must
+    call :func:`close`.
     """
     check_map(map_)
     name = checked_parameter(parameter, map_.parameters)
@@ -401,13 +381,13 @@ def uncut(axis: Axis, admitted: Sequence[AdmittedInterval], with_ends: bool) -> 
     """One cell for each part of a span that the assumptions admit, and the gaps between them."""
     cells: list[Cell] = []
     for interval in admitted:
-        ends = interval.closed_ends if with_ends else ()
-        sample = axis.between(interval.low, interval.high)
-        found = [_unstudied(axis, interval.low, interval.high, sample)]
-        if interval.low in ends:
-            found.insert(0, _unstudied(axis, interval.low, interval.low, interval.low))
-        if interval.high in ends:
-            found.append(_unstudied(axis, interval.high, interval.high, interval.high))
+        low, high = interval.low, interval.high
+        found = [_unstudied(axis, low, high, axis.between(low, high))]
+        low_closed, high_closed = interval.closed
+        if with_ends and low_closed:
+            found.insert(0, _unstudied(axis, low, low, low))
+        if with_ends and high_closed:
+            found.append(_unstudied(axis, high, high, high))
         cells += [*(_gap(cells[-1], found[0]) if cells else ()), *found]
     return cells
 
@@ -428,7 +408,7 @@ def _gap(before: Cell, after: Cell) -> list[Cell]:
 
 
 def close(axis: Axis, cells: Sequence[Cell]) -> None:
-    """Have the axis record the order of all ends of cells, and what was decided at edges."""
+    """Record in the axis the order of all ends of cells, and what was decided at edges."""
     places = [cells[0].lower, *(c.lower for c in cells if c.is_edge), cells[-1].upper]
     decided = (d for cell in cells if cell.is_edge for d in cell.study.oracle.signs)
     axis.closing([place for place in places if not isinstance(place, Infinite)], decided)

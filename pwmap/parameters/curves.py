@@ -1,8 +1,7 @@
-"""Segments that continue each other: where only jumps meet a branch passes, and its word changes.
+"""Segments that continue each other: where two jumps meet, a branch passes with another word.
 
-Nothing is born or lost where the orbit of a crossing jump's limit meets another break: one jump
-ends there and another one of the same iterate begins, on either side of the parameter. Where more
-than two jumps of one iterate meet, or one ends alone, branches end.
+Where the orbit of a limit of a crossing jump meets another break, one jump ends and another one of
+the same iterate begins. Where more than two of an iterate meet, or one ends alone, branches end.
 """
 
 from __future__ import annotations

@@ -1,8 +1,7 @@
-"""What signs decide at a place of an axis, kept for as long as these signs are.
+"""Answers that follow from signs, kept along an axis until one of these signs changes.
 
-An answer follows from the signs of a few decisions, and can change along the axis only at their
-roots: only answers with a root in between are found anew. In a kinetic data structure such signs
-are called certificates, and their roots events [Basch1999].
+An answer can change only at the roots of its decisions; it is computed anew beyond one of them. A
+kinetic data structure calls such signs certificates, and their roots events [Basch1999].
 """
 
 from __future__ import annotations
@@ -28,7 +27,7 @@ class KeptAnswer:
 
 
 class Answers:
-    """The answers at one place of an axis after the other."""
+    """The answers at places of an axis, one place after the other."""
 
     def __init__(self, axis: Axis, low: Any, high: Any) -> None:
         self._axis = axis
@@ -42,7 +41,7 @@ class Answers:
         self._behind: dict[Decision, list[KeptAnswer]] = {}  # what depends on one
 
     def move(self, place: Any, oracle: SignOracle) -> None:
-        """Go to another place, where an oracle decides what may be otherwise than here."""
+        """Go to another place with its oracle; answers that may change on the way are dropped."""
         if self._place is not None:
             low, high = sorted((self._place, place))
             between = slice(bisect_left(self._roots, low), bisect_right(self._roots, high))
@@ -67,7 +66,7 @@ class Answers:
         return found.value
 
     def tell(self, oracle: SignOracle) -> None:
-        """Let an oracle of this place know all signs behind the answers here."""
+        """Give an oracle of this place all signs behind the answers here."""
         for answer in self._used:
             oracle.signs.update(answer.signs)
 
@@ -86,7 +85,7 @@ class Answers:
                 self._behind[decision].append(answer)
 
     def _register(self, decision: Decision) -> None:
-        """Note the roots of a decision, as far as places lie beyond them."""
+        """Note the roots of a decision within the ends."""
         low, high = self._ends
         for root in self._axis.roots(decision) or ():
             if not (root < low or high < root):
@@ -96,7 +95,7 @@ class Answers:
                 self._deciding[root].append(decision)
 
     def nearest(self, low: Any, high: Any) -> tuple[Any, Any]:
-        """The nearest roots on both sides at which an answer here may change, else the ends."""
+        """The nearest roots on both sides at which an answer here may change, or the ends."""
         roots = self._roots
         first, last = bisect_right(roots, low), bisect_left(roots, high)
         here = bisect_left(roots, self._place)

@@ -1,8 +1,8 @@
-"""One parameter as an axis beside others, which stay symbolic, with values at a sample.
+"""One parameter as an axis beside symbolic ones, which have values at a sample.
 
 Places are real roots of polynomials in all parameters, of degree one beside several others. They
 are compared at the sample; each comparison records the polynomial in the others (a leading
-coefficient, discriminant or resultant) at whose zeros it could change.
+coefficient, discriminant or resultant) at whose zeros it can change.
 """
 
 from __future__ import annotations
@@ -36,10 +36,10 @@ from pwmap.algebra.exact import (
     Number,
     dense,
     evaluate,
-    factored_to_sympy,
     fraction_to_sympy,
     is_constant,
     polynomial_ring,
+    reduced_to_sympy,
     sign,
     to_float,
     to_ring,
@@ -130,8 +130,7 @@ class RecordedAxis(Axis):
 
     # --- Signs and values -----------------------------------------------------------------------
 
-    def _kept_sign(self, polynomial: PolyElement, place: Root) -> int:
-        """The sign at a place, with what it depends on recorded."""
+    def recorded_sign(self, polynomial: PolyElement, place: Root) -> int:
         if divides(place.factor, polynomial):
             return 0
         found = self.sign(polynomial, place)
@@ -158,11 +157,6 @@ class RecordedAxis(Axis):
         if not sign_at(below, place.value):
             raise ResampleError
         return ValueAt(quotient_at(above, below, place.value), top, bottom, place.factor)
-
-    def compare(self, first: Fraction_, second: Fraction_, place: Root) -> int:
-        (a, b), (c, d) = first, second
-        found = self._kept_sign(a * d - c * b, place)
-        return found and found * self._kept_sign(b, place) * self._kept_sign(d, place)
 
     # --- What persists --------------------------------------------------------------------------
 
@@ -263,7 +257,7 @@ class RecordedAxis(Axis):
         return below, above
 
     def _ends(self) -> Iterator[Constraint]:
-        """The interval as inequalities: an algebraic end with a rational one beyond."""
+        """The interval as inequalities; an algebraic end has a rational bound, too."""
         ring, other = self.definition.ring, 1 - self.index
         (value,) = self.sample.values()
         for side, end, outer in zip((1, -1), self.bounds(), (0, 1), strict=True):
@@ -280,7 +274,7 @@ class RecordedAxis(Axis):
             return place.to_sympy()
         if self.degree(place.factor) > 1:
             return place.to_sympy(self.column)
-        return self._shown(*self._quotient(place))
+        return reduced_to_sympy(*self._quotient(place), self.name, self._others)
 
     def value_to_sympy(self, value: Any, place: Any) -> sympy.Expr:
         if self.degree(place.factor) > 1:
@@ -291,12 +285,8 @@ class RecordedAxis(Axis):
             (at_root_of(number, place.factor, self.index), self.degree(number))
             for number in (value.top, value.bottom)
         )
-        return self._shown(top * slope ** max(0, m - n), bottom * slope ** max(0, n - m))
-
-    def _shown(self, top: PolyElement, bottom: PolyElement) -> sympy.Expr:
-        """A quotient of polynomials in the others as an expression in lowest terms."""
-        quotient = self._others.to_field().new(self._rest(top), self._rest(bottom))
-        return factored_to_sympy((quotient.numer, quotient.denom))
+        both = top * slope ** max(0, m - n), bottom * slope ** max(0, n - m)
+        return reduced_to_sympy(*both, self.name, self._others)
 
     def scope(self, low: Any, high: Any, orders: tuple[int, ...]) -> Scope:
         ends = [end for end in (low, high) if isinstance(end, Root)]

@@ -13,13 +13,12 @@ from pwmap.maps.piecewise_linear import PiecewiseLinearMap
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ParameterCell:
-    """An interval of the parameter, or an edge, of :func:`pwmap.parameter_cells`.
+    """An open interval of the parameter, or an edge, of :func:`pwmap.parameter_cells`.
 
-    The exact ends ``lower`` and ``upper`` are equal for an edge, and do not belong to an open cell.
-    ``map`` is decided for this cell: its ``iterate(j).pieces``, ``fixed_points()`` and
-    ``jump_crossings()`` are formulas in the parameters, for the orders of the cells. Other
-    questions are answered if that holds throughout the cell; otherwise :class:`UndecidedError`
-    names the orders.
+    The exact ends ``lower`` and ``upper`` are equal for an edge. For the orders of the cells,
+    ``map`` gives ``iterate(j).pieces``, ``fixed_points()`` and ``jump_crossings()`` as formulas in
+    the parameters; other answers it gives if they hold throughout the cell, and
+    :class:`UndecidedError` otherwise.
     """
 
     lower: sympy.Expr
@@ -34,9 +33,9 @@ class ParameterCell:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class ParameterCells:
-    """All cells of :func:`pwmap.parameter_cells`, from left to right, open cells and edges in turn.
+    """Admitted cells of :func:`pwmap.parameter_cells` from left to right, open ones and edges.
 
-    What the assumptions exclude is left out; ``given`` are conditions on the other parameters.
+    ``given`` are conditions on the other parameters.
     """
 
     parameter: sympy.Symbol

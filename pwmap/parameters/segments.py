@@ -1,19 +1,19 @@
-"""What is followed through the cells of a parameter: keys, segments, and where their ends meet."""
+"""Keys of what is followed through the cells of a parameter, segments, and junctions of ends."""
 
 from __future__ import annotations
 
-from collections.abc import Hashable
-from dataclasses import dataclass, field
+from collections import defaultdict
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
-from sympy import Basic
-
-from pwmap.algebra.exact import Fraction_, cancelled
-from pwmap.diagrams.data import BranchKind, FloatArray
-from pwmap.maps.cylinders import Cut, Inclusion, StudiedIterate
-from pwmap.maps.words import Orbits, Word
+from pwmap.algebra.exact import Fraction_
+from pwmap.diagrams.data import BranchKind
+from pwmap.maps.cylinders import Cut, Inclusion
+from pwmap.maps.words import Word
 
 Position = Fraction_ | None  # an x as a quotient; None is infinite
+# what functions returned for keys and segments, by function; no cut of cells changes it
+Known = defaultdict[object, dict[Any, Any]]
 LEFT, ALONG, RIGHT = -1, 0, 1  # of an end: the branch lies at smaller, equal, larger parameters
 
 
@@ -29,12 +29,6 @@ class BranchKey:
     def word(self) -> Word:
         """The word of a fixed point, or the left one of a jump."""
         return self.words[0]
-
-    def x(self, orbits: Orbits) -> Fraction_:
-        """Its position as a quotient in lowest terms; see :meth:`Continuation.position`."""
-        if self.cut is None:
-            return cancelled(orbits.fixed_point(self.word))
-        return cancelled(orbits.preimage(self.cut.k, self.word[: self.cut.steps]))
 
 
 class Location(NamedTuple):
@@ -107,22 +101,3 @@ class Junction:
     x: float  # the same as a float, infinite also where it is too large for one
     ends: tuple[SegmentEnd, ...]
     attracts: int  # +1: a fixed point attracts here and none of its branches; -1: the reverse
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class KnownValues:
-    """What was computed of keys and segments, which no cut of cells changes."""
-
-    keys: dict[BranchKey, BranchKey] = field(default_factory=dict)  # one object for each
-    present: dict[int, tuple[StudiedIterate, Present]] = field(default_factory=dict)  # by id
-    positions: dict[BranchKey, Fraction_] = field(default_factory=dict)
-    numbers: dict[tuple[BranchKey, Any], float] = field(default_factory=dict)
-    values: dict[tuple[BranchKey, Any], Any] = field(default_factory=dict)
-    units: dict[tuple[Any, Any], int] = field(default_factory=dict)
-    segments: dict[Hashable, Segment] = field(default_factory=dict)  # by all that they hold
-    ends: dict[Segment, tuple[SegmentEnd, SegmentEnd]] = field(default_factory=dict)
-    formulas: dict[Segment, dict[str, Basic]] = field(default_factory=dict)
-    arrays: dict[Segment, FloatArray] = field(default_factory=dict)
-
-
-Present = list[tuple[BranchKey, Location | None]]  # what of an iterate lies on the diagonal

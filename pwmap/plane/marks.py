@@ -37,7 +37,7 @@ def marks(map_: PiecewiseLinearMap, axis: Axis, cells: list[Cell]) -> list[Mark]
     an interval persists, and other cycles that meet it count.
     """
     ends, step = (cells[0].lower, cells[-1].upper), len(map_.chain)
-    continuation = Continuation(axis, cells, step, ends)
+    continuation = Continuation(map_, axis, cells, ends)
     segments = continuation.segments()
     stops = continuation.stops
     found: dict[tuple[Any, tuple[str, ...]], list[tuple[PointKind, str]]] = defaultdict(list)
