@@ -205,7 +205,7 @@ def root_of(piece: SpacePiece, x: Floats, p: Floats, unit: Floats) -> Root | Non
     about = 1.0 - math.log(bends[0] / bends[1]) / math.log(4.0)
 
     def off(s: float) -> float:
-        powers = [(each / h[1]) ** (s - 1.0) for each in h]
+        powers = [math.pow(each / h[1], s - 1.0) for each in h]
         return (powers[0] - powers[1]) * bends[1] - (powers[1] - powers[2]) * bends[0]
 
     low, high = about - UNSURE, about + UNSURE
