@@ -1,4 +1,4 @@
-"""Whether the derivatives that a map gives are those of its values and margins."""
+"""A test of the derivatives that a map gives, by differences of its values and margins."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from woodpecker.maps.pieces import Image, Piece, PiecewiseMap, map_of_pieces
 
 RELATIVE_STEP = 2.0**-12  # errors h^4 of the extrapolated difference and rounding/h are both 1e-13
 NOISE = 2.0**-49  # relative rounding of a value: eight spacings
-DOUBT = 10.0  # a derivative is wrong if it is off by this many times what a difference may be
+DOUBT = 10.0  # a derivative is wrong if its error is so many times the estimate of a difference's
 
 Reading = Callable[[Image], float]
 
@@ -24,21 +24,20 @@ def check_derivatives(
     Parameters
     ----------
     map_
-        The map; each piece is compared at the points that the map gives to it.
+        The map, with the pieces that it takes at the points.
     points
         Pairs (x, p) inside pieces.
     tolerance
-        Largest error of a derivative, relative to it or, if that is smaller, to 1. What a
-        difference cannot tell, as next to a square root, is allowed besides.
+        Largest error of a derivative, relative to its modulus or 1, whichever is larger; errors of
+        the differences, as next to a square root, are allowed besides.
 
     Raises
     ------
     ValueError
-        If a derivative is wrong: the sentence says which, where, and what it should be. Also if
-        the map has no value at a point, or there is none.
+        If a derivative is wrong: says which, where, and what it should be; if the map has no value
+        at a point, or there is no point.
     TypeError
-        If the map has no pieces, or one of them lacks what a piece has: ``key``, ``word``, ``at``
-        and ``cause``.
+        If the map has no pieces, or one lacks ``key``, ``word``, ``at`` or ``cause``.
 
     Examples
     --------
@@ -75,7 +74,7 @@ def check_derivatives(
 
 
 def _complete(image: Image, x: float, p: float) -> None:
-    """Complain of a piece that lacks something, or whose margins cannot be told apart."""
+    """TypeError or ValueError if a piece lacks something, or its codes do not ascend."""
     for name in ("key", "word", "at", "cause"):
         if not hasattr(image.piece, name):
             raise TypeError(f"a piece must have {name!r}, {image.piece!r} has not")
@@ -106,7 +105,7 @@ def _pairs(points: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
 
 @dataclass(frozen=True, slots=True)
 class _Claim:
-    """A derivative as a map gives it, and how to read the value from an image."""
+    """A derivative as a map gives it, and the reading of an image that it belongs to."""
 
     name: str
     by: str
@@ -124,7 +123,7 @@ def _claims(image: Image) -> Iterator[_Claim]:
 
 
 def _difference(piece: Piece, claim: _Claim, x: float, p: float) -> tuple[float, float]:
-    """An extrapolated central difference, and how far it may be off; nan if values are missing."""
+    """An extrapolated central difference and its error; nan if values are missing."""
 
     def value(shift: float) -> float:
         point = (x + shift, p) if claim.by == "x" else (x, p + shift)

@@ -29,16 +29,9 @@ SHOWN = 8  # periods listed by the repr of a diagram: one line
 
 
 class Swept(Protocol):
-    """Images and slopes of many points: arrays of one shape, nan where there is no image.
+    """Images and slopes of many points, as :class:`woodpecker.maps.Sweep` has them.
 
-    Examples
-    --------
-    >>> from woodpecker.maps import Sweep
-    >>> from woodpecker.slices import Swept
-    >>> def steepest(found: Swept) -> float:  # any object with both arrays
-    ...     return float(max(abs(slope) for slope in found.slope))
-    >>> steepest(Sweep(value=[0.5, 0.25], slope=[0.5, -1.25]))
-    1.25
+    Arrays of one shape, nan where there is no image.
     """
 
     @property
