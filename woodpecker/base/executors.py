@@ -88,30 +88,16 @@ class Sender:
     def dumps(self, value: object) -> bytes:
         """The bytes of a value."""
         file = io.BytesIO()
-        _Pickler(file, self._shared).dump(value)
+        pickler: Any = cloudpickle.Pickler(file)
+        pickler.persistent_id = lambda each: "shared" if each is self._shared else None
+        pickler.dump(value)
         return file.getvalue()
 
     def loads(self, sent: bytes) -> Any:
         """The value of bytes, with this side's ``shared`` in it."""
-        return _Unpickler(io.BytesIO(sent), self._shared).load()
-
-
-class _Pickler(cloudpickle.Pickler):  # type: ignore[misc]
-    def __init__(self, file: io.BytesIO, shared: object) -> None:
-        super().__init__(file)
-        self._shared = shared
-
-    def persistent_id(self, value: object) -> str | None:
-        return "shared" if value is self._shared else None
-
-
-class _Unpickler(pickle.Unpickler):
-    def __init__(self, file: io.BytesIO, shared: object) -> None:
-        super().__init__(file)
-        self._shared = shared
-
-    def persistent_load(self, _: str) -> object:
-        return self._shared
+        unpickler: Any = pickle.Unpickler(io.BytesIO(sent))
+        unpickler.persistent_load = lambda _: self._shared
+        return unpickler.load()
 
 
 class _Begun:

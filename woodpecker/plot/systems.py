@@ -65,14 +65,15 @@ def plot_system_motion(
     names
         Symbols of the state, or their names; by default all coordinates.
     axes
-        As many axes; a new figure by default.
+        As many axes; new ones by default.
     legend, styles
-        Whether to explain the marks; properties of matplotlib by ``"motion"`` and their names.
+        Whether to have a legend of the marks; properties of matplotlib by ``"motion"`` and their
+        names.
 
     Raises
     ------
     TypeError, ValueError
-        If it is no system or no motion, or a name is no symbol of the state.
+        If an argument is of another type, or a name is no symbol of the state.
 
     Examples
     --------
@@ -111,16 +112,11 @@ def plot_system_portrait(
     Parameters
     ----------
     system, motion, legend, styles
-        As for :func:`plot_system_motion`.
+        As for :func:`plot_system_motion`, with its errors.
     x, y
         Symbols of the state, or their names.
     ax
         Axes to draw on; new ones by default.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is no system or no motion, or a name is no symbol of the state.
 
     Examples
     --------
@@ -162,11 +158,11 @@ def plot_system_map(
     map_
         The return map of a system, of one dimension.
     x
-        (n,) ascending points to start with; it looks closer where the map is steep.
+        (n,) ascending points; more are added where the map is steep.
     ax
         Axes to draw on; new ones by default.
     order
-        So many returns in turn.
+        Number of returns.
     p
         (k,) values of the free parameters; by default those of the system.
     legend, styles
@@ -211,7 +207,7 @@ def plot_basins(
     returns: int = 200, near: float = 1e-3, p: npt.ArrayLike | None = None, legend: bool = True,
     styles: Styles | None = None,
 ) -> Drawn:  # fmt: skip
-    """Where the orbits go that start in a plane of two coordinates of a section.
+    """The basins of cycles in a plane of two coordinates of a section.
 
     Parameters
     ----------
@@ -224,18 +220,18 @@ def plot_basins(
     ax
         Axes to draw on; new ones by default.
     at
-        Values of all other coordinates; those that are not named are zero.
+        Values of other coordinates, by default zero.
     points
         Starts in each direction.
     returns, near, p
         As for :func:`woodpecker.systems.basins`.
     legend, styles
-        Whether to explain the colours; properties of matplotlib by the words of the cycles.
+        Whether to have a legend; properties of matplotlib by ``"basins"`` and ``"cycles"``.
 
     Raises
     ------
     TypeError, ValueError
-        If ``map_`` is no return map, a cycle none, or there are not two known coordinates.
+        If an argument is of another type, or there are not two known coordinates.
     """
     instance("map_", map_, SystemMap)
     free = [str(each) for each in map_.section.free]
