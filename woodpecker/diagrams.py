@@ -378,7 +378,8 @@ def bifurcation_search(
     worker_count(workers)
     run_of = followed.about | {"orders": iterates(orders), "search": asdict(looked)}
     if of_toy:
-        map_.at(*map(_middle, (chosen.window, chosen.span)))  # compiled before there are processes
+        middle = np.mean([chosen.window, chosen.span], axis=1).tolist()
+        map_.at(*middle)  # compiled before there are processes
     with recorded(run, run_of, resume, followed) as record:
         found = whole_diagram(
             map_, chosen, orders, looked, parameter_name=followed.parameter,
@@ -386,7 +387,3 @@ def bifurcation_search(
             workers=WORKERS if workers is None and executor is None and not of_toy else workers,
         )  # fmt: skip
     return replace(found, diagram=followed.finished(found.diagram))
-
-
-def _middle(interval: tuple[float, float]) -> float:
-    return 0.5 * (interval[0] + interval[1])

@@ -157,7 +157,7 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
 
 def _toy_of(run_of: Entry, parameter: str) -> Toy:
     """The toy of a run, with its value of the parameter."""
-    toy = Toy(**{name: _number(value) for name, value in run_of[TOY].items()})
+    toy = Toy(**{n: math.inf if v == "inf" else v for n, v in run_of[TOY].items()})
     return toy.replace(**{parameter: run_of.get(AT, getattr(toy, parameter))})
 
 
@@ -240,15 +240,7 @@ def unknown_settings(run_of: Entry) -> list[str]:
 
 def settings_of(kept: Entry) -> Settings:
     """Settings as a file keeps them."""
-    return Settings(**{name: _pair(value) for name, value in kept.items()})
-
-
-def _number(value: Any) -> Any:
-    return math.inf if value == "inf" else value
-
-
-def _pair(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
+    return Settings(**{n: tuple(v) if isinstance(v, list) else v for n, v in kept.items()})
 
 
 def nothing(_: object) -> None:

@@ -86,22 +86,14 @@ def curve_in_two(
     >>> str(curve.kind), curve.values[[0, -1]].round(9).tolist()  # r and a
     ('BC', [[0.0, 1.1], [0.0, 2.0]])
     """
+    if not isinstance(point, SpecialPoint | PlanePoint):
+        raise TypeError(f"point must be one of a diagram or of a curve, got {shown(point)}")
     if isinstance(source, Toy):
         if value is not None:
             raise ValueError(f"a toy has its own values, got value = {value!r}")
-        return _of_toy(source, _followed(point), parameters, span, kind, settings)
-    family = family_of(source, parameters)
-    chosen = settings_for(settings, Settings())
-    return curve_through(
-        family, _followed(point), value, span=pair(span), kind=kind, settings=chosen
-    )
-
-
-def _followed(point: SpecialPoint | PlanePoint) -> SpecialPoint | PlanePoint:
-    """The point itself; TypeError if it is none."""
-    if not isinstance(point, SpecialPoint | PlanePoint):
-        raise TypeError(f"point must be one of a diagram or of a curve, got {shown(point)}")
-    return point
+        return _of_toy(source, point, parameters, span, kind, settings)
+    family, chosen = family_of(source, parameters), settings_for(settings, Settings())
+    return curve_through(family, point, value, span=pair(span), kind=kind, settings=chosen)
 
 
 def family_of(source: Toy | Family | PiecewiseLinearMap, parameters: tuple[str, str]) -> Family:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import Field, dataclass, fields
+from dataclasses import dataclass, fields
 from typing import Any
 
 from pwmap.algebra.arguments import explained_fields
@@ -12,12 +12,6 @@ from pwmap.diagrams.shown import changed
 from woodpecker.base.checks import interval, positive, whole
 
 SMALLEST_UNIT = 2.0**-8  # of the largest magnitude: then ``nearest`` is some seventeen spacings
-
-
-def _checked(settings: Any, each: Field[Any]) -> Any:
-    """A positive setting, a whole number if its default is one."""
-    check = whole if isinstance(each.default, int) else positive
-    return check(each.name, getattr(settings, each.name))
 
 
 @explained_fields
@@ -110,7 +104,8 @@ class Settings:
             object.__setattr__(self, name, ends)
         for each in fields(self):
             if isinstance(each.default, int | float):
-                object.__setattr__(self, each.name, _checked(self, each))
+                check = whole if isinstance(each.default, int) else positive
+                object.__setattr__(self, each.name, check(each.name, getattr(self, each.name)))
         if not self.min_step <= self.max_step:
             raise ValueError(
                 f"max_step must be at least min_step = {self.min_step:.3g}, got {self.max_step}"

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from pwmap.cli.screen import Formats, option, picture_format, progress, say, show
 from pwmap.diagrams.files import in_format
@@ -66,7 +66,10 @@ def curves(
             write_curves(found, folder)
         show(_table(found))
         if not results.stopped:
-            results.draw(file, _drawn(toy, found))
+            from woodpecker.plot.plane import plot_curves
+
+            here = getattr(toy, first), getattr(toy, second)
+            results.draw(file, plot_curves(found, here=here).figure)
 
 
 def second_of(toy: Toy, name: str, span: tuple[float, float] | None) -> tuple[float, float]:
@@ -130,14 +133,6 @@ def _followed(
     for sentence in refused:
         say(f"left out: {sentence}")
     return found
-
-
-def _drawn(toy: Toy, found: dict[str, Curve]) -> Any:
-    from woodpecker.plot.plane import plot_curves
-
-    first, second = next(iter(found.values())).names
-    here = getattr(toy, first), getattr(toy, second)
-    return plot_curves(found, here=here).figure
 
 
 def write_curves(found: dict[str, Curve], target: Path) -> None:

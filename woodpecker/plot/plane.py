@@ -203,12 +203,12 @@ def handles(curves: Iterable[Curve], toy: bool = False) -> list[Line2D]:
     drawn = list(curves)
     points = {point.kind for curve in drawn for point in curve.points}
     is_open = any(p.status is PointStatus.OPEN for curve in drawn for p in curve.points)
+    mark: dict[str, Any] = {"color": "black", "ls": ""}
     marks = [
-        Line2D([], [], color="black", ls="", marker=marker, ms=3.8, label=f"{kind.label} ({kind})")
+        Line2D([], [], marker=marker, ms=3.8, label=f"{kind.label} ({kind})", **mark)
         for kind, marker in MARKERS.items()
         if kind in points
     ]
-    mark: dict[str, Any] = {"color": "black", "ls": ""}
     if is_open:
         marks.append(Line2D([], [], marker="o", mfc="white", ms=3.8, label="open", **mark))
     if toy:

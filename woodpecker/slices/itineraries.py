@@ -68,6 +68,13 @@ class _Cylinders:
         )  # fmt: skip
 
 
+def _cylinders(x: Floats, at: Floats, branches: Ints) -> _Cylinders:
+    """Cylinders by the ends (2, n) of their intervals, in any order, and the images of these."""
+    turned = x[0] > x[1]
+    ends, images = np.where(turned, x[::-1], x), np.where(turned, at[::-1], at)
+    return _Cylinders(*ends, *images, branches)
+
+
 def _by_cycle(guesses: list[Guess]) -> Iterator[list[list[Guess]]]:
     """Guesses of the same cyclic sequence of branches, grouped by the sequence they begin with."""
     circles: dict[tuple[int, ...], dict[tuple[int, ...], list[Guess]]] = {}
@@ -209,11 +216,8 @@ class Itineraries:
         yield from zip(found.branches[near], self._back(found.branches[near], y[near]), strict=True)
 
     def _first(self) -> _Cylinders:
-        ends = np.column_stack([self.branches.first, self.branches.last])
-        turned = self.branches.x[ends[:, 0]] > self.branches.x[ends[:, 1]]
-        ends[turned] = ends[turned, ::-1]
-        (low, high), (at_low, at_high) = self.branches.x[ends].T, self.branches.y[ends].T
-        return _Cylinders(low, high, at_low, at_high, np.arange(len(ends))[:, None])
+        b, ends = self.branches, np.array([self.branches.first, self.branches.last])
+        return _cylinders(b.x[ends], b.y[ends], np.arange(len(b))[:, None])
 
     def _of(self, order: int) -> _Cylinders:
         while len(self._cylinders) < order:
@@ -225,16 +229,11 @@ class Itineraries:
         b, later = self.branches, self._fewer(later)
         k, hit = np.nonzero((later.low <= b.high[:, None]) & (later.high >= b.low[:, None]))
         bottom, top = np.maximum(later.low[hit], b.low[k]), np.minimum(later.high[hit], b.high[k])
-        at_bottom = self._at(later, hit, bottom)
-        at_top = self._at(later, hit, top)
         x_bottom = np.where(bottom == b.low[k], b.x[b.first[k]], b.inverse(k, bottom))
         x_top = np.where(top == b.high[k], b.x[b.last[k]], b.inverse(k, top))
-        turned = x_bottom > x_top
-        return _Cylinders(
-            np.where(turned, x_top, x_bottom), np.where(turned, x_bottom, x_top),
-            np.where(turned, at_top, at_bottom), np.where(turned, at_bottom, at_top),
-            np.column_stack([k, later.branches[hit]]),
-        )  # fmt: skip
+        at = np.array([self._at(later, hit, end) for end in (bottom, top)])
+        branches = np.column_stack([k, later.branches[hit]])
+        return _cylinders(np.array([x_bottom, x_top]), at, branches)
 
     def _fewer(self, found: _Cylinders) -> _Cylinders:
         """All cylinders, or the widest if there are too many."""

@@ -153,9 +153,14 @@ def _root(s: float, y0: float, y1: float, rate1: float) -> float:
 def branches_of(partition: Partition, settings: Settings) -> Branches:
     """The branches of a partition, from turning point to turning point."""
     turned = TURNED * settings.x_scale
-    return _joined(
-        [part for each in partition.cylinders for part in _parts(each, turned, partition.p)]
-    )
+    parts = [part for each in partition.cylinders for part in _parts(each, turned, partition.p)]
+    counts = np.array([len(part) for part in parts], dtype=np.int64)
+    last = np.cumsum(counts) - 1
+    samples = [sample for part in parts for sample in part]
+    images = tuple(sample.image for sample in samples)
+    x = np.array([sample.x for sample in samples], dtype=float)
+    y, slope = (np.array([each[k] for each in images], dtype=float) for k in range(2))
+    return Branches(last - counts + 1, last, x, y, slope, images)
 
 
 def _parts(cylinder: PieceExtent, turned: float, p: float) -> Iterator[list[Knot]]:
@@ -205,14 +210,3 @@ def _turning(rise: float, rate0: float, rate1: float) -> float:
     both = half + math.copysign(root, -rate0)  # it rises through zero, or falls
     way = -rate0 / both if both != 0.0 else 0.0
     return way if 0.0 < way < 1.0 else rate0 / (rate0 - rate1)
-
-
-def _joined(parts: list[list[Knot]]) -> Branches:
-    """Monotone parts, one after the other."""
-    counts = np.array([len(part) for part in parts], dtype=np.int64)
-    last = np.cumsum(counts) - 1
-    samples = [sample for part in parts for sample in part]
-    images = tuple(sample.image for sample in samples)
-    x = np.array([sample.x for sample in samples], dtype=float)
-    y, slope = (np.array([each[k] for each in images], dtype=float) for k in range(2))
-    return Branches(last - counts + 1, last, x, y, slope, images)
