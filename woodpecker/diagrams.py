@@ -266,12 +266,8 @@ def bifurcation_diagram(
     source
         The toy, whose own value of ``parameter`` does not matter; or any piecewise-smooth map of
         the line with one parameter.
-    parameter
-        The parameter of the toy that varies, by default eps_n1; the name of that of a map, by
-        default p.
-    span
-        Its interval, by default (0, 1) for a toy, that of the settings for a map. Branches of the
-        toy end at the last value that it can have.
+    parameter, span
+        As for :func:`woodpecker.continuation`.
     orders
         The iterates j.
     window

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
@@ -259,8 +259,5 @@ def recorded(
         return
     if not isinstance(subject.source, Toy):
         run_of |= {MAP: orbits_of(subject, run_of.get(START, ()))}
-    record = Record(run, run_of, resume=resume)
-    try:
+    with closing(Record(run, run_of, resume=resume)) as record:
         yield record
-    finally:
-        record.close()

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 import numpy as np
 
 from pwmap.diagrams.shown import counted
-from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, number, real_array
 from woodpecker.base.shown import shown
-from woodpecker.maps.pieces import Image, PiecewiseMap
+from woodpecker.maps.pieces import Image, PiecewiseMap, no_image
 from woodpecker.maps.sweeps import Sweep
 from woodpecker.mechanics.equations import unsound
 from woodpecker.mechanics.modes import (
@@ -38,7 +38,7 @@ from woodpecker.mechanics.modes import (
 )
 from woodpecker.mechanics.toy import RESTITUTIONS, Toy, known_parameter, limits
 from woodpecker.motion.codes import NO_PATH, RETURNED
-from woodpecker.simulation.calls import sweep
+from woodpecker.simulation.calls import NO_TIMES, sweep
 from woodpecker.simulation.paths import Follower, Path, cause_of
 from woodpecker.simulation.returns import RELATIVE_STEP
 
@@ -49,8 +49,6 @@ KEPT = 8  # maps whose copies, sent by other processes, share tables: one for ea
 CLEAR = 1e-9  # relative distance from the limits of a parameter at which rounding does not matter
 OWN_VALUES = "a toy has its own values, toy.replace(...) others, and a map takes its parameter as p"
 TOO_FAR = "the path does not reach so far"
-NO_MARGINS, NO_GRADIENTS, NO_TIMES = np.zeros(0), np.zeros((0, 2)), np.zeros(0)
-NO_CAUSES: Ints = np.zeros(0, dtype=np.int64)
 
 Values = tuple[tuple[str, float], ...]
 """Parameters of a toy, by name, with other values than its own; the last is the one that varies."""
@@ -153,7 +151,7 @@ class ToyMap:
             if status.success:
                 return _image(self, path, follower, x, p)
             obstacle = status.value
-        return _undefined(ToyPiece(self, Path(obstacle, NO_PATH, NO_TIMES)), obstacle)
+        return no_image(ToyPiece(self, Path(obstacle, NO_PATH, NO_TIMES)), obstacle)
 
     def ready(self, x: float, p: float) -> tuple[Follower, str]:
         """The follower, with the numbers of p; why the toy cannot start from x, or nothing."""
@@ -282,7 +280,7 @@ class ToyPiece(NamedTuple):
         """The return from phi_S = x [rad] along this path, also where the toy takes another one."""
         follower, obstacle = self.whole.ready(x, p)
         if obstacle or not len(self.path.steps):
-            return _undefined(self, obstacle or self.word)
+            return no_image(self, obstacle or self.word)
         return _image(self.whole, self.path, follower, x, p)
 
     def cause(self, code: int) -> str:
@@ -297,15 +295,11 @@ def _numbers(x: float, p: float) -> tuple[float, float]:
     return number("x", x), number("p", p)
 
 
-def _undefined(piece: ToyPiece, reason: str) -> Image:
-    return Image(math.nan, math.nan, math.nan, NO_MARGINS, NO_GRADIENTS, NO_CAUSES, piece, reason)
-
-
 def _image(map_: ToyMap, path: Path, follower: Follower, x: float, p: float) -> Image:
     """The return along a path by a follower that has the numbers of p."""
     found = follower.follow(path, x)
     if found is None or not math.isfinite(found.phi_s):
-        return _undefined(ToyPiece(map_, path), TOO_FAR)
+        return no_image(ToyPiece(map_, path), TOO_FAR)
     rate = found.d_parameter
     if p == 0.0 and math.isnan(rate):  # contacts that rest bounce at any larger restitution
         rate = _rate_from_above(map_, x, found.phi_s)

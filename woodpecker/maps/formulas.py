@@ -15,7 +15,7 @@ import numpy.typing as npt
 from pwmap.diagrams.shown import table
 from woodpecker.base.arrays import STEP, Bools, Floats, Ints
 from woodpecker.base.checks import number, real_array
-from woodpecker.maps.pieces import Image, Piece
+from woodpecker.maps.pieces import Image, Piece, no_image
 from woodpecker.maps.sweeps import Sweep, one_by_one
 
 Formula = Callable[[float, float], float]
@@ -295,11 +295,7 @@ class FormulaMap:
         for piece in self.pieces:
             if piece.holds(x, p):
                 return piece.at(x, p)
-        nothing: Floats = np.empty(0)
-        return Image(
-            math.nan, math.nan, math.nan, nothing, nothing.reshape(0, 2), codes(0),
-            self.pieces[0], NOWHERE,
-        )  # fmt: skip
+        return no_image(self.pieces[0], NOWHERE)
 
     def __repr__(self) -> str:
         return f"FormulaMap({', '.join(repr(piece.word) for piece in self.pieces)})"

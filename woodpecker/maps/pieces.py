@@ -77,6 +77,12 @@ class Image(NamedTuple):
         return k if k < len(self.causes) and self.causes[k] == code else -1
 
 
+def no_image(piece: Piece, reason: str) -> Image:
+    """An image without a value and margins."""
+    nothing, codes = np.empty(0), np.empty(0, dtype=np.int64)
+    return Image(math.nan, math.nan, math.nan, nothing, nothing.reshape(0, 2), codes, piece, reason)
+
+
 class Piece(Protocol):
     """A smooth map with margins, such as :class:`woodpecker.FormulaPiece`.
 

@@ -353,10 +353,9 @@ def animate(
         The motion, from 0 to its end.
     path
         File to write, ``.gif`` or ``.mp4``, whole or not at all.
-    slow
-        How many times slower than the motion.
-    fps
-        Frames per second, for a GIF the nearest rate with whole hundredths of a second.
+    slow, fps
+        How many times slower than the motion; frames per second, for a GIF the nearest rate with
+        whole hundredths of a second.
     size
         Width and height [inch] of 100 pixels each.
     progress

@@ -42,11 +42,9 @@ def plot_return_map(
 
     Parameters
     ----------
-    toy, returns
-        The toy, and its map at ascending starts, from :func:`woodpecker.return_map`; more starts
-        are added where neighbouring values lie far apart.
-    order
-        The order of ``returns``.
+    toy, returns, order
+        The toy, and its map at ascending starts, from :func:`woodpecker.return_map`, of this order;
+        more starts are added where neighbouring values lie far apart.
     depth
         Lower end of the vertical axis, as dips are infinitely deep. By default the first start, or
         the least value if that is higher.
@@ -106,12 +104,10 @@ def plot_curve(
 
     Parameters
     ----------
-    curve
-        From :func:`curves`.
+    curve, order
+        From :func:`curves`, and the order of the map.
     ax
         Axes to draw on; new ones by default.
-    order
-        The order of the map.
     returns
         The return map whose starts without a return are hatched; by default none.
     legend, styles
@@ -271,10 +267,9 @@ def plot_local(
 
     Parameters
     ----------
-    model
-        From :func:`woodpecker.local_model`.
-    diagram
-        A diagram that holds the collision [Leine2001, Figs. 11, 12].
+    model, diagram
+        From :func:`woodpecker.local_model`, and a diagram that holds the collision [Leine2001,
+        Figs. 11, 12].
     figure
         Where to draw; a new one by default.
     reach

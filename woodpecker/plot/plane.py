@@ -65,14 +65,12 @@ def plot_curves(
         By their names, which are written on them.
     ax
         Axes to draw on; new ones by default.
-    legend
-        Whether to have a legend below the axes.
     here
         Both parameters of the toy, marked by a star; if it lies beyond the limits, which follow the
         curves, the legend says so.
-    styles
-        Properties of matplotlib by the names of the curves, ``"points"``, ``"names"`` and
-        ``"the toy"``.
+    legend, styles
+        Whether to have a legend below the axes; properties of matplotlib by the names of the
+        curves, ``"points"``, ``"names"`` and ``"the toy"``.
 
     Raises
     ------

@@ -58,10 +58,8 @@ def plot_system_motion(
 
     Parameters
     ----------
-    system
-        The system.
-    motion
-        From :func:`woodpecker.systems.simulate`.
+    system, motion
+        The system, and its motion from :func:`woodpecker.systems.simulate`.
     names
         Symbols of the state, or their names; by default all coordinates.
     axes
@@ -159,13 +157,11 @@ def plot_system_map(
         The return map of a system, of one dimension.
     x
         (n,) ascending points; more are added where the map is steep.
-    ax
-        Axes to draw on; new ones by default.
     order
         Number of returns.
     p
         (k,) values of the free parameters; by default those of the system.
-    legend, styles
+    ax, legend, styles
         As for :func:`woodpecker.plot.figures.plot_curve`.
 
     Raises
@@ -211,10 +207,8 @@ def plot_basins(
 
     Parameters
     ----------
-    map_
-        The return map of a system, of two dimensions or more.
-    cycles
-        Stable cycles of it.
+    map_, cycles
+        The return map of a system, of two dimensions or more, and stable cycles of it.
     plane
         The two coordinates, across and up, with their ends.
     ax

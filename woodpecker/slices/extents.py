@@ -9,14 +9,7 @@ from typing import NamedTuple
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import Image
 from woodpecker.slices.borders import is_square_root, limit, moved, strays
-from woodpecker.slices.margins import (
-    depth,
-    first_part,
-    is_within,
-    lowest_dip,
-    margin_in_x,
-    reach,
-)
+from woodpecker.slices.margins import depth, first_part, is_within, lowest_dip, reach
 
 MOST_SAMPLES = 10_000  # samples of a piece: some tens are usual
 AHEAD = 1.1  # length of a step over a border, in the first-order distance of the border
@@ -168,13 +161,13 @@ def _first_root(
             part, first = first_part(low.image, high.image, way)
             if first < 0:
                 return None
-            if ahead < SPLIT or (ahead < 1.0 and not margin_in_x(high.image, code)[0] < 0.0):
+            if ahead < SPLIT or (ahead < 1.0 and not high.image.margin(code) < 0.0):
                 part = ahead
             else:
                 code = first
         trial = low.x + (part if k < STRAYED or k % 3 < 2 else 0.5) * way
         for end in (high, low):
-            if abs(trial - end.x) <= tolerance and not math.isnan(margin_in_x(end.image, code)[0]):
+            if abs(trial - end.x) <= tolerance and not math.isnan(end.image.margin(code)):
                 if math.isnan(end.image.value):
                     continue  # it is approached from inside
                 if depth(end.image, code) >= -BOTH * tolerance:
@@ -213,12 +206,11 @@ def _short_of(
     line estimates the error, and so how far inside the point must lie.
     """
     side = math.copysign(1.0, way)
-    h, rate = margin_in_x(low.image, code)
-    slope = side * rate
+    h, slope = low.image.margin(code), side * float(low.image.gradient(code)[0])
     straight = distance = -h / slope
     short = SHORT
     run = side * (low.x - before.x)
-    slope_before = side * margin_in_x(before.image, code)[1]
+    slope_before = side * float(before.image.gradient(code)[0])
     if run > 0.0 and math.isfinite(slope_before):
         square = slope * slope - 2.0 * h * (slope - slope_before) / run
         if square > 0.0:

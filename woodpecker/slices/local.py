@@ -196,31 +196,25 @@ def _collision(map_: PiecewiseMap, x: float, p: float, settings: Settings) -> Bo
     met = nearest_border(map_, x, p, near, settings)
     if met is None or met.kind(settings) is not BorderKind.JUMP:
         raise ValueError(f"the map does not jump at x = {x}, p = {p}")
-    found = [
-        border
-        for image, code, side in (
-            (met.inner, met.code, met.side), (met.outer, met.outer_code, -met.side),
-        )
-        if (border := _collision_of(map_, met, image, code, side, settings)) is not None
-    ]  # fmt: skip
+    other = Border(met.x, met.p, met.outer, met.outer_code, -met.side, met.inner, met.code)
+    both = (_collision_at(map_, border, settings) for border in (met, other))
+    found = [border for border in both if border is not None]
     if not found:
         raise ValueError(f"no limit of the jump at x = {x}, p = {p} lies on the diagonal")
     return min(found, key=lambda border: abs(border.p - p))
 
 
-def _collision_of(
-    map_: PiecewiseMap, met: Border, image: Image, code: int, side: int, settings: Settings
-) -> Border | None:
-    """The collision of a fixed point of one piece with a jump; None if none is nearby."""
-    start = Orbit(np.array([met.x]), met.p, (image,))
-    found = solved(start, settings, Closed(), OnBorder(0, code))
+def _collision_at(map_: PiecewiseMap, met: Border, settings: Settings) -> Border | None:
+    """The collision of a fixed point of the inner piece with a jump; None if none is nearby."""
+    start = Orbit(np.array([met.x]), met.p, (met.inner,))
+    found = solved(start, settings, Closed(), OnBorder(0, met.code))
     if found is None:
         return None
     x, p = float(found.x[0]), found.p
     moved = max(abs(x - met.x) / settings.x_scale, abs(p - met.p) / settings.p_scale)
     if moved > settings.beside:
         return None
-    return border_of(map_, found.images[0], code, x, p, side, settings)
+    return border_of(map_, found.images[0], met.code, x, p, met.side, settings)
 
 
 # --- The model ------------------------------------------------------------------------------------

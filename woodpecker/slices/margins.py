@@ -41,11 +41,6 @@ def depth(image: Image, ignored: int = -1) -> float:
     return _of_one(DEPTH, image, 1.0, ignored)[0]
 
 
-def margin_in_x(image: Image, code: int) -> tuple[float, float]:
-    """The margin of a code and its slope in x; nan if the image has none."""
-    return _margin(code, image.margins, np.asfortranarray(image.gradients), image.causes)
-
-
 def is_within(image: Image) -> bool:
     """Whether there is a value, and no margin is negative."""
     margins = image.margins
@@ -108,14 +103,6 @@ def _nearest(
         if away < nearest:
             nearest, which = away, causes[k]
     return nearest, which
-
-
-@jit
-def _margin(code: int, margins: Floats, slopes: Floats, causes: Ints) -> tuple[float, float]:
-    for k in range(len(margins)):
-        if causes[k] == code:
-            return margins[k], slopes[k, 0]
-    return math.nan, math.nan
 
 
 @jit
