@@ -101,10 +101,7 @@ def plot_time_history(
     3
     """
     instance("trajectory", trajectory, Trajectory)
-    if axes is None:
-        figure = plt.figure(figsize=(7.0, 5.6), layout="constrained")
-        axes = list(figure.subplots(3, 1, sharex=True))
-    axes = given_axes(axes, 3)
+    axes = several_axes(axes, 3, 1, (7.0, 5.6))
     toy = trajectory.toy
     stops: tuple[tuple[float, ...], ...] = (
         (), (-toy.phi_m_max, toy.phi_m_max), (toy.phi_s_max,),
@@ -120,6 +117,14 @@ def plot_time_history(
     if legend:
         legend_above(axes[0], shown, [name for name, _ in STRUCK.values()])
     return Drawn(tuple(axes), shown)
+
+
+def several_axes(axes: _Axes | None, rows: int, columns: int, size: tuple[float, float]) -> _Axes:
+    """The given axes, so many, or those of a new figure; a single column shares its x axis."""
+    if axes is None:
+        figure = plt.figure(figsize=size, layout="constrained")
+        axes = figure.subplots(rows, columns, sharex=columns == 1, squeeze=False).ravel().tolist()
+    return given_axes(axes, rows * columns)
 
 
 def draw_histories(
@@ -277,10 +282,7 @@ def plot_phase_portraits(
     >>> len(plot_phase_portraits(motion).axes)
     3
     """
-    if axes is None:
-        figure = plt.figure(figsize=(9.6, 3.7), layout="constrained")
-        axes = list(figure.subplots(1, 3))
-    axes = given_axes(axes, 3)
+    axes = several_axes(axes, 1, 3, (9.6, 3.7))
     pairs = (("phi_s", "dphi_s"), ("phi_m", "dphi_m"), ("phi_s", "dy"))
     shown: Artists = {}
     for ax, (x, y) in zip(axes, pairs, strict=True):

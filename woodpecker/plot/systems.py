@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
@@ -13,7 +12,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 
 from pwmap.plot import JUMP, STABLE, UNSTABLE, place_legend
-from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, framed, given_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, framed, styled
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, whole
 from woodpecker.plot.curve import Detail, refined
@@ -27,6 +26,7 @@ from woodpecker.plot.motions import (
     draw_histories,
     draw_jumps,
     legend_above,
+    several_axes,
     way_of,
 )
 from woodpecker.simulation.words import EventKind
@@ -85,11 +85,7 @@ def plot_system_motion(
     """
     wanted = system.q if names is None else names
     values = [_values(system, motion, name) for name in wanted]
-    if axes is None:
-        height = 1.2 + 1.5 * len(values)
-        figure = plt.figure(figsize=(7.0, height), layout="constrained")
-        axes = np.ravel(figure.subplots(len(values), 1, sharex=True, squeeze=False)).tolist()
-    axes = given_axes(axes, len(values))
+    axes = several_axes(axes, len(values), 1, (7.0, 1.2 + 1.5 * len(values)))
     rows = [(_label(name), each) for name, each in zip(wanted, values, strict=True)]
     shown = draw_histories(axes, motion.t, rows, _marks(motion))
     for ax in axes:
