@@ -168,7 +168,8 @@ def known_observables(names: Iterable[str]) -> None:
 def observables(toy: Toy, diagram: Diagram, *names: str, **functions: Observable) -> Diagram:
     """The same diagram with observables along its branches: period, drop, or functions of yours.
 
-    Each sample of a branch of fixed points is simulated; along jumps values are nan.
+    Each sample of a branch of fixed points is simulated, and values between samples can be
+    interpolated like x; along jumps they are nan.
 
     Parameters
     ----------

@@ -118,7 +118,7 @@ def _taken(file: TextIO, _: Path) -> Callable[[], object]:
 
 
 def _taken_beside(_: TextIO, path: Path) -> Callable[[], object]:
-    """Lock ``<name>.lock`` on Windows, where a lock keeps others from reading, too."""
+    """Lock ``<name>.lock``, removed later, on Windows, where locks keep others from reading."""
     from filelock import FileLock
 
     lock = FileLock(f"{path}.lock", timeout=0)

@@ -93,7 +93,7 @@ def regions_of_pieces(conditions: Sequence[sympy.Basic]) -> list[list[Region]]:
 
 
 def regions_of(condition: sympy.Basic) -> list[Region]:
-    """Regions, perhaps overlapping, where a condition holds; ValueError if it has no relations."""
+    """Regions, perhaps overlapping, where a condition holds; ValueError unless of relations."""
     if condition is sympy.false:
         return []
     whole, found = sympy.to_dnf(condition), list[Region]()

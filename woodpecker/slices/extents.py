@@ -226,7 +226,7 @@ def _short_of(
 def uneven(here: Knot, there: Knot, even: float) -> float:
     """Where another sample is needed between two, as a part of the way; 0 if nowhere.
 
-    None is if the trapezoidal rule of the slopes gives the rise to ``even`` / 2.
+    None is needed if the mean of the slopes gives the rise to ``even`` / 2.
     """
     run, rise = there.x - here.x, there.image.value - here.image.value
     rates = here.image.slope * run, there.image.slope * run

@@ -35,8 +35,8 @@ LOOSE = 0.02
 # Bisections of the interval of a cycle before Newton's method: to 6e-8 of it, finer than the errors
 # of cubics.
 BISECTIONS = 24
-# Samples inside an increasing piece of an iterate, between which two cycles are sought, and the
-# number of grids, each about the sample nearest to the diagonal: a resolution of 16^-4.
+# Samples of an increasing piece of an iterate, between which two cycles are sought, and the number
+# of grids, each about the sample nearest to the diagonal: as fine as a single one of thousands.
 INTERIOR, ZOOMS = 16, 4
 
 

@@ -69,7 +69,7 @@ class LocalModel:
         q = 0, y = 0.
     starts
         The branches that end there and are local: orbits stay on the side of the fixed point,
-        except that one limit of a jump leaves it with its last point. Beyond, no model holds.
+        except that one limit of a jump leaves it with its last point. The model ends there.
 
     Examples
     --------
