@@ -157,7 +157,8 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
 
 def _toy_of(run_of: Entry, parameter: str) -> Toy:
     """The toy of a run, with its value of the parameter."""
-    toy = Toy(**{n: math.inf if v == "inf" else v for n, v in run_of[TOY].items()})
+    values: Entry = {n: math.inf if v == "inf" else v for n, v in run_of[TOY].items()}
+    toy = Toy(**values)
     return toy.replace(**{parameter: run_of.get(AT, getattr(toy, parameter))})
 
 
@@ -240,7 +241,8 @@ def unknown_settings(run_of: Entry) -> list[str]:
 
 def settings_of(kept: Entry) -> Settings:
     """Settings as a file keeps them."""
-    return Settings(**{n: tuple(v) if isinstance(v, list) else v for n, v in kept.items()})
+    values: Entry = {n: tuple(v) if isinstance(v, list) else v for n, v in kept.items()}
+    return Settings(**values)
 
 
 def nothing(_: object) -> None:

@@ -71,8 +71,8 @@ class _Cylinders:
 def _cylinders(x: Floats, at: Floats, branches: Ints) -> _Cylinders:
     """Cylinders by the ends (2, n) of their intervals, in any order, and the images of these."""
     turned = x[0] > x[1]
-    ends, images = np.where(turned, x[::-1], x), np.where(turned, at[::-1], at)
-    return _Cylinders(*ends, *images, branches)
+    (low, high), (at_low, at_high) = (np.where(turned, ends[::-1], ends) for ends in (x, at))
+    return _Cylinders(low, high, at_low, at_high, branches)
 
 
 def _by_cycle(guesses: list[Guess]) -> Iterator[list[list[Guess]]]:
