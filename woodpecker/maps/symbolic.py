@@ -28,11 +28,8 @@ SMOOTH = (
 ARITHMETIC = (sympy.Add, sympy.Mul, sympy.Pow)
 
 
-class Symbols(NamedTuple):
-    """The variable and the parameter of a map."""
-
-    x: sympy.Symbol
-    p: sympy.Symbol
+Symbols = tuple[sympy.Symbol, sympy.Symbol]
+"""The variable and the parameter of a map."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -210,7 +207,7 @@ def from_sympy(
     (-0.25, 0.5, 'L')
     """
     symbols = known_symbols(x=x, p=p)
-    return FormulaMap(pieces_from_sympy(piecewise, symbols, Symbols(x, p), values or {}, words))
+    return FormulaMap(pieces_from_sympy(piecewise, symbols, (x, p), values or {}, words))
 
 
 def pieces_from_sympy(
@@ -353,7 +350,7 @@ def pieces_from_pwmap(map_: PiecewiseLinearMap, parameters: tuple[str, ...]) -> 
         alone = " alone" if len(parameters) == 1 else ""
         raise ValueError(f"the parameters of the map must be {wanted}{alone}, got {listed}")
     first, *others = (named[name] for name in parameters)
-    symbols, held = Symbols(map_.x, first), tuple((symbol, 0.0) for symbol in others)
+    symbols, held = (map_.x, first), tuple((symbol, 0.0) for symbol in others)
     return [
         SymbolicPiece(piece.word, symbols, piece.expression, _ends(piece), held)
         for piece in map_.pieces

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -25,26 +25,13 @@ Style = dict[str, Any]
 Marks = dict[str, tuple[Sequence[float], Style]]  # times and style of events, by their name
 
 
-class Quantity(NamedTuple):
-    """A coordinate or velocity, in the units of all tables."""
-
-    label: str
-    velocity: bool
-    column: int  # of q or u
-
-    def of(self, q: Floats, u: Floats) -> Floats:
-        """Its values, from coordinates and velocities of shape (..., 3)."""
-        values: Floats = (u if self.velocity else q)[..., self.column]
-        return values
-
-
-QUANTITIES = {
-    "y": Quantity(r"$y$ [m]", False, 0),
-    "phi_m": Quantity(r"$\varphi_M$ [rad]", False, 1),
-    "phi_s": Quantity(r"$\varphi_S$ [rad]", False, 2),
-    "dy": Quantity(r"$\dot y$ [m/s]", True, 0),
-    "dphi_m": Quantity(r"$\dot\varphi_M$ [rad/s]", True, 1),
-    "dphi_s": Quantity(r"$\dot\varphi_S$ [rad/s]", True, 2),
+QUANTITIES = {  # labels of coordinates and velocities, in the units of all tables
+    "y": r"$y$ [m]",
+    "phi_m": r"$\varphi_M$ [rad]",
+    "phi_s": r"$\varphi_S$ [rad]",
+    "dy": r"$\dot y$ [m/s]",
+    "dphi_m": r"$\dot\varphi_M$ [rad/s]",
+    "dphi_s": r"$\dot\varphi_S$ [rad/s]",
 }
 STRUCK: dict[tuple[int, ...], tuple[str, dict[str, Any]]] = {
     (1,): ("impact of the beak", {"color": UNSTABLE, "linestyle": (0, (1, 1.2)), "marker": "o"}),
@@ -69,6 +56,12 @@ ARROWS = (0.1, 0.45, 0.8)  # places of arrows, as parts of the way
 HEAD = "-|>,head_length=0.55,head_width=0.2"
 SHAFT = 0.01  # part of the size: length over which an arrow takes its direction
 ASIDE, FAR = 0.08, 0.15  # largest distance from there; ample distance from impacts, of the size
+
+
+def quantity(name: str, q: Floats, u: Floats) -> Floats:
+    """One of QUANTITIES, from coordinates and velocities of shape (..., 3)."""
+    values: Floats = np.concatenate([q, u], axis=-1)[..., list(QUANTITIES).index(name)]
+    return values
 
 
 def plot_time_history(
@@ -106,8 +99,7 @@ def plot_time_history(
     stops: tuple[tuple[float, ...], ...] = (
         (), (-toy.phi_m_max, toy.phi_m_max), (toy.phi_s_max,),
     )  # fmt: skip
-    drawn = [QUANTITIES[name] for name in ("y", "phi_m", "phi_s")]
-    rows = [(each.label, each.of(trajectory.q, trajectory.u)) for each in drawn]
+    rows = zip(list(QUANTITIES.values())[:3], trajectory.q.T, strict=True)
     shown = draw_histories(axes, trajectory.t, rows, _strikes(trajectory))
     for ax, limits in zip(axes, stops, strict=True):
         add(shown, {STOPS: [ax.axhline(limit, **BOUND) for limit in limits]})
@@ -202,13 +194,13 @@ def plot_phase_portrait(
         if name not in QUANTITIES:
             raise ValueError(f"unknown quantity {name!r}, expected one of {', '.join(QUANTITIES)}")
     ax = axes_for(ax, 4.6, 3.6)
-    across, up = (QUANTITIES[name].of(trajectory.q, trajectory.u) for name in (x, y))
+    across, up = (quantity(name, trajectory.q, trajectory.u) for name in (x, y))
     shown: Artists = {MOTION: [*ax.plot(*way_of(trajectory.t, across, up), **LINE)]}
     shown[START] = [*ax.plot(across[0], up[0], ".", color="black", markersize=5, zorder=4)]
     for name, (times, style) in _strikes(trajectory).items():
         shown[name] = draw_jumps(ax, trajectory.t, across, up, times, style)
     shown[DIRECTION] = _arrows(ax, trajectory.t, across, up)
-    framed(ax, QUANTITIES[x].label, QUANTITIES[y].label)
+    framed(ax, QUANTITIES[x], QUANTITIES[y])
     styled(shown, styles, KNOWN)
     if legend:
         entries = _entries(shown)
