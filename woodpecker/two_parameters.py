@@ -86,13 +86,14 @@ def curve_in_two(
     >>> str(curve.kind), curve.values[[0, -1]].round(9).tolist()  # r and a
     ('BC', [[0.0, 1.1], [0.0, 2.0]])
     """
+    if isinstance(source, Toy) and value is not None:
+        raise ValueError(f"a toy has its own values, got value = {value!r}")
+    family = family_of(source, parameters)
     if not isinstance(point, SpecialPoint | PlanePoint):
         raise TypeError(f"point must be one of a diagram or of a curve, got {shown(point)}")
     if isinstance(source, Toy):
-        if value is not None:
-            raise ValueError(f"a toy has its own values, got value = {value!r}")
-        return _of_toy(source, point, parameters, span, kind, settings)
-    family, chosen = family_of(source, parameters), settings_for(settings, Settings())
+        return _of_toy(source, family, point, span, kind, settings)
+    chosen = settings_for(settings, Settings())
     return curve_through(family, point, value, span=pair(span), kind=kind, settings=chosen)
 
 
@@ -117,11 +118,10 @@ def family_of(source: Toy | Family | PiecewiseLinearMap, parameters: tuple[str, 
 
 
 def _of_toy(
-    toy: Toy, point: SpecialPoint | PlanePoint, parameters: tuple[str, str], span: Spans,
+    toy: Toy, family: Family, point: SpecialPoint | PlanePoint, span: Spans,
     kind: PointKind | str | None, settings: Settings | None,
 ) -> Curve:  # fmt: skip
     """A curve of the toy, which ends at the limits of its parameters."""
-    family = family_of(toy, parameters)
     first, second = family.names
     wanted = [interval(f"span of {name}", each, finite=True) for name, each in
               zip(family.names, pair(span), strict=True)]  # fmt: skip
