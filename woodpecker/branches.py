@@ -1,4 +1,4 @@
-"""What a diagram of the toy does not hold: solutions at a value, and observables along branches."""
+"""Solutions of the toy at a value of a diagram's parameter, and observables along its branches."""
 
 from __future__ import annotations
 
@@ -29,27 +29,17 @@ from woodpecker.toy_map import Mapped, ToyPieces
 
 
 class OnBranch(NamedTuple):
-    """A periodic solution of the toy, and the branch it lies on.
-
-    Examples
-    --------
-    >>> from woodpecker import Toy, continuation, shoot, solutions
-    >>> toy = Toy()
-    >>> diagram = continuation(toy, shoot(toy, -0.53), span=(0.45, 0.55))
-    >>> one, = solutions(toy, diagram, 0.48)
-    >>> one.branch.id, round(one.orbit.phi_s, 9)
-    ('F1', -0.532395917)
-    """
+    """A periodic solution of the toy and its branch, from :func:`woodpecker.solutions`."""
 
     branch: Branch
     orbit: PeriodicOrbit
 
 
 def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
-    """The periodic solutions at a value of a diagram's parameter, each solved for.
+    """The periodic solutions at a value of a diagram's parameter, each by Newton's method.
 
-    Newton's method starts from samples of the branches, for all points of a cycle at once and with
-    the pieces of a sample beside it, so that steep cycles are found too.
+    It starts from the neighbouring samples of a branch, for all points of a cycle at once and with
+    their pieces, so that steep cycles are found too.
 
     Parameters
     ----------
@@ -62,13 +52,13 @@ def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
     Returns
     -------
     tuple
-        One for each time that a branch of fixed points passes the value, in order of phi_S; where
-        ``orbit.success`` is false, ``orbit.message`` says why. Jumps are no solutions.
+        One for each time that a branch of fixed points passes the value, in order of phi_S. Where
+        ``orbit.success`` is false, ``orbit.message`` says why.
 
     Raises
     ------
     TypeError, ValueError
-        If ``toy`` or ``diagram`` are none, the diagram's parameter is none of the toy, or the toy
+        If the arguments are of other types, the diagram's parameter is none of the toy, or the toy
         cannot have this value.
 
     Examples
@@ -92,7 +82,7 @@ def solutions(toy: Toy, diagram: Diagram, value: float) -> tuple[OnBranch, ...]:
 
 
 def _solution(toy: Toy, map_: ToyPieces, diagram: Diagram, hit: Hit, value: float) -> PeriodicOrbit:
-    """The solution at a value, from the samples on both sides or from a guess between them."""
+    """The solution at a value, from the samples on both sides, else by shooting."""
     mapped, beside = Mapped(toy, map_, value), _beside(hit, value)
     for k in beside:
         found = _led(map_, _cycle(map_, diagram, hit.branch, k), value)
@@ -106,7 +96,7 @@ def _solution(toy: Toy, map_: ToyPieces, diagram: Diagram, hit: Hit, value: floa
 
 
 def _beside(hit: Hit, value: float) -> list[int]:
-    """The samples between which a branch is at a value, from the likelier of its pieces there."""
+    """The samples next to a hit, the one with the likelier pieces first."""
     p, x = hit.branch.parameter, hit.branch.x
     (ends,) = np.nonzero((p[1:] != p[:-1]) & ((p[:-1] - value) * (p[1:] - value) <= 0.0))
     if not len(ends):
@@ -119,7 +109,7 @@ def _beside(hit: Hit, value: float) -> list[int]:
 
 
 def _led(map_: ToyPieces, start: Orbit, value: float) -> Orbit | None:
-    """The cycle to which one leads at another value, with the same pieces; None if it is lost."""
+    """The cycle at another value, continued with the same pieces; None if it is lost."""
     if not start.defined:
         return None
     base, orbit = base_of(map_, DEFAULT), to_engine(start)
@@ -141,7 +131,7 @@ def _led(map_: ToyPieces, start: Orbit, value: float) -> Orbit | None:
 
 
 def _cycle(map_: ToyPieces, diagram: Diagram, branch: Branch, k: int) -> Orbit:
-    """The cycle of a sample: its other points are samples of the branches that go round with it."""
+    """The cycle of a sample; its other points are samples of branches at the same parameters."""
     p = float(branch.parameter[k])
     others = [
         other
@@ -159,27 +149,27 @@ def _cycle(map_: ToyPieces, diagram: Diagram, branch: Branch, k: int) -> Orbit:
     return Orbit(np.array(points), p, tuple(images))
 
 
-WHOLE = 2.0  # of the way to a solution: the longest step, so that one is usual
-LEAST = 1e-6  # of that: the shortest one
-CLOSE = 1e-6  # rad: no farther does Newton's method lead from the last step to the solution
-NEAR = 1e-12  # rad: times the slope, how far from a sample its image is expected at most
+WHOLE = 2.0  # longest step, in distances of the solution: usually there is one step
+LEAST = 1e-6  # shortest step, in longest ones
+CLOSE = 1e-6  # rad: largest distance of the solution from the last step
+NEAR = 1e-12  # rad: times the slope, largest distance of an image from the next sample
 
 OF_A_RETURN = ("period", "drop")  # attributes of woodpecker.Return, by name
 Observable = Callable[[Toy, float], float]
 
 
 def known_observables(names: Iterable[str]) -> None:
-    """Complain of a name that :func:`observables` does not know, with a ValueError."""
+    """ValueError for a name that :func:`observables` does not know."""
     for name in names:
         if name not in OF_A_RETURN:
             raise ValueError(f"an observable must be one of {', '.join(OF_A_RETURN)}, got {name!r}")
 
 
 def observables(toy: Toy, diagram: Diagram, *names: str, **functions: Observable) -> Diagram:
-    """The same diagram with what is observed along its branches: period, drop, or what you like.
+    """The same diagram with observables along its branches: period, drop, or functions of yours.
 
-    Each sample of a branch of fixed points is simulated, so values are exact there; between samples
-    they can be interpolated like x. Along jumps they are nan.
+    Each sample of a branch of fixed points is simulated, and values between samples can be
+    interpolated like x; along jumps they are nan.
 
     Parameters
     ----------
@@ -188,13 +178,13 @@ def observables(toy: Toy, diagram: Diagram, *names: str, **functions: Observable
     names
         Some of ``"period"`` [s] and ``"drop"`` [m, positive down], of P_order.
     functions
-        By name, functions of the toy, with the sample's value of the parameter, and phi_S [rad].
+        Functions by name, of the toy at the sample's value of the parameter and phi_S [rad].
 
     Returns
     -------
     Diagram
-        Each branch has the values in :attr:`pwmap.Branch.columns`, as have files of results
-        (:func:`pwmap.diagrams.tables.write_results`).
+        With the values in :attr:`pwmap.Branch.columns`, which also
+        :func:`pwmap.diagrams.tables.write_results` writes.
 
     Raises
     ------
@@ -212,13 +202,11 @@ def observables(toy: Toy, diagram: Diagram, *names: str, **functions: Observable
     """
     instance("diagram", diagram, Diagram)
     known_observables(names)
-    branches = tuple(
-        replace(
-            branch, columns={**branch.columns, **_observed(toy, diagram, branch, names, functions)}
-        )
-        for branch in diagram.branches
-    )
-    return replace(diagram, branches=branches)
+    branches = []
+    for branch in diagram.branches:
+        found = _observed(toy, diagram, branch, names, functions)
+        branches.append(replace(branch, columns={**branch.columns, **found}))
+    return replace(diagram, branches=tuple(branches))
 
 
 def _observed(

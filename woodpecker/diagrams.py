@@ -1,4 +1,4 @@
-"""Diagrams of the toy, or of any map: what is connected with an orbit, or all in a window."""
+"""Diagrams of the toy or any map: branches connected with an orbit, or all in a window."""
 
 from __future__ import annotations
 
@@ -93,54 +93,53 @@ def continuation(
 ) -> Diagram | Curve:
     """Follow a periodic solution both ways over a parameter, and every branch connected to it.
 
-    A special point of the toy with two parameters goes to :func:`woodpecker.curve_in_two`.
+    A special point of the toy and two parameters are passed on to :func:`woodpecker.curve_in_two`.
 
     Parameters
     ----------
     source
         The toy, or any piecewise-smooth map of the line with one parameter.
     orbit
-        A periodic solution of it, from :func:`woodpecker.shoot`; it is followed with its minimal
-        period.
+        A periodic solution of it, from :func:`woodpecker.shoot`, followed with its minimal period.
     parameter
-        Parameter of the toy that varies, by default eps_n1; or what the diagram calls that of a
-        map, by default p.
+        The parameter of the toy that varies, by default eps_n1; the name of that of a map, by
+        default p.
     span
-        Its interval, by default (0, 1) for a toy, that of the settings for a map. Where the toy
-        cannot have all of these values, branches end at the last that it can have.
+        Its interval, by default (0, 1) for a toy, that of the settings for a map. Branches of the
+        toy end at the last value that it can have.
     kind
         Only for a point of codimension two, see :func:`woodpecker.curve_in_two`.
     orders
-        The iterates of which branches are followed, the minimal period of the orbit among them; by
-        default no other. Where P_n flips the doubled branch starts if 2 n is one of them; jump
-        branches of all of them start at collisions with jumps, cycles at kinks and grazings.
+        The iterates whose branches are followed, by default the minimal period of the orbit, which
+        must be one of them. The doubled branch at a flip of P_n needs 2 n; jump branches of all
+        start at collisions with jumps, cycles at kinks and grazings.
     settings
         Steps, window and tolerances. By default the window of a toy is (-2.5, -0.24) rad, and that
-        of a map has no ends.
+        of a map is infinite.
     stop
-        A rule that ends branches, such as ``lambda state: abs(state.multiplier) > 5``, asked at
-        every sample with a :class:`woodpecker.search.BranchState`. Where it comes to be true, which
-        is located to rounding, the branch ends (EP, "stopped as asked").
+        A rule that ends branches, such as ``lambda state: abs(state.multiplier) > 5``, called at
+        every sample with a :class:`woodpecker.search.BranchState`. The branch ends (EP, "stopped as
+        asked") where it becomes true, located to rounding.
     progress
-        Called before the first branch, and with every one that is finished.
+        Called before the first branch, and with each finished one.
     run, resume
-        A file that keeps every finished branch; ``resume`` goes on with the interrupted run in it.
-        The file keeps no ``stop``: give it again.
+        A file that keeps every finished branch, but no ``stop``; whether to resume the interrupted
+        run in it.
 
     Returns
     -------
     Diagram
-        Fixed-point and jump branches of these iterates with their special points. Of a toy
-        ``given`` says under which law of impact, and how derivatives in the parameter were found.
+        Fixed-point and jump branches of these iterates with their special points. For a toy
+        ``given`` states the law of impact and the source of derivatives in the parameter.
 
     Raises
     ------
     ValueError
         If the orbit did not converge or is one of another toy or map, span, window or orders do not
-        hold it, or there is no such run to resume.
+        hold it, or there is no run to resume.
     TypeError
-        If a parameter is unknown, the settings are no :class:`Settings`, or what is given for one
-        parameter does not go with two.
+        If a parameter is unknown, the settings are no :class:`Settings`, or arguments for one and
+        for two parameters are mixed.
 
     Examples
     --------
@@ -208,13 +207,13 @@ def _connected(
 
 
 def _value(followed: Subject, orbit: PeriodicOrbit) -> float:
-    """The parameter at which an orbit lives: that of the toy is any of its own."""
+    """The parameter of an orbit; that of the toy may be any."""
     toy = followed.source
     return float(getattr(toy, followed.parameter)) if isinstance(toy, Toy) else orbit.p
 
 
 def _start(followed: Subject, orbit: PeriodicOrbit) -> Orbit:
-    """The cycle to follow, with its minimal period: several times over it would hide its flips."""
+    """The cycle to follow, with its minimal period, as multiples of it hide flips."""
     if not orbit.success:
         raise ValueError(f"continuation needs a periodic solution, got one with: {orbit.message}")
     if orbit.source is not followed.source and orbit.source != followed.source:
@@ -259,53 +258,47 @@ def bifurcation_diagram(
 ) -> Diagram:
     """Every branch of some iterates in a window, and how they are connected.
 
-    Slices of the parameter are taken until they show nothing that no branch explains; see
-    :mod:`woodpecker.search.search`. An iterate P_j counts orbits all of whose returns lie in the
-    window.
+    Slices at values of the parameter are taken until branches explain all that they show, see
+    :mod:`woodpecker.search.search`. All returns of an orbit must lie in the window.
 
     Parameters
     ----------
     source
-        The toy, of which the own value of ``parameter`` does not matter; or any piecewise-smooth
-        map of the line with one parameter.
-    parameter
-        Parameter of the toy that varies, by default eps_n1; or what the diagram calls that of a
-        map, by default p.
-    span
-        Its interval, by default (0, 1) for a toy, that of the settings for a map. Where the toy
-        cannot have all of these values, branches end at the last that it can have.
+        The toy, whose own value of ``parameter`` does not matter; or any piecewise-smooth map of
+        the line with one parameter.
+    parameter, span
+        As for :func:`woodpecker.continuation`.
     orders
         The iterates j.
     window
         Finite interval of phi_S [rad] or x, by default (-2.5, -0.24) rad for a toy, that of the
         settings for a map.
     settings, search
-        Steps and tolerances; how many slices.
+        Steps and tolerances; the number of slices.
     progress
-        Called with every branch that is finished, and before every slice.
+        Called with each finished branch, and before every slice.
     run, resume
-        A file that keeps every finished branch; ``resume`` goes on with the interrupted run in it.
+        A file that keeps every finished branch; whether to resume the interrupted run in it.
     workers
-        How many processes do the work, this one among them; by default one for each core, for a map
-        this one alone. A map goes to others by cloudpickle, with lambdas in it too. The result does
-        not depend on it.
+        Number of processes, this one among them; by default one for each core, for a map this one
+        alone. A map is sent by cloudpickle, also with lambdas. The result does not depend on it.
     executor
-        Any executor of :mod:`concurrent.futures` (threads, processes, dask, MPI) that helps
-        instead; it is not shut down, and has as many tasks at once as ``workers`` says.
+        An executor of :mod:`concurrent.futures` (threads, processes, dask, MPI) that helps instead,
+        with as many tasks at once as ``workers``; it is not shut down.
 
     Returns
     -------
     Diagram
-        Fixed points of P_j are listed with their minimal period only. Of a toy ``given`` says under
-        which law of impact, and how derivatives in the parameter were found.
+        Fixed points of P_j are listed with their minimal period only. For a toy ``given`` states
+        the law of impact and the source of derivatives in the parameter.
 
     Raises
     ------
     ValueError
-        If an order is not at least 1, the span or window does not ascend or is not finite, or there
-        is no such run to resume.
+        If an order is below 1, the span or window does not ascend or is not finite, or there is no
+        run to resume.
     TypeError
-        If it is neither a toy nor a map, the parameter is unknown, or the settings are no
+        If the source is neither a toy nor a map, the parameter is unknown, or the settings are no
         :class:`Settings`.
 
     Examples
@@ -341,19 +334,19 @@ def bifurcation_search(
     workers: int | None = None,
     executor: Executor | None = None,
 ) -> Found:
-    """Like :func:`woodpecker.bifurcation_diagram`, with what the slices came to.
+    """Like :func:`woodpecker.bifurcation_diagram`, with the slices.
 
     Parameters
     ----------
     source, parameter, span, orders, window
-        What is searched, as there.
+        As there.
     settings, search, progress, run, resume, workers, executor
-        How, as there.
+        As there.
 
     Returns
     -------
     Found
-        The diagram, its slices, and how often P_1 was evaluated.
+        The diagram, its slices, and the number of evaluations of P_1.
 
     Raises
     ------
@@ -381,7 +374,8 @@ def bifurcation_search(
     worker_count(workers)
     run_of = followed.about | {"orders": iterates(orders), "search": asdict(looked)}
     if of_toy:
-        map_.at(*map(_middle, (chosen.window, chosen.span)))  # compiled before there are processes
+        middle = np.mean([chosen.window, chosen.span], axis=1).tolist()
+        map_.at(*middle)  # compiled before there are processes
     with recorded(run, run_of, resume, followed) as record:
         found = whole_diagram(
             map_, chosen, orders, looked, parameter_name=followed.parameter,
@@ -389,7 +383,3 @@ def bifurcation_search(
             workers=WORKERS if workers is None and executor is None and not of_toy else workers,
         )  # fmt: skip
     return replace(found, diagram=followed.finished(found.diagram))
-
-
-def _middle(interval: tuple[float, float]) -> float:
-    return 0.5 * (interval[0] + interval[1])

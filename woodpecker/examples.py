@@ -1,4 +1,4 @@
-"""What examples in docstrings are about: two lines, a ball, the map of the paper's Section 4."""
+"""Maps and systems of the examples in docstrings, among them the map of the paper's Section 4."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ SETTINGS = Settings(span=(-1, 1), window=(-4, 4))
 
 
 def two_lines() -> FormulaMap:
-    """Pieces L, x/2 + p for x < 0, and R, x/3 + p - 1 beyond."""
+    """The map with pieces L, x/2 + p for x < 0, and R, x/3 + p - 1 for x >= 0."""
     x, p = symbols("x p")
     return from_sympy(Piecewise((x / 2 + p, x < 0), (x / 3 + p - 1, True)), x, p, words=["L", "R"])
 
@@ -33,14 +33,14 @@ def bouncing_ball() -> ContactSystem:
 
 
 def paper_family() -> SymbolicFamily:
-    """P_1^L over r and a: r - 2 up to zero, r - a x beyond [Leine2001, Eq. 14]."""
+    """P_1^L over r and a: r - 2 for x <= 0, r - a x for x > 0 [Leine2001, Eq. 14]."""
     x, a, r = symbols("x a r")
     p1 = Piecewise((r - 2, x <= 0), (r - a * x, True))
     return family_from_sympy(p1, x, (r, a), words=["L", "R"])
 
 
 def border_curve(lowest: float = 1.1) -> Curve:
-    """Its border collision at r = 0, for a from ``lowest`` up to 2."""
+    """The border collision of that family at r = 0, for a from ``lowest`` to 2."""
     family = paper_family()
     over_r = family.over(0, (0.0, 1.25))
     point = continuation(over_r, shoot(over_r, 0.2, p=0.45), settings=SETTINGS).points[0]
@@ -49,7 +49,7 @@ def border_curve(lowest: float = 1.1) -> Curve:
 
 
 def paper_regions() -> Regions:
-    """Both sides of that curve, and which cycles live there."""
+    """The regions on both sides of that curve, with their cycles."""
     family, spans = paper_family(), ((-1.0, 1.0), (1.1, 2.0))
     few = Survey(checks=4)
     return parameter_regions(family, family.names, spans, settings=SETTINGS, survey=few)

@@ -1,4 +1,4 @@
-"""The toy, or any map, from many points: its return map, and what orbits settle on."""
+"""The return map of the toy, or any map, at many points, and what orbits settle on."""
 
 from __future__ import annotations
 
@@ -40,25 +40,25 @@ def return_map(
     source
         The toy, or any piecewise-smooth map of the line with one parameter.
     x
-        Starts, phi_S [rad] for the toy, of any shape; the result is flat.
+        Starts, of the toy phi_S [rad], of any shape; the result is flat.
     order
-        So many returns in turn.
+        Number of returns.
     p
-        The parameter of a map. A toy has its values.
+        The parameter of a map; a toy has its own values.
     executor
-        For the toy, any executor of :mod:`concurrent.futures` (a process pool, dask, MPI) to carry
-        the work. By default the compiled kernel runs in threads and the plain one serially.
+        For the toy, an executor of :mod:`concurrent.futures` (a process pool, dask, MPI). By
+        default the compiled kernel runs in threads and the plain one serially.
 
     Returns
     -------
     ReturnMap
-        Arrays of shape (n,) in the order of the starts. A map has images, slopes and words; period,
-        drop and the derivative in eps_n1 are nan.
+        Arrays of shape (n,) in the order of the starts. For a map period, drop and the derivative
+        in eps_n1 are nan.
 
     Raises
     ------
     TypeError
-        If it is neither a toy nor a map, or the executor has no method ``map``.
+        If the source is neither a toy nor a map, or the executor has no method ``map``.
     ValueError
         If starts are no real numbers, or none of the toy, the order is no positive whole number, a
         map has no ``p`` or a toy one, or doubles cannot hold the equations of motion.
@@ -114,18 +114,18 @@ def orbit_diagram(
     ----------
     source
         The toy, or any map of the line with one parameter, of which only values and slopes are
-        asked; one that takes many points at once (``sweep``) gets all of them in one array.
+        used; one with ``sweep`` (:class:`woodpecker.slices.SweptMap`) takes all points at once.
     parameters, starts
         Values of the parameter, and first points, of shapes (n,) and (m,).
     window
-        Interval of x; an orbit that leaves it is lost.
+        Interval of x; an orbit that leaves it is lost. A start may lie outside.
     parameter
-        Of the toy: the one that has these values, by default eps_n1.
+        The parameter of the toy that has these values, by default eps_n1.
     transient, keep
-        How many iterates are cut, and how many are kept after that.
+        How many iterates are discarded, and how many are kept after that.
     settings
-        The unit of x: an orbit that repeats itself to 1e-6 of it after at most 64 points has that
-        period.
+        Its window is the unit of x, by default 1: an orbit that repeats itself to 1e-6 of it after
+        at most 64 points has that period.
 
     Returns
     -------
@@ -135,8 +135,8 @@ def orbit_diagram(
     Raises
     ------
     TypeError, ValueError
-        If it is neither a toy nor a map, the parameter is unknown, nothing is to be kept, the
-        window does not ascend, or parameters or starts are no real numbers.
+        If the source is neither a toy nor a map, the parameter is unknown, nothing is to be kept,
+        the window does not ascend, or parameters or starts are no real numbers.
 
     Examples
     --------

@@ -1,11 +1,11 @@
-"""What runs share: the toy or map and its settings, the file of a run, the diagram."""
+"""What runs share: the toy or map with its settings, the file of a run, the diagram."""
 
 from __future__ import annotations
 
 import math
 import os
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import asdict, dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
@@ -27,15 +27,15 @@ if TYPE_CHECKING:
 
 DEFAULT = Settings(window=WINDOW)
 OUT_OF_DOMAIN = "end of the values that the parameter can have"
-AT, SPAN = "at", "span"  # of a run: the toy's value of the parameter; the span that was asked for
-TOY, NAME = "toy", "x"  # of a run: the toy it is of, or what the coordinate of its map is called
-ORBITS, IMAGES = 16, 4  # so many orbits tell one map from another, each of so many images
-WHOLE = (0.0, 1.0)  # the span over which a toy is followed, unless another one is given
+AT, SPAN = "at", "span"  # keys of a run: the toy's value of the parameter; the span asked for
+TOY, NAME = "toy", "x"  # keys of a run: its toy, or the name of the coordinate of its map
+ORBITS, IMAGES = 16, 4  # orbits that identify a map, and images of each
+WHOLE = (0.0, 1.0)  # the span of a toy, by default
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Subject:
-    """What is followed over one parameter, and how."""
+    """A toy or map over one parameter, and the settings to follow it."""
 
     source: Toy | PiecewiseMap | PiecewiseLinearMap
     map_: PiecewiseMap  # the same as a map of pieces
@@ -46,7 +46,7 @@ class Subject:
 
     @property
     def about(self) -> Entry:
-        """What two runs must have in common, so that one can go on with the other's file."""
+        """What the file of a run must say for this run to resume it."""
         if isinstance(self.source, Toy):
             return about(self.source, self.parameter, self.settings, self.wanted)
         return {
@@ -55,7 +55,7 @@ class Subject:
         }  # fmt: skip
 
     def finished(self, found: Diagram) -> Diagram:
-        """A diagram that says what was given, if it is one of the toy."""
+        """A diagram, of the toy with ends of its domain and what was given."""
         if isinstance(self.source, Toy):
             return finished(found, self.source, self.wanted, self.settings)
         return found
@@ -66,10 +66,10 @@ def subject(
     span: tuple[float, float] | None, settings: Settings | None,
     window: tuple[float, float] | None = None,
 ) -> Subject:  # fmt: skip
-    """What is followed; span and window are those of the settings, if none are given.
+    """A subject; span and window are by default those of the settings.
 
-    ValueError if the span holds no value that the parameter can have; TypeError if it is neither a
-    toy nor a map, the parameter is unknown, or the settings are none.
+    ValueError if the span holds no value that the parameter can have; TypeError if the source is
+    neither a toy nor a map, the parameter is unknown, or the settings are none.
     """
     map_, name, x_name = named(source, parameter)
     of_toy = isinstance(source, Toy)
@@ -86,7 +86,7 @@ def subject(
 
 
 def settings_for(settings: Settings | None, default: Settings, **taken: Any) -> Settings:
-    """Settings, or the default, with the intervals of a call; TypeError if they are none."""
+    """Settings, or the default, with fields of a call; TypeError if they are none."""
     if not isinstance(settings, Settings | None):
         raise TypeError(
             f"settings must be woodpecker.Settings, got {type(settings).__module__}."
@@ -104,7 +104,7 @@ def possible(toy: Toy, parameter: str, span: tuple[float, float]) -> tuple[float
 
 
 def given(toy: Toy, parameter: str) -> tuple[str, str]:
-    """Under which law, and how derivatives in the parameter were found, for the diagram to say."""
+    """The law of impact and the source of derivatives in the parameter, for the diagram."""
     law = str(toy.expansion_friction)
     return f"friction in the expansion: {law}", f"derivatives in {parameter}: the variational flow"
 
@@ -115,17 +115,17 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
     Parameters
     ----------
     run
-        The file that ``run=`` named.
+        The file given as ``run``.
 
     Returns
     -------
     Diagram
-        Without the branches that are being followed.
+        Without branches that are not finished.
 
     Raises
     ------
     ValueError
-        If the file is not that of such a run, or names settings that there are not.
+        If the file is not that of such a run, or has unknown settings.
 
     Examples
     --------
@@ -156,8 +156,9 @@ def saved_diagram(run: str | os.PathLike[str]) -> Diagram:
 
 
 def _toy_of(run_of: Entry, parameter: str) -> Toy:
-    """The toy of a run, with its own value of the parameter."""
-    toy = Toy(**{name: _number(value) for name, value in run_of[TOY].items()})
+    """The toy of a run, with its value of the parameter."""
+    values: Entry = {n: math.inf if v == "inf" else v for n, v in run_of[TOY].items()}
+    toy = Toy(**values)
     return toy.replace(**{parameter: run_of.get(AT, getattr(toy, parameter))})
 
 
@@ -187,7 +188,7 @@ def _domain_ends(
 
 
 def _of_domain(point: SpecialPoint, reasons: dict[float, str], settings: Settings) -> SpecialPoint:
-    """An end point with the reason why the parameter goes no further, if that is why."""
+    """A point; if it lies at a limit of the parameter's values, with the reason of that limit."""
     for end, reason in reasons.items():
         away = abs(point.parameter - end)
         if point.kind is PointKind.EP and away <= settings.same * settings.p_scale:
@@ -199,17 +200,14 @@ def _of_domain(point: SpecialPoint, reasons: dict[float, str], settings: Setting
 
 
 def about(toy: Toy, parameter: str, settings: Settings, wanted: tuple[float, float]) -> Entry:
-    """What two runs must have in common, so that one can go on with the other's file."""
+    """What the file of a run of the toy must say for another run to resume it."""
     fixed = {name: value for name, value in asdict(toy).items() if name != parameter}
     finite = {n: str(v) if v in (math.inf, -math.inf) else v for n, v in fixed.items()}
     return {"parameter": parameter, SPAN: wanted, TOY: finite, "settings": asdict(settings)}
 
 
 def orbits_of(subject: Subject, start: Sequence[float] = ()) -> dict[str, list[float | str]]:
-    """Short orbits from places that fill the window, or lie about a start: they tell maps apart.
-
-    Functions have no name to compare.
-    """
+    """Short orbits in the window, or about a start, that identify a map, which has no name."""
     (low, high), unit = subject.settings.window, subject.settings.x_scale
     if start:
         low, high = max(low, min(start) - unit), min(high, max(start) + unit)
@@ -223,7 +221,7 @@ def orbits_of(subject: Subject, start: Sequence[float] = ()) -> dict[str, list[f
 
 
 def _orbit(subject: Subject, x: float, p: float) -> Iterator[float | str]:
-    """A point and a few images, as long as they lie in the window, and why there is no other."""
+    """A point and a few images, until they leave the window; the reason where there is none."""
     low, high = subject.settings.window
     yield x / subject.settings.x_scale
     for _ in range(IMAGES):
@@ -243,26 +241,19 @@ def unknown_settings(run_of: Entry) -> list[str]:
 
 def settings_of(kept: Entry) -> Settings:
     """Settings as a file keeps them."""
-    return Settings(**{name: _pair(value) for name, value in kept.items()})
-
-
-def _number(value: Any) -> Any:
-    return math.inf if value == "inf" else value
-
-
-def _pair(value: Any) -> Any:
-    return tuple(value) if isinstance(value, list) else value
+    values: Entry = {n: tuple(v) if isinstance(v, list) else v for n, v in kept.items()}
+    return Settings(**values)
 
 
 def nothing(_: object) -> None:
-    """Ignores what it is told."""
+    """Ignore progress."""
 
 
 @contextmanager
 def recorded(
     run: str | os.PathLike[str] | None, run_of: Entry, resume: bool, subject: Subject
 ) -> Iterator[Record | None]:
-    """The record of a run for its time, or none."""
+    """The record of a run, closed at the end of the block; None without a file."""
     if run is None:
         if resume:
             raise ValueError("resuming needs the file of a run")
@@ -270,8 +261,5 @@ def recorded(
         return
     if not isinstance(subject.source, Toy):
         run_of |= {MAP: orbits_of(subject, run_of.get(START, ()))}
-    record = Record(run, run_of, resume=resume)
-    try:
+    with closing(Record(run, run_of, resume=resume)) as record:
         yield record
-    finally:
-        record.close()

@@ -1,4 +1,4 @@
-"""Periodic solutions of the toy, or of any map: fixed points of P_j by multiple shooting."""
+"""Periodic solutions of the toy or any map: fixed points of P_j by multiple shooting."""
 
 from __future__ import annotations
 
@@ -38,19 +38,12 @@ if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
 
 DEFAULT = Settings()
-LOOKED = 0.01  # in x, a part of the window: how far from a guess without a cycle a jump is sought
-ORDER_MOST = 1000  # returns of an orbit: its equations are solved together
+LOOKED = 0.01  # in x, a part of the window: distance from a guess at which a jump is sought
+ORDER_MOST = 1000  # returns of an orbit, whose equations are solved together
 
 
 class ShootingStatus(Enum):
-    """How shooting ended; the value is the sentence for a user.
-
-    Examples
-    --------
-    >>> from woodpecker import Toy, shoot
-    >>> shoot(Toy(), -0.53).status
-    <ShootingStatus.CONVERGED: 'a periodic solution was found'>
-    """
+    """How shooting ended; the value is the sentence for a user."""
 
     CONVERGED = "a periodic solution was found"
     CENTRE = (
@@ -70,14 +63,12 @@ class PeriodicOrbit:
     Parameters
     ----------
     source
-        What it is one of: a toy or a map, as it was given.
+        The toy or map, as it was given.
     p
-        The parameter of the map; of a toy its eps_n1.
-    order
-        Number of returns j, as asked for.
-    minimal_period
-        Number of returns after which the solution repeats, a divisor of the order; the order itself
-        if no solution was found.
+        The parameter of the map; eps_n1 of a toy.
+    order, minimal_period
+        Number of returns j as asked for, and the divisor of it after which the solution repeats;
+        j itself if no solution was found.
     points
         The orbit on the section [rad], or of the map.
     period, drop
@@ -89,8 +80,8 @@ class PeriodicOrbit:
     residual
         Largest gap between a return and the next point.
     status, message
-        How shooting ended, and the sentence that says it: why there is no solution, or how often
-        one of a smaller period is passed.
+        How shooting ended, and a sentence on why there is no solution, or how often one of a
+        smaller period is passed.
 
     Examples
     --------
@@ -122,18 +113,18 @@ class PeriodicOrbit:
 
     @property
     def phi_s(self) -> float:
-        """The first of its points, as the toy calls it [rad]."""
+        """The first of its points, for the toy [rad]."""
         return self.points[0]
 
     @property
     def toy(self) -> Toy:
-        """The toy whose solution it is; TypeError if it is one of another map."""
+        """The source; TypeError if it is no toy."""
         instance("the source of the orbit", self.source, Toy)
         return cast("Toy", self.source)
 
     @property
     def success(self) -> bool:
-        """Whether a periodic solution was found that can be followed."""
+        """Whether a periodic solution was found, one that can be followed."""
         return self.status is ShootingStatus.CONVERGED
 
     @property
@@ -177,34 +168,35 @@ def shoot(
 ) -> PeriodicOrbit:
     """Find a periodic solution with ``order`` returns near ``guess``.
 
-    Newton's method on all returns together (multiple shooting): products of steep slopes never
-    appear. The multiplier is the product of the exact slopes.
+    Newton's method is applied to all returns together (multiple shooting), so that steep slopes are
+    not multiplied. The multiplier is the product of the exact slopes.
 
     Parameters
     ----------
     source
-        The toy, or any piecewise-smooth map of the line with one parameter: of your own, of
-        ``from_sympy``, or an exact one of :mod:`pwmap`.
+        The toy, or any piecewise-smooth map of the line with one parameter, also an exact one of
+        :mod:`pwmap`.
     guess
-        phi_S on the section [rad], or x; or all points of the orbit, as many as ``order``.
+        phi_S on the section [rad], or x; or all ``order`` points of the orbit.
     order
         Number of returns.
     p
-        The parameter of a map. A toy has its values.
+        The parameter of a map; a toy has its own values.
     settings
-        Tolerances and the number of Newton steps; for a map of other units their window.
+        Tolerances; their window is the unit of x.
 
     Returns
     -------
     PeriodicOrbit
-        ``status`` says whether it is one, and why not. One of a smaller period than ``order``
-        counts: ``minimal_period`` and ``message`` say so.
+        ``status`` says whether it is one, and why not. A solution of a smaller period counts, see
+        ``minimal_period`` and ``message``.
 
     Raises
     ------
     TypeError, ValueError
-        If it is neither a toy nor a map, the settings are none, the guess or the order is out of
-        range, a map has no ``p`` or a toy one, or doubles cannot hold the equations of motion.
+        If the source is neither a toy nor a map, the settings are none, the guess or the order is
+        out of range, a map has no ``p`` or a toy one, or doubles cannot hold the equations of
+        motion.
 
     Examples
     --------
@@ -243,7 +235,7 @@ def shoot(
 
 
 def _guesses(source: object, guess: npt.ArrayLike, order: int) -> tuple[Floats, int]:
-    """Points to begin with, one or all, and how many there are to be."""
+    """The points of a guess, one or all, and the order."""
     if np.ndim(guess) == 0:
         points = np.array([number("guess", guess)])
     else:
@@ -266,8 +258,8 @@ def _taken(mapped: Mapped, x: Floats) -> Orbit:
 
 def _corrected(mapped: Mapped, start: Orbit, settings: Settings) -> tuple[Orbit, bool]:
     """Newton's method for a cycle, and whether one was found."""
-    # It keeps the pieces of the last iterate if the map takes them at its image; otherwise it makes
-    # one step, after which the map is asked for its pieces again.
+    # Its result with fixed pieces counts if the map takes these; otherwise one step is made, and
+    # the map is asked for its pieces again.
     orbit = start
     for _ in range(STEPS):
         if not orbit.defined:
@@ -284,7 +276,7 @@ def _corrected(mapped: Mapped, start: Orbit, settings: Settings) -> tuple[Orbit,
 
 def is_taken(mapped: Mapped, found: Orbit, settings: Settings) -> bool:
     """Whether the map takes the pieces of a cycle at its points; one may lie on a border."""
-    # The same events may follow at other times, too: then the map has another value.
+    # The same events may also occur at other times: then the map has another value.
     there = _taken(mapped, found.x)
     if there.keys == found.keys:
         return all(
@@ -301,7 +293,7 @@ def _gap(cycle: Orbit) -> float:
 
 
 def _jump_near(map_: PiecewiseMap, first: Orbit, settings: Settings) -> Jump | None:
-    """The jump of P_1 at the nearer end of the piece that a point lies in; None if it has none."""
+    """The jump of P_1 at the nearer end of the piece at a point; None if there is none nearby."""
     x, p = float(first.x[0]), first.p
     far = LOOKED * settings.x_scale
     ends = [reach_of(first.images[0], x, p, side, x + side * far, settings) for side in (-1, 1)]
@@ -314,7 +306,7 @@ def _jump_near(map_: PiecewiseMap, first: Orbit, settings: Settings) -> Jump | N
 
 
 def periodic_orbit(mapped: Mapped, cycle: Orbit, settings: Settings) -> PeriodicOrbit:
-    """What a cycle is whose returns close: a periodic solution, a centre, or one without slope."""
+    """The periodic solution of a cycle whose returns close; a centre or one without slope fails."""
     order, period = len(cycle), minimal_period(cycle, settings)
     if isinstance(mapped.source, Toy) and not any(cycle.words):  # no event: the sleeve stays jammed
         return _orbit(mapped, order, cycle, ShootingStatus.CENTRE, period=period)

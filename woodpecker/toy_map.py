@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, ClassVar, NamedTuple
 import numpy as np
 
 from pwmap.diagrams.shown import counted
-from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, number, real_array
 from woodpecker.base.shown import shown
-from woodpecker.maps.pieces import Image, PiecewiseMap
+from woodpecker.maps.pieces import Image, PiecewiseMap, no_image
 from woodpecker.maps.sweeps import Sweep
 from woodpecker.mechanics.equations import unsound
 from woodpecker.mechanics.modes import (
@@ -38,28 +38,26 @@ from woodpecker.mechanics.modes import (
 )
 from woodpecker.mechanics.toy import RESTITUTIONS, Toy, known_parameter, limits
 from woodpecker.motion.codes import NO_PATH, RETURNED
-from woodpecker.simulation.calls import sweep
+from woodpecker.simulation.calls import NO_TIMES, sweep
 from woodpecker.simulation.paths import Follower, Path, cause_of
 from woodpecker.simulation.returns import RELATIVE_STEP
 
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
 
-KEPT = 8  # maps of a process whose copies, sent from others, share tables: those of its searches
-CLEAR = 1e-9  # relative distance from the limits of a parameter beyond which rounding cannot matter
+KEPT = 8  # maps whose copies, sent by other processes, share tables: one for each search
+CLEAR = 1e-9  # relative distance from the limits of a parameter at which rounding does not matter
 OWN_VALUES = "a toy has its own values, toy.replace(...) others, and a map takes its parameter as p"
 TOO_FAR = "the path does not reach so far"
-NO_MARGINS, NO_GRADIENTS, NO_TIMES = np.zeros(0), np.zeros((0, 2)), np.zeros(0)
-NO_CAUSES: Ints = np.zeros(0, dtype=np.int64)
 
 Values = tuple[tuple[str, float], ...]
-"""Parameters of a toy by name, with other values than its own; the last one is that which moves."""
+"""Parameters of a toy, by name, with other values than its own; the last is the one that varies."""
 
 NO_VALUES: Values = ()
 
 
 class _ThreadRoom:
-    """The kernel's numbers for some toys, with their rates, and a follower; for one thread."""
+    """The kernel's numbers of toys, their rates, and a follower, for one thread."""
 
     def __init__(self, toy: Toy, rates: Mapping[str, float]) -> None:
         self._toy, self._values, self._limits = toy, NO_VALUES, (math.inf, -math.inf)
@@ -72,7 +70,7 @@ class _ThreadRoom:
         self.follower = Follower(self._numbers, self._change, self._seed)
 
     def _take(self, values: Values) -> None:
-        """Take the numbers of other values; ValueError says why the toy cannot have them."""
+        """Take other values; ValueError if the toy cannot have them."""
         if values == self._values and self._numbers[FORCE, SOUND]:
             return
         (low, high), (name, value) = self._limits, values[-1]
@@ -83,7 +81,7 @@ class _ThreadRoom:
             there = self._toy.replace(**dict(values))
             self._limits = limits(there, name)
             due = False
-            for each, _ in (*self._values, *values):  # those that were changed before, too
+            for each, _ in (*self._values, *values):  # also those that were changed before
                 due |= self._put(each, getattr(there, each))
         self._values = values
         if due:
@@ -92,7 +90,7 @@ class _ThreadRoom:
             raise unsound(self._toy.replace(**dict(values)))
 
     def _put(self, name: str, value: float) -> bool:
-        """Take another value of a parameter; whether the table is to be filled again."""
+        """Take another value of a parameter; whether the table must be filled again."""
         if name in Numbers._fields:
             self._complex.real[Numbers._fields.index(name)] = value
             return True
@@ -103,7 +101,7 @@ class _ThreadRoom:
         return False
 
     def obstacle(self, x: float, values: Values) -> str:
-        """Take the numbers of these values; why the toy cannot start from there, or nothing."""
+        """Take these values; why the toy cannot start from x, or an empty text."""
         try:
             self._take(values)
         except ValueError as error:
@@ -113,7 +111,7 @@ class _ThreadRoom:
         return "" if x < self._numbers[CONTACT, LIMIT] else "the beak touches the pole"
 
     def sweep(self, x: Floats, values: Values) -> Sweep:
-        """Images and slopes at points (n,), nan where there is none; ValueError if no toy is."""
+        """Images and slopes at points (n,), or nan; ValueError if no toy has these values."""
         self._take(values)
         out, codes, _, _ = sweep(self._numbers, self._change, x, 1, self._seed)
         starts = np.isfinite(x) & (x < self._numbers[CONTACT, LIMIT])
@@ -122,13 +120,13 @@ class _ThreadRoom:
 
 
 class PerThread(threading.local):
-    """What a thread keeps of a map between calls; no part of the map, and no copy has it."""
+    """What a thread keeps of a map between calls; copies do not have it."""
 
     room: _ThreadRoom | None = None
 
 
 class ToyMap:
-    """P_1 of toys that one number tells apart: a parameter, or how far they are along a line."""
+    """P_1 of toys that depend on one number: a parameter, or the position on a line of toys."""
 
     __slots__ = ()
     margins_decide: ClassVar[bool] = True  # of a path: which one the toy takes
@@ -137,7 +135,7 @@ class ToyMap:
 
     @property
     def rates(self) -> Mapping[str, float]:
-        """By how much parameters of the toy change with the number."""
+        """The derivatives of the toy's parameters in the number."""
         raise NotImplementedError
 
     def _values(self, p: float) -> Values:
@@ -148,30 +146,28 @@ class ToyMap:
         """The return from x [rad] along the path that the toy takes at p, or why none."""
         x, p = _numbers(x, p)
         follower, obstacle = self.ready(x, p)
-        if obstacle:
-            return _undefined(ToyPiece(self, Path(obstacle, NO_PATH, NO_TIMES)), obstacle)
-        status, path, _ = follower.trace(x)
-        if not status.success:
-            nowhere = ToyPiece(self, Path(status.value, NO_PATH, NO_TIMES))
-            return _undefined(nowhere, status.value)
-        return _image(self, path, follower, x, p)
+        if not obstacle:
+            status, path, _ = follower.trace(x)
+            if status.success:
+                return _image(self, path, follower, x, p)
+            obstacle = status.value
+        return no_image(ToyPiece(self, Path(obstacle, NO_PATH, NO_TIMES)), obstacle)
 
     def ready(self, x: float, p: float) -> tuple[Follower, str]:
-        """The follower, with the numbers of p; why the toy cannot start from there, or nothing."""
+        """The follower, with the numbers of p; why the toy cannot start from x, or nothing."""
         room = self.room()
         return room.follower, room.obstacle(x, self._values(p))
 
     @property
     def evaluations(self) -> int:
-        """How many returns this thread has computed one by one, found or followed."""
+        """How many single returns this thread has computed, by search or along a path."""
         return self.room().follower.evaluations
 
     def room(self) -> _ThreadRoom:
         """Table and follower of this thread."""
-        room = self._cache.room
-        if room is None:
-            room = self._cache.room = _ThreadRoom(self.toy, self.rates)
-        return room
+        if self._cache.room is None:
+            self._cache.room = _ThreadRoom(self.toy, self.rates)
+        return self._cache.room
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,7 +207,7 @@ class ToyPieces(ToyMap):
     def holding(self, **values: float) -> ToyPieces:
         """The map with other values of other parameters, in SI units; it shares this one's tables.
 
-        Values that the toy cannot have leave the map without images. TypeError if a parameter is
+        With values that the toy cannot have the map has no images. TypeError if a parameter is
         unknown, or is the one that varies.
         """
         for name in values:
@@ -231,7 +227,7 @@ class ToyPieces(ToyMap):
         return *self._held, (self.parameter, p)
 
     def taken(self, x: float, p: float) -> tuple[bytes, float]:
-        """The key of the piece that the toy takes at x [rad], and its image [rad] by the search."""
+        """The key of the piece that the toy takes at x [rad], and the image [rad], not followed."""
         x, p = _numbers(x, p)
         follower, obstacle = self.ready(x, p)
         if obstacle:
@@ -240,10 +236,10 @@ class ToyPieces(ToyMap):
         return (path.steps if status.success else NO_PATH).tobytes(), value
 
     def sweep(self, x: Floats, p: float | Floats) -> Sweep:
-        """Returns from many points (n,) [rad] at once, without pieces: images [rad] and slopes [-].
+        """Images [rad] and slopes [-] at many points (n,) [rad], with one parameter or one each.
 
-        There is one parameter for all, or one for each. They are nan where the toy cannot start or
-        does not return; ValueError if it cannot have this value of the parameter.
+        They are nan where the toy cannot start or does not return; ValueError if it cannot have a
+        value of the parameter.
         """
         points = real_array("x", x).ravel()
         if np.ndim(p) == 0:
@@ -258,7 +254,7 @@ class ToyPieces(ToyMap):
 
 @lru_cache(maxsize=KEPT)
 def _same(toy: Toy, parameter: str, held: Values) -> ToyPieces:
-    """The one copy of a map in this process: pieces that come one by one share its tables."""
+    """The one copy of a map in this process, whose tables all its pieces share."""
     return ToyPieces(toy, parameter).holding(**dict(held))
 
 
@@ -266,8 +262,8 @@ class ToyPiece(NamedTuple):
     """Returns along one path."""
 
     whole: ToyMap  # the map that the piece belongs to
-    # what happens; of no phases where the toy does not return, with the reason as its word.
-    # The durations are those where the piece was met last
+    # its events, with the durations of the last return; without phases where the toy does not
+    # return, with the reason as its word
     path: Path
 
     @property
@@ -284,7 +280,7 @@ class ToyPiece(NamedTuple):
         """The return from phi_S = x [rad] along this path, also where the toy takes another one."""
         follower, obstacle = self.whole.ready(x, p)
         if obstacle or not len(self.path.steps):
-            return _undefined(self, obstacle or self.word)
+            return no_image(self, obstacle or self.word)
         return _image(self.whole, self.path, follower, x, p)
 
     def cause(self, code: int) -> str:
@@ -293,23 +289,19 @@ class ToyPiece(NamedTuple):
 
 
 def _numbers(x: float, p: float) -> tuple[float, float]:
-    """Both as floats, which the kernel is compiled for; ValueError unless they are real numbers."""
+    """Both as floats, for the compiled kernel; ValueError unless they are real numbers."""
     if isinstance(x, float) and isinstance(p, float):
         return x, p
     return number("x", x), number("p", p)
 
 
-def _undefined(piece: ToyPiece, reason: str) -> Image:
-    return Image(math.nan, math.nan, math.nan, NO_MARGINS, NO_GRADIENTS, NO_CAUSES, piece, reason)
-
-
 def _image(map_: ToyMap, path: Path, follower: Follower, x: float, p: float) -> Image:
-    """The return along a path with the numbers of p, which the follower has now."""
+    """The return along a path by a follower that has the numbers of p."""
     found = follower.follow(path, x)
     if found is None or not math.isfinite(found.phi_s):
-        return _undefined(ToyPiece(map_, path), TOO_FAR)
+        return no_image(ToyPiece(map_, path), TOO_FAR)
     rate = found.d_parameter
-    if p == 0.0 and math.isnan(rate):  # contacts that rest here bounce at any larger restitution
+    if p == 0.0 and math.isnan(rate):  # contacts that rest bounce at any larger restitution
         rate = _rate_from_above(map_, x, found.phi_s)
     piece = ToyPiece(map_, Path(path.word, path.steps, found.times))
     return Image(
@@ -318,7 +310,7 @@ def _image(map_: ToyMap, path: Path, follower: Follower, x: float, p: float) -> 
 
 
 def _rate_from_above(map_: ToyMap, x: float, value: float) -> float:
-    """One-sided difference of second order of the map in a restitution that is zero."""
+    """The derivative in a restitution at zero, by a one-sided difference of second order."""
     near, far = (map_.at(x, k * RELATIVE_STEP).value for k in (1, 2))
     return (-3.0 * value + 4.0 * near - far) / (2.0 * RELATIVE_STEP)
 
@@ -327,7 +319,7 @@ def _rate_from_above(map_: ToyMap, x: float, value: float) -> float:
 
 
 class Named(NamedTuple):
-    """A map of the line, and what its parameter and its coordinate are called."""
+    """A map of the line, and the names of its parameter and coordinate."""
 
     map_: PiecewiseMap
     parameter: str
@@ -335,10 +327,10 @@ class Named(NamedTuple):
 
 
 def named(source: Toy | PiecewiseMap | PiecewiseLinearMap, parameter: str | None = None) -> Named:
-    """The map of a toy over a parameter, by default eps_n1; a map of pwmap as one of pieces.
+    """The map of a toy over a parameter, by default eps_n1, or of pwmap, as a map of pieces.
 
-    TypeError if it is neither a toy nor a map, or the parameter is none of the toy; ValueError if
-    an exact map has not one parameter.
+    TypeError if the source is neither a toy nor a map, or the parameter is unknown; ValueError
+    unless an exact map has one parameter.
     """
     if isinstance(source, Toy):
         name = "eps_n1" if parameter is None else parameter
@@ -369,7 +361,7 @@ def named(source: Toy | PiecewiseMap | PiecewiseLinearMap, parameter: str | None
 
 
 def value_of(source: object, p: float | None) -> float:
-    """The parameter: that of the map, or eps_n1 of a toy."""
+    """The parameter of a map, or eps_n1 of a toy; ValueError if it is missing or one too many."""
     if isinstance(source, Toy):
         if p is not None:
             raise ValueError(f"a toy has its own values: toy.replace(eps_n1={p!r}) has another one")
@@ -383,7 +375,7 @@ def value_of(source: object, p: float | None) -> float:
 
 
 class Mapped(NamedTuple):
-    """What a user gave, its map, and the parameter at which it is looked at."""
+    """A source as given, its map, and the value of the parameter."""
 
     source: Toy | PiecewiseMap | PiecewiseLinearMap
     map_: PiecewiseMap

@@ -1,4 +1,4 @@
-"""Special points of the toy, or of any family of maps, followed over two parameters."""
+"""Special points of the toy, or any family of maps, followed over two parameters."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from woodpecker.runs import DEFAULT, OUT_OF_DOMAIN, given, possible, settings_fo
 if TYPE_CHECKING:
     from pwmap import PiecewiseLinearMap
 
-SAMPLES = 2000  # of a curve each way: most have some hundred, and what needs more comes to nothing
+SAMPLES = 2000  # of a curve each way: most have some hundred, and longer ones are of no use
 
 Spans = tuple[tuple[float, float], tuple[float, float]]
 
@@ -44,34 +44,34 @@ def curve_in_two(
     Parameters
     ----------
     source
-        The toy, of which the value of the second parameter is where the point lives; an exact map
-        of :mod:`pwmap` with two parameters; or a family of maps, such as
-        :func:`woodpecker.plane.family_from_sympy` makes.
+        The toy, with the value of the second parameter of the diagram; an exact map of
+        :mod:`pwmap` with two parameters; or a family of maps, such as that of
+        :func:`woodpecker.plane.family_from_sympy`.
     point
-        A special point, LP, PD, BC or FF, of a diagram over the first of the two parameters; or one
-        of a curve, of codimension two, at which a curve of another kind starts.
+        A special point, LP, PD, BC or FF, of a diagram over the first parameter; or a point of
+        codimension two of a curve, at which a curve of another kind starts.
     parameters, span
-        Two parameters, those of a family in its order, and an interval of each. Where the toy
-        cannot have all of these values, curves end at the last that it can have.
+        Two parameters, those of a family in its order, and an interval of each. Curves of the toy
+        end at the last values that it can have.
     value
         Of a map or a family: the second parameter of the diagram that holds the point.
     kind
-        Of a point of codimension two: which of the curves that start there, see its ``starts``.
+        For a point of codimension two: which of the curves that start there, see its ``starts``.
     settings
         Steps, window and tolerances. By default the window of a toy is (-2.5, -0.24) rad, and that
-        of a map has no ends.
+        of a map is infinite.
 
     Returns
     -------
     Curve
-        At the point itself the second parameter rises, or the first if the second does not change;
-        from a point of codimension two on it leads away.
+        Oriented so that at the point the second parameter increases, or the first if the second is
+        constant; from a point of codimension two it leads away.
 
     Raises
     ------
     ValueError
-        If there is no such point, it is of a kind that has no curve, the spans are not two pairs of
-        ascending numbers that hold it, or ``value`` is missing or one too many.
+        If no curve goes through such a point, the spans are not two pairs of ascending numbers that
+        hold it, or ``value`` is missing or one too many.
     TypeError
         If a parameter is unknown, or the settings are no :class:`Settings`.
 
@@ -86,26 +86,19 @@ def curve_in_two(
     >>> str(curve.kind), curve.values[[0, -1]].round(9).tolist()  # r and a
     ('BC', [[0.0, 1.1], [0.0, 2.0]])
     """
-    if isinstance(source, Toy):
-        if value is not None:
-            raise ValueError(f"a toy has its own values, got value = {value!r}")
-        return _of_toy(source, _followed(point), parameters, span, kind, settings)
+    if isinstance(source, Toy) and value is not None:
+        raise ValueError(f"a toy has its own values, got value = {value!r}")
     family = family_of(source, parameters)
-    chosen = settings_for(settings, Settings())
-    return curve_through(
-        family, _followed(point), value, span=pair(span), kind=kind, settings=chosen
-    )
-
-
-def _followed(point: SpecialPoint | PlanePoint) -> SpecialPoint | PlanePoint:
-    """The point itself; TypeError if it is none."""
     if not isinstance(point, SpecialPoint | PlanePoint):
         raise TypeError(f"point must be one of a diagram or of a curve, got {shown(point)}")
-    return point
+    if isinstance(source, Toy):
+        return _of_toy(source, family, point, span, kind, settings)
+    chosen = settings_for(settings, Settings())
+    return curve_through(family, point, value, span=pair(span), kind=kind, settings=chosen)
 
 
 def family_of(source: Toy | Family | PiecewiseLinearMap, parameters: tuple[str, str]) -> Family:
-    """The maps of a source over two parameters, which must be its own in their order."""
+    """The maps of a source over two parameters; ValueError unless those are its own, in order."""
     from pwmap import PiecewiseLinearMap
     from woodpecker.plane.families import family_from_pwmap, two
 
@@ -125,11 +118,10 @@ def family_of(source: Toy | Family | PiecewiseLinearMap, parameters: tuple[str, 
 
 
 def _of_toy(
-    toy: Toy, point: SpecialPoint | PlanePoint, parameters: tuple[str, str], span: Spans,
+    toy: Toy, family: Family, point: SpecialPoint | PlanePoint, span: Spans,
     kind: PointKind | str | None, settings: Settings | None,
 ) -> Curve:  # fmt: skip
-    """A curve of the toy, which ends where a parameter can have no other values."""
-    family = family_of(toy, parameters)
+    """A curve of the toy, which ends at the limits of its parameters."""
     first, second = family.names
     wanted = [interval(f"span of {name}", each, finite=True) for name, each in
               zip(family.names, pair(span), strict=True)]  # fmt: skip
@@ -146,7 +138,7 @@ def _of_toy(
 
 
 def pair(span: Spans) -> Spans:
-    """Intervals of two parameters."""
+    """The intervals of both parameters; ValueError unless there are two."""
     try:
         first, second = span
         len(first), len(second)
@@ -161,7 +153,7 @@ def _of_domain(
     point: PlanePoint, toy: Toy, names: tuple[str, str], spans: Spans,
     wanted: list[tuple[float, float]],
 ) -> PlanePoint:  # fmt: skip
-    """An end point with the reason why a parameter goes no further, if that is why."""
+    """A point; an end at a limit of a parameter says so."""
     if point.kind is not PlaneKind.END or point.status is PointStatus.OPEN:
         return point
     for name, value, span, asked in zip(names, point.values, spans, wanted, strict=True):

@@ -10,7 +10,7 @@ from pwmap.plot import INK
 from studies.common.motion import Frame, frames
 from studies.common.style import GREY
 from woodpecker import Trajectory
-from woodpecker.plot.motions import QUANTITIES, plot_phase_portrait
+from woodpecker.plot.motions import plot_phase_portrait, quantity
 
 Side = tuple[float, float] | None
 """Where a number stands, in points from its event; None if it shares the dot of the first."""
@@ -34,7 +34,7 @@ def portrait(
         ax.axvline(limit, color=GREY, linewidth=0.8, linestyle=(0, (5, 3)))
     shown = frames(trajectory)
     q, u = trajectory.at([frame.time for frame in shown], left=True)
-    x, y = (QUANTITIES[name].of(q, u) for name in names)
+    x, y = (quantity(name, q, u) for name in names)
     ax.plot(x, y, ".", color=INK, markersize=4, zorder=4)
     ax.margins(0.09)  # numbers keep clear of the frame
     for label, here, up, side in zip(_joined(shown, sides), x, y, sides, strict=True):

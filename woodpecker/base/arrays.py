@@ -1,4 +1,4 @@
-"""Array types shared by the whole package, and what is done with short vectors."""
+"""Array types of the whole package, and the norm of short vectors."""
 
 from __future__ import annotations
 
@@ -17,5 +17,5 @@ STEP = 2.0**-17  # of a central difference of derivatives: near the cube root of
 
 
 def norm(vector: Floats) -> float:
-    """The length of a vector (n,) that is so short that a call of numpy is most of the work."""
+    """The length of a vector (n,), faster than numpy's for short ones."""
     return math.sqrt(float(vector @ vector))

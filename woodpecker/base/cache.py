@@ -1,7 +1,7 @@
-"""The kernel's cache on disk: a file that is damaged, or cannot be written, is no obstacle.
+"""The kernel's cache on disk, which may be damaged or read-only.
 
-Each file ends with a digest: what does not agree is compiled anew. Where the parts of numba that
-this uses have changed the cache is as numba has made it.
+Each file ends with a digest; what disagrees with it is compiled anew. If the parts of numba used
+here have changed, its own cache is kept.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ SEAL = 16  # bytes of a digest
 
 
 def guard(dispatcher: Any) -> None:
-    """Let a compiled function read and write its cache with care."""
+    """Let a compiled function survive a cache that is damaged or cannot be written."""
     own: Any = getattr(dispatcher, "_cache", None)
     try:
         file = own._cache_file
@@ -30,7 +30,7 @@ def guard(dispatcher: Any) -> None:
 
 @cache
 def _sealed() -> Any:
-    """Numba's class of files with digests and second thoughts."""
+    """Numba's class of cache files, with digests and without errors."""
     base: Any = import_module("numba.core.caching").IndexDataCacheFile
 
     class Sealed(base):  # type: ignore[misc]
@@ -38,7 +38,8 @@ def _sealed() -> Any:
             try:
                 return super().load(key)
             except Exception as error:  # whatever pickle makes of wrong bytes
-                _say(self._cache_path, f"is damaged ({_in_a_line(error)})")
+                reason = " ".join(str(error).split()) or type(error).__name__
+                _say(self._cache_path, f"is damaged ({reason})")
                 return None
 
         def save(self, key: Any, data: Any) -> None:
@@ -64,10 +65,6 @@ def _sealed() -> Any:
             return super()._load_data(name)
 
     return Sealed
-
-
-def _in_a_line(error: Exception) -> str:
-    return " ".join(str(error).split()) or type(error).__name__
 
 
 def _seal(content: bytes) -> bytes:

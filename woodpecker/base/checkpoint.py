@@ -1,7 +1,7 @@
-"""A checkpoint: a text file that grows by one line of JSON with everything that is finished.
+"""A checkpoint: a text file with one line of JSON for each finished part of a run.
 
-The first line says what is searched, and how. Each line ends with a digest of itself and all lines
-before; half a line at the end, as an interruption leaves it, is dropped.
+The first line describes the run. Each line ends with a digest of itself and all lines before; an
+incomplete last line, as an interruption leaves it, is dropped.
 """
 
 from __future__ import annotations
@@ -21,23 +21,23 @@ from typing import Any, TextIO
 from pwmap.diagrams.files import write_whole
 
 Entry = dict[str, Any]
-RUN = "run"  # what is searched, and how
-START, MAP = "start", "map"  # of a run: the points it sets out from; orbits, as a map has no name
-DIGEST = 8  # bytes of a digest: one line in 2^64 that was changed passes for a good one
+RUN = "run"  # the description of the run
+START, MAP = "start", "map"  # in it: the points it starts from; orbits that identify a map
+DIGEST = 8  # bytes of a digest: one changed line in 2^64 is not noticed
 TAIL = re.compile(rb', "digest": "([0-9a-f]{16})"\}$')
-SAME = 1e-9  # relative above 1, of such points: other machines round in other ways
+SAME = 1e-9  # relative above 1, of such points: rounding differs between machines
 _MISSING = object()
-WAIT = 3.0  # s: as long as the workers of a killed run may take to notice, and hold its file
+WAIT = 3.0  # s: the workers of a killed run may hold its file for so long
 
 
 class Checkpoint:
-    """Lines of JSON, each written through before the search goes on; the system locks the file.
+    """Lines of JSON, each on disk before the search goes on, in a file locked by the system.
 
-    Unless the run is resumed, what is in it is kept as ``<name>.old``. Runs are the same if numbers
+    Unless the run is resumed, an older file is kept as ``<name>.old``. Runs are the same if numbers
     of their starts and orbits differ by 1e-9 at most; ``version`` is raised when older code would
-    misread lines; ``parsed`` makes of an entry what it stands for, or raises an error of a lookup,
-    a TypeError or a ValueError. ValueError if there is nothing to resume, the run is another one,
-    or it is being written.
+    misread lines; ``parsed`` converts an entry, or raises an arithmetic, attribute, lookup, type or
+    value error. ValueError if there is nothing to resume, the run is another one, or another
+    process writes the file.
     """
 
     def __init__(
@@ -71,7 +71,7 @@ class Checkpoint:
             raise
 
     def write(self, entry: Entry) -> None:
-        """Append one entry and hand it to the system."""
+        """Append one entry and write it to disk."""
         line = line_of(entry, self._digest)
         self._file.write(line.decode())
         self._file.flush()
@@ -79,18 +79,18 @@ class Checkpoint:
         self._digest = _digest_of(line[:-1])
 
     def close(self) -> None:
-        """Close the file, and let others write it."""
+        """Close and unlock the file."""
         self._release()
         self._release = _nothing
         self._file.close()
 
 
 def _nothing() -> None:
-    """Nothing is locked."""
+    """Unlock nothing."""
 
 
 def _locked(file: TextIO, path: Path) -> Callable[[], object]:
-    """Keep others from writing a file; what lets them again. So does the end of this process."""
+    """Lock a file until the function that is returned is called, or this process ends."""
     take = _taken_beside if sys.platform == "win32" else _taken
     due = time.monotonic() + WAIT
     while True:
@@ -105,7 +105,7 @@ def _locked(file: TextIO, path: Path) -> Callable[[], object]:
 
 
 def _taken(file: TextIO, _: Path) -> Callable[[], object]:
-    """Lock a file itself, which keeps nobody from reading it, and leaves nothing behind."""
+    """Lock the file itself, which others may read."""
     import fcntl
 
     try:
@@ -118,23 +118,20 @@ def _taken(file: TextIO, _: Path) -> Callable[[], object]:
 
 
 def _taken_beside(_: TextIO, path: Path) -> Callable[[], object]:
-    """Lock ``<name>.lock`` where locks keep others from reading, too; Windows then removes it."""
+    """Lock ``<name>.lock``, removed later, on Windows, where locks keep others from reading."""
     from filelock import FileLock
 
     lock = FileLock(f"{path}.lock", timeout=0)
     with suppress(NotImplementedError):  # a file system without locks
         lock.acquire()
-
-    def release() -> None:
-        lock.release()
-
+    release: Callable[[], object] = lock.release
     return release
 
 
 def read(
     path: str | os.PathLike[str], *, version: int, parsed: Callable[[Entry], Any]
 ) -> tuple[Entry, list[Any]]:
-    """What a checkpoint says of its run, and its entries; ValueError if it is none of a version."""
+    """The description of a run and its entries; ValueError unless of this version and intact."""
     path = _existing(Path(path))
     data = path.read_bytes()
     lines = data[: _whole(data)].split(b"\n")[:-1]
@@ -162,7 +159,7 @@ def read(
 
 
 def line_of(entry: Entry, before: str) -> bytes:
-    """An entry as a line that follows one with a digest; the first line follows none."""
+    """An entry as a line after one with the digest ``before``, empty for the first line."""
     text = json.dumps(entry).encode()
     return text[:-1] + f', "digest": "{_digest(text, before)}"}}\n'.encode()
 
@@ -172,13 +169,13 @@ def _digest(text: bytes, before: str) -> str:
 
 
 def _digest_of(line: bytes) -> str:
-    """The digest that a line states; none if it states none."""
+    """The digest that a line states; empty if none."""
     found = TAIL.search(line)
     return "" if found is None else found[1].decode()
 
 
 def _check_digests(lines: Sequence[bytes], path: Path) -> None:
-    """Complain of the first line that does not follow from those before it."""
+    """ValueError for the first line whose digest does not match it and those before."""
     before = ""
     for n, line in enumerate(lines, 1):
         stated = _digest_of(line)
@@ -213,7 +210,7 @@ def _short(value: object) -> str:
 
 
 def _whole(data: bytes) -> int:
-    """Length of all lines that are complete."""
+    """Length of all complete lines."""
     return data.rfind(b"\n") + 1
 
 
@@ -227,7 +224,7 @@ def _compare(old: Entry, new: Entry, path: Path) -> None:
 def _difference(
     key: str, old: Entry, new: Entry, same: Callable[[object, object], bool], within: str = ""
 ) -> str:
-    """The first value that differs, by its name, there and here."""
+    """A sentence on the first value that differs, by its name."""
     name = f"{key}{within}"
     if key not in new:
         return f"there {name} is {_short(old[key])}, now there is none"
@@ -243,7 +240,7 @@ def _difference(
 
 
 def _close(old: object, new: object) -> bool:
-    """Whether numbers, as lists and by their names, are the same, rounded in different ways."""
+    """Whether values, nested in lists and dicts, agree up to rounding of numbers."""
     if isinstance(old, dict) and isinstance(new, dict):
         return old.keys() == new.keys() and all(_close(old[k], new[k]) for k in old)
     if isinstance(old, list) and isinstance(new, list):

@@ -1,4 +1,4 @@
-"""Checks of what a caller hands in: one sentence that names the value and what was expected."""
+"""Checks of arguments: errors of one sentence with the value and what was expected."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from pwmap.diagrams.shown import counted
 from woodpecker.base.arrays import Floats
 from woodpecker.base.shown import real, shown
 
-MOST = 10**7  # of whatever is counted, unless less is said: more has no room in memory
+MOST = 10**7  # the largest count, unless a smaller is given: memory holds no more
 
 
 def number(name: str, value: Any) -> float:
@@ -29,13 +29,13 @@ def number(name: str, value: Any) -> float:
 
 
 def instance(name: str, value: Any, kind: type) -> None:
-    """TypeError unless a value is of a kind."""
+    """TypeError unless a value is an instance of ``kind``."""
     if not isinstance(value, kind):
         raise TypeError(f"{name} must be {_imported(kind)}, got {shown(value)}")
 
 
 def _imported(kind: type) -> str:
-    """A type by the name under which a caller imports it: that of the first package that has it."""
+    """The name by which a caller imports a type: that in the outermost package that has it."""
     parts = kind.__module__.split(".")
     packages = [".".join(parts[:depth]) for depth in range(1, len(parts) + 1)]
     found = next(p for p in packages if kind.__name__ in dir(sys.modules[p]))
@@ -95,7 +95,7 @@ def interval(name: str, value: Any, *, finite: bool = False) -> tuple[float, flo
 
 
 def lengths(name: str, value: Any, count: int) -> tuple[float, ...]:
-    """So many positive lengths; all are 1 if none are given."""
+    """``count`` positive lengths, by default all 1; ValueError otherwise."""
     given = np.ones(count) if value is None else real_array(name, value)
     if given.shape != (count,):
         raise ValueError(f"{name} must be {counted(count, 'positive number')}, got {shown(value)}")
@@ -103,7 +103,7 @@ def lengths(name: str, value: Any, count: int) -> tuple[float, ...]:
 
 
 def real_array(name: str, value: npt.ArrayLike) -> Floats:
-    """A copy as floats; ValueError unless all of it is real numbers."""
+    """A copy as floats; ValueError unless all are real numbers."""
     try:
         given = np.asarray(value)
     except ValueError:

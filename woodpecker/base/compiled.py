@@ -1,4 +1,4 @@
-"""Compile the kernel with numba where it is installed; otherwise run it as plain Python."""
+"""The kernel compiled with numba if that is installed, else plain Python."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ _announced = not COMPILED
 
 
 def _options() -> tuple[dict[str, Any], dict[str, Any]]:
-    """Numba's options for functions that Python calls, and for their parts."""
+    """Numba's options for functions called from Python, and for their parts."""
     whole: dict[str, Any] = {"error_model": "numpy", "nogil": True}
     part = {"error_model": "numpy", "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
     for_whole, for_part = pipelines()
@@ -45,8 +45,8 @@ _WHOLE, _PART = _options() if COMPILED else ({}, {})
 def jit(function: F) -> F:
     """``numba.njit`` with a cache on disk and without the GIL, or the function itself.
 
-    For what Python calls while it computes; all else is a :func:`part`. Where no folder for the
-    cache can be written a warning says so once.
+    For functions called from Python; those that only compiled code calls are a :func:`part`. A
+    warning says once if the cache cannot be written.
     """
     if not COMPILED:
         return np.errstate(all="ignore")(function)
@@ -72,7 +72,7 @@ def part(function: F) -> F:
 
 
 def _stamp(dispatcher: Any) -> None:
-    """Make what is cached of a function as old as the package; numba looks at its own file only."""
+    """Let the cache of a function depend on all sources of the package, not on its file only."""
     index: Any = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
     if hasattr(index, "_source_stamp"):
         index._source_stamp = (index._source_stamp, _fingerprint())
@@ -80,7 +80,7 @@ def _stamp(dispatcher: Any) -> None:
 
 @cache
 def _fingerprint() -> str:
-    """A number of all sources of the package."""
+    """A digest of all sources of the package."""
     sources = sorted(Path(__file__).parents[1].rglob("*.py"))
     return hashlib.blake2b(b"".join(source.read_bytes() for source in sources)).hexdigest()
 
@@ -95,12 +95,12 @@ def _say_that_nothing_is_cached() -> None:
 
 
 def announce(function: Any) -> None:
-    """Log once per process that the kernel is about to be compiled, if nothing is cached."""
+    """Log once per process that the kernel will be compiled, if nothing is cached."""
     global _announced
     if _announced:
         return
     _announced = True
-    if function.stats.cache_path is None:  # it was said before that nothing is cached
+    if function.stats.cache_path is None:  # there is no cache, as was logged before
         return
     folder = Path(function.stats.cache_path)
     module = Path(function.py_func.__code__.co_filename).stem

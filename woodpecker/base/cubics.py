@@ -8,14 +8,14 @@ from scipy.optimize import brentq
 
 
 def zero_of_cubic(before: float, after: float, rise: float, rise_there: float) -> float:
-    """Where a cubic of given values and slopes at 0 and 1 vanishes; a line if one is infinite."""
+    """The root in [0, 1] of a cubic by values and slopes at both ends; a line if a slope is inf."""
     change = after - before
     cubic, square = rise + rise_there - 2.0 * change, 3.0 * change - 2.0 * rise - rise_there
     if not math.isfinite(cubic):
         return before / (before - after)
 
     def value(s: float) -> float:
-        """The cubic, at 1 without rounding: where it is steep that might change its sign."""
+        """The cubic; exact at 1, where rounding of a steep one might change its sign."""
         return after if s == 1.0 else before + s * (rise + s * (square + s * cubic))
 
     return float(brentq(value, 0.0, 1.0))

@@ -1,6 +1,6 @@
-"""Where the tasks of a search are carried out: here, and by processes of its own or an executor.
+"""Tasks of a search, carried out here and by processes of its own or an executor.
 
-The calling thread does what is needed next; others begin what is likely to be needed later. A task
+The calling thread does the task needed next; others begin those likely to be needed later. A task
 depends on its arguments only, so results and their order are those of one thread.
 """
 
@@ -31,14 +31,14 @@ from woodpecker.base.checks import whole
 from woodpecker.base.lost import WorkerLostError
 from woodpecker.base.shown import shown
 
-WATCH = 0.5  # s: how often a worker looks whether its parent is still there, if nothing tells it
-PATIENCE = 0.5  # s: what takes less is done before other processes could help
-READY = 16  # tasks kept ready for each worker: the calling thread may be at one of its own for long
-KEPT = 4  # descriptions of tasks that a process remembers: one for each search it works for
+WATCH = 0.5  # s: period at which a worker looks for its parent, if nothing tells it
+PATIENCE = 0.5  # s: shorter searches end before other processes could help
+READY = 16  # tasks kept ready for each worker while the calling thread is busy
+KEPT = 4  # descriptions of work that a process keeps, one for each search
 
 
 class Done(NamedTuple):
-    """What a task has returned, and how often it evaluated the map."""
+    """The result of a task, and how often it evaluated the map."""
 
     value: Any
     evaluations: int
@@ -49,20 +49,20 @@ Call = tuple[Any, ...]
 
 
 class Scheduler(Protocol):
-    """Carries out tasks, each given by its arguments; the same objects mean the same task."""
+    """Carries out tasks given by their arguments; the same objects mean the same task."""
 
     def result(self, *call: Any) -> Done:
         """The result of a task that is needed now."""
 
     def expect(self, calls: Iterable[Call]) -> None:
-        """Say which tasks are likely to be needed later, the likeliest first."""
+        """Announce tasks that are likely to be needed later, the likeliest first."""
 
     def peek(self, *call: Any) -> Done | None:
-        """The result of a task that was expected, if it is there."""
+        """The result of an expected task, if it is there."""
 
 
 class Serial:
-    """The calling thread: what is not asked for is not done."""
+    """The calling thread alone: it carries out only tasks needed now."""
 
     def __init__(self, work: Work) -> None:
         self._work = work
@@ -72,15 +72,15 @@ class Serial:
         return self._work(*call)
 
     def expect(self, _: Iterable[Call]) -> None:
-        """Nobody else is there to begin anything."""
+        """Begin nothing."""
 
     def peek(self, *_: Any) -> Done | None:
-        """Nothing was begun."""
+        """None, as nothing was begun."""
         return None
 
 
 class Sender:
-    """Makes bytes of tasks and results, and the other way; what is ``shared`` is not sent again."""
+    """Tasks and results to and from bytes; references to ``shared`` are sent instead of it."""
 
     def __init__(self, shared: object) -> None:
         self._shared = shared
@@ -88,34 +88,20 @@ class Sender:
     def dumps(self, value: object) -> bytes:
         """The bytes of a value."""
         file = io.BytesIO()
-        _Pickler(file, self._shared).dump(value)
+        pickler: Any = cloudpickle.Pickler(file)
+        pickler.persistent_id = lambda each: "shared" if each is self._shared else None
+        pickler.dump(value)
         return file.getvalue()
 
     def loads(self, sent: bytes) -> Any:
-        """The value again, with what is shared on this side in it."""
-        return _Unpickler(io.BytesIO(sent), self._shared).load()
-
-
-class _Pickler(cloudpickle.Pickler):  # type: ignore[misc]
-    def __init__(self, file: io.BytesIO, shared: object) -> None:
-        super().__init__(file)
-        self._shared = shared
-
-    def persistent_id(self, value: object) -> str | None:
-        return "shared" if value is self._shared else None
-
-
-class _Unpickler(pickle.Unpickler):
-    def __init__(self, file: io.BytesIO, shared: object) -> None:
-        super().__init__(file)
-        self._shared = shared
-
-    def persistent_load(self, _: str) -> object:
-        return self._shared
+        """The value of bytes, with this side's ``shared`` in it."""
+        unpickler: Any = pickle.Unpickler(io.BytesIO(sent))
+        unpickler.persistent_load = lambda _: self._shared
+        return unpickler.load()
 
 
 class _Begun:
-    """A task that somebody is at, or has finished; its arguments are kept, and so their ids."""
+    """A task that was begun; its arguments are kept, so that their ids stay theirs."""
 
     def __init__(
         self, call: Call, future: Future[Any], load: Callable[[Any], Done],
@@ -134,11 +120,11 @@ class _Begun:
 
 
 class Parallel:
-    """The calling thread, and others that begin what is likely to be needed.
+    """The calling thread, and others that begin tasks likely to be needed.
 
     ``start`` gives their executor, or None, after a ``patience`` [s]; they do as many tasks at once
-    as there are ``workers``. ``sent`` is the work as bytes, none for threads; if ``forgiving``,
-    tasks are carried out here where the others fail.
+    as there are ``workers``. ``sent`` is the work as bytes, empty for threads; if ``forgiving``,
+    tasks at which the others fail are carried out here.
     """
 
     def __init__(
@@ -154,7 +140,7 @@ class Parallel:
         self._open, self._lock = set[Future[Any]](), threading.RLock()
 
     def result(self, *call: Any) -> Done:
-        """The result of a task, of others or carried out here; meanwhile others are done."""
+        """The result of a task; while others are at it, tasks that are ready are carried out."""
         with self._lock:
             self._ready.pop(_key(call), None)
             begun = self._begun.pop(_key(call), None)
@@ -165,7 +151,7 @@ class Parallel:
         return begun.result
 
     def expect(self, calls: Iterable[Call]) -> None:
-        """Have others begin tasks, the first ones first; forget those expected before."""
+        """Let others begin tasks in this order; those expected before are dropped."""
         if self._executor is None and time.monotonic() >= self._due:
             self._due, self._executor = math.inf, self._start()
         if self._executor is None:
@@ -181,14 +167,14 @@ class Parallel:
             self._fill()
 
     def peek(self, *call: Any) -> Done | None:
-        """The result of a task that was expected, if it is there; errors wait for their turn."""
+        """The result of an expected task, if it is there; :meth:`result` raises its errors."""
         begun = self._begun.get(_key(call))
         if begun is None or not begun.future.done() or begun.future.cancelled():
             return None
         return None if begun.future.exception() is not None else begun.result
 
     def cancel(self) -> None:
-        """Give up what is not needed any more."""
+        """Cancel all tasks that were not begun."""
         with self._lock:
             self._ready = {}
             waiting = tuple(self._open)
@@ -196,28 +182,28 @@ class Parallel:
             future.cancel()
 
     def _fill(self) -> None:
-        """Keep the others busy. Futures call this from another thread when they are done."""
+        """Keep the others busy; also called from other threads, by futures that are done."""
         assert self._executor is not None
         while self._ready and len(self._open) < self._workers:
             key = next(iter(self._ready))
             call = self._ready.pop(key)
+            load: Callable[[Any], Done] = _itself
             if self._sent:
-                sent = self._sender.dumps(call)
+                sent, load = self._sender.dumps(call), self._sender.loads
                 future: Future[Any] = self._executor.submit(_perform, self._sent, sent)
-                self._begun[key] = _Begun(call, future, self._sender.loads, self._again)
             else:
                 future = self._executor.submit(self._work, *call)
-                self._begun[key] = _Begun(call, future, _itself, self._again)
+            self._begun[key] = _Begun(call, future, load, self._again)
             self._open.add(future)
             future.add_done_callback(self._is_done)
 
     def _is_done(self, future: Future[Any]) -> None:
-        with self._lock, suppress(RuntimeError):  # who asks for a result learns of a broken pool
+        with self._lock, suppress(RuntimeError):  # of a broken pool: raised by the result
             self._open.discard(future)
             self._fill()
 
     def _do_next(self) -> bool:
-        """Carry out the first of the tasks that are ready, if there is one."""
+        """Carry out the first task that is ready, if there is one."""
         with self._lock:
             if not self._ready:
                 return False
@@ -226,7 +212,7 @@ class Parallel:
             self._begun[key] = begun
         try:
             begun.future.set_result(self._work(*begun.call))
-        except Exception as error:  # it is raised when its turn comes, if it comes
+        except Exception as error:  # raised if the result is asked for
             begun.future.set_exception(error)
         return True
 
@@ -243,13 +229,13 @@ def _itself(done: Done) -> Done:
 def scheduler(
     work: Work, workers: int | None, executor: Executor | None = None, shared: object = None
 ) -> Iterator[Scheduler]:
-    """Where tasks are carried out, for the time of a search.
+    """What carries out tasks for the time of a search.
 
-    ``workers`` processes, this one among them, by default one for each core; it works alone if it
-    cannot make others. Or an executor of :mod:`concurrent.futures` that helps, not shut down, with
-    so many tasks at once. ``shared`` is a part of the work that tasks refer to, too. ValueError if
-    there is to be nobody, or the work cannot be sent; TypeError if the executor is none;
-    WorkerLostError if a process ends before its task does.
+    ``workers`` processes, this one among them, by default one for each core; this one alone if no
+    others can be made. Or an executor of :mod:`concurrent.futures`, not shut down, with as many
+    tasks at once. ``shared`` is a part of the work that tasks refer to. ValueError if the number is
+    below 1, or the work cannot be sent; TypeError if the executor is none; WorkerLostError if a
+    process ends before its task does.
     """
     count = worker_count(workers)
     if not (executor is None or hasattr(executor, "submit")):
@@ -273,7 +259,7 @@ def scheduler(
 
 
 def worker_count(workers: int | None) -> int:
-    """How many workers, by default one for each usable core; ValueError unless 1, 2, ..."""
+    """The number of workers, by default one for each usable core; ValueError unless 1, 2, ..."""
     if workers is None:
         allowed = getattr(os, "sched_getaffinity", None)  # Linux
         return len(allowed(0)) if allowed is not None else os.cpu_count() or 1
@@ -306,10 +292,10 @@ def _received(sent: bytes) -> tuple[Work, Sender]:
 
 @contextmanager
 def processes(count: int) -> Iterator[ProcessPoolExecutor | None]:
-    """Processes of this one's own, all started at once; None where none can be made.
+    """Child processes, all started at once; None if none can be made.
 
-    They end with the block or this process, and leave Ctrl-C to it. WorkerLostError if one ends
-    before its task does.
+    They end with the block or this process, and ignore Ctrl-C. WorkerLostError if one ends before
+    its task does.
     """
     if multiprocessing.current_process().daemon:  # such a process may have no children
         yield None
@@ -344,22 +330,22 @@ _BROKEN = (
 
 
 def start_method() -> str:
-    """How processes are made: copied where that is safe, otherwise started anew, in a second."""
-    # A copy has one thread, and the locks that others held at the time stay locked in it.
+    """How processes are made: forked where that is safe, else spawned, which takes a second."""
+    # A fork has one thread, and locks that others held stay locked in it.
     alone = threading.active_count() == 1
     return "fork" if sys.platform == "linux" and alone else "spawn"
 
 
 def _begin() -> None:
-    """A worker leaves Ctrl-C to its parent, and ends when that is gone."""
+    """Let a worker ignore Ctrl-C, and end when its parent is gone."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # what a copy has of its parent's is not for it
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # a fork has its parent's handler
     threading.Thread(target=_watch, daemon=True).start()
 
 
 def _watch() -> None:
-    """End this process when its parent has gone: the system closes what that has open."""
-    # Another copy of the parent may hold it open: so who the parent is is looked up, too.
+    """End this process when its parent is gone: the system then closes the parent's sentinel."""
+    # Another fork of the parent may keep the sentinel open: so the parent's id is looked up, too.
     parent = multiprocessing.parent_process()
     assert parent is not None
     while not wait([parent.sentinel], WATCH) and os.getppid() == parent.pid:

@@ -1,8 +1,8 @@
-"""Compile a kernel of many functions as one piece, in half of numba's own time.
+"""Compile a kernel of many functions at once, in half of numba's own time.
 
-Numba optimises each function with all that it calls, so a nest of depth d is treated d times. Here
-functions that only compiled code calls are kept as written. Where the parts of numba that this uses
-have changed it does its usual work.
+Numba optimises each function with all that it calls, so calls of depth d are optimised d times.
+Here functions that only compiled code calls are not optimised alone. If the parts of numba that
+this uses have changed, it compiles as usual.
 """
 
 from __future__ import annotations
@@ -17,13 +17,13 @@ from typing import Any
 ends_at_once = False
 """Whether SIGINT and SIGTERM end this process while the kernel is compiled.
 
-The compiler runs for many seconds in which Python does not, and would not hear of them. A command
-sets this: it has nothing to keep then. In a notebook it would be the end of all that is there.
+The compiler runs for many seconds, in which Python handles no signals. A command sets this, as it
+has nothing to keep then; in a notebook all would be lost.
 """
 
 
 def pipelines() -> tuple[Any, Any]:
-    """Compilers for functions that Python calls, and for others; None if numba has changed."""
+    """Compilers for functions called from Python, and for others; None if numba has changed."""
     try:
         return _pipelines()
     except (ImportError, AttributeError):
@@ -38,7 +38,7 @@ def _pipelines() -> tuple[Any, Any]:
         getattr(base, name)
 
     class Part(base):  # type: ignore[misc]
-        """Code of a function, neither optimised nor made machine code."""
+        """Code of a function, not optimised and no machine code."""
 
         def _optimize_functions(self, module: Any) -> None:
             module.data_layout = self._codegen._data_layout
@@ -47,7 +47,7 @@ def _pipelines() -> tuple[Any, Any]:
             self._finalized = True
 
     class Whole(base):  # type: ignore[misc]
-        """Code of a function and of all parts that it is made of."""
+        """Code of a function and of all its parts."""
 
         def finalize(self) -> None:
             found: dict[Any, None] = {}
@@ -58,12 +58,9 @@ def _pipelines() -> tuple[Any, Any]:
             super().finalize()
 
     def uncalled(library: Any, description: Any, environment: Any) -> Any:
-        name, doc = (
-            description.qualname.split(".")[-1],
-            f"part of compiled code: {description.qualname}",
-        )
-        module = description.lookup_module()
-        return _dynfunc.make_function(module, name, doc, 0, environment, (library,))
+        name = description.qualname
+        doc, module = f"part of compiled code: {name}", description.lookup_module()
+        return _dynfunc.make_function(module, name.split(".")[-1], doc, 0, environment, (library,))
 
     class PartCompiler(compiler.Compiler):  # type: ignore[misc]
         def __init__(
@@ -90,7 +87,7 @@ def _pipelines() -> tuple[Any, Any]:
 
 @contextmanager
 def _ended_by_signals() -> Iterator[None]:
-    """Leave signals to the system for a while, if this process is one that may end so."""
+    """Leave signals to the system for the block, if ``ends_at_once``."""
     here = ends_at_once and threading.current_thread() is threading.main_thread()
     signals = (signal.SIGINT, signal.SIGTERM) if here else ()
     usual = {each: signal.signal(each, signal.SIG_DFL) for each in signals}
@@ -102,7 +99,7 @@ def _ended_by_signals() -> Iterator[None]:
 
 
 def _collect(library: Any, part: Any, found: dict[Any, None]) -> None:
-    """Enter a library after all that it calls."""
+    """Add a library to ``found`` after all that it calls."""
     if library in found:
         return
     if isinstance(library, part):

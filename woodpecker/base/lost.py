@@ -1,7 +1,7 @@
-"""What a search says that has lost one of its processes."""
+"""The error of a search that has lost one of its processes."""
 
 from __future__ import annotations
 
 
 class WorkerLostError(RuntimeError):
-    """A process ended before its task was done, for want of memory perhaps."""
+    """A process ended before its task was done, perhaps for lack of memory."""

@@ -1,7 +1,7 @@
 """Roots of polynomials over [0, 1], isolated by the signs of Bernstein coefficients.
 
-A polynomial has no more roots in an interval than its Bernstein coefficients have changes of sign,
-and as many if there is one change or none: intervals are halved until it is so.
+A polynomial has at most as many roots in an interval as its Bernstein coefficients have changes of
+sign, and as many if that is 0 or 1: intervals are halved until it is.
 """
 
 from __future__ import annotations
@@ -14,20 +14,21 @@ import numpy as np
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.compiled import jit, part
 
-HALVINGS = 40  # of an interval: as far as doubles tell places apart
-FLAT = 1e-24  # a polynomial that is no larger is zero all along
-CLOSE = 2.0**-51  # relative: Newton's steps that are shorter have converged
+HALVINGS = 40  # of an interval, down to rounding
+FLAT = 1e-24  # a polynomial whose coefficients are smaller is zero
+CLOSE = 2.0**-51  # relative: a shorter Newton step is the last
 SOLVING = 100  # steps of a bracketed Newton's method: bisection alone needs 53
-AT_ONCE = 1e-6  # one that begins below zero but for rounding falls so near its start
+AT_ONCE = 1e-6  # largest place of a fall at the start, which rounding has moved
 WHOLE, LEFT, RIGHT = range(3)  # matrices of :func:`bernstein`
-LOW, HIGH, GUESS, FALLS = range(4)  # columns of what isolates a root: 1.0 where it falls there
+LOW, HIGH, GUESS, FALLS = range(4)  # columns of isolating intervals; the last is 1.0 for a fall
 
 
 @lru_cache(maxsize=32)
 def bernstein(size: int) -> Floats:
-    """Matrices (3, size, size) that multiply coefficients (size,).
+    """Matrices (3, size, size) for coefficients c (size,), as ``c @ matrix``.
 
-    From power coefficients, lowest first, to Bernstein's over [0, 1], and to those of both halves.
+    WHOLE turns power coefficients, lowest first, into Bernstein's over [0, 1]; LEFT and RIGHT turn
+    these into those of both halves.
     """
     n = size - 1
     whole = [[math.comb(j, k) / math.comb(n, k) for j in range(size)] for k in range(size)]
@@ -37,7 +38,7 @@ def bernstein(size: int) -> Floats:
 
 @jit
 def evaluated(c: Floats, t: float) -> Floats:
-    """Values (count,) of polynomials (count, size), lowest coefficient first, at a place."""
+    """Values (count,) at t of polynomials (count, size), lowest coefficient first."""
     count, size = c.shape
     found = np.empty(count)
     for k in range(count):
@@ -58,9 +59,9 @@ def _changes(b: Floats) -> int:
 
 @jit
 def _isolated(b: Floats, matrices: Floats, until_fall: bool) -> Floats:
-    """Intervals with one root each (roots, 4), ascending; as far as the first fall if asked."""
-    # Several changes of sign in the narrowest interval are a double root, which counts only if the
-    # ends have different signs.
+    """Intervals with one root each (roots, 4), ascending; only to the first fall if asked."""
+    # Several changes of sign in the narrowest interval are a double root, which counts if the ends
+    # have different signs.
     size, count, top = len(b), 0, 1
     found = np.empty((size, 4))
     ends, stack = np.empty((HALVINGS + 2, 3)), np.empty((HALVINGS + 2, size))
@@ -105,7 +106,7 @@ def _solved(c: Floats, inside: Floats) -> float:
             high = x
         new = x - value / slope if slope != 0.0 else low
         if abs(new - x) <= CLOSE * abs(new):
-            return new  # also where it has just left the bracket
+            return new  # perhaps just outside the bracket
         if not low < new < high:
             new = 0.5 * (low + high)
             if abs(new - x) <= CLOSE * abs(new):
@@ -118,8 +119,8 @@ def _solved(c: Floats, inside: Floats) -> float:
 def fall(c: Floats, b: Floats, at_once: bool, matrices: Floats) -> float:
     """The first place in [0, 1] at which a polynomial falls through zero; infinite if none.
 
-    ``c`` and ``b`` (size,) are its coefficients and Bernstein's. ``at_once``: it falls at 0 already
-    if it is zero or, by rounding, below, and falls there.
+    ``c`` and ``b`` (size,) are its power and Bernstein coefficients. With ``at_once`` one that
+    falls at 0 and is zero or, by rounding, negative there counts.
     """
     if b.min() > 0.0 or np.abs(b).max() <= FLAT:
         return math.inf
@@ -134,7 +135,7 @@ def fall(c: Floats, b: Floats, at_once: bool, matrices: Floats) -> float:
 
 @jit
 def roots(c: Floats, b: Floats, matrices: Floats) -> Floats:
-    """All places in [0, 1] at which a polynomial changes its sign; ascending."""
+    """All places in [0, 1] at which a polynomial changes its sign, ascending."""
     inside = _isolated(b, matrices, False)
     found = np.empty(len(inside))
     for k in range(len(inside)):
@@ -144,7 +145,7 @@ def roots(c: Floats, b: Floats, matrices: Floats) -> Floats:
 
 @jit
 def scaled(rows: Floats, length: float, orders: Ints) -> Floats:
-    """Power series (count, size) over [0, length], over powers of the variable, as polynomials."""
+    """Power series (count, size) over [0, length], divided by powers, as polynomials on [0, 1]."""
     count, size = rows.shape
     scales, c = np.ones(size), np.zeros((count, size))
     for j in range(1, size):
@@ -161,9 +162,9 @@ def first_fall(
 ) -> tuple[int, float, Floats]:
     """Which of some power series over [0, length] falls through zero first, and where.
 
-    ``rows`` (count, size) are divided by powers of their variable (``orders``). One for which
-    ``before`` is positive falls at once, as :func:`fall` has it; those ``skipped`` are passed over.
-    It gives the series, -1 if there is none; the place; and all values at the end (count,).
+    ``rows`` (count, size) are divided by powers ``orders`` of the variable. Those with positive
+    ``before`` may fall ``at_once``, see :func:`fall`; those ``skipped`` are not looked at. Returns
+    the number of the series, -1 if none falls; the place; and all values (count,) at ``length``.
     """
     c, ends = scaled(rows, length, orders), np.empty(len(rows))
     first, place = -1, math.inf

@@ -1,10 +1,10 @@
-"""The numbers of the continuation that a user has a reason to turn, each with its scale."""
+"""The settings of continuation and slices, with their scales."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import Field, dataclass, fields
+from dataclasses import dataclass, fields
 from typing import Any
 
 from pwmap.algebra.arguments import explained_fields
@@ -14,20 +14,14 @@ from woodpecker.base.checks import interval, positive, whole
 SMALLEST_UNIT = 2.0**-8  # of the largest magnitude: then ``nearest`` is some seventeen spacings
 
 
-def _checked(settings: Any, each: Field[Any]) -> Any:
-    """A setting that is positive: a whole number, or any, as its default is."""
-    check = whole if isinstance(each.default, int) else positive
-    return check(each.name, getattr(settings, each.name))
-
-
 @explained_fields
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Settings:
     """How far, how finely and how exactly to follow branches.
 
-    Lengths are parts of the scales: of the length of ``span`` in the parameter, and of ``window``
-    in x (of 1 if it is infinite), or of 1/256 of the largest number in it if that is more, for
-    doubles are no finer. So they need no tuning for maps in other units.
+    Lengths are parts of scales, so that units do not matter: of the length of ``span`` in the
+    parameter and of ``window`` in x (1 if that is infinite), but at least 1/256 of the largest
+    number in the interval, because of rounding.
 
     Parameters
     ----------
@@ -36,41 +30,36 @@ class Settings:
     window
         Interval of x; branches end (EP) where an orbit leaves it. A search for every branch needs a
         finite one.
-    step, max_step
-        First and largest step in arclength.
-    min_step
-        Smallest step; a branch that needs a smaller one ends (EP). Borders that are closer together
-        than this are passed over, and their number is not known.
+    step, min_step, max_step
+        First, smallest and largest step in arclength. A branch that needs a smaller step ends (EP);
+        borders closer together than ``min_step`` are passed over and not counted.
     max_turn
         Largest angle [rad] between the tangents of neighbouring samples.
     max_samples
-        A branch ends (EP) after this many.
+        Samples of a branch, after which it ends (EP).
     max_evaluations
-        Of P_1, of a whole search; n^3 times as many more for P_n. A branch of P_n takes at most
-        three fifths of n^2 times as many each way, and a slice a sixteenth. What is left is said. A
-        return of very many phases counts as several.
+        Of P_1, in a whole search; n^3 times as many more for P_n. A branch of P_n takes at most
+        three fifths of n^2 times as many each way, a slice a sixteenth. The result says what is
+        left. A return of very many phases counts as several.
     max_pieces
-        Of P_1 in a slice, and ten times as many of an iterate. The rest is reported as not
-        resolved.
+        Of P_1 in a slice, and ten times as many of an iterate; the rest is reported as unresolved.
     converged
-        A Newton step of this length is the last.
-    beside
-        Distance from a border at which the piece beyond is asked for first; pieces thinner than a
-        thousandth of it are passed over.
-    nearest
-        Smallest such distance, tried if there are other pieces in between.
+        Length of a Newton step that is the last.
+    beside, nearest
+        First distance from a border at which the piece beyond is asked for, and the smallest, if
+        others lie between; pieces thinner than a thousandth of ``beside`` are passed over.
     jump
-        Limits of a map closer than this are one value.
+        Smallest difference of limits that are different.
     kink
-        Slopes whose relative difference is larger are different.
+        Smallest relative difference of slopes that are different.
     finest
-        Pieces shorter than this part of the window are not looked for one by one; their total
-        length is reported.
+        Length of the shortest pieces that are found one by one; the total length of others is
+        reported.
     coarse
-        The same for pieces whose images lie away from the diagonal, if fixed points of P_1 are
-        looked for, or out of the window, if cycles of iterates are.
+        The same for pieces whose images lie away from the diagonal if fixed points of P_1 are
+        sought, or outside of the window if cycles of iterates are.
     same
-        Orbits this close at one parameter are one.
+        Distance of orbits at one parameter, below which they are one.
 
     Raises
     ------
@@ -115,7 +104,8 @@ class Settings:
             object.__setattr__(self, name, ends)
         for each in fields(self):
             if isinstance(each.default, int | float):
-                object.__setattr__(self, each.name, _checked(self, each))
+                check = whole if isinstance(each.default, int) else positive
+                object.__setattr__(self, each.name, check(each.name, getattr(self, each.name)))
         if not self.min_step <= self.max_step:
             raise ValueError(
                 f"max_step must be at least min_step = {self.min_step:.3g}, got {self.max_step}"
@@ -131,7 +121,7 @@ class Settings:
 
     @property
     def spacings(self) -> float:
-        """How many spacings of doubles rounding of a map leaves."""
+        """The rounding of a map, in spacings of doubles."""
         return self.converged * 2.0**52
 
     @property
@@ -146,19 +136,9 @@ class Settings:
         return _unit(*self.span)
 
     def of_branch(self, order: int, *, one_of_many: bool = False) -> int:
-        """How many evaluations a branch may take, from one special point to the next.
+        """How many evaluations a branch of an iterate of ``order`` may take between special points.
 
-        Parameters
-        ----------
-        order
-            Of the iterate to which it belongs.
-        one_of_many
-            Whether all branches of a window are looked for, and one must not take what others need.
-
-        Returns
-        -------
-        int
-            A part of ``max_evaluations``.
+        Fewer if it is ``one_of_many`` in a search for all branches of a window.
         """
         allowed = order**2 * self.max_evaluations
         return allowed // 6 if one_of_many else allowed * 3 // 5
@@ -175,12 +155,12 @@ class Settings:
 
 
 def _unit(low: float, high: float) -> float:
-    """The length of an interval, unless rounding of the numbers in it is coarse beside that."""
+    """The length of an interval, or more if rounding of its numbers is coarse beside that."""
     return max(high - low, SMALLEST_UNIT * max(high, -low))
 
 
 def differing(settings: Settings, default: Settings) -> dict[str, Any]:
-    """Fields that differ from a default, but for the span, which is that of the call."""
+    """Settings that differ from a default, without the span."""
     pairs = {each.name: (getattr(settings, each.name), getattr(default, each.name))
              for each in fields(Settings) if each.name != "span"}  # fmt: skip
     return {name: value for name, (value, usual) in pairs.items() if value != usual}

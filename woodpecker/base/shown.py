@@ -1,4 +1,4 @@
-"""Values in sentences; this file needs no numpy, for a toy needs none."""
+"""Values in sentences, without numpy, which a toy does not need."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def real(name: str, value: Any) -> float:
 
 
 def shown(value: Any) -> str:
-    """A value in a sentence: large arrays by their shape, long texts by how they begin."""
+    """A value in a sentence: large arrays by their shape, long texts cut off."""
     if hasattr(value, "shape") and getattr(value, "size", 0) > 4:
         return f"an array of shape {value.shape}"
     if isinstance(value, int) and abs(value) > 10**LONGEST:

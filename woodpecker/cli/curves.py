@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 from pwmap.cli.screen import Formats, option, picture_format, progress, say, show
 from pwmap.diagrams.files import in_format
@@ -48,7 +48,7 @@ def curves(
 ) -> None:
     """Follow special points of a diagram over two parameters; draw the curves, export their graph.
 
-    The diagram is what is connected with the periodic motion over the first parameter.
+    The diagram is that of the periodic motion over the first parameter.
 
     Example: woodpecker curves --from A,B,C --parameters eps_n1,mu_2 --second-span 0.286 0.6
     """
@@ -66,11 +66,14 @@ def curves(
             write_curves(found, folder)
         show(_table(found))
         if not results.stopped:
-            results.draw(file, _drawn(toy, found))
+            from woodpecker.plot.plane import plot_curves
+
+            here = getattr(toy, first), getattr(toy, second)
+            results.draw(file, plot_curves(found, here=here).figure)
 
 
 def second_of(toy: Toy, name: str, span: tuple[float, float] | None) -> tuple[float, float]:
-    """The interval of the second parameter; ValueError if none is given or about its value."""
+    """The interval of the second parameter, by default about its value; ValueError if that is 0."""
     value = getattr(toy, name)
     if span is None and not 0.0 < value < math.inf:
         raise ValueError(f"--second-span is needed where {name} is {value}")
@@ -78,7 +81,7 @@ def second_of(toy: Toy, name: str, span: tuple[float, float] | None) -> tuple[fl
 
 
 def two_of(text: str) -> tuple[str, str]:
-    """Two different parameters by their names."""
+    """The names of two different parameters; ValueError unless the text has them."""
     names = [parameter_of(name) for name in text.split(",")]
     if len(names) != 2 or names[0] == names[1]:
         raise ValueError(
@@ -88,7 +91,7 @@ def two_of(text: str) -> tuple[str, str]:
 
 
 def _chosen(diagram: Diagram, text: str) -> list[str]:
-    """Names or ids of the points to start from."""
+    """Names or ids of the points to start from; ValueError for unknown ones."""
     from pwmap import PointKind
 
     if text == ALL:
@@ -106,7 +109,7 @@ def _followed(
     toy: Toy, diagram: Diagram, names: list[str], over: tuple[str, str],
     spans: tuple[tuple[float, float], tuple[float, float]], results: Results,
 ) -> dict[str, Curve]:  # fmt: skip
-    """Curves by the names of their points; those that are finished, if Ctrl-C ends the search."""
+    """Curves by the names of their points; after Ctrl-C those that are finished."""
     from woodpecker import curve_in_two
 
     found: dict[str, Curve] = {}
@@ -132,16 +135,8 @@ def _followed(
     return found
 
 
-def _drawn(toy: Toy, found: dict[str, Curve]) -> Any:
-    from woodpecker.plot.plane import plot_curves
-
-    first, second = next(iter(found.values())).names
-    here = getattr(toy, first), getattr(toy, second)
-    return plot_curves(found, here=here).figure
-
-
 def write_curves(found: dict[str, Curve], target: Path) -> None:
-    """Tables of curves and their points, and the graph of both: all files but the picture."""
+    """Write tables of curves and their points, and the graph of both."""
     from pwmap import write_graph
     from pwmap.diagrams.files import write_table
     from pwmap.diagrams.record import PROGRAM, attributes

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 RUN = "run.jsonl"
 PAPER = "A=0.111,-0.884 B=0.29,-0.884 C=0.185,-0.757"
-NAMED = "eps_n1"  # the parameter of these places, the only one that they are names over
+NAMED = "eps_n1"  # the parameter of these places
 CORES = os.cpu_count() or 1
 
 
@@ -91,8 +91,8 @@ def diagram(
 ) -> None:
     """Follow a periodic motion in a parameter; draw its bifurcation diagram, export its graph.
 
-    With --orders find every branch in the window instead, islands too. Every finished branch is
-    kept in run.jsonl at once: an interrupted run goes on with --resume.
+    With --orders find every branch in the window instead, also islands. Every finished branch is
+    written to run.jsonl at once: --resume goes on with an interrupted run.
 
     Example: woodpecker diagram --orders 1,2 --span 0.03 0.2 --window -1.2 -0.45
     """
@@ -132,7 +132,7 @@ def diagram(
 
 
 def _named(found: Diagram, places: dict[str, tuple[float, float] | str]) -> tuple[Diagram, str]:
-    """A diagram with names, or without and why: what was computed is kept."""
+    """A diagram with names; without, and the reason, if they do not fit."""
     try:
         return found.named(places), ""
     except (KeyError, ValueError) as error:
@@ -142,7 +142,7 @@ def _named(found: Diagram, places: dict[str, tuple[float, float] | str]) -> tupl
 def _of_motion(
     toy: Toy, orbit: PeriodicOrbit, parameter: str, beside: list[int], keep: dict[str, Any]
 ) -> tuple[Diagram, str]:
-    """What is connected with one motion, and what there is to say of it."""
+    """The diagram of one motion, and lines about it for the screen."""
     from woodpecker import continuation
 
     orders = (orbit.minimal_period, *beside)
@@ -154,7 +154,7 @@ def _of_motion(
 def _of_orders(
     toy: Toy, orders: list[int], parameter: str, workers: int | None, keep: dict[str, Any]
 ) -> tuple[Diagram, str]:
-    """Everything in the window, and what there is to say of it."""
+    """The diagram of a window, and lines about it for the screen."""
     from woodpecker.diagrams import bifurcation_search
 
     span, window = keep["settings"].span, keep["settings"].window
@@ -167,7 +167,7 @@ def _lines(summary: str, found: Diagram) -> str:
 
 
 def _kept(stopped: BaseException, run: Path, results: Results) -> Diagram:
-    """What the run has kept of a search that was broken off."""
+    """The branches in the file of a run that was broken off."""
     from woodpecker import saved_diagram
 
     if not run.exists():
@@ -175,7 +175,7 @@ def _kept(stopped: BaseException, run: Path, results: Results) -> Diagram:
     why, status = "Interrupted", INTERRUPTED
     if not isinstance(stopped, KeyboardInterrupt):
         why, status = "Broken off: " + (str(stopped) or "no memory is left"), 1
-    results.stop("", status)  # heard: to put together what is kept takes a while
+    results.stop("", status)  # before the kept branches are read, which takes a while
     kept = saved_diagram(run)
     branches = counted(len(kept.branches), "branch")
     results.stop(f"{why}: {branches} kept, as tables; go on with --resume", status)
@@ -199,7 +199,7 @@ def _shown(bar: Bar, parameter: str) -> Callable[[Stage], None]:
 def _written(
     toy: Toy, found: Diagram, columns: tuple[str, ...], summary: str, results: Results
 ) -> Diagram:
-    """Write tables and graphs, of a search that was broken off without more columns of branches."""
+    """Write tables and graphs; without observables if the search was broken off."""
     from pwmap.diagrams.tables import FILES, table_of_points, write_results
     from woodpecker import observables as observed
 
@@ -224,7 +224,7 @@ def _draw(found: Diagram, results: Results, form: PictureFormat, words: bool) ->
 
 
 def _draw_models(toy: Toy, found: Diagram, results: Results, form: PictureFormat) -> None:
-    """Fold-flips of P_1 with their models, where there is one."""
+    """Fold-flips of P_1 with their local models, if they have one."""
     from pwmap import PointKind
     from woodpecker import ToyPieces, local_model
     from woodpecker.plot.figures import plot_local
@@ -282,7 +282,7 @@ def _columns(text: str) -> tuple[str, ...]:
 
 
 def orders_of(text: str, name: str = "--orders") -> list[int]:
-    """Iterates from text."""
+    """Iterates from text; ValueError unless they are integers."""
     try:
         return [int(part) for part in text.split(",")]
     except ValueError:

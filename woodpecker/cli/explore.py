@@ -1,4 +1,4 @@
-"""The command ``woodpecker explore``: a page in the browser where everything moves."""
+"""The command ``woodpecker explore``: an interactive page in the browser."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
-"""What a command does when it is asked to end, by Ctrl-C or by SIGTERM.
+"""How a command ends when it is asked to, by Ctrl-C or by SIGTERM.
 
-It breaks off, writes what is finished as tables, and ends. Some libraries drop requests: they are
-repeated until heard. While the kernel is compiled the system ends the process.
+It writes finished results as tables and ends. A request is repeated until it is heard, as some
+libraries drop it. While the kernel is compiled the system ends the process.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ _REPEATS = hasattr(signal, "setitimer")  # not on Windows
 
 
 def listen() -> None:
-    """Take requests to end, in a process that is a command's own."""
+    """Handle requests to end, in a process of a command's own."""
     from woodpecker.base import linking
 
     for number in REQUESTS:
@@ -36,14 +36,14 @@ def _interrupt(_: int, __: FrameType | None) -> NoReturn:
 
 
 def heard() -> None:
-    """Stop repeating a request to end: the command has heard it."""
+    """Stop repeating a request that the command has heard."""
     if _REPEATS and signal.getsignal(signal.SIGALRM) is _interrupt:
         signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
 @contextmanager
 def held() -> Iterator[None]:
-    """A block that is short and must be whole, as files are: a request waits until it is done."""
+    """A short block that a request to end does not interrupt, such as the writing of a file."""
     if signal.getsignal(signal.SIGTERM) is not _interrupt:
         yield
         return
@@ -60,7 +60,7 @@ def held() -> Iterator[None]:
 
 
 def finished() -> None:
-    """Ignore requests to end from now on: all results are there."""
+    """Ignore requests to end from now on, as all results are written."""
     if signal.getsignal(signal.SIGTERM) is _interrupt:
         for number in REQUESTS:
             signal.signal(number, signal.SIG_IGN)

@@ -34,8 +34,8 @@ def draw_map(
 ) -> None:
     """Compute and draw the return map P_j with the diagonal and its jumps.
 
-    The picture looks closer at steep places to tell jumps from flanks, and says how many it leaves
-    open. Ctrl-C keeps the starts that are finished, as a table without the picture.
+    More starts at steep places tell jumps from flanks; how many stay open is printed. Ctrl-C keeps
+    the finished starts, as a table without the picture.
 
     Example: woodpecker map --eps-n1 0.125 --window -1.2 -0.4
     """
@@ -66,8 +66,8 @@ def draw_map(
 def _computed(
     toy: Toy, order: int, starts: Floats, bar: Bar, results: Results
 ) -> tuple[ReturnMap, str]:
-    """The map at the starts, as many as are finished at Ctrl-C, and the same as CSV."""
-    # The table grows with it: a million rows take many seconds to become text at the end.
+    """The map at the starts, after Ctrl-C at the finished ones, and the same as CSV."""
+    # Rows become text as they are found: a million rows would take many seconds at the end.
     from woodpecker import return_map
     from woodpecker.simulation.returns import chunk_of, joined
 
@@ -90,7 +90,7 @@ def _computed(
 
 
 def _looked_closer(toy: Toy, returns: ReturnMap, order: int, bar: Bar) -> MapSamples:
-    """What the picture shows: the map with more starts at steep places."""
+    """The map with more starts at steep places, for the picture."""
     from woodpecker.plot.figures import curves
 
     task = bar.add_task("steep places", total=None)
@@ -109,7 +109,7 @@ def _rows(returns: ReturnMap) -> Iterator[Sequence[object]]:
 
 
 def _outcomes(returns: ReturnMap) -> Table:
-    """How many starts ended how, for the screen."""
+    """The number of starts of each outcome, for the screen."""
     rows = [(str(returns.status.count(each)), each.value) for each in dict.fromkeys(returns.status)]
     return table(("starts", "outcome"), rows, f"{len(set(returns.words))} words")
 

@@ -7,14 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from pwmap.cli.screen import Formats, option, picture_format, progress, say, show, table
 from pwmap.diagrams.files import in_format
-from woodpecker.cli.options import (
-    GUESS,
-    CommandError,
-    Out,
-    Start,
-    in_metres,
-    motion,
-)
+from woodpecker.cli.options import GUESS, CommandError, Out, Start, in_metres, motion
 from woodpecker.cli.results import results_in
 from woodpecker.mechanics.toy import Toy
 
@@ -92,7 +85,7 @@ def animate(
 
 
 def _check(toy: Toy, phi_s: float | None, t_end: float | None) -> None:
-    """ValueError for a start or an end that cannot be, before a command says what it replaces."""
+    """ValueError for an impossible start or end, before old files are replaced."""
     from woodpecker.base.checks import positive
     from woodpecker.simulation.returns import checked_starts
 
@@ -105,7 +98,7 @@ def _check(toy: Toy, phi_s: float | None, t_end: float | None) -> None:
 def _start_and_end(
     toy: Toy, phi_s: float | None, t_end: float | None, periods: float
 ) -> tuple[float, float]:
-    """Where to start [rad] and when to stop [s]; what is not given is that of the motion."""
+    """Where to start [rad] and when to stop [s], by default those of the periodic motion."""
     if phi_s is not None and t_end is not None:
         return phi_s, t_end
     try:
@@ -150,7 +143,7 @@ def _end(trajectory: Trajectory) -> str:
 
 
 def _complete(trajectory: Trajectory) -> None:
-    """CommandError if the motion could not be followed as far as it goes."""
+    """CommandError if the motion could not be followed to its end."""
     from woodpecker import Status
 
     gave_up = (

@@ -1,4 +1,4 @@
-"""What the commands of ``woodpecker`` share: options, the toy they describe, and reports."""
+"""What the commands of ``woodpecker`` share: options, the toy, and errors."""
 
 from __future__ import annotations
 
@@ -23,11 +23,11 @@ if TYPE_CHECKING:  # help and refusals come before what computes is loaded
     from woodpecker import PeriodicOrbit
 
 GUESS = -0.53  # rad, near the stable cycle of the paper's data set
-OUT = "out"  # the option that says where, not what
+OUT = "out"  # the option that is no part of the record
 
 
 class CommandError(Exception):
-    """A computation that ended without a result; the message is for the user."""
+    """A computation without a result; the message is for the user."""
 
 
 Out = Annotated[
@@ -45,9 +45,9 @@ Window = Annotated[tuple[float, float], option("Interval of phi_S [rad].")]
 
 
 def with_toy(command: Callable[..., None], named: str) -> Callable[..., None]:
-    """Give a command, whose first argument is the toy, one option for each of its fields.
+    """A command, whose first argument is the toy, with an option for each field of the toy.
 
-    Errors become sentences; its files are recorded under its name.
+    Errors become sentences; files are recorded under the name of the command.
     """
     hints = get_type_hints(command, include_extras=True)
     own = [
@@ -91,5 +91,5 @@ def motion(toy: Toy, guess: float, order: int = 1) -> PeriodicOrbit:
 
 
 def in_metres(length: float) -> str:
-    """A length [m] for a reader, as in tables."""
+    """A length [m] as text."""
     return "without end" if math.isinf(length) else f"{length:.7f} m"

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from woodpecker import PeriodicOrbit
 
 FILE = "certificate.json"
-CLOSE = 1e-3  # rad: of a motion from where straight lines between samples say its branch is
+CLOSE = 1e-3  # rad: distance of a motion from the lines between the samples of its branch
 
 
 def prove(
@@ -64,28 +64,23 @@ def prove(
 
 
 def _diagram(toy: Toy, orbit: PeriodicOrbit) -> Diagram:
-    """What is connected to the motion, with the paper's names."""
+    """The diagram of the motion, with the paper's names."""
     from woodpecker import continuation
 
     return continuation(toy, orbit).named(places_of(PAPER))
 
 
 def _branch(toy: Toy, orbit: PeriodicOrbit, span: tuple[float, float]) -> Certificate:
-    """The branch of the motion over an interval, with a bar."""
+    """The certificate of the motion's branch over an interval, with a progress bar."""
     from pwmap import BranchKind
     from woodpecker import prove as proved
 
-    hits = (
-        hit.branch
-        for hit in _diagram(toy, orbit).at(toy.eps_n1)
-        if hit.branch.kind is BranchKind.FIXED_POINT and abs(hit.x - orbit.phi_s) < CLOSE
-    )
-    branch = next(hits, None)
-    if branch is None:
-        raise CommandError("the motion lies on no branch of its diagram")
-    with progress() as bar:
-        bar.add_task("branch", total=None)
-        return proved(branch, span, toy=toy, workers=os.cpu_count() or 1)
+    for hit in _diagram(toy, orbit).at(toy.eps_n1):
+        if hit.branch.kind is BranchKind.FIXED_POINT and abs(hit.x - orbit.phi_s) < CLOSE:
+            with progress() as bar:
+                bar.add_task("branch", total=None)
+                return proved(hit.branch, span, toy=toy, workers=os.cpu_count() or 1)
+    raise CommandError("the motion lies on no branch of its diagram")
 
 
 def _point(diagram: Diagram, name: str) -> SpecialPoint:

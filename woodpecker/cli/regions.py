@@ -1,4 +1,4 @@
-"""The command ``woodpecker regions``: where in the plane of two parameters which cycles live."""
+"""The command ``woodpecker regions``: which cycles exist where in the plane of two parameters."""
 
 from __future__ import annotations
 
@@ -35,10 +35,10 @@ def regions(
     picture: Formats = None,
     out: Out = Path("out"),
 ) -> None:
-    """Cut the plane of two parameters into regions in which the same cycles live.
+    """Divide the plane of two parameters into regions in which the same cycles exist.
 
-    Curves between regions are found by counting cycles at random places. In the whole window there
-    are hundreds of islands: a smaller one gives a simpler picture, sooner.
+    Cycles are counted at random places to find the curves between regions. The whole window has
+    hundreds of islands: a smaller one gives a simpler picture, sooner.
 
     Example: woodpecker regions --second-span 0.29 0.34 --window -0.9 -0.45
     """
@@ -79,7 +79,7 @@ def regions(
 
 
 def _keep(curves: list[Curve], results: Results) -> None:
-    """What a search that was interrupted has found: curves, of which some may be double."""
+    """Write the curves of an interrupted search, some perhaps twice."""
     if not curves:
         raise KeyboardInterrupt
     kept = counted(len(curves), "curve")

@@ -1,6 +1,6 @@
-"""The files of a command: tables first, then pictures, and the same end for all commands.
+"""The files of a command: tables, then pictures, and the same end for all commands.
 
-Whatever ends a command, its files are named on the screen and in a record beside them.
+However a command ends, its files are named on the screen and in a record beside them.
 """
 
 from __future__ import annotations
@@ -24,33 +24,32 @@ from pwmap.cli.screen import (
 )
 from woodpecker.cli.interrupts import finished, heard, held
 
-# the command that runs, and what it was asked for: its files say so
+# the command that runs and its arguments, for the record
 _asked: ContextVar[tuple[str, Mapping[str, object]]] = ContextVar("_asked")
 
 
 def asked_for() -> Mapping[str, object]:
-    """What the command that runs was asked for: the toy and its own options."""
+    """The arguments of the command that runs: the toy and the options."""
     return _asked.get()[1]
 
 
 def begin(command: str, asked: Mapping[str, object]) -> None:
-    """Say which command runs, and what it was asked for."""
+    """Set the command that runs, and its arguments."""
     _asked.set((command, asked))
 
 
 @dataclass
 class Results:
-    """What a command has written so far."""
+    """The files of a command so far."""
 
-    folder: Path  # where its files are
-    names: list[str] = field(default_factory=list)  # those that are there, whole
-    # why there will be no more, as a sentence; empty if nothing has ended the command
-    stopped: str = ""
+    folder: Path
+    names: list[str] = field(default_factory=list)  # of complete files
+    stopped: str = ""  # why the command was broken off, as a sentence; empty if it was not
     status: int = INTERRUPTED  # the exit status then
 
     @contextmanager
     def tables(self, *names: str) -> Iterator[Path]:
-        """A block that writes tables; a request to end waits until it is done."""
+        """A block that writes tables, which a request to end does not interrupt."""
         with held():
             yield self.folder
             self.names += names
@@ -63,17 +62,17 @@ class Results:
         self.names.append(name)
 
     def stop(self, sentence: str, status: int = INTERRUPTED) -> None:
-        """Say why a command was broken off, and with which status it ends."""
+        """Set the reason why the command was broken off, and its exit status."""
         heard()
         self.stopped, self.status = sentence, status
 
 
 @contextmanager
 def results_in(out: Path, *files: str, kept: Sequence[str] = ()) -> Iterator[Results]:
-    """The folder for the results, made before anything long is computed.
+    """The folder for the results, made before the computation.
 
-    The command writes ``files``, besides those its record names, and goes on with those ``kept`` of
-    an earlier run. Where it ends before it has written anything, a folder it made is gone again.
+    The command writes ``files``, besides those of its record, and continues the ``kept`` ones of an
+    earlier run. If it ends before it has written anything, a folder that it made is removed.
     """
     check_folder(out)
     missing = [each for each in (out, *out.parents) if not each.exists()]

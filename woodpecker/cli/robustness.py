@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from woodpecker.robustness import Limit, Robustness, SmallestChange
 
 FILES = ("robustness.csv", "limits.csv")
-SHOWN = 5  # changes of a row that are printed, the largest; the table on disk has them all
+SHOWN = 5  # largest changes that are printed of a row; the table on disk has all
 LOCATED = ("effect", "kind", "cause", "size", "stable", "confirmed", "evidence", "phi_s", "word")
 
 

@@ -27,17 +27,17 @@ TOY = "toy"  # in a file: the object with the values
 PANEL = "Parameters of the toy"
 FILE, SAVE = "toy_file", "save_toy"  # the options that read and write a toy
 KEYWORD = inspect.Parameter.KEYWORD_ONLY
-CONTEXT = "context"  # of the command: it knows which options were typed
-UNTYPED = "DEFAULT"  # what it calls the source of those that were not
+CONTEXT = "context"  # of the command: it knows the sources of options
+UNTYPED = "DEFAULT"  # the source of options that were not typed
 
 
 def parameter_of(text: str) -> str:
-    """The name of a parameter as it is typed: eps-n1, as in options, means eps_n1."""
+    """The name of a parameter from text, in which eps-n1 means eps_n1."""
     return known_parameter(text.strip().replace("-", "_"))
 
 
 def toy_options() -> list[inspect.Parameter]:
-    """One option for each field of the toy, described as in :class:`woodpecker.Toy`, and a file."""
+    """Options for files and for each field of the toy, described as in :class:`woodpecker.Toy`."""
     default, of_toy = Toy(), partial(option, rich_help_panel=PANEL)
     file = of_toy(
         "File with the values of a toy, of --save-toy or the about_<command>.json of results; "
@@ -63,7 +63,7 @@ def toy_options() -> list[inspect.Parameter]:
 
 
 def toy_of(values: dict[str, Any]) -> Toy:
-    """The toy that options describe, taken out of a command's values; ValueError or OSError."""
+    """The toy of options, which are removed from a command's values; ValueError or OSError."""
     file, saved = values.pop(FILE), values.pop(SAVE)
     fields = {name: values.pop(name) for name in (*parameters(), LAW)}
     source = values.pop(CONTEXT).get_parameter_source
@@ -93,7 +93,7 @@ def read_toy(path: Path) -> Toy:
         if unknown:
             raise ValueError(f"unknown parameter {unknown[0]!r}")
         law = ExpansionFriction(values.pop(LAW, Toy().expansion_friction))
-        numbers = {  # infinite ones are text; what is no number is for the toy to refuse
+        numbers = {  # infinite ones are text; the toy refuses booleans
             name: value if isinstance(value, bool) else float(value)
             for name, value in values.items()
         }

@@ -1,4 +1,4 @@
-"""The page of the toy, put together and served."""
+"""The page of the toy, and its server."""
 
 from __future__ import annotations
 
@@ -84,13 +84,13 @@ def shapes() -> dict[str, Any]:
 
 
 def _prepared(name: str, query: str) -> tuple[Any, ...]:
-    """The job of a file, and what it is called with: with the diagram, if that is known."""
+    """The job of a file and its arguments, with the diagram if that is known."""
     known = known_diagrams.get(key_of(from_query(query))) if name in OF_DIAGRAM else None
     return export, name, query, known.diagram if known is not None else None
 
 
 def run(initial: PageState, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:
-    """Load what computes, here and then where jobs are forked from, and serve the page."""
+    """Load the kernel here and in the process that jobs are forked from, and serve the page."""
     import woodpecker.explore.warm  # noqa: F401 - compiles the kernel, if nobody has
 
     warm_up(["woodpecker.explore.warm"])

@@ -1,4 +1,4 @@
-"""Diagrams of the toy, found in another process and told branch by branch."""
+"""Diagrams of the toy, found in another process and reported branch by branch."""
 
 from __future__ import annotations
 
@@ -16,6 +16,7 @@ import numpy.typing as npt
 from pwmap import Branch, BranchKind, Diagram
 from pwmap.explore.diagrams import DiagramProgress, shown
 from woodpecker import (
+    OrbitDiagram,
     PeriodicOrbit,
     Toy,
     ToyPieces,
@@ -28,6 +29,7 @@ from woodpecker import (
 )
 from woodpecker.explore.state import GUESS, PageState, home
 from woodpecker.search import Stage
+from woodpecker.slices import SettledOrbit
 
 Floats = npt.NDArray[np.float64]
 
@@ -40,17 +42,17 @@ TRIES = 9  # parameters at which a motion is looked for, if there is none here
 
 
 def key_of(state: PageState) -> Hashable:
-    """What the diagram of a state depends on: not on the toy's own value of its parameter."""
+    """All that the diagram of a state depends on, without the toy's value of its parameter."""
     return *of_orbits(state), state.every, 1 if state.every else state.order
 
 
 def of_orbits(state: PageState) -> tuple[Hashable, ...]:
-    """What the orbit diagram of a state depends on."""
+    """All that the orbit diagram of a state depends on."""
     return home(state), state.parameter, state.span
 
 
 def diagram(state: PageState) -> Iterator[DiagramProgress]:
-    """Branches as they are found: of the motion, or all of some iterates."""
+    """Diagrams with more and more branches: of the motion, or all of some iterates."""
     stages: list[str] = []
     ended: list[Diagram | Exception] = []
     with tempfile.TemporaryDirectory() as folder:
@@ -69,7 +71,6 @@ def diagram(state: PageState) -> Iterator[DiagramProgress]:
 
 
 def _find(state: PageState, run: Path, stages: list[str], ended: list[Any]) -> None:
-
     def hear(stage: Stage) -> None:
         slices = f", slice {stage.slices}" if stage.slices else ""
         stages.append(f"P_{stage.order} at {stage.parameter:.4f}{slices}")
@@ -86,12 +87,12 @@ def _find(state: PageState, run: Path, stages: list[str], ended: list[Any]) -> N
                 orbit.toy, orbit, state.parameter, state.span, progress=hear, run=run
             )
         ended.append(found)
-    except Exception as error:  # whatever it is: raised again where the thread is waited for
+    except Exception as error:  # raised again by the thread that waits
         ended.append(error)
 
 
 def start(state: PageState) -> PeriodicOrbit:
-    """A periodic motion to follow: the paper's, the page's own, or any; ValueError if none."""
+    """A periodic motion to follow: the paper's, the page's, or any; ValueError if there is none."""
     own, usual = (state.toy, state.phi_s), (home(state), GUESS)
     for toy, guess in (usual, own) if state.order == 1 else (own, usual):
         orbit = _orbit(state, toy, guess)
@@ -111,7 +112,7 @@ def start(state: PageState) -> PeriodicOrbit:
 
 
 def _orbit(state: PageState, toy: Toy, guess: float) -> PeriodicOrbit | None:
-    """The periodic motion near a guess, if there is one that the diagram can hold."""
+    """The periodic motion near a guess, if the diagram can hold it."""
     low, high = state.span
     if not (low <= getattr(toy, state.parameter) <= high and guess < toy.phi_s_max):
         return None
@@ -120,7 +121,7 @@ def _orbit(state: PageState, toy: Toy, guess: float) -> PeriodicOrbit | None:
 
 
 def _guesses(toy: Toy) -> list[float]:
-    """Where P_1 crosses the diagonal, about."""
+    """Approximate crossings of P_1 with the diagonal."""
     x = np.linspace(*SEARCHED, 400)
     above = return_map(toy, x).phi_s - x
     with np.errstate(invalid="ignore"):
@@ -134,36 +135,28 @@ def _named(found: Diagram, state: PageState) -> Diagram:
 
 
 def orbits(state: PageState) -> Iterator[tuple[Floats, Floats]]:
-    """Where orbits settle, columns of the parameter from coarse to fine."""
+    """Points on which orbits settle, over more and more values of the parameter."""
     low, high = state.span
     values = np.linspace(low, high, COLUMNS)
     window = state.window[0], min(state.window[1], state.toy.phi_s_max)
     order = np.argsort([_bits(k) for k in range(COLUMNS)], kind="stable")
     map_ = ToyPieces(state.toy, state.parameter)
-    waiting: list[tuple[Floats, Floats]] = []
+    waiting = list[SettledOrbit]()
     last = time.monotonic()
     for value in values[order].tolist():
         try:
-            settled = orbit_diagram(map_, [value], STARTS, window, transient=150, keep=48)
+            waiting += orbit_diagram(map_, [value], STARTS, window, transient=150, keep=48).orbits
         except ValueError:  # the toy cannot have this value
             continue
-        waiting.append(settled.points())
         if time.monotonic() - last > OFTEN:
-            yield _joined(waiting)
+            yield OrbitDiagram(orbits=tuple(waiting), lost=0).points()
             waiting, last = [], time.monotonic()
-    yield _joined(waiting)
+    yield OrbitDiagram(orbits=tuple(waiting), lost=0).points()
 
 
 def _bits(k: int) -> int:
-    """Bits of a number in reverse: numbers in this order fill an interval evenly."""
+    """The bits of a number in reverse: numbers in this order fill an interval evenly."""
     return int(f"{k:08b}"[::-1], 2)
-
-
-def _joined(parts: list[tuple[Floats, Floats]]) -> tuple[Floats, Floats]:
-    empty = np.array([])
-    return np.concatenate([empty, *(p for p, _ in parts)]), np.concatenate(
-        [empty, *(x for _, x in parts)]
-    )
 
 
 def at_sample(state: PageState, branch: Branch, sample: int) -> PageState:

@@ -1,4 +1,4 @@
-"""Files of what is shown: pictures by the functions of ``plot``, tables, lines of Python."""
+"""Files of a page: pictures by the functions of ``plot``, tables, lines of Python."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ FILES = {
 
 
 def export(name: str, query: str, known: Diagram | None) -> Iterator[tuple[str, bytes]]:
-    """A job that makes one of :data:`FILES` for a state, with its diagram if that is known."""
+    """The job of one of :data:`FILES` for a state, with the diagram if that is known."""
 
     def diagram(state: PageState) -> Diagram:
         if known is not None:

@@ -1,4 +1,4 @@
-"""State -> arrays: what the views draw, without any browser. :class:`Model` is all they ask for."""
+"""State -> arrays: what the views draw, without a browser."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from woodpecker import (
 )
 from woodpecker.explore.state import PageState
 from woodpecker.mechanics.modes import ContactState, mode_states
-from woodpecker.plot.curve import Detail, Link, MapSamples, refined
+from woodpecker.plot.curve import ON_IT, Detail, Link, MapSamples, refined
 from woodpecker.simulation import Impulse
 
 Floats = npt.NDArray[np.float64]
@@ -30,29 +30,28 @@ Ints = npt.NDArray[np.int64]
 
 COARSE, FINE = 256, 1000  # starts of a map: under a slider (those of one thread), and at rest
 DETAIL = Detail(budget=60_000)  # returns spent on steep places at rest
-BREAK = 0.08  # of the height: neighbours under a slider that differ more are not joined
+BREAK = 0.08  # part of the height: under a slider neighbours that differ more are not joined
 SAMPLES = 320  # of a motion
-FALLING = 0.4  # s that are shown of a motion that does not return
-RETURNS_MOST = 6  # that are shown of a motion that is not periodic
-NEAR = 0.08  # rad: a periodic motion that is followed jumps no further
-ON_IT = 1e-9  # rad: centres lie so close to the diagonal that their sides are rounding
+FALLING = 0.4  # s shown of a motion that does not return
+RETURNS_MOST = 6  # shown of a motion that is not periodic
+NEAR = 0.08  # rad: largest step of a periodic motion that is followed
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class MapCurve:
-    """A map as it is drawn."""
+    """The arrays of a map."""
 
     x: Floats  # (n,) the curve, with nan where it is not joined
     y: Floats
     jumps: Floats  # (m, 4) lines from (x, y) to (x, y)
     crossings: Floats  # jumps that cross the diagonal
-    steep: Floats  # what was not resolved
+    steep: Floats  # unresolved intervals, in the same way
     fixed: Floats  # (k,) fixed points
     stable: npt.NDArray[np.bool_]  # whether they attract
 
 
 class Mark(NamedTuple):
-    """An event of a motion, for the strip."""
+    """An event of a motion, for the word."""
 
     symbol: str
     time: float
@@ -64,7 +63,7 @@ class Mark(NamedTuple):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DrawnMotion:
-    """A motion as it is drawn; times of events come twice, before and after them."""
+    """The arrays of a motion; times of events come twice, before and after them."""
 
     t: Floats  # (n,) [s]
     q: Floats  # (n, 3) coordinates
@@ -79,7 +78,7 @@ class DrawnMotion:
 
 
 def settled(state: PageState) -> tuple[PageState, str]:
-    """The state with its start on the periodic motion, if one is near, and what there is to say."""
+    """The state with its start on the periodic motion, if one is near, and a message."""
     toy = state.toy
     if state.phi_s >= toy.phi_s_max:
         state = replace(state, phi_s=toy.phi_s_max - 0.01)
@@ -95,7 +94,7 @@ def settled(state: PageState) -> tuple[PageState, str]:
 
 
 def curves(state: PageState, *, fine: bool) -> Iterator[MapCurve]:
-    """P_order, and where it meets the diagonal."""
+    """P_order and its fixed points, if ``fine`` better and better."""
     low, high = state.window
     toy, order = state.toy, state.order
     x = np.linspace(low, min(high, toy.phi_s_max - 1e-6), FINE if fine else COARSE)
@@ -113,7 +112,7 @@ def curves(state: PageState, *, fine: bool) -> Iterator[MapCurve]:
 
 
 def orbit(state: PageState) -> Floats:
-    """Returns one after the other, until one is lost."""
+    """The orbit of the start, until it is lost."""
     found = [state.phi_s]
     for _ in range(state.steps):
         if not found[-1] < state.toy.phi_s_max:
@@ -126,7 +125,7 @@ def orbit(state: PageState) -> Floats:
 
 
 def motion(state: PageState) -> DrawnMotion:
-    """Over the returns of a periodic motion, or the first few."""
+    """The motion over the returns of a periodic one, or over the first few."""
     toy, order = state.toy, state.order
     count = order if state.periodic else max(order, min(state.steps, RETURNS_MOST))
     back = first_return(toy, state.phi_s, count)
@@ -149,7 +148,7 @@ def motion(state: PageState) -> DrawnMotion:
 
 
 def _coarse(toy: Toy, order: int, x: Floats, y: Floats, low: float) -> MapCurve:
-    """A map of which nobody has looked into the steep places."""
+    """A map without refinement of steep places."""
     top = y[np.isfinite(y)].max(initial=low)
     seen = np.clip(np.where(np.isfinite(y), y, low), low, top)
     steep = np.abs(np.diff(seen)) > BREAK * max(top - low, ON_IT)
@@ -159,10 +158,7 @@ def _coarse(toy: Toy, order: int, x: Floats, y: Floats, low: float) -> MapCurve:
 
 def _drawn(toy: Toy, order: int, curve: MapSamples) -> MapCurve:
     x, y, links = curve.x, curve.y, curve.links
-    above = y - x
-    with np.errstate(invalid="ignore"):
-        off = np.abs(above[1:]) + np.abs(above[:-1]) > ON_IT
-        crosses = (above[1:] * above[:-1] < 0.0) & off
+    above, crosses = y - x, curve.crosses
     pairs = np.column_stack([x[:-1], y[:-1], x[1:], y[1:]])
     jumps = links == Link.JUMP
     breaks = np.flatnonzero(links != Link.CURVE) + 1
@@ -171,30 +167,24 @@ def _drawn(toy: Toy, order: int, curve: MapSamples) -> MapCurve:
     slopes = return_map(toy, fixed, order).slope if len(fixed) else fixed
     with np.errstate(invalid="ignore"):
         stable = np.abs(slopes) < 1.0
+    steep = pairs[links == Link.OPEN]
+    steep = np.where(np.isfinite(steep), steep, curve.bottom)  # ends without a value: lower edge
     return MapCurve(
         np.insert(x, breaks, np.nan), np.insert(y, breaks, np.nan), pairs[jumps & ~crosses],
-        pairs[jumps & crosses], _ending(pairs[links == Link.OPEN], curve.bottom), fixed, stable,
+        pairs[jumps & crosses], steep, fixed, stable,
     )  # fmt: skip
-
-
-def _ending(pairs: Floats, bottom: float) -> Floats:
-    """Lines whose ends without a value go to the lower edge."""
-    return np.where(np.isfinite(pairs), pairs, bottom)
 
 
 # --- Motions --------------------------------------------------------------------------------------
 
 
 def closed_bits(trajectory: Trajectory) -> Ints:
-    """Contacts that are closed from each sample on, and those struck at it: bits 1, 2, 4."""
+    """Contacts closed from each sample on, and those struck at it: bits 1, 2, 4."""
     starts, modes = trajectory.phases[:, 6], trajectory.phases[:, 7].astype(int)
-    bits = np.array(
-        [
-            sum(1 << k for k, s in enumerate(mode_states(int(mode))) if s != ContactState.OPEN)
-            for mode in modes
-        ],
-        dtype=np.int64,
-    )
+    bits = np.array([
+        sum(1 << k for k, s in enumerate(mode_states(int(mode))) if s != ContactState.OPEN)
+        for mode in modes
+    ], dtype=np.int64)  # fmt: skip
     row = np.clip(np.searchsorted(starts, trajectory.t, side="right") - 1, 0, None)
     found: Ints = bits[row]
     for event in trajectory.events:
@@ -217,7 +207,7 @@ def _mark(event: Event) -> Mark:
 
 
 def _impulse(impulse: Impulse) -> str:
-    """Both directions in both phases, in micro-newton-seconds."""
+    """An impulse in both directions and both phases [uN s], as text."""
     normal = 1e6 * impulse.normal_compression, 1e6 * impulse.normal_expansion
     along = 1e6 * impulse.tangential_compression, 1e6 * impulse.tangential_expansion
     return (
@@ -234,7 +224,7 @@ def _smaller(orbit: PeriodicOrbit) -> str:
 
 
 def fine_map(state: PageState) -> Iterator[MapCurve]:
-    """The map as a page shows it at rest, better and better."""
+    """The job of a map at rest, better and better."""
     yield from curves(state, fine=True)
 
 

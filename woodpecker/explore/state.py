@@ -1,4 +1,4 @@
-"""What a page shows: a frozen value, to and from the link in the address bar."""
+"""The state of a page, to and from the link in the address bar."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ TOY = Toy()
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PageState:
-    """What all views of a page share."""
+    """The state that all views of a page share."""
 
     toy: Toy = TOY  # all of its parameters in SI units
     phi_s: float = GUESS  # start on the section [rad]: a point of a periodic motion, or any
@@ -34,8 +34,7 @@ class PageState:
     window: tuple[float, float] = WINDOW  # of phi_S of the map [rad]
     parameter: str = "eps_n1"  # over which the diagram is drawn
     span: tuple[float, float] = (0.0, 1.0)
-    # iterates of which every branch is looked for; by default what is connected
-    every: tuple[int, ...] = ()
+    every: tuple[int, ...] = ()  # iterates with all branches; by default those of the motion
     orbits: bool = False  # the diagram has the orbit diagram under it
     portrait: str = "phi_s"  # ``phi_s``, ``phi_m`` or ``fall``
     tour: int = 0  # step of the guided tour, 0 for none
@@ -43,9 +42,9 @@ class PageState:
 
     def __post_init__(self) -> None:
         known_parameter(self.parameter)
-        _one_of("order", self.order, ORDERS)
-        _one_of("portrait", self.portrait, tuple(PORTRAITS))
-        _one_of("focus", self.focus, VIEWS)
+        one_of("order", self.order, ORDERS)
+        one_of("portrait", self.portrait, tuple(PORTRAITS))
+        one_of("focus", self.focus, VIEWS)
         if not 0 <= self.tour <= TOUR_STEPS:
             raise ValueError(f"the tour has steps 1 to {TOUR_STEPS}, got {self.tour}")
         if not set(self.every) <= {1, 2}:
@@ -54,7 +53,7 @@ class PageState:
             raise ValueError(f"steps must lie in {STEPS}, got {self.steps}")
         for name in ("window", "span"):
             low, high = getattr(self, name)
-            if not (math.isfinite(low) and math.isfinite(high) and low < high):
+            if not -math.inf < low < high < math.inf:
                 raise ValueError(f"{name} must be finite and ascend, got ({low}, {high})")
         if not math.isfinite(self.phi_s):
             raise ValueError(f"phi_s must be finite, got {self.phi_s}")
@@ -66,7 +65,7 @@ class PageState:
         return found
 
     def with_values(self, values: Mapping[str, float]) -> PageState:
-        """The same with other parameters of the toy; the pole is without end at 0."""
+        """The same with other parameters of the toy; a pole of 0 means an infinite one."""
         changes = {name: math.inf if name == "pole" and not v else v for name, v in values.items()}
         return replace(self, toy=self.toy.replace(**changes))
 
@@ -77,7 +76,7 @@ class PageState:
 
 def home(state: PageState) -> Toy:
     """The toy with the paper's value of the diagram's parameter, if it goes with the others."""
-    # A diagram begins there, so that it does not depend on where a slider stands.
+    # A diagram begins there, so that it does not depend on its slider.
     try:
         return state.toy.replace(**{state.parameter: getattr(TOY, state.parameter)})
     except ValueError:
@@ -85,17 +84,16 @@ def home(state: PageState) -> Toy:
 
 
 def usual_span(toy: Toy, parameter: str) -> tuple[float, float]:
-    """All that a restitution can be; otherwise half of the value, to half as much again."""
+    """(0, 1) for a restitution or a value of 0; otherwise half of the value to half more."""
     known_parameter(parameter)
-    if parameter in RESTITUTIONS:
-        return 0.0, 1.0
     value: float = getattr(toy, parameter)
-    if not 0.0 < value < math.inf:
+    if parameter in RESTITUTIONS or not 0.0 < value < math.inf:
         return 0.0, 1.0
     return 0.5 * value, 1.5 * value
 
 
-def _one_of(name: str, value: object, known: Sequence[object]) -> None:
+def one_of(name: str, value: object, known: Sequence[object]) -> None:
+    """ValueError unless a value is among the known ones."""
     if value not in known:
         raise ValueError(f"{name} must be one of {known}, got {value!r}")
 
@@ -107,7 +105,7 @@ _LAW = "law"
 
 
 def to_query(state: PageState) -> str:
-    """What differs from the state of an empty link; every number as it is, to the last bit."""
+    """What differs from the state of an empty link; every number to its last bit."""
     default = PageState()
     found = [
         (name, repr(getattr(state.toy, name)))
@@ -134,7 +132,7 @@ def from_query(query: str) -> PageState:
         if key == _LAW:
             toy[LAW] = text
         elif key in parameters():
-            toy[key] = _number(key, text)
+            toy[key] = number(key, text)
         elif key in names and key != "toy":
             own[names[key]] = _value(names[key], text)
         else:
@@ -153,11 +151,12 @@ def _text(value: object) -> str:
     return value if isinstance(value, str) else repr(value)
 
 
-def _number(key: str, text: str) -> float:
+def number(name: str, text: str) -> float:
+    """A number from text; ValueError if it is none."""
     try:
         return float(text)
     except ValueError:
-        raise ValueError(f"{key} must be a number, got {text[:40]!r}") from None
+        raise ValueError(f"{name[:40]} must be a number, got {text[:40]!r}") from None
 
 
 def _value(name: str, text: str) -> object:
@@ -165,18 +164,18 @@ def _value(name: str, text: str) -> object:
     if isinstance(default, str):
         return text
     if isinstance(default, tuple):
-        numbers = tuple(_number(name, part) for part in text.split(",") if part)
+        numbers = tuple(number(name, part) for part in text.split(",") if part)
         if name == "every":
-            return tuple(int(number) for number in numbers)
+            return tuple(map(int, numbers))
         if len(numbers) != 2:
             raise ValueError(f"{name} must be two numbers, got {text[:40]!r}")
         return numbers
-    number = _number(name, text)
+    value = number(name, text)
     if isinstance(default, float):
-        return number
-    if number != int(number if math.isfinite(number) else 0.5):
+        return value
+    if value != int(value if math.isfinite(value) else 0.5):
         raise ValueError(f"{name} must be a whole number, got {text[:40]!r}")
-    return bool(number) if isinstance(default, bool) else int(number)
+    return bool(value) if isinstance(default, bool) else int(value)
 
 
 # --- The same in Python ---------------------------------------------------------------------------

@@ -1,4 +1,4 @@
-"""Files of what is shown of a system: tables, the diagram, lines of Python."""
+"""Files of the page of a system: tables, the diagram, lines of Python."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ FILES = {
 
 
 def export(path: str, name: str, query: str) -> Iterator[tuple[str, bytes]]:
-    """A job that makes one file of :data:`FILES` of a state; ValueError if there is none such."""
+    """The job of one of :data:`FILES` for a state; ValueError for an unknown name."""
     given = explored(path)
 
     def whole(state: SystemState) -> Diagram:

@@ -1,4 +1,4 @@
-"""What views ask of any system of contacts, as :mod:`woodpecker.explore.model` of the toy."""
+"""Arrays for the views of any system, as :mod:`woodpecker.explore.model` for the toy."""
 
 from __future__ import annotations
 
@@ -25,13 +25,13 @@ from woodpecker.systems import (
     simulate,
 )
 
-FIRST, DOUBLED = 17, 4  # starts of a map of one dimension, and how often others are put between
+FIRST, DOUBLED = 17, 4  # starts of a map of one dimension, and how often they are doubled
 SAMPLES = 400  # of a motion
 BREAK = 0.05  # of the height: neighbours with other words that differ more are not joined
-AFTER = 60  # returns of an orbit until a periodic motion is looked for beside it
-LOOKED = 5  # from every so many-th of these, the last one first
-NEAR = 0.25  # of the window: a periodic motion that is followed jumps no further
-BRANCHES = (1, 4, 16, 64)  # that are followed at most, for a diagram that grows
+AFTER = 60  # returns of an orbit after which a periodic motion is sought beside it
+LOOKED = 5  # returns between the points from which it is sought, the last first
+NEAR = 0.25  # part of the window: largest step of a periodic motion that is followed
+BRANCHES = (1, 4, 16, 64)  # numbers of branches of a growing diagram
 ORDERS = (1, 2)  # of a diagram
 EVENTS = {
     "I": "impact", "D": "detachment", "S": "slip", "J": "stick", "R": "reversal of slip",
@@ -40,7 +40,7 @@ EVENTS = {
 
 
 def settled(given: Explored, state: SystemState) -> tuple[SystemState, str]:
-    """The state with its start on a periodic motion near by, and what there is to say."""
+    """The state with its start on a periodic motion, if one is near, and a message."""
     if not state.periodic:
         return state, ""
     near = shoot(given.at(state), state.x, order=state.order)
@@ -55,8 +55,8 @@ def settled(given: Explored, state: SystemState) -> tuple[SystemState, str]:
 
 
 def _on_orbit(given: Explored, state: SystemState, orders: Sequence[int]) -> SystemCycle:
-    """A periodic motion near where the orbit of the start is after a while, of some order."""
-    # If none of these orders attracts there, one may lie beside where the orbit was before.
+    """A periodic motion, of one of some orders, near late points of the orbit of the start."""
+    # If none of them attracts, one may lie beside earlier points of the orbit.
     map_, points = given.at(state), [np.array(state.x)]
     for _ in range(AFTER):
         image = return_map(map_, points[-1][None]).images[0]
@@ -102,7 +102,7 @@ def orbit(given: Explored, state: SystemState) -> Floats:
 
 
 def motion(given: Explored, state: SystemState) -> DrawnMotion:
-    """Over the returns, or until no return is to be expected."""
+    """The motion over the returns, or until there is none."""
     map_ = given.at(state)
     x, values = np.array(state.x), map_.values(map_.p)
     start = map_.embedding.state(x, values)[0]
@@ -125,7 +125,7 @@ def motion(given: Explored, state: SystemState) -> DrawnMotion:
 
 
 def diagram(path: str, state: SystemState) -> Iterator[DiagramProgress]:
-    """Branches connected with the motion: first few, then more, until there are no others."""
+    """Diagrams with more and more branches connected with the motion."""
     given = explored(path)
     state, _ = settled(given, state)
     width = state.span[1] - state.span[0]
@@ -141,7 +141,7 @@ def diagram(path: str, state: SystemState) -> Iterator[DiagramProgress]:
         found = continuation(
             map_, cycle, state.span, state.window, orders=orders, max_branches=most
         ).diagram
-        if not found.given:  # nothing was left to be followed
+        if not found.given:  # no branch is left
             break
         yield DiagramProgress(shown(found), f"branches so far: {len(found.branches)}")
     yield DiagramProgress(shown(found), "complete", done=True)
@@ -218,7 +218,7 @@ def _curve(x: Floats, y: Floats, words: Any) -> MapCurve:
 
 
 def answers(path: str, state: SystemState) -> Iterator[Any]:
-    """Everything that a page shows of a state, the quick answers first."""
+    """All that a page shows of a state, the fast results first."""
     given = explored(path)
     state, message = settled(given, state)
     yield state, message

@@ -1,4 +1,4 @@
-"""The page of a system of contacts, put together and served."""
+"""The page of a system of contacts, and its server."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ GROUP = "1:parameters"
 
 
 class SystemTab(Tab[SystemState]):
-    """One tab of a system of contacts: all that it shows is worked out in other processes."""
+    """One tab of a system of contacts; other processes compute what it shows."""
 
     def __init__(self, given: Explored, state: SystemState) -> None:
         self.given, names = given, given.names
@@ -65,7 +65,7 @@ class SystemTab(Tab[SystemState]):
     # --- State -> views ---------------------------------------------------------------------------
 
     def show(self, state: SystemState, *, moving: bool = False) -> None:
-        """Go to a state: what it shows is worked out in another process."""
+        """Go to a state, which another process computes."""
         self.keep(state, moving=moving)
         self._due = True
         self.diagram.stand(state.value, state.x[0])
@@ -79,7 +79,7 @@ class SystemTab(Tab[SystemState]):
         return tuple(rest.items()), state.parameter, state.span, state.order
 
     def tick(self) -> None:
-        """Begin what is due, and show what has come; a drag shows each motion before the next."""
+        """Begin what is due, and show results; a drag shows each motion before the next."""
         if not is_warm():
             return
         if self._due and (self._told or not self.is_running("answers")):
@@ -129,7 +129,7 @@ class SystemTab(Tab[SystemState]):
         return at_sample(self.given, self.state, branch, sample)
 
     def told(self, *, whole: bool) -> dict[str, Any]:
-        """What the script of the page shows besides the views."""
+        """What the page shows besides the views."""
         state, now = self.state, self._now
         return {
             "values": dict(state.values), "query": to_query(self.given, state),
@@ -205,7 +205,7 @@ def make_page(document: Document, given: Explored) -> None:
 
 
 def run(path: str, port: int | None, *, stay: bool, ready: Callable[[str], None]) -> None:
-    """Run a file and serve its page; ValueError or TypeError if it lacks what is needed."""
+    """Run a file and serve its page; ValueError or TypeError if it lacks something."""
     given = explored(path)
     os.environ["WOODPECKER_EXPLORED"] = path  # for the process that jobs are forked from
     warm_up(["woodpecker.explore.system_warm"])

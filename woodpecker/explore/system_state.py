@@ -1,4 +1,4 @@
-"""A system of contacts from a Python file, and what a page shows of it."""
+"""A system of contacts from a Python file, and the state of its page."""
 
 from __future__ import annotations
 
@@ -14,24 +14,21 @@ from typing import Any
 from urllib.parse import parse_qsl, urlencode
 
 from woodpecker.base.checks import interval
+from woodpecker.explore.state import ORDERS, QUERY_MOST, STEPS, number, one_of
 from woodpecker.systems import SystemMap
 
-ORDERS = (1, 2, 3, 4)
-STEPS = (1, 200)
-QUERY_MOST = 4000  # characters of a link
 NUMBERS_MOST = 64  # parameters or coordinates of a state
 VIEWS = ("", "map", "diagram", "motion", "portrait", "word", "graph")
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Explored:
-    """What a file says of its system."""
+    """A system as its file gives it."""
 
     path: str
     map_: SystemMap  # the return map; its system has the values that the page begins with
     start: tuple[float, ...]  # (d,) numbers near a periodic motion
-    # (d, 2) ends of the coordinates that are shown and searched
-    window: tuple[tuple[float, float], ...]
+    window: tuple[tuple[float, float], ...]  # (d, 2) ends of its coordinates
     ranges: Mapping[str, tuple[float, float]]  # ends of the slider of each parameter
 
     @property
@@ -53,7 +50,8 @@ class Explored:
 def explored(path: str) -> Explored:
     """Run a file as a Python module, and read its ``map_``, ``start``, ``window`` and ``ranges``.
 
-    ValueError if it, or one of the first three, is missing, or shapes do not fit; else TypeError.
+    ValueError if the file or one of the first three is missing, or shapes do not fit; TypeError
+    if ``map_`` is no :class:`SystemMap`.
     """
     module = _module(path)
     for name in ("map_", "start", "window"):
@@ -79,7 +77,7 @@ def explored(path: str) -> Explored:
 
 
 def _module(path: str) -> ModuleType:
-    """The file as a module; what it raises itself is told with its line."""
+    """The file as a module; ValueError with the line if it raises an error."""
     spec = spec_from_file_location("explored_system", path)
     if not Path(path).is_file() or spec is None or spec.loader is None:
         raise ValueError(f"there is no Python file {path}")
@@ -95,14 +93,14 @@ def _module(path: str) -> ModuleType:
 
 
 def _usual(value: float) -> tuple[float, float]:
-    """Half of a value to half as much again; 0 to 1 about zero."""
+    """Half of a value to half more; (0, 1) for zero."""
     low, high = sorted((0.5 * value, 1.5 * value))
     return (low, high) if low < high else (0.0, 1.0)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SystemState:
-    """What all views of a system share."""
+    """The state that all views of a system share."""
 
     values: tuple[tuple[str, float], ...]  # of all parameters, by name
     x: tuple[float, ...]  # (d,) the start on the section
@@ -120,12 +118,10 @@ class SystemState:
         known = dict(self.values)
         if self.parameter not in known:
             raise ValueError(f"over must be one of {', '.join(known)}, got {self.parameter[:40]!r}")
-        if self.order not in ORDERS:
-            raise ValueError(f"order must be one of {ORDERS}, got {self.order}")
+        one_of("order", self.order, ORDERS)
+        one_of("focus", self.focus[:40], VIEWS)
         if not STEPS[0] <= self.steps <= STEPS[1]:
             raise ValueError(f"steps must lie in {STEPS}, got {self.steps}")
-        if self.focus not in VIEWS:
-            raise ValueError(f"focus must be one of {VIEWS}, got {self.focus[:40]!r}")
         if not all(map(math.isfinite, (*known.values(), *self.x, *self.span))):
             raise ValueError(f"values, start and span must be finite, got {self.x}, {self.span}")
         if not self.span[0] < self.span[1]:
@@ -211,14 +207,6 @@ def point(text: str, d: int) -> tuple[float, ...]:
     if len(found) != d:
         raise ValueError(f"a start has {d} numbers, got {str(text)[:40]!r}")
     return found
-
-
-def number(name: str, text: str) -> float:
-    """A number from text; ValueError names what is none."""
-    try:
-        return float(text)
-    except ValueError:
-        raise ValueError(f"{name[:40]} must be a number, got {text[:40]!r}") from None
 
 
 def python_of(given: Explored, state: SystemState) -> str:

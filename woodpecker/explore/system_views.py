@@ -1,4 +1,4 @@
-"""Views of a system that the toy has none of: points in a plane, and one coordinate over time."""
+"""Views of systems only: points in a plane, and one coordinate over time."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A tab of the toy: its views, and what a user may ask for."""
+"""A tab of the toy: its views, and the requests of a user."""
 
 from __future__ import annotations
 
@@ -82,7 +82,7 @@ class ToyTab(Tab[PageState]):
             self.branch = self._branch_here()
 
     def _draw(self, *, moving: bool) -> None:
-        """Draw what is fast: into a letter, or by Bokeh."""
+        """Draw the fast views: into a message, or by Bokeh."""
         state, put = self.state, self._put
         for curve in model.curves(state, fine=False):
             self.map.show(curve, state.order, put)
@@ -93,7 +93,7 @@ class ToyTab(Tab[PageState]):
         self.diagram.stand(state.value, state.phi_s, put)
 
     def _rest(self) -> None:
-        """Let Bokeh draw what was sketched: it takes a tenth of a second, so it comes at rest."""
+        """Let Bokeh draw the sketched views, which takes a tenth of a second, at rest."""
         self._rest_at, self._frame = np.inf, None
         self._draw(moving=False)
         self.mark(self.branch)
@@ -101,11 +101,11 @@ class ToyTab(Tab[PageState]):
 
     @property
     def _put(self) -> Put:
-        """Where columns of tables go: into a letter while a slider moves."""
+        """Where columns of tables go: into a message while a slider moves."""
         return patch if self._frame is None else self._frame.put
 
     def told(self, *, whole: bool) -> dict[str, Any]:
-        """What the script of the page shows besides the views."""
+        """What the page shows besides the views."""
         state, now = self.state, self._now
         message = self.message or (now.message if now else "")
         told: dict[str, Any] = {
@@ -138,7 +138,7 @@ class ToyTab(Tab[PageState]):
         return at_sample(self.state, branch, sample)
 
     def _branch_here(self) -> str:
-        """The branch that goes through where the page is."""
+        """The branch through the state of the page, or nothing."""
         if self.shown is None:
             return ""
         scale = scale_of(self.diagram.figure)
@@ -148,7 +148,7 @@ class ToyTab(Tab[PageState]):
     # --- Other processes --------------------------------------------------------------------------
 
     def tick(self) -> None:
-        """Begin what is due, and show what has come."""
+        """Begin what is due, and show results."""
         if time.monotonic() > self._rest_at:
             self._rest()
         now = time.monotonic() if is_warm() else -np.inf
@@ -187,7 +187,7 @@ class ToyTab(Tab[PageState]):
             self._orbits_of = None
 
     def search(self, *, known: bool) -> None:
-        """Look for a diagram; one that is known is shown at once, if that will do."""
+        """Search for a diagram; with ``known`` one that is known is shown at once."""
         state = self.state
         self._key = key_of(state)
         self.stop("diagram")
@@ -207,7 +207,7 @@ class ToyTab(Tab[PageState]):
         self.say({"branches": self.branches(), **self.progress()})
 
     def take_progress(self, result: Any) -> None:
-        """Show a diagram as far as it was found, and keep one that is complete."""
+        """Show a diagram as far as it is found, and keep it once complete."""
         super().take_progress(result)
         if not isinstance(result, DiagramProgress):
             self.say(self.progress())
@@ -277,7 +277,7 @@ class ToyTab(Tab[PageState]):
             self.diagram.look(self.state.span)
 
     def _tap_map(self, event: Any) -> None:
-        """A start: near a fixed point the periodic motion, otherwise any."""
+        """Start at a point, or near a fixed point on the periodic motion."""
         limit = self.state.toy.phi_s_max
         if not event.x < limit:
             return
@@ -307,7 +307,7 @@ class ToyTab(Tab[PageState]):
 
 
 def _finite(value: float) -> float | None:
-    """A number that JSON can say."""
+    """A number for JSON: 0 for infinity, None for nan and minus infinity."""
     return value if np.isfinite(value) else (0.0 if value > 0 else None)
 
 

@@ -29,7 +29,7 @@ from woodpecker import Toy
 from woodpecker.explore.model import DrawnMotion, MapCurve, Mark, as_columns
 from woodpecker.explore.state import PORTRAITS, PageState
 from woodpecker.mechanics.toy import description
-from woodpecker.plot.motions import STRUCK
+from woodpecker.plot.motions import STRUCK, way_of
 
 Floats = npt.NDArray[np.float64]
 
@@ -188,9 +188,8 @@ class MotionView:
 
 
 def _way(t: Floats, across: Floats, up: Floats) -> dict[str, Any]:
-    """The way of a phase portrait, with gaps where velocities jump."""
-    struck = np.flatnonzero(np.diff(t) == 0.0) + 1
-    return {"x": np.insert(across, struck, np.nan), "y": np.insert(up, struck, np.nan)}
+    """The line of a phase portrait, with gaps where velocities jump."""
+    return dict(zip(("x", "y"), way_of(t, across, up), strict=True))
 
 
 def _strokes(motion: DrawnMotion, t: Floats, across: Floats, up: Floats) -> dict[str, Any]:

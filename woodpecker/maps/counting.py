@@ -1,7 +1,7 @@
-"""How often a map is evaluated: counted, and bounded.
+"""Counts and bounds of the evaluations of a map.
 
-A search is bounded by a count of evaluations, not by time, so that it ends with the same result on
-every machine. The count is looked at where work is begun; what is left then is said.
+A bound of evaluations, not of time, gives a search the same result on every machine. It is checked
+before each piece of work.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from woodpecker.maps.pieces import Image, PiecewiseMap
 
 @runtime_checkable
 class Counting(PiecewiseMap, Protocol):
-    """A map that knows how often it and its pieces were evaluated in this thread."""
+    """A map that counts evaluations of itself and its pieces in this thread."""
 
     @property
     def evaluations(self) -> int:
@@ -21,7 +21,7 @@ class Counting(PiecewiseMap, Protocol):
 
 
 class _Counted:
-    """A map that counts how often it is asked for a piece; what the piece does is its own."""
+    """A map that counts its own evaluations, not those of its pieces."""
 
     def __init__(self, map_: PiecewiseMap) -> None:
         self._map, self.evaluations = map_, 0
@@ -33,17 +33,17 @@ class _Counted:
 
 
 def as_counting(map_: PiecewiseMap) -> Counting:
-    """The map itself if it counts its evaluations, or one that does."""
+    """The map itself if it counts its evaluations, else one that wraps it."""
     return map_ if isinstance(map_, Counting) else _Counted(map_)
 
 
 class Allowance:
-    """How often a map may be evaluated from now on: at most ``most`` times."""
+    """A bound of the evaluations of a map from now on."""
 
     def __init__(self, map_: Counting, most: int) -> None:
         self._map, self._last = map_, map_.evaluations + most
 
     @property
     def spent(self) -> bool:
-        """Whether the map was evaluated as often as allowed."""
+        """Whether none are left."""
         return self._map.evaluations >= self._last

@@ -1,17 +1,17 @@
-"""Whether the derivatives that a map gives are those of its values and margins."""
+"""A test of the derivatives that a map gives, by differences of its values and margins."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from operator import methodcaller
 
 from woodpecker.base.checks import number, positive
 from woodpecker.maps.pieces import Image, Piece, PiecewiseMap, map_of_pieces
 
 RELATIVE_STEP = 2.0**-12  # errors h^4 of the extrapolated difference and rounding/h are both 1e-13
 NOISE = 2.0**-49  # relative rounding of a value: eight spacings
-DOUBT = 10.0  # a derivative is wrong if it is off by this many times what a difference may be
+DOUBT = 10.0  # a derivative is wrong if its error is so many times the estimate of a difference's
 
 Reading = Callable[[Image], float]
 
@@ -24,21 +24,20 @@ def check_derivatives(
     Parameters
     ----------
     map_
-        The map; each piece is compared at the points that the map gives to it.
+        The map, with the pieces that it takes at the points.
     points
         Pairs (x, p) inside pieces.
     tolerance
-        Largest error of a derivative, relative to it or, if that is smaller, to 1. What a
-        difference cannot tell, as next to a square root, is allowed besides.
+        Largest error of a derivative, relative to its modulus or 1, whichever is larger; errors of
+        the differences, as next to a square root, are allowed besides.
 
     Raises
     ------
     ValueError
-        If a derivative is wrong: the sentence says which, where, and what it should be. Also if
-        the map has no value at a point, or there is none.
+        If a derivative is wrong: says which, where, and what it should be; if the map has no value
+        at a point, or there is no point.
     TypeError
-        If the map has no pieces, or one of them lacks what a piece has: ``key``, ``word``, ``at``
-        and ``cause``.
+        If the map has no pieces, or one lacks ``key``, ``word``, ``at`` or ``cause``.
 
     Examples
     --------
@@ -58,24 +57,24 @@ def check_derivatives(
         if here.reason:
             raise ValueError(f"the map has no value at x = {x}, p = {p}: {here.reason}")
         _complete(here, x, p)
-        for claim in _claims(here):
-            found, doubt = _difference(here.piece, claim, x, p)
+        for name, by, given, read in _claims(here):
+            found, doubt = _difference(here.piece, read, by, x, p)
             if math.isnan(found):
                 raise ValueError(
-                    f"{claim.name} of piece {here.piece.word!r} cannot be compared at x = {x}, "
+                    f"{name} of piece {here.piece.word!r} cannot be compared at x = {x}, "
                     f"p = {p}: it has no value beside it, so choose a point further inside"
                 )
-            off = abs(claim.given - found)
+            off = abs(given - found)
             if not off <= tolerance * max(1.0, abs(found)) + DOUBT * doubt:
                 raise ValueError(
-                    f"the derivative in {claim.by} of {claim.name} of piece {here.piece.word!r} at "
-                    f"x = {x}, p = {p} is given as {claim.given:.10g}, but differences of values "
+                    f"the derivative in {by} of {name} of piece {here.piece.word!r} at "
+                    f"x = {x}, p = {p} is given as {given:.10g}, but differences of values "
                     f"say {found:.10g}"
                 )
 
 
 def _complete(image: Image, x: float, p: float) -> None:
-    """Complain of a piece that lacks something, or whose margins cannot be told apart."""
+    """TypeError or ValueError if a piece lacks something, or its codes do not ascend."""
     for name in ("key", "word", "at", "cause"):
         if not hasattr(image.piece, name):
             raise TypeError(f"a piece must have {name!r}, {image.piece!r} has not")
@@ -104,33 +103,23 @@ def _pairs(points: Iterable[tuple[float, float]]) -> list[tuple[float, float]]:
     return pairs
 
 
-@dataclass(frozen=True, slots=True)
-class _Claim:
-    """A derivative as a map gives it, and how to read the value from an image."""
-
-    name: str
-    by: str
-    given: float
-    read: Reading
-
-
-def _claims(image: Image) -> Iterator[_Claim]:
+def _claims(image: Image) -> Iterator[tuple[str, str, float, Reading]]:
+    """Derivatives as a map gives them: of what, in what, the number, and how its value is read."""
     for by, given in (("x", image.slope), ("p", image.d_parameter)):
-        yield _Claim("the value", by, given, lambda at: at.value)
+        yield "the value", by, given, lambda at: at.value
     for code in image.causes.tolist():
-        name = f"the margin {image.piece.cause(code)!r}"
+        name, read = f"the margin {image.piece.cause(code)!r}", methodcaller("margin", code)
         for by, given in zip("xp", image.gradient(code).tolist(), strict=True):
-            yield _Claim(name, by, given, lambda at, code=code: at.margin(code))  # type: ignore[misc]
+            yield name, by, given, read
 
 
-def _difference(piece: Piece, claim: _Claim, x: float, p: float) -> tuple[float, float]:
-    """An extrapolated central difference, and how far it may be off; nan if values are missing."""
+def _difference(piece: Piece, read: Reading, by: str, x: float, p: float) -> tuple[float, float]:
+    """An extrapolated central difference and its error; nan if values are missing."""
 
     def value(shift: float) -> float:
-        point = (x + shift, p) if claim.by == "x" else (x, p + shift)
-        return claim.read(piece.at(*point))
+        return read(piece.at(x + shift, p) if by == "x" else piece.at(x, p + shift))
 
-    h = RELATIVE_STEP * max(1.0, abs(x if claim.by == "x" else p))
+    h = RELATIVE_STEP * max(1.0, abs(x if by == "x" else p))
     ends = [(value(-s), value(s)) for s in (h, 0.5 * h)]
     coarse, fine = ((b - a) / w for (a, b), w in zip(ends, (2.0 * h, h), strict=True))
     rounding = NOISE * max(abs(v) for pair in ends for v in pair) / h

@@ -1,4 +1,4 @@
-"""Piecewise-smooth maps that are written by hand: functions of (x, p), with margins in words."""
+"""Piecewise-smooth maps written by hand: functions of (x, p), and margins with sentences."""
 
 from __future__ import annotations
 
@@ -13,13 +13,12 @@ import numpy as np
 import numpy.typing as npt
 
 from pwmap.diagrams.shown import table
-from woodpecker.base.arrays import STEP, Floats, Ints
+from woodpecker.base.arrays import STEP, Bools, Floats, Ints
 from woodpecker.base.checks import number, real_array
-from woodpecker.maps.pieces import Image, Piece
+from woodpecker.maps.pieces import Image, Piece, no_image
 from woodpecker.maps.sweeps import Sweep, one_by_one
 
 Formula = Callable[[float, float], float]
-Bools = npt.NDArray[np.bool_]
 
 NOWHERE = "no piece of the map holds this point"
 NOT_REAL = (ValueError, ZeroDivisionError, OverflowError)  # math's words for no real value
@@ -27,10 +26,10 @@ NOT_REAL = (ValueError, ZeroDivisionError, OverflowError)  # math's words for no
 
 @dataclass(frozen=True, slots=True)
 class Smooth:
-    """A smooth function of (x, p) with its derivatives; differences of values if none are given.
+    """A smooth function of (x, p) with its derivatives, by default differences of values.
 
     Differences are good to about ten digits where the function is smooth on the scale of 1, but not
-    next to a square root: give the derivatives there.
+    next to a square root.
 
     Parameters
     ----------
@@ -43,15 +42,15 @@ class Smooth:
     Raises
     ------
     TypeError
-        If one of them cannot be called; when it is called, if it returns no number.
+        If one of them is no function of two arguments; later if it returns no number.
 
     Examples
     --------
     >>> from math import sqrt
     >>> from woodpecker import Smooth
     >>> root = Smooth(lambda x, p: sqrt(x - p), dx=lambda x, p: 0.5 / sqrt(x - p))
-    >>> value, dx, dp = root.at(4.0, 0.0)
-    >>> value, dx, round(dp, 9)  # the last by differences
+    >>> value, dx, dp = root.at(4.0, 0.0)  # dp by differences
+    >>> value, dx, round(dp, 9)
     (2.0, 0.25, -0.25)
     """
 
@@ -73,19 +72,19 @@ class Smooth:
             except (*NOT_REAL, TypeError):
                 pass  # one of them may have a value all the same
         value = real(self.value, x, p)
-        dx = self._by_x(x, p, value) if self.dx is None else real(self.dx, x, p)
-        dp = self._by_p(x, p, value) if self.dp is None else real(self.dp, x, p)
+        if self.dx is None:
+            dx = difference(lambda s: real(self.value, s, p), x, value)
+        else:
+            dx = real(self.dx, x, p)
+        if self.dp is None:
+            dp = difference(lambda s: real(self.value, x, s), p, value)
+        else:
+            dp = real(self.dp, x, p)
         return value, dx, dp
-
-    def _by_x(self, x: float, p: float, value: float) -> float:
-        return difference(lambda s: real(self.value, s, p), x, value)
-
-    def _by_p(self, x: float, p: float, value: float) -> float:
-        return difference(lambda s: real(self.value, x, s), p, value)
 
 
 def _takes_two(formula: object) -> bool:
-    """Whether something can be called with x and p, as far as it says so."""
+    """Whether an object can be called with x and p, or has no signature that says."""
     if not callable(formula):
         return False
     try:
@@ -98,7 +97,7 @@ def _takes_two(formula: object) -> bool:
 
 
 def real(formula: Formula, x: float, p: float) -> float:
-    """The value of a formula; nan if it is not real; TypeError if it is no number."""
+    """The value of a formula, nan if not real; TypeError if it is no number."""
     try:
         value = formula(x, p)
     except NOT_REAL:
@@ -113,7 +112,7 @@ def real(formula: Formula, x: float, p: float) -> float:
 
 
 def difference(function: Callable[[float], float], at: float, value: float) -> float:
-    """The derivative of a function by differences: central, or one-sided at its domain's end."""
+    """The derivative by differences: central, or one-sided at the end of the function's domain."""
     h = STEP * max(1.0, abs(at))
     above, below = function(at + h), function(at - h)
     if not (math.isnan(above) or math.isnan(below)):
@@ -129,12 +128,12 @@ class FormulaPiece:
     Parameters
     ----------
     word
-        Its name; pieces of one name are one piece.
+        Its name, which identifies it.
     map
         Its values.
     margins
-        Functions that are positive inside, by the sentence that says what happens where they
-        vanish; none if the piece holds every point.
+        Functions that are positive inside, by the sentence that says what happens where each
+        vanishes; none if the piece holds every point.
 
     Raises
     ------
@@ -204,7 +203,7 @@ class FormulaPiece:
         return np.array(flat, dtype=bool).reshape(x.shape)
 
     def cause(self, code: int) -> str:
-        """What happens where the margin with a code, from 0 on, vanishes: the name it was given."""
+        """The sentence of the margin with a code, its number from 0 on."""
         return list(self.margins)[code]
 
     def __repr__(self) -> str:
@@ -212,7 +211,7 @@ class FormulaPiece:
 
 
 def codes(n: int) -> Ints:
-    """The codes (n,) of the margins of a formula's piece, which nobody can change."""
+    """The codes (n,), locked, of the margins of a piece."""
     found = np.arange(n)
     found.setflags(write=False)
     return found
@@ -225,7 +224,7 @@ def no_value(word: str, x: float, p: float) -> str:
 
 @runtime_checkable
 class SweptPiece(Protocol):
-    """A piece that takes many points at once, each with a parameter of its own."""
+    """A piece that takes many points at once, each with its own parameter."""
 
     def holding(self, x: Floats, p: Floats) -> Bools:
         """Which of the points (n,) it holds."""
@@ -235,20 +234,10 @@ class SweptPiece(Protocol):
 
 
 class BoundedPiece(Piece, Protocol):
-    """A piece that knows which points it holds.
-
-    Examples
-    --------
-    >>> from woodpecker.examples import two_lines
-    >>> from woodpecker.maps import BoundedPiece
-    >>> def left_of(piece: BoundedPiece, p: float) -> bool:
-    ...     return piece.holds(-1.0, p)
-    >>> [left_of(piece, 0.5) for piece in two_lines().pieces]
-    [True, False]
-    """
+    """A piece that says which points it holds, such as :class:`woodpecker.FormulaPiece`."""
 
     def holds(self, x: float, p: float) -> bool:
-        """Whether the map takes this piece at a point, unless an earlier one holds it too."""
+        """Whether the map takes this piece at a point, unless an earlier one holds that too."""
 
     def values(self, x: Floats, p: float) -> Floats:
         """The images of many points, of any shape, also outside; nan where there is none."""
@@ -259,12 +248,12 @@ class BoundedPiece(Piece, Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class FormulaMap:
-    """A piecewise-smooth map of given pieces; where several hold a point, the first counts.
+    """A piecewise-smooth map of given pieces; the first that holds a point counts.
 
-    Borders are where margins vanish: where an earlier piece begins within a later one, a margin of
-    the later one should say so too. A branch is not followed across a jump that none of its margins
-    expresses: it ends there (EP, open, "the map takes another piece"). Slices see borders only. It
-    pickles if its functions do: those written by hand must be defined at the top of a module.
+    Borders are where margins vanish: a piece needs a margin also where an earlier piece begins
+    within it. Slices find only such borders, and a branch ends at a jump that no margin of its
+    pieces expresses (EP, open, "the map takes another piece"). The map pickles if its functions do:
+    those written by hand must be defined at the top of a module.
 
     Parameters
     ----------
@@ -308,11 +297,7 @@ class FormulaMap:
         for piece in self.pieces:
             if piece.holds(x, p):
                 return piece.at(x, p)
-        nothing: Floats = np.empty(0)
-        return Image(
-            math.nan, math.nan, math.nan, nothing, nothing.reshape(0, 2), codes(0),
-            self.pieces[0], NOWHERE,
-        )  # fmt: skip
+        return no_image(self.pieces[0], NOWHERE)
 
     def __repr__(self) -> str:
         return f"FormulaMap({', '.join(repr(piece.word) for piece in self.pieces)})"
@@ -334,8 +319,8 @@ class FormulaMap:
     def values(self, x: npt.ArrayLike, p: float) -> Floats:
         """The images of many points, of any shape; nan where there is none.
 
-        Pieces made from sympy are evaluated by numpy, whose functions may differ in the last bit
-        from those of :mod:`math` that :meth:`at` uses. ValueError if they are no real numbers.
+        Pieces from sympy are evaluated by numpy: the last bit may differ from :meth:`at`, which
+        uses :mod:`math`. ValueError if the arguments are no real numbers.
         """
         points, p = real_array("x", x), number("p", p)
         images = np.full(points.shape, math.nan)
@@ -348,10 +333,10 @@ class FormulaMap:
         return images
 
     def sweep(self, x: npt.ArrayLike, p: npt.ArrayLike) -> Sweep:
-        """Images and slopes (n,) of many points, each with a parameter of its own or one for all.
+        """Images and slopes (n,) of many points, with one parameter or one each.
 
-        They are nan where there is no image. Pieces from sympy or pwmap are evaluated by numpy in
-        one go, one that is written by hand point by point. ValueError if they are no real numbers.
+        They are nan where there is no image. Pieces from sympy or pwmap are evaluated by numpy at
+        once, those written by hand point by point. ValueError if arguments are no real numbers.
         """
         points = real_array("x", x).ravel()
         values = np.broadcast_to(real_array("p", p), points.shape)

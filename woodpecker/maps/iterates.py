@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import whole
 from woodpecker.maps.pieces import Image, Piece, PiecewiseMap, map_of_pieces
 
@@ -22,8 +23,8 @@ RETURN = 2**32  # between the codes of margins of successive returns; those of a
 class Iterate:
     """P_order of a map; it pickles if the map does.
 
-    Where P_1 is steep its iterates have pieces too thin to be met one by one. All cycles of a
-    window are found by :func:`woodpecker.slices.slices.slices_at`, which pulls pieces of P_1 back.
+    Where P_1 is steep its iterates have very thin pieces. To find all cycles in a window use
+    :func:`woodpecker.slices_at`, which pulls pieces of P_1 back.
 
     Parameters
     ----------
@@ -76,7 +77,7 @@ class IteratedPiece:
         return _composed([lambda x, piece=piece: piece.at(x, p) for piece in self.pieces], x)  # type: ignore[misc]
 
     def cause(self, code: int) -> str:
-        """What happens where a margin vanishes, and in which return."""
+        """A sentence on what happens where a margin vanishes, and in which return."""
         k, own = divmod(code, RETURN)
         return f"{self.pieces[k].cause(own)}, in return {k + 1}"
 
@@ -84,7 +85,7 @@ class IteratedPiece:
 def _composed(returns: list[Callable[[float], Image]], x: float) -> Image:
     """The image of a point under maps that are applied one after the other."""
     slope, d_parameter = 1.0, 0.0
-    images, gradients = list[Image](), list[np.ndarray[tuple[int, int], np.dtype[np.float64]]]()
+    images, gradients = list[Image](), list[Floats]()
     for each in returns:
         image = each(x)
         images.append(image)
@@ -96,14 +97,15 @@ def _composed(returns: list[Callable[[float], Image]], x: float) -> Image:
             break
         x, d_parameter = image.value, image.slope * d_parameter + image.d_parameter
         slope *= image.slope
-    last = images[-1]
+    if reason := images[-1].reason:
+        x = slope = d_parameter = math.nan
     return Image(
-        math.nan if last.reason else x,
-        math.nan if last.reason else slope,
-        math.nan if last.reason else d_parameter,
+        x,
+        slope,
+        d_parameter,
         np.concatenate([image.margins for image in images]),
         np.concatenate(gradients),
         np.concatenate([image.causes + k * RETURN for k, image in enumerate(images)]),
         IteratedPiece(tuple(image.piece for image in images)),
-        last.reason,
+        reason,
     )

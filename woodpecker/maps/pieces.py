@@ -1,7 +1,7 @@
-"""A piecewise-smooth map of the line: smooth pieces, each with the margins that bound it.
+"""Piecewise-smooth maps of the line: smooth pieces, each with the margins that bound it.
 
-A piece is a smooth map P(x, p) that exists beyond the set where the map takes it. Its margins
-h_k(x, p) are all positive inside, and one of them vanishes at a border.
+A piece is a smooth map P(x, p), also defined beyond the set where the map takes it. Its margins
+h_k(x, p) are positive inside this set, and one of them vanishes at a border.
 """
 
 from __future__ import annotations
@@ -17,19 +17,18 @@ from woodpecker.base.arrays import Floats, Ints
 
 
 class Image(NamedTuple):
-    """What a piece makes of a point.
+    """The image of a point under a piece, with derivatives and margins.
 
     Attributes
     ----------
     value, slope, d_parameter
         P(x, p), nan where the piece has no value; dP/dx and dP/dp.
     margins, gradients
-        (m,) numbers h_k(x, p), positive where the map takes this piece; (m, 2) their derivatives.
+        (m,) h_k(x, p), positive where the map takes this piece; (m, 2) derivatives in x and p.
     causes
-        (m,) ascending codes that tell the margins apart; a piece need not have the same ones at two
-        points.
+        (m,) ascending codes of the margins, which may differ between points of a piece.
     piece
-        The piece, ready to be continued from this point.
+        The piece, to be continued from this point.
     reason
         Why there is no value; empty if there is one.
 
@@ -78,17 +77,16 @@ class Image(NamedTuple):
         return k if k < len(self.causes) and self.causes[k] == code else -1
 
 
-class Piece(Protocol):
-    """A smooth map with margins. It may remember where it was met last, to start from there.
+def no_image(piece: Piece, reason: str) -> Image:
+    """An image without a value and margins."""
+    nothing, codes = np.empty(0), np.empty(0, dtype=np.int64)
+    return Image(math.nan, math.nan, math.nan, nothing, nothing.reshape(0, 2), codes, piece, reason)
 
-    Examples
-    --------
-    >>> from woodpecker.examples import two_lines
-    >>> from woodpecker.maps import Piece
-    >>> def described(piece: Piece) -> str:  # whatever has these methods will do
-    ...     return f"{piece.word}: {piece.at(2.0, 0.5).value:g} at 2; {piece.cause(0)}"
-    >>> described(two_lines().pieces[0])  # also where the map takes another piece
-    'L: 1.5 at 2; x = 0'
+
+class Piece(Protocol):
+    """A smooth map with margins, such as :class:`woodpecker.FormulaPiece`.
+
+    It may keep the point of its last image, to start from there.
     """
 
     @property
@@ -97,7 +95,7 @@ class Piece(Protocol):
 
     @property
     def word(self) -> str:
-        """Its name, as people read it, such as a sequence of events."""
+        """Its name for readers, such as a sequence of events."""
 
     def at(self, x: float, p: float) -> Image:
         """The image of a point, also outside; without a value it carries the reason."""
@@ -107,27 +105,18 @@ class Piece(Protocol):
 
 
 class PiecewiseMap(Protocol):
-    """A map of the line, made of pieces.
+    """A map of the line, made of pieces, such as :class:`woodpecker.FormulaMap`.
 
-    At each sample of a branch it is asked which pieces it takes, unless it has a true attribute
-    ``margins_decide``: then it takes a piece just where all margins are positive.
-
-    Examples
-    --------
-    >>> from woodpecker import PiecewiseMap
-    >>> from woodpecker.examples import two_lines
-    >>> def value(map_: PiecewiseMap, x: float, p: float) -> float:
-    ...     return map_.at(x, p).value  # whatever has a method at(x, p) with images will do
-    >>> value(two_lines(), -1.0, 0.25)
-    -0.25
+    At each sample of a branch it is asked which pieces it takes, unless its attribute
+    ``margins_decide`` is true: it then takes a piece just where all margins are positive.
     """
 
     def at(self, x: float, p: float) -> Image:
-        """The image of a point under the piece that the map takes there, or the reason why none."""
+        """The image of a point under the piece that the map takes, or the reason why none."""
 
 
 def map_of_pieces(map_: PiecewiseMap) -> PiecewiseMap:
-    """A map that a user has given; TypeError if it has no pieces, or is no map of the line."""
+    """The map itself; TypeError unless it is a map of the line with pieces."""
     if hasattr(map_, "d"):
         raise TypeError(f"a map of the line is needed, such as LineOfSystem(map_), got {map_!r}")
     if not callable(getattr(map_, "at", None)):

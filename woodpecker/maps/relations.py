@@ -1,15 +1,16 @@
-"""Conditions of a sympy Piecewise as margins: each relation a function that is positive inside."""
+"""Conditions of a sympy Piecewise as margins: functions that are positive where they hold."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from functools import lru_cache
+from itertools import combinations
 from typing import NamedTuple
 
 import sympy
 
 CORNERS = (sympy.Piecewise, sympy.Abs, sympy.Max, sympy.Min)
-MOST_REGIONS = 64  # of a piece, or cases that corners make of a map: a handful is usual
+MOST_REGIONS = 64  # of a piece, or cases of a map's corners: a handful is usual
 
 
 class Bound(NamedTuple):
@@ -20,12 +21,12 @@ class Bound(NamedTuple):
     cause: str  # a sentence on what happens there
 
     def complement(self) -> Bound:
-        """The bound of all other points."""
+        """The bound that holds at all other points."""
         return Bound(-self.margin, not self.closed, self.cause)
 
     @property
     def relation(self) -> sympy.Basic:
-        """What holds inside."""
+        """The relation itself."""
         sense = sympy.GreaterThan if self.closed else sympy.StrictGreaterThan
         return sense(self.margin, 0, evaluate=False)
 
@@ -34,10 +35,10 @@ class Bound(NamedTuple):
 
 
 def cases_of(expression: sympy.Expr) -> list[tuple[sympy.Expr, sympy.Basic]]:
-    """Formulas with their conditions, of which the first that holds counts: no Piecewise in one.
+    """Smooth formulas with their conditions, of which the first that holds counts.
 
-    What has a corner, Abs, Max or Min, is written as its cases, too. ValueError if several of them
-    make more cases than ``MOST_REGIONS``.
+    Each Piecewise, Abs, Max and Min is written as its cases; ValueError if several of them make
+    more than ``MOST_REGIONS``.
     """
     subs = sympy.postorder_traversal(expression)
     corner = next((each for each in subs if isinstance(each, CORNERS)), None)
@@ -56,7 +57,7 @@ def cases_of(expression: sympy.Expr) -> list[tuple[sympy.Expr, sympy.Basic]]:
 
 
 def _cases(corner: sympy.Expr) -> Sequence[tuple[sympy.Expr, sympy.Basic]]:
-    """The formulas of what has a corner, with their conditions."""
+    """The formulas of an expression with a corner, and their conditions."""
     values = corner.args
     match corner:
         case sympy.Piecewise():
@@ -72,13 +73,13 @@ def _cases(corner: sympy.Expr) -> Sequence[tuple[sympy.Expr, sympy.Basic]]:
 
 
 Region = tuple[Bound, ...]
-"""Points where all of some relations hold, by their margins."""
+"""The points where some relations all hold."""
 
 
 def regions_of_pieces(conditions: Sequence[sympy.Basic]) -> list[list[Region]]:
-    """Where each condition of a Piecewise is the first that holds: regions that do not overlap.
+    """Disjoint regions where each condition of a Piecewise is the first that holds.
 
-    ValueError for other conditions than relations joined by And, Or and Not, and for more than
+    ValueError unless conditions are relations joined by And, Or and Not, and for more regions than
     ``MOST_REGIONS``.
     """
     found, earlier = list[list[Region]](), list[Region]()
@@ -92,7 +93,7 @@ def regions_of_pieces(conditions: Sequence[sympy.Basic]) -> list[list[Region]]:
 
 
 def regions_of(condition: sympy.Basic) -> list[Region]:
-    """Regions that make up where a condition holds; they may overlap. ValueError for others."""
+    """Regions, perhaps overlapping, where a condition holds; ValueError unless of relations."""
     if condition is sympy.false:
         return []
     whole, found = sympy.to_dnf(condition), list[Region]()
@@ -118,7 +119,7 @@ def _bound(relation: sympy.Basic, condition: sympy.Basic) -> Bound:
 
 
 def _without(region: Region, earlier: Iterable[Region]) -> list[Region]:
-    """The parts of a region that lie in none of the earlier ones; they do not overlap."""
+    """Disjoint parts of a region that lie in none of the earlier ones."""
     parts = [region]
     for other in earlier:
         parts = [each for part in parts for each in _outside(part, other)]
@@ -131,7 +132,7 @@ def _without(region: Region, earlier: Iterable[Region]) -> list[Region]:
 
 
 def _outside(part: Region, other: Region) -> list[Region]:
-    """What lies in a region and not in another one: by the first bound that does not hold."""
+    """The part of a region outside of another, divided by the first bound that does not hold."""
     if _contradict([*part, *other]):
         return [part]
     found, inside = list[Region](), list(part)
@@ -145,7 +146,7 @@ def _outside(part: Region, other: Region) -> list[Region]:
 
 
 def _add(bounds: list[Bound], new: Bound) -> None:
-    """Add a bound, unless others imply it; drop those that it implies."""
+    """Add a bound unless others imply it, and drop those that it implies."""
     if any(_implies(bound, new) for bound in bounds):
         return
     bounds[:] = [bound for bound in bounds if not _implies(new, bound)]
@@ -153,7 +154,7 @@ def _add(bounds: list[Bound], new: Bound) -> None:
 
 
 def _implies(one: Bound, other: Bound) -> bool:
-    """Whether all points of one bound obey another, as far as a constant difference tells."""
+    """Whether one bound implies another, if their margins differ by a constant."""
     excess = _total(other.margin, -one.margin)
     if excess is None:
         return False
@@ -161,27 +162,24 @@ def _implies(one: Bound, other: Bound) -> bool:
 
 
 def _contradict(bounds: Sequence[Bound]) -> bool:
-    """Whether two bounds exclude each other, as far as a constant sum tells."""
-    for k, one in enumerate(bounds):
-        for other in bounds[:k]:
-            total = _total(one.margin, other.margin)
-            if total is not None and (
-                total < 0 or (total == 0 and not (one.closed and other.closed))
-            ):
-                return True
+    """Whether two bounds exclude each other, if the sum of their margins is a constant."""
+    for one, other in combinations(bounds, 2):
+        total = _total(one.margin, other.margin)
+        if total is not None and (total < 0 or (total == 0 and not (one.closed and other.closed))):
+            return True
     return False
 
 
 @lru_cache(maxsize=4096)
 def _total(one: sympy.Expr, other: sympy.Expr) -> sympy.Expr | None:
-    """The rational number that two margins add up to, up to factors; None if it is no such one."""
+    """The sum of two margins, normalised by positive factors; None if it is no rational number."""
     value = sympy.expand(_normal(one) + _normal(other))
     return value if value.is_Rational else None
 
 
 @lru_cache(maxsize=4096)
 def _normal(margin: sympy.Expr) -> sympy.Expr:
-    """The same up to a positive factor for relations that say the same."""
+    """A margin divided by a positive factor, so that equivalent relations have one margin."""
     expanded = sympy.expand(margin)
     content = expanded.as_content_primitive()[0]
     return expanded / abs(content) if content.is_nonzero else expanded

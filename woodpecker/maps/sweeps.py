@@ -26,8 +26,7 @@ class Sweep(NamedTuple):
 
 
 def one_by_one(at: Callable[[float, float], Image], x: Floats, p: Floats) -> Sweep:
-    """Images and slopes at points (n,) and parameters (n,) of a map that takes one at a time."""
-    pairs = zip(x.tolist(), p.tolist(), strict=True)
-    images = [at(each, value) for each, value in pairs]
-    value, slope = np.array([(i.value, i.slope) for i in images], dtype=float).reshape(-1, 2).T
-    return Sweep(value, slope)
+    """Images and slopes at points and parameters, both (n,), of a map that takes one point."""
+    images = map(at, x.tolist(), p.tolist())
+    found = np.array([(image.value, image.slope) for image in images], dtype=float)
+    return Sweep(*found.reshape(-1, 2).T)

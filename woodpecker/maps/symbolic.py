@@ -1,4 +1,4 @@
-"""Piecewise-smooth maps from sympy's formulas and from pwmap: derivatives exact, compiled once."""
+"""Piecewise-smooth maps from sympy and pwmap, with exact derivatives, compiled once."""
 
 from __future__ import annotations
 
@@ -13,9 +13,9 @@ import numpy as np
 import sympy
 
 from pwmap import LinearPiece, PiecewiseLinearMap
-from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.base.slopes import derivative
-from woodpecker.maps.formulas import NOT_REAL, Bools, FormulaMap, codes, no_value, real
+from woodpecker.maps.formulas import NOT_REAL, FormulaMap, codes, no_value, real
 from woodpecker.maps.pieces import Image
 from woodpecker.maps.relations import Bound, cases_of, regions_of, regions_of_pieces
 from woodpecker.maps.sweeps import Sweep
@@ -29,16 +29,13 @@ SMOOTH = (
 ARITHMETIC = (sympy.Add, sympy.Mul, sympy.Pow)
 
 
-class Symbols(NamedTuple):
-    """The variable and the parameter of a map."""
-
-    x: sympy.Symbol
-    p: sympy.Symbol
+Symbols = tuple[sympy.Symbol, sympy.Symbol]
+"""The variable and the parameter of a map."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SymbolicPiece:
-    """A smooth piece of a map, given by sympy's expressions, all compiled into one function."""
+    """A smooth piece of a map given by expressions of sympy, all compiled into one function."""
 
     word: str  # its name
     symbols: Symbols  # the variable and the parameter
@@ -96,7 +93,7 @@ class SymbolicPiece:
         return self._on_array(self.value, x, p)
 
     def holding(self, x: Floats, p: float | Floats) -> Bools:
-        """Which of many points it holds; all have one parameter, or each its own."""
+        """Which of many points it holds, with one parameter or one each."""
         held = np.ones(x.shape, dtype=bool)
         for bound in self.bounds:
             margin = self._on_array(bound.margin, x, p)
@@ -104,7 +101,7 @@ class SymbolicPiece:
         return held
 
     def sweep(self, x: Floats, p: Floats) -> Sweep:
-        """Images and slopes at many points (n,), each with its parameter, also outside."""
+        """Images and slopes at points (n,), each with its parameter, also outside."""
         value, slope, _ = self._functions.expressions[:3]
         return Sweep(*self._on_arrays((value, slope), x, p))
 
@@ -121,12 +118,12 @@ class SymbolicPiece:
         return [np.broadcast_to(np.asarray(each, dtype=float), x.shape).copy() for each in found]
 
     def cause(self, code: int) -> str:
-        """What happens where a margin vanishes."""
+        """A sentence on what happens where a margin vanishes."""
         return self.bounds[code].cause
 
 
 class _Functions(NamedTuple):
-    """What is compiled of a piece."""
+    """The compiled functions of a piece."""
 
     arguments: tuple[sympy.Symbol, ...]  # of all functions: x, p, and symbols that are held
     # value and derivatives; the margins; their derivatives in x and p
@@ -173,22 +170,22 @@ def from_sympy(
 ) -> FormulaMap:
     """A map from a ``sympy.Piecewise``, or from one smooth expression.
 
-    A condition is a relation (<, <=, >, >=) of expressions, or several joined by And, Or, Not; each
-    relation becomes a margin. The first condition that holds counts: a piece also gets complements
-    of earlier ones, and is several pieces, C1 and C2, if it holds on several sides of them. Abs,
-    Min, Max and a Piecewise within the formula are written as their cases; other functions must be
-    smooth. A root has no value, not a complex one, beyond its end.
+    A condition is a relation (<, <=, >, >=), or several joined by And, Or, Not; each relation
+    becomes a margin. The first condition that holds counts: a piece also gets complements of
+    earlier ones, and is several pieces, C1 and C2, if it lies on several sides of them. Abs, Min,
+    Max and an inner Piecewise are written as their cases; other functions must be smooth. A root
+    has no value beyond its end.
 
     Parameters
     ----------
     piecewise
-        The map, no text.
+        The map.
     x, p
         The variable and the parameter.
     values
         Numbers for all other symbols. A float is taken as the binary number that it holds.
     words
-        Names, one for each formula in their order; by default A, B, C, ...
+        Names, one for each formula; by default A, B, C, ...
 
     Returns
     -------
@@ -199,7 +196,7 @@ def from_sympy(
     ------
     ValueError, TypeError
         For text, unknown symbols, functions that are not smooth such as sign or floor, conditions
-        with == or !=, and several corners that make more than 64 cases.
+        with == or !=, and more than 64 cases.
 
     Examples
     --------
@@ -207,20 +204,19 @@ def from_sympy(
     >>> from woodpecker import from_sympy
     >>> x, p = symbols("x p")
     >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> image = lines.at(-1.0, 0.25)
+    >>> image = from_sympy(formula, x, p, words=["L", "R"]).at(-1.0, 0.25)
     >>> image.value, image.slope, image.piece.word
     (-0.25, 0.5, 'L')
     """
     symbols = known_symbols(x=x, p=p)
-    return FormulaMap(pieces_from_sympy(piecewise, symbols, Symbols(x, p), values or {}, words))
+    return FormulaMap(pieces_from_sympy(piecewise, symbols, (x, p), values or {}, words))
 
 
 def pieces_from_sympy(
     piecewise: sympy.Expr, symbols: tuple[sympy.Symbol, ...], first: Symbols,
     values: Mapping[sympy.Symbol, Any], words: Sequence[str] | None,
 ) -> list[SymbolicPiece]:  # fmt: skip
-    """The pieces of a formula in some symbols, two of which vary at first, the others are zero."""
+    """The pieces of a formula over the two ``first`` of its symbols; others are zero at first."""
     if not isinstance(piecewise, sympy.Expr):
         raise TypeError(f"a map must be an expression of sympy, got {piecewise!r}")
     given, held = _numbers(values, symbols), tuple((s, 0.0) for s in symbols if s not in first)
@@ -242,7 +238,7 @@ def pieces_from_sympy(
 
 
 def known_symbols(**named: object) -> tuple[sympy.Symbol, ...]:
-    """The variable and the parameters, by what they are called here."""
+    """The variable and the parameters, given by name; errors unless they are different symbols."""
     for name, symbol in named.items():
         if not isinstance(symbol, sympy.Symbol):
             raise TypeError(f"{name} must be a symbol of sympy, got {symbol!r}")
@@ -256,7 +252,7 @@ def known_symbols(**named: object) -> tuple[sympy.Symbol, ...]:
 def _numbers(
     values: Mapping[Any, Any], symbols: tuple[sympy.Symbol, ...]
 ) -> dict[sympy.Symbol, sympy.Expr]:
-    """What is put in for other symbols, exactly."""
+    """Exact values of other symbols; ValueError or TypeError unless they are finite and real."""
     found = {}
     for symbol, value in values.items():
         if not isinstance(symbol, sympy.Symbol) or symbol in symbols:
@@ -271,12 +267,12 @@ def _numbers(
 
 
 def _exact(expression: sympy.Basic) -> sympy.Basic:
-    """The same with floats as the rationals they are, which are printed without loss."""
+    """The same with floats as exact rational numbers."""
     return expression.xreplace({f: sympy.Rational(f) for f in expression.atoms(sympy.Float)})
 
 
 def _check(expression: sympy.Expr, symbols: tuple[sympy.Symbol, ...]) -> None:
-    """Refuse unknown symbols and what is not smooth or not real."""
+    """ValueError for unknown symbols and functions that are not smooth or not real."""
     unknown = sorted(expression.free_symbols - set(symbols), key=str)
     for symbol in unknown:
         if symbol.name in [known.name for known in symbols]:
@@ -313,14 +309,14 @@ def _names(words: Sequence[str] | None, n: int) -> tuple[str, ...]:
 def from_pwmap(map_: PiecewiseLinearMap, parameter: sympy.Symbol | str) -> FormulaMap:
     """A map from an exact piecewise-linear one with a single symbolic parameter.
 
-    Its pieces keep their names; their margins are distances to the breaks, x - break(p). Pieces
-    that are a single point are left out. The new map is valid where the assumptions of the exact
-    one hold, which fix the order of the breaks.
+    Pieces keep their names; their margins are distances from the breaks. Pieces of a single point
+    are left out. The new map is valid where the assumptions of the exact one hold, which fix the
+    order of the breaks.
 
     Parameters
     ----------
     map_
-        The map; give other parameters values by :meth:`pwmap.PiecewiseLinearMap.at`.
+        The map; :meth:`pwmap.PiecewiseLinearMap.at` gives other parameters values.
     parameter
         Symbol or name of the parameter.
 
@@ -347,7 +343,7 @@ def from_pwmap(map_: PiecewiseLinearMap, parameter: sympy.Symbol | str) -> Formu
 
 
 def pieces_from_pwmap(map_: PiecewiseLinearMap, parameters: tuple[str, ...]) -> list[SymbolicPiece]:
-    """The pieces of a piecewise-linear map; of its parameters the first varies at first."""
+    """The pieces of a piecewise-linear map over the first of its parameters; others are zero."""
     if not isinstance(map_, PiecewiseLinearMap):
         raise TypeError(f"the map must be a pwmap.PiecewiseLinearMap, got {map_!r}")
     named = {str(symbol): symbol for symbol in map_.parameters}
@@ -356,7 +352,7 @@ def pieces_from_pwmap(map_: PiecewiseLinearMap, parameters: tuple[str, ...]) -> 
         alone = " alone" if len(parameters) == 1 else ""
         raise ValueError(f"the parameters of the map must be {wanted}{alone}, got {listed}")
     first, *others = (named[name] for name in parameters)
-    symbols, held = Symbols(map_.x, first), tuple((symbol, 0.0) for symbol in others)
+    symbols, held = (map_.x, first), tuple((symbol, 0.0) for symbol in others)
     return [
         SymbolicPiece(piece.word, symbols, piece.expression, _ends(piece), held)
         for piece in map_.pieces

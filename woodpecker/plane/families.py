@@ -19,7 +19,6 @@ from woodpecker.maps.formulas import FormulaMap
 from woodpecker.maps.pieces import Piece, PiecewiseMap
 from woodpecker.maps.symbolic import (
     SymbolicPiece,
-    Symbols,
     known_symbols,
     pieces_from_pwmap,
     pieces_from_sympy,
@@ -119,7 +118,7 @@ class SymbolicFamily(Family):
 
     def over(self, axis: int, values: Pair) -> FormulaMap:
         x, *parameters = self.symbols
-        first, held = Symbols(x, parameters[axis]), ((parameters[1 - axis], values[1 - axis]),)
+        first, held = (x, parameters[axis]), ((parameters[1 - axis], values[1 - axis]),)
         return FormulaMap([replace(piece, symbols=first, held=held) for piece in self.pieces])
 
     def carried(self, piece: Piece, map_: PiecewiseMap) -> Piece:
@@ -165,7 +164,7 @@ def family_from_sympy(
     """
     p, q = two(parameters)
     symbols = known_symbols(x=x, p=p, q=q)
-    pieces = pieces_from_sympy(piecewise, symbols, Symbols(x, p), values or {}, words)
+    pieces = pieces_from_sympy(piecewise, symbols, (x, p), values or {}, words)
     return SymbolicFamily(tuple(pieces), (x, p, q))
 
 

@@ -1,11 +1,10 @@
-"""A discontinuous map as a picture shows it: samples where it is steep, jumps told from flanks.
+"""Samples of a discontinuous map for a picture, which tell jumps from steep flanks.
 
-Where neighbouring samples differ by more than shows, their interval is halved until it is narrower
-than a pixel. To tell a jump from a flank, the half that differs more is followed down to
-neighbouring doubles: what still differs there, and not less and less on the way, is a jump. (The
-flank of a dip falls by a quarter of a radian for each decade; dips narrower than a pixel can be
-deeper than is drawn.) An iterate has too many steep places for all of them: a budget of returns
-takes the largest differences first, and what it leaves open is drawn otherwise and counted.
+The interval of neighbouring samples whose difference shows is halved until it is narrower than a
+pixel. Then the half with the larger difference is followed down to neighbouring doubles: a
+difference that stays there, and did not decrease steadily, is a jump. (The flank of a dip falls by
+a quarter of a radian per decade; dips narrower than a pixel can be deeper than is drawn.) A budget
+of returns is spent on the largest differences first; what is left open is drawn pale and counted.
 """
 
 from __future__ import annotations
@@ -17,34 +16,31 @@ from enum import IntEnum
 
 import numpy as np
 
-from woodpecker.base.arrays import Floats, Ints
+from woodpecker.base.arrays import Bools, Floats, Ints
 
 Image = Callable[[Floats], Floats]  # values (n,) of a map at points (n,); nan where it has none
-BATCH = 1024  # places looked at in one go: enough for all cores, few enough to stop in time
-LATELY = 10  # halvings, three decades: what differs less and less over these is a flank to the end
-NEAREST = 1e-3  # next to zero doubles are finer than rounding: spacings are not taken nearer to it
+BATCH = 1024  # intervals halved at once: enough for all cores, few enough to stop in time
+LATELY = 10  # halvings, three decades: a difference that decreases over these is that of a flank
+NEAREST = 1e-3  # smallest modulus for spacings of doubles, which near zero are finer than rounding
+ON_IT = 1e-9  # rad: samples of centres lie so close to the diagonal, on sides decided by rounding
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Detail:
-    """How closely a picture looks."""
+    """The resolution of a picture."""
 
-    # smallest step that shows, as a part of the height: 7 of the 920 pixels of a picture
-    seen: float = 1.0 / 128.0
-    # width of what is looked into, as a part of the width: half of one of its 1400 pixels
-    pixel: float = 1.0 / 2800.0
-    # spacings of doubles below which no interval is halved: rounding blurs the place of a jump
-    finest: float = 64.0
-    # returns of the toy to spend on steep places: seconds at 12 us of a compiled return
-    budget: int = 150_000
+    seen: float = 1.0 / 128.0  # smallest visible step, in heights: 7 of 920 pixels
+    pixel: float = 1.0 / 2800.0  # narrowest visible interval, in widths: half of one of 1400 pixels
+    finest: float = 64.0  # narrowest interval that is halved, in spacings of doubles: rounding
+    budget: int = 150_000  # returns for steep places: seconds, at 12 us of a compiled return
 
 
 class Link(IntEnum):
     """What lies between two neighbouring samples."""
 
-    CURVE = 0  # the map, as far as a picture shows
+    CURVE = 0  # a continuous curve, as far as a picture shows
     JUMP = 1
-    OPEN = 2  # jump or steep flank: the budget ended before this was told
+    OPEN = 2  # jump or flank: the budget is spent
 
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
@@ -53,17 +49,26 @@ class MapSamples:
 
     x: Floats  # ascending points (n,)
     y: Floats  # and their values; nan where the map has none
-    links: Ints  # what lies between neighbours, (n - 1,): see :class:`Link`
-    bottom: float  # lower end of the picture; what lies below was not looked at
-    evaluations: int  # how often the map was evaluated, besides the first samples
+    links: Ints  # between neighbours, (n - 1,): see :class:`Link`
+    bottom: float  # lower end of the picture, below which nothing was refined
+    evaluations: int  # of the map, besides the first samples
 
     def between(self, link: Link) -> Ints:
-        """Indices left of all intervals of one kind."""
+        """Indices of the left ends of all intervals of one kind."""
         return np.flatnonzero(self.links == link)
 
     @property
+    def crosses(self) -> Bools:
+        """Which intervals (n - 1,) have the diagonal between the values of their ends."""
+        above = self.y - self.x
+        with np.errstate(invalid="ignore"):
+            off = np.abs(above[1:]) + np.abs(above[:-1]) > ON_IT
+            crosses: Bools = (above[1:] * above[:-1] < 0.0) & off
+        return crosses
+
+    @property
     def open_width(self) -> float:
-        """Total width of the intervals that were not resolved."""
+        """Total width of the open intervals."""
         return math.fsum(np.diff(self.x)[self.between(Link.OPEN)].tolist())
 
 
@@ -76,7 +81,7 @@ def refined(
     cost: int = 1,
     detail: Detail | None = None,
 ) -> Iterator[MapSamples]:
-    """Refine samples (n,) of a map, x ascending, each of ``cost`` returns: ever better curves."""
+    """Better and better samples of a map, from (n,) at ascending x, of ``cost`` returns each."""
     search = _Refinement(image, x, y, bottom, cost, detail if detail is not None else Detail())
     yield search.curve()
     for step in (search.wide, search.narrow):
@@ -97,14 +102,14 @@ class _Refinement:
         self.height = max(self.top - bottom, math.ulp(bottom))
 
     def curve(self) -> MapSamples:
-        """What is known so far."""
+        """The samples so far."""
         links = np.where(self._gap(self.y[:-1], self.y[1:]) > self.detail.seen, self.told[:-1], 0)
         return MapSamples(
             x=self.x, y=self.y, links=links, bottom=self.bottom, evaluations=self.evaluations
         )
 
     def wide(self) -> Iterator[None]:
-        """Halve what differs and is wider than a pixel, one generation after the other."""
+        """Halve intervals wider than a pixel whose ends differ, all at once, again and again."""
         pixel = self.detail.pixel * float(self.x[-1] - self.x[0])
         while self.left > 0:
             differs = self._gap(self.y[:-1], self.y[1:]) > self.detail.seen
@@ -116,7 +121,7 @@ class _Refinement:
             yield
 
     def narrow(self) -> Iterator[None]:
-        """Tell jumps from flanks in what still differs, the largest differences first."""
+        """Tell jumps from flanks where ends still differ, the largest differences first."""
         gaps = self._gap(self.y[:-1], self.y[1:])
         places = np.flatnonzero(gaps > self.detail.seen)
         places = places[np.argsort(-gaps[places], kind="stable")]
@@ -132,7 +137,7 @@ class _Refinement:
             yield
 
     def _tell(self, ends: Floats) -> None:
-        """What some intervals are, given as x, x, y, y (4, m)."""
+        """Tell whether intervals (4, m), given as x, x, y, y, have jumps or flanks."""
         starts, jumps, seen = ends[0], [ends[0, :0]], [ends[::2, :0]]
         before = np.full((LATELY, ends.shape[1]), np.nan)  # differences some halvings ago
         while ends.size:
@@ -155,7 +160,7 @@ class _Refinement:
         self.told[np.searchsorted(self.x, np.concatenate(jumps))] = Link.JUMP
 
     def _finest(self, x: Floats) -> Floats:
-        """Width of an interval at x that is not halved."""
+        """The narrowest interval at x that is halved."""
         finest: Floats = self.detail.finest * np.spacing(np.maximum(np.abs(x), NEAREST))
         return finest
 
@@ -171,7 +176,7 @@ class _Refinement:
         self.told = np.concatenate([self.told, np.full(len(x), told)])[order]
 
     def _gap(self, a: Floats, b: Floats) -> Floats:
-        """How far values lie apart in the picture, as a part of its height; nan is the bottom."""
+        """The distance of values in the picture, as a part of its height; nan is at the bottom."""
         with np.errstate(invalid="ignore"):
             low, high = (
                 np.clip(np.where(np.isnan(y), self.bottom, y), self.bottom, self.top)

@@ -1,8 +1,8 @@
 """Drawings of the toy: one position, the frames of a motion [Leine2001, Fig. 7], an animation.
 
-The drawing keeps the linear kinematics of the model where it matters: beak and edges of the sleeve
-are as far from the pole as g_N1, g_N2, g_N3 say [Leine2001, Eq. 8]. The sleeve is cut open along
-its axis; the bird has l_G, l_S and h_S. Lengths are in metres and not exaggerated.
+Beak and edges of the sleeve have the distances g_N1, g_N2, g_N3 of the model's linear kinematics
+from the pole [Leine2001, Eq. 8]. The sleeve is cut along its axis. Lengths, among them l_G, l_S and
+h_S of the bird, are in metres and to scale.
 """
 
 from __future__ import annotations
@@ -78,10 +78,10 @@ class Points(NamedTuple):
 
 
 def points(toy: Toy, q: npt.ArrayLike) -> Points:
-    """Where the drawing has its points at coordinates q = (y, phi_M, phi_S)."""
-    # The sleeve moves by the linear kinematics (x, y) -> (x - phi_M y, y + phi_M x), half a percent
-    # off a rotation at 0.1 rad. The bird is rotated about its end of the spring and moved across
-    # until its beak is at the distance r_0 + g_N1.
+    """The points of the drawing at coordinates q = (y, phi_M, phi_S)."""
+    # The sleeve moves by the linear kinematics (x, y) -> (x - phi_M y, y + phi_M x), which differs
+    # from a rotation by half a percent at 0.1 rad. The bird is rotated about its end of the spring
+    # and moved across until its beak is at the distance r_0 + g_N1.
     y, phi_m, _ = np.asarray(q, dtype=float)
     r, h, outer = toy.r_m, toy.h_m, (1.0 + WALL) * toy.r_m
     right = np.array([(r, -h), (outer, -h), (outer, h), (r, h)])
@@ -100,7 +100,7 @@ def points(toy: Toy, q: npt.ArrayLike) -> Points:
 
 
 def bird(toy: Toy, q: npt.ArrayLike, shape: npt.ArrayLike) -> Floats:
-    """Points (..., 2) of the bird [m], given in its own units, at coordinates q."""
+    """Points (..., 2) of the bird [m] at coordinates q, given in its own units."""
     y, phi_m, phi_s = np.asarray(q, dtype=float)
     cosine, sine = math.cos(phi_s), math.sin(phi_s)
     turn = np.array([(cosine, sine), (-sine, cosine)])
@@ -139,11 +139,10 @@ def draw_toy(
     toy, q
         The toy and its coordinates, shape (3,).
     ax
-        Axes to draw on, in metres; by default of a new figure that holds the whole toy. The caller
-        sets the limits of other axes.
+        Axes in metres, whose limits the caller sets; by default new ones that hold the whole toy.
     closed
-        Contacts to mark: 1 beak, 2 lower edge of the sleeve, 3 upper edge. The edge across, which
-        then touches too, is not counted by the model.
+        Contacts to mark: 1 beak, 2 lower edge of the sleeve, 3 upper edge. The opposite edge, which
+        then touches too, is no contact of the model.
     styles
         Properties of matplotlib by ``"pole"``, ``"sleeve"``, ``"spring"``, ``"bird"`` and
         ``"closed contacts"``.
@@ -151,7 +150,7 @@ def draw_toy(
     Raises
     ------
     TypeError, ValueError
-        If that is no toy, not drawn on axes, or there is no such contact.
+        If an argument is of another type, or there is no such contact.
 
     Examples
     --------
@@ -251,7 +250,7 @@ def _mark(ax: Axes, place: Floats, contact: int) -> list[Artist]:
 
 
 def closed_contacts(trajectory: Trajectory, t: float, *, hold: float = 0.0) -> tuple[int, ...]:
-    """Contacts that are closed at time t, change at it, or were struck at most ``hold`` [s] ago."""
+    """Contacts that are closed or change at time t, or were struck at most ``hold`` [s] before."""
     row = int(np.searchsorted(trajectory.phases[:, 6], t, side="right")) - 1
     states = mode_states(int(trajectory.phases[max(row, 0), 7]))
     closed = {k for k, state in enumerate(states, start=1) if state != ContactState.OPEN}
@@ -283,16 +282,16 @@ def draw_frames(
     trajectory
         The motion.
     times, labels
-        Instants [s] and what to write above each.
+        Instants [s] and the text above each.
     figure
-        The figure to fill, a new one by default: at most four frames side by side.
+        The figure to fill, by default a new one, with at most four frames in a row.
     styles
-        Properties of matplotlib by the names of parts in :func:`draw_toy`.
+        As for :func:`draw_toy`.
 
     Raises
     ------
     TypeError, ValueError
-        If it is no trajectory, or there is not one label for each time, or none at all.
+        If it is no trajectory, there is no time, or not one label for each.
 
     Examples
     --------
@@ -352,23 +351,22 @@ def animate(
 ) -> Path:
     """Write the motion as an animation: GIF, or MP4 where ffmpeg is installed.
 
-    The picture follows the toy down the pole at its mean speed. An impact stays marked for a sixth
-    of a second, so that the eye can see it.
+    The picture moves down the pole at the toy's mean speed. Impacts stay marked for a sixth of a
+    second.
 
     Parameters
     ----------
     trajectory
         The motion, from 0 to its end.
     path
-        File to write, ``.gif`` or ``.mp4``; it is there whole or not at all.
-    slow
-        How many times slower than nature.
-    fps
-        Frames per second. A GIF counts hundredths of a second: its nearest rate is taken.
+        File to write, ``.gif`` or ``.mp4``, whole or not at all.
+    slow, fps
+        How many times slower than the motion; frames per second, for a GIF the nearest rate with
+        whole hundredths of a second.
     size
-        Width and height [inch], of 100 pixels each.
+        Width and height [inch] of 100 pixels each.
     progress
-        Called with the share that is done, from 0 to 1, after each frame.
+        Called after each frame with the fraction done.
 
     Raises
     ------
@@ -416,7 +414,7 @@ def animate(
 
 
 def film_writer(path: Path, slow: float, fps: float) -> tuple[Any, float]:
-    """The writer for a suffix, and the rate it has; errors as those of :func:`animate`."""
+    """The writer for a suffix and its frame rate; errors as those of :func:`animate`."""
     for name, value in (("slow", slow), ("fps", fps)):
         if not (math.isfinite(value) and value > 0.0):
             raise ValueError(f"{name} must be positive and finite, got {value}")

@@ -1,4 +1,4 @@
-"""Pictures of return maps and of what is next to a border collision [Leine2001, Figs. 8, 12]."""
+"""Pictures of return maps and of local models at border collisions [Leine2001, Figs. 8, 12]."""
 
 from __future__ import annotations
 
@@ -42,24 +42,19 @@ def plot_return_map(
 
     Parameters
     ----------
-    toy
-        The toy, to look closer where neighbouring samples lie far apart.
-    returns
-        Map at ascending starts, from :func:`woodpecker.return_map`.
-    ax
-        Axes to draw on; new ones by default.
-    order
-        The order of ``returns``.
+    toy, returns, order
+        The toy, and its map at ascending starts, from :func:`woodpecker.return_map`, of this order;
+        more starts are added where neighbouring values lie far apart.
     depth
-        Lower end of the vertical axis; the dips have no bottom. By default the map's left end, or
-        its least value if all lie higher.
-    legend, styles
+        Lower end of the vertical axis, as dips are infinitely deep. By default the first start, or
+        the least value if that is higher.
+    ax, legend, styles
         As for :func:`plot_curve`.
 
     Raises
     ------
     TypeError
-        If that is no toy or no return map, or not drawn on axes.
+        If an argument is of another type.
 
     Examples
     --------
@@ -80,7 +75,7 @@ def plot_return_map(
 def curves(
     toy: Toy, returns: ReturnMap, order: int = 1, depth: float | None = None
 ) -> Iterator[MapSamples]:
-    """P_order as :func:`plot_curve` draws it, better and better (:mod:`woodpecker.plot.curve`)."""
+    """Better and better samples of P_order for :func:`plot_curve`; see :func:`refined`."""
     if depth is None:
         values = returns.phi_s[np.isfinite(returns.phi_s)]
         depth = max(returns.start[0], values.min(initial=returns.start[-1]))
@@ -102,28 +97,26 @@ def plot_curve(
     legend: bool = True,
     styles: Styles | None = None,
 ) -> Drawn:
-    """P_order with the diagonal; jumps are dotted, and what was not resolved is pale.
+    """P_order with the diagonal; jumps are dotted, and unresolved intervals are pale.
 
-    Fixed points are marked, filled if they attract, and so are jumps across the diagonal. Where the
-    toy falls for ever the picture is hatched; triangles at the lower edge: the map goes on below.
+    Fixed points are marked, filled if they attract, and so are jumps across the diagonal. Starts
+    without a return are hatched; triangles at the lower edge mean that the map continues below.
 
     Parameters
     ----------
-    curve
-        From :func:`curves`.
+    curve, order
+        From :func:`curves`, and the order of the map.
     ax
         Axes to draw on; new ones by default.
-    order
-        The order of the map.
     returns
-        Starts that may fall, with their status; by default none is marked.
+        The return map whose starts without a return are hatched; by default none.
     legend, styles
-        Whether to explain lines and marks; properties of matplotlib by the names in the legend.
+        Whether to have a legend; properties of matplotlib by the names in it.
 
     Raises
     ------
     TypeError, ValueError
-        If that is no curve, not drawn on axes, or no part has the name of a style.
+        If an argument is of another type, or no part has the name of a style.
 
     Examples
     --------
@@ -142,7 +135,7 @@ def plot_curve(
     breaks = np.flatnonzero(curve.links != Link.CURVE) + 1
     x, y = (np.insert(column, breaks, np.nan) for column in (curve.x, curve.y))
     shown[rf"$P_{{{order}}}$"] = [*ax.plot(x, y, **LINE)]
-    crosses = _crosses(curve)
+    crosses = curve.crosses
     for (link, across), (name, style) in STEEP.items():
         places = curve.between(link)
         pairs = places[crosses[places] == across][:, None] + [0, 1]
@@ -163,11 +156,11 @@ def plot_curve(
 
 FALLS, LOST, BELOW = "free fall", "no return", "goes on below"
 FALLEN = (Status.FREE_FALL, Status.POLE_END)
-NEAR = 0.008  # of the width: triangles at the lower edge lie no closer to each other
+NEAR = 0.008  # part of the width: smallest distance of triangles at the lower edge
 
 
 def _lost(ax: Axes, returns: ReturnMap) -> Artists:
-    """Intervals of starts that do not return: those that fall apart from all others."""
+    """Intervals of starts that do not return; those that fall have another hatch."""
     fallen = np.array([reason in FALLEN for reason in returns.status], dtype=bool)
     gone = ~np.array([reason.success for reason in returns.status], dtype=bool) & ~fallen
     shown: Artists = {}
@@ -226,16 +219,6 @@ STEEP: dict[tuple[Link, bool], tuple[str, dict[str, Any]]] = {  # and whether it
     ),
 }  # fmt: skip
 FIXED = {True: "stable fixed point", False: "unstable fixed point"}
-ON_IT = 1e-9  # rad: so close to the diagonal lie centres, whose sides are rounding
-
-
-def _crosses(curve: MapSamples) -> Bools:
-    """Which intervals between samples (n - 1,) have the diagonal between their ends."""
-    above = curve.y - curve.x
-    with np.errstate(invalid="ignore"):
-        off = np.abs(above[1:]) + np.abs(above[:-1]) > ON_IT
-        crosses: Bools = (above[1:] * above[:-1] < 0.0) & off
-    return crosses
 
 
 def _fixed(ax: Axes, curve: MapSamples, crosses: Bools) -> Artists:
@@ -255,8 +238,8 @@ def _fixed(ax: Axes, curve: MapSamples, crosses: Bools) -> Artists:
     return shown
 
 
-STEEPEST = 100.0  # slope: what falls faster into a gap goes on below
-CUT = 0.02  # of the height: what lies less far below the picture is shown
+STEEPEST = 100.0  # slope: a curve that falls faster into a gap continues below
+CUT = 0.02  # part of the height: a curve that ends less far below the picture is shown whole
 
 
 def _heights(curve: MapSamples) -> tuple[float, float]:
@@ -277,30 +260,29 @@ def plot_local(
     reach: float | None = None,
     styles: Styles | None = None,
 ) -> Drawn:
-    """A diagram next to a border collision, beside what its local model predicts.
+    """A diagram next to a border collision, beside the prediction of the local model.
 
     Both panels have the same axes. Predicted lines of iterates that the diagram holds are also
     drawn behind it, in grey; those of others are thin and pale.
 
     Parameters
     ----------
-    model
-        From :func:`woodpecker.local_model`.
-    diagram
-        A diagram that holds the collision [Leine2001, Figs. 11, 12].
+    model, diagram
+        From :func:`woodpecker.local_model`, and a diagram that holds the collision [Leine2001,
+        Figs. 11, 12].
     figure
         Where to draw; a new one by default.
     reach
-        How far the parameter goes from the collision; by default a fortieth of the shortest
-        branch of the diagram that starts there, for the model is of first order.
+        Largest distance of the parameter from the collision; by default a fortieth of the shortest
+        branch that starts there, as the model is of first order.
     styles
-        Properties of matplotlib by the names in the legends, and ``"prediction"`` for what lies
+        Properties of matplotlib by the names in the legends, and ``"prediction"`` for the lines
         behind the diagram.
 
     Raises
     ------
     TypeError, ValueError
-        If that is no model or diagram, not drawn on axes, or no part has the name of a style.
+        If an argument is of another type, or no part has the name of a style.
 
     Examples
     --------
@@ -356,13 +338,13 @@ def plot_local(
     return Drawn((seen, predicted), shown)
 
 
-PART = 1.0 / 40.0  # of a branch: so far it is drawn beside its prediction
-AT = 1e-9  # in the parameter and x: a point of the diagram at the place of the model
-FARTHEST = 2e-3  # of the parameter, where the diagram has no branch that starts there
+PART = 1.0 / 40.0  # of a branch that is drawn beside its prediction
+AT = 1e-9  # in the parameter and x: distance of the diagram's point from that of the model
+FARTHEST = 2e-3  # reach in the parameter, if no branch of the diagram starts there
 
 
 def _reach(model: LocalModel, diagram: Diagram) -> float:
-    """How far a local model is drawn: a part of the shortest branch that starts there."""
+    """The reach of a local model: a part of the shortest branch that starts there."""
     at = {
         point.id for point in diagram.points
         if abs(point.parameter - model.p) < AT and abs(point.x - model.x) < AT
@@ -373,14 +355,14 @@ def _reach(model: LocalModel, diagram: Diagram) -> float:
 
 MARGIN = 0.12  # of the width and height of what is drawn
 APART = 9.0  # points between names at the ends of lines, a little more than their height
-NARROWEST = 0.02  # what is drawn around something without width or height
+NARROWEST = 0.02  # margin of a picture without width or height
 NOT_FOLLOWED = "of an order not followed"
 NAMED = {"color": "#969696"}
 OTHER: dict[str, Any] = {"color": "#bdbdbd", "linestyle": "-", "linewidth": 0.7}
 
 
 class _Prediction(NamedTuple):
-    """A straight line from a collision, as it is drawn."""
+    """A straight line from a collision."""
 
     order: int
     style: str
@@ -389,7 +371,7 @@ class _Prediction(NamedTuple):
 
 
 def _predictions(model: LocalModel, reach: float) -> list[_Prediction]:
-    """All branches that start at a collision, as far as they are drawn."""
+    """All branches that start at a collision, to a distance in the parameter."""
     p, x = model.p, model.x
     slopes = {"L": model.left.slope, "R": model.right.slope}
     lines = []
@@ -404,7 +386,7 @@ def _predictions(model: LocalModel, reach: float) -> list[_Prediction]:
 
 
 def _name_lines(ax: Axes, lines: Sequence[_Prediction], orders: set[int]) -> None:
-    """Names of iterates beside the ends of lines, moved apart where these lie close."""
+    """Names of iterates beside the ends of lines, moved apart where they would overlap."""
     low, high = ax.get_ylim()
     height = 72.0 * ax.bbox.height / ax.figure.dpi  # points
     for side in (-1, 1):
@@ -423,13 +405,13 @@ def _name_lines(ax: Axes, lines: Sequence[_Prediction], orders: set[int]) -> Non
 
 
 def _of_order(line: _Prediction, several: bool) -> dict[str, Any]:
-    """The style of a line; of several orders each has the colour of its period, as in diagrams."""
+    """The style of a line; several orders have the colours of their periods, as in diagrams."""
     style = STYLES[line.style]
     return style | {"color": of_period(line.order)} if several else style
 
 
 def spread(at: Floats, apart: float) -> Floats:
-    """Ascending places (n,), moved least in the mean of squares to lie so far apart."""
+    """Ascending places (n,), moved to distances of at least ``apart`` by least squares."""
     groups: list[list[float]] = []
     for value in (at - apart * np.arange(len(at))).tolist():
         groups.append([value])
@@ -441,7 +423,7 @@ def spread(at: Floats, apart: float) -> Floats:
 
 
 def _frame(ax: Axes, model: LocalModel, lines: Sequence[_Prediction]) -> None:
-    """Limits around what is predicted, with a margin for the names."""
+    """Limits around the predicted lines, with a margin for the names."""
     for values, set_limits in (
         ([model.p, *(line.p[1] for line in lines)], ax.set_xlim),
         ([model.x, *(line.x[1] for line in lines)], ax.set_ylim),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import matplotlib.pyplot as plt
 import numpy as np
@@ -25,26 +25,13 @@ Style = dict[str, Any]
 Marks = dict[str, tuple[Sequence[float], Style]]  # times and style of events, by their name
 
 
-class Quantity(NamedTuple):
-    """A coordinate or velocity as it is drawn, in the units of all tables."""
-
-    label: str
-    velocity: bool
-    column: int  # of q or u
-
-    def of(self, q: Floats, u: Floats) -> Floats:
-        """Its values, from coordinates and velocities of shape (..., 3)."""
-        values: Floats = (u if self.velocity else q)[..., self.column]
-        return values
-
-
-QUANTITIES = {
-    "y": Quantity(r"$y$ [m]", False, 0),
-    "phi_m": Quantity(r"$\varphi_M$ [rad]", False, 1),
-    "phi_s": Quantity(r"$\varphi_S$ [rad]", False, 2),
-    "dy": Quantity(r"$\dot y$ [m/s]", True, 0),
-    "dphi_m": Quantity(r"$\dot\varphi_M$ [rad/s]", True, 1),
-    "dphi_s": Quantity(r"$\dot\varphi_S$ [rad/s]", True, 2),
+QUANTITIES = {  # labels of coordinates and velocities, in the units of all tables
+    "y": r"$y$ [m]",
+    "phi_m": r"$\varphi_M$ [rad]",
+    "phi_s": r"$\varphi_S$ [rad]",
+    "dy": r"$\dot y$ [m/s]",
+    "dphi_m": r"$\dot\varphi_M$ [rad/s]",
+    "dphi_s": r"$\dot\varphi_S$ [rad/s]",
 }
 STRUCK: dict[tuple[int, ...], tuple[str, dict[str, Any]]] = {
     (1,): ("impact of the beak", {"color": UNSTABLE, "linestyle": (0, (1, 1.2)), "marker": "o"}),
@@ -65,10 +52,16 @@ STRUCK: dict[tuple[int, ...], tuple[str, dict[str, Any]]] = {
 MOTION, START, DIRECTION, STOPS = "motion", "start", "direction of time", "stops"
 KNOWN = (MOTION, START, DIRECTION, STOPS, *(name for name, _ in STRUCK.values()))
 LOWEST, ROW = 0.032, 0.042  # of the height of axes: the first row of marks, and the next
-ARROWS = (0.1, 0.45, 0.8)  # about where arrows lie, as parts of the way
+ARROWS = (0.1, 0.45, 0.8)  # places of arrows, as parts of the way
 HEAD = "-|>,head_length=0.55,head_width=0.2"
-SHAFT = 0.01  # of the size: over shorter ways a picture shows no direction
-ASIDE, FAR = 0.08, 0.15  # how far from there, in such parts; far enough from impacts, of the size
+SHAFT = 0.01  # part of the size: length over which an arrow takes its direction
+ASIDE, FAR = 0.08, 0.15  # largest distance from there; ample distance from impacts, of the size
+
+
+def quantity(name: str, q: Floats, u: Floats) -> Floats:
+    """One of QUANTITIES, from coordinates and velocities of shape (..., 3)."""
+    values: Floats = np.concatenate([q, u], axis=-1)[..., list(QUANTITIES).index(name)]
+    return values
 
 
 def plot_time_history(
@@ -82,16 +75,15 @@ def plot_time_history(
     trajectory
         From :func:`woodpecker.simulate`.
     axes
-        Three axes, for y, phi_M and phi_S; a new figure by default.
-    legend
-        Whether to say, above the first axes, what struck.
-    styles
-        Properties of matplotlib by ``"motion"``, ``"stops"`` and the names in the legend.
+        Three axes, for y, phi_M and phi_S; new ones by default.
+    legend, styles
+        Whether to have a legend of the impacts above the first axes; properties of matplotlib by
+        ``"motion"``, ``"stops"`` and the names in the legend.
 
     Raises
     ------
     TypeError, ValueError
-        If that is no trajectory, not drawn on axes, or no part has the name of a style.
+        If an argument is of another type, or no part has the name of a style.
 
     Examples
     --------
@@ -102,16 +94,12 @@ def plot_time_history(
     3
     """
     instance("trajectory", trajectory, Trajectory)
-    if axes is None:
-        figure = plt.figure(figsize=(7.0, 5.6), layout="constrained")
-        axes = list(figure.subplots(3, 1, sharex=True))
-    axes = given_axes(axes, 3)
+    axes = several_axes(axes, 3, 1, (7.0, 5.6))
     toy = trajectory.toy
     stops: tuple[tuple[float, ...], ...] = (
         (), (-toy.phi_m_max, toy.phi_m_max), (toy.phi_s_max,),
     )  # fmt: skip
-    drawn = [QUANTITIES[name] for name in ("y", "phi_m", "phi_s")]
-    rows = [(each.label, each.of(trajectory.q, trajectory.u)) for each in drawn]
+    rows = zip(list(QUANTITIES.values())[:3], trajectory.q.T, strict=True)
     shown = draw_histories(axes, trajectory.t, rows, _strikes(trajectory))
     for ax, limits in zip(axes, stops, strict=True):
         add(shown, {STOPS: [ax.axhline(limit, **BOUND) for limit in limits]})
@@ -123,10 +111,18 @@ def plot_time_history(
     return Drawn(tuple(axes), shown)
 
 
+def several_axes(axes: _Axes | None, rows: int, columns: int, size: tuple[float, float]) -> _Axes:
+    """The given axes, so many, or those of a new figure; a single column shares its x axis."""
+    if axes is None:
+        figure = plt.figure(figsize=size, layout="constrained")
+        axes = figure.subplots(rows, columns, sharex=columns == 1, squeeze=False).ravel().tolist()
+    return given_axes(axes, rows * columns)
+
+
 def draw_histories(
     axes: _Axes, t: Floats, rows: Iterable[tuple[str, Floats]], marks: Marks
 ) -> Artists:
-    """Labelled values over time, with marks of each kind of event in a row of their own below."""
+    """Labelled values over time, with a row of marks for each kind of event below."""
     shown: Artists = {}
     for ax, (label, values) in zip(axes, rows, strict=True):
         add(shown, {MOTION: ax.plot(t, values, **LINE)})
@@ -142,7 +138,7 @@ def draw_histories(
 
 
 def legend_above(ax: Axes, shown: Artists, names: Iterable[str]) -> None:
-    """What marks mean, in the order of their names, above the axes."""
+    """A legend of marks, in the order of ``names``, above the axes."""
     entries = {name: shown[name][0] for name in names if name in shown}
     if entries:
         ax.legend(
@@ -152,7 +148,7 @@ def legend_above(ax: Axes, shown: Artists, names: Iterable[str]) -> None:
 
 
 def _strikes(trajectory: Trajectory) -> Marks:
-    """Impacts by the contacts that take part."""
+    """Impacts by their contacts."""
     found: dict[tuple[int, ...], list[float]] = {}
     for event in trajectory.events:
         if event.kind in IMPACTS:
@@ -166,8 +162,8 @@ def plot_phase_portrait(
 ) -> Drawn:  # fmt: skip
     """One quantity over another, such as ``"dphi_s"`` over ``"phi_s"``; see :data:`QUANTITIES`.
 
-    Arrows point along the motion. Impacts, where the velocities jump, are broken lines that end in
-    a mark, both different for each contact [Leine2001, Figs. 5 and 6].
+    Arrows point along the motion. Impacts, where velocities jump, are broken lines that end in a
+    mark, different for each contact [Leine2001, Figs. 5 and 6].
 
     Parameters
     ----------
@@ -178,13 +174,12 @@ def plot_phase_portrait(
     ax
         Axes to draw on; new ones by default.
     legend, styles
-        Whether to explain lines and marks; properties of matplotlib by ``"motion"`` and the names
-        in the legend.
+        Whether to have a legend; properties of matplotlib by ``"motion"`` and the names in it.
 
     Raises
     ------
     TypeError, ValueError
-        If that is no trajectory, not drawn on axes, or there is no such quantity.
+        If an argument is of another type, or there is no such quantity.
 
     Examples
     --------
@@ -199,13 +194,13 @@ def plot_phase_portrait(
         if name not in QUANTITIES:
             raise ValueError(f"unknown quantity {name!r}, expected one of {', '.join(QUANTITIES)}")
     ax = axes_for(ax, 4.6, 3.6)
-    across, up = (QUANTITIES[name].of(trajectory.q, trajectory.u) for name in (x, y))
+    across, up = (quantity(name, trajectory.q, trajectory.u) for name in (x, y))
     shown: Artists = {MOTION: [*ax.plot(*way_of(trajectory.t, across, up), **LINE)]}
     shown[START] = [*ax.plot(across[0], up[0], ".", color="black", markersize=5, zorder=4)]
     for name, (times, style) in _strikes(trajectory).items():
         shown[name] = draw_jumps(ax, trajectory.t, across, up, times, style)
     shown[DIRECTION] = _arrows(ax, trajectory.t, across, up)
-    framed(ax, QUANTITIES[x].label, QUANTITIES[y].label)
+    framed(ax, QUANTITIES[x], QUANTITIES[y])
     styled(shown, styles, KNOWN)
     if legend:
         entries = _entries(shown)
@@ -214,7 +209,7 @@ def plot_phase_portrait(
 
 
 def _entries(shown: Artists) -> dict[str, Any]:
-    """What a legend of phase portraits has: start, direction, and what struck."""
+    """The entries of the legend of a phase portrait: start, direction and impacts."""
     arrow = Line2D([], [], color=STABLE, linewidth=1.1, marker=">", markersize=4.5)
     names = (name for name, _ in STRUCK.values() if name in shown)
     return {START: shown[START][0], DIRECTION: arrow, **{name: shown[name][0] for name in names}}
@@ -223,7 +218,7 @@ def _entries(shown: Artists) -> dict[str, Any]:
 def draw_jumps(
     ax: Axes, t: Floats, across: Floats, up: Floats, times: Sequence[float], style: Style
 ) -> list[Artist]:
-    """Lines from before to after some events, whose times come twice among the samples."""
+    """Lines from before to after events, whose times come twice among the samples."""
     after = np.searchsorted(t, np.unique(times), side="right") - 1
     pairs = np.column_stack([np.maximum(after - 1, 0), after])
     return [*ax.plot(*strokes(across[pairs], up[pairs]), linewidth=1.1, markersize=3.4,
@@ -231,7 +226,7 @@ def draw_jumps(
 
 
 def _arrows(ax: Axes, t: Floats, across: Floats, up: Floats) -> list[Artist]:
-    """Arrow heads along the motion, near parts of its way, where they are far from impacts."""
+    """Arrow heads along the motion, near places ARROWS but far from impacts."""
     size = [float(np.ptp(values)) or 1.0 for values in (across, up)]
     places = np.column_stack([across / size[0], up / size[1]])
     steps = np.hypot(*np.diff(places, axis=0).T)
@@ -262,19 +257,14 @@ def plot_phase_portraits(
     trajectory: Trajectory, axes: _Axes | None = None, *, legend: bool = True,
     styles: Styles | None = None,
 ) -> Drawn:  # fmt: skip
-    """The bird's, the sleeve's and the fall's phase portrait on three axes.
+    """Phase portraits of the bird, the sleeve and the fall on three axes.
 
     Parameters
     ----------
     trajectory, legend, styles
-        As for :func:`plot_phase_portrait`.
+        As for :func:`plot_phase_portrait`, with its errors.
     axes
-        Three axes; a new figure by default.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If that is no trajectory, not drawn on axes, or no part has the name of a style.
+        Three axes; new ones by default.
 
     Examples
     --------
@@ -284,10 +274,7 @@ def plot_phase_portraits(
     >>> len(plot_phase_portraits(motion).axes)
     3
     """
-    if axes is None:
-        figure = plt.figure(figsize=(9.6, 3.7), layout="constrained")
-        axes = list(figure.subplots(1, 3))
-    axes = given_axes(axes, 3)
+    axes = several_axes(axes, 1, 3, (9.6, 3.7))
     pairs = (("phi_s", "dphi_s"), ("phi_m", "dphi_m"), ("phi_s", "dy"))
     shown: Artists = {}
     for ax, (x, y) in zip(axes, pairs, strict=True):
@@ -300,7 +287,7 @@ def plot_phase_portraits(
 
 
 def way_of(t: Floats, x: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """A motion as a line with gaps where it jumps: such times come twice."""
+    """A motion as a line with gaps at jumps, whose times come twice."""
     jumps = np.flatnonzero(np.diff(t) == 0.0) + 1
     return np.insert(x, jumps, np.nan), np.insert(y, jumps, np.nan)
 

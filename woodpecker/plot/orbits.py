@@ -1,8 +1,9 @@
-"""Orbits that have settled, as a picture: brute force, alone or over a bifurcation diagram."""
+"""Pictures of orbit diagrams, alone or with a bifurcation diagram."""
 
 from __future__ import annotations
 
-import numpy as np
+from dataclasses import replace
+
 from matplotlib.axes import Axes
 
 from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, framed, styled
@@ -19,20 +20,21 @@ def plot_orbits(
     found: OrbitDiagram, ax: Axes | None = None, *, size: float = 1.2, legend: bool = True,
     styles: Styles | None = None,
 ) -> Drawn:  # fmt: skip
-    """Draw where orbits settle over a parameter, a dot for each point that was kept.
+    """Draw where orbits settle over a parameter, a dot for each point.
 
-    Dots lie behind the lines of a bifurcation diagram that is drawn on the same axes.
+    The dots lie behind the lines of a bifurcation diagram on the same axes.
 
     Parameters
     ----------
     found
         From :func:`woodpecker.orbit_diagram`.
     ax
-        Axes to draw on, with whatever is there; new ones by default.
+        Axes to draw on, perhaps with a diagram; new ones by default.
     size
-        Of a dot [pt].
+        Size of a dot [pt].
     legend, styles
-        Whether to explain all that is on the axes; properties of matplotlib by the names there.
+        Whether to have a legend of all that is on the axes; properties of matplotlib by the names
+        in it.
 
     Examples
     --------
@@ -48,13 +50,11 @@ def plot_orbits(
     ax = axes_for(ax, 7.0, 4.6)
     shown: Artists = {}
     for period in sorted({min(orbit.period, len(PERIODS)) for orbit in found.orbits}):
-        orbits = [o for o in found.orbits if min(o.period, len(PERIODS)) == period]
+        own = [o for o in found.orbits if min(o.period, len(PERIODS)) == period]
         name, colour = (named(period), of_period(period)) if period else (NO_PERIOD, CHAOS)
-        p = np.concatenate([np.full(len(orbit.x), orbit.p) for orbit in orbits])
-        x = np.concatenate([orbit.x for orbit in orbits])
         shown[name] = [*ax.plot(
-            p, x, ".", color=colour, markersize=size, markeredgewidth=0.0, zorder=BEHIND,
-            rasterized=True,
+            *replace(found, orbits=tuple(own)).points(), ".", color=colour, markersize=size,
+            markeredgewidth=0.0, zorder=BEHIND, rasterized=True,
         )]  # fmt: skip
         ax.plot([], [], ".", color=colour, markersize=SAMPLE, label=name)
     styled(shown, styles, (NO_PERIOD, *(named(k + 1) for k in range(len(PERIODS)))))

@@ -1,4 +1,4 @@
-"""Curves of special points over two parameters, as a picture."""
+"""Pictures of curves of special points over two parameters."""
 
 from __future__ import annotations
 
@@ -56,28 +56,26 @@ def plot_curves(
 ) -> Drawn:  # fmt: skip
     """Draw curves over the same two parameters, with their points of codimension two.
 
-    Points are named as in the table of :class:`woodpecker.Curve`, after their curve if there are
-    several, where there is room for all their names.
+    Points are named as in the table of :class:`woodpecker.Curve`, with the name of the curve before
+    if there are several, where there is room.
 
     Parameters
     ----------
     curves
-        By the name that is written on each.
+        By their names, which are written on them.
     ax
-        Where to draw; a new figure by default.
-    legend
-        Whether to say, below the axes, which kinds of curves and points are there.
+        Axes to draw on; new ones by default.
     here
-        Both parameters of the toy, which a star marks; limits follow the curves, and where it lies
-        beyond them the legend says so.
-    styles
-        Properties of matplotlib by the names of the curves, ``"points"``, ``"names"`` and
-        ``"the toy"``.
+        Both parameters of the toy, marked by a star; if it lies beyond the limits, which follow the
+        curves, the legend says so.
+    legend, styles
+        Whether to have a legend below the axes; properties of matplotlib by the names of the
+        curves, ``"points"``, ``"names"`` and ``"the toy"``.
 
     Raises
     ------
     TypeError, ValueError
-        If that is no mapping of curves over the same parameters, or not drawn on axes.
+        If an argument is of another type, or the curves have other parameters than each other.
 
     Examples
     --------
@@ -124,7 +122,7 @@ def name_curves(
     ax: Axes, curves: Mapping[str, Curve], points: Sequence[Name] = (),
     marks: Sequence[tuple[float, float]] = (),
 ) -> Labels:  # fmt: skip
-    """Names on the longest stretches of curves, and beside points, so that none covers another."""
+    """Names on the longest stretches of curves, and beside points, without overlaps."""
     written: list[Named] = []
     for name, curve in curves.items():
         stretches = list(curve.stretches())
@@ -140,7 +138,7 @@ def name_curves(
 
 
 def draw_curve(ax: Axes, curve: Curve) -> list[Artist]:
-    """The stretches of a curve, each as what it is; a short one is joined to the next."""
+    """The stretches of a curve, each in the style of its kind and joined to the next."""
     lines: list[Artist] = []
     for code, note, first, last in curve.stretches():
         part = curve.values[first : last + 2]
@@ -149,7 +147,7 @@ def draw_curve(ax: Axes, curve: Curve) -> list[Artist]:
 
 
 def _line(code: PointKind, note: str) -> dict[str, Any]:
-    """How a stretch is drawn: as in exact planes, and dashed where a border collision persists."""
+    """The style of a stretch: as in exact planes, and dashed where a border collision persists."""
     own = LINES.get(code, LEAVES)
     dashes = {"linestyle": "--"} if note == DASHED else {}
     return own | dashes | {"linewidth": THIN}
@@ -161,7 +159,7 @@ def _marked(curve: Curve) -> list[PlanePoint]:
 
 
 def _mark(ax: Axes, curve: Curve) -> list[Artist]:
-    """Its points of codimension two; ends that are open are hollow."""
+    """Points of codimension two, and open ends, which are hollow."""
     marks: list[Artist] = []
     for point in _marked(curve):
         is_open = point.status is PointStatus.OPEN
@@ -173,7 +171,7 @@ def _mark(ax: Axes, curve: Curve) -> list[Artist]:
 
 
 def _length(curve: Curve, first: int, last: int) -> float:
-    """How far a part of a curve goes, over what the whole curve extends over."""
+    """The length of a part of a curve, in extents of the whole."""
     size = np.ptp(curve.values, axis=0)
     part = curve.values[first : last + 1] / np.where(size > 0.0, size, 1.0)
     return float(np.linalg.norm(np.diff(part, axis=0), axis=1).sum())
@@ -189,7 +187,7 @@ def label(name: str) -> str:
 
 
 def line_handles(curves: Iterable[Curve]) -> list[Line2D]:
-    """What a legend of curves shows: their kinds."""
+    """The entries of a legend of curves: their kinds."""
     kinds = {stretch[:2] for curve in curves for stretch in curve.stretches()}
     return [
         Line2D([], [], label=text, **_line(*kind))
@@ -199,16 +197,16 @@ def line_handles(curves: Iterable[Curve]) -> list[Line2D]:
 
 
 def handles(curves: Iterable[Curve], toy: bool = False) -> list[Line2D]:
-    """The kinds of curves and of their points with their codes, and the toy if it is marked."""
+    """The entries of a legend: kinds of curves and points with their codes, and perhaps the toy."""
     drawn = list(curves)
     points = {point.kind for curve in drawn for point in curve.points}
     is_open = any(p.status is PointStatus.OPEN for curve in drawn for p in curve.points)
+    mark: dict[str, Any] = {"color": "black", "ls": ""}
     marks = [
-        Line2D([], [], color="black", ls="", marker=marker, ms=3.8, label=f"{kind.label} ({kind})")
+        Line2D([], [], marker=marker, ms=3.8, label=f"{kind.label} ({kind})", **mark)
         for kind, marker in MARKERS.items()
         if kind in points
     ]
-    mark: dict[str, Any] = {"color": "black", "ls": ""}
     if is_open:
         marks.append(Line2D([], [], marker="o", mfc="white", ms=3.8, label="open", **mark))
     if toy:

@@ -21,8 +21,8 @@ from woodpecker.regions.census import Census
 from woodpecker.regions.regions import Region, Regions
 
 NO_STABLE = "#7f7f7f"  # no cycle is stable: the same shades of grey
-LIGHTEST, STEP = 0.28, 0.18  # part of the colour beside white: the more unstable cycles, the darker
-HATCHES = ("", "///", "xxx", "...")  # by how many stable cycles there are beside the first
+LIGHTEST, STEP = 0.28, 0.18  # part of the colour mixed with white, and more for unstable cycles
+HATCHES = ("", "///", "xxx", "...")  # by the number of stable cycles beside the first
 OPEN = "a place that disagrees"
 
 
@@ -36,16 +36,15 @@ def plot_regions(
     regions
         From :func:`woodpecker.regions.parameter_regions`.
     ax
-        Where to draw; a new figure by default.
-    legend
-        Whether to say, beside the axes, which cycles live where, and what the curves are.
-    styles
-        Properties of matplotlib by the names of regions in the legend, ``"curves"`` and ``"open"``.
+        Axes to draw on; new ones by default.
+    legend, styles
+        Whether to have a legend beside the axes; properties of matplotlib by the names of regions
+        in it, ``"curves"`` and ``"open"``.
 
     Raises
     ------
     TypeError, ValueError
-        If that is no plane of regions, not drawn on axes, or no part has the name of a style.
+        If an argument is of another type, or no part has the name of a style.
 
     Examples
     --------
@@ -76,9 +75,9 @@ def plot_regions(
 
 
 def face(census: Census) -> dict[str, Any]:
-    """How what lives in a region fills it, as properties of a patch."""
+    """Properties of the patch of a region with these cycles."""
     # The colour is that of the shortest stable period, darker with more unstable cycles; further
-    # stable cycles hatch it, in the colour of the next one's period.
+    # stable cycles give a hatch, in the colour of the next period.
     stable = [each.period for each in census for _ in range(each.stable)]
     unstable = sum(each.unstable for each in census)
     base = of_period(stable[0]) if stable else NO_STABLE
@@ -90,7 +89,7 @@ def face(census: Census) -> dict[str, Any]:
 
 
 def described(census: Census) -> str:
-    """What lives in a region, in a few words."""
+    """The cycles of a region in words."""
     parts = []
     for each in census:
         counts = [
@@ -104,7 +103,7 @@ def described(census: Census) -> str:
 
 
 def handles(planes: Iterable[Regions]) -> list[Artist]:
-    """What a legend shows: what lives in regions, the commonest first, and curves between them."""
+    """The entries of a legend: cycles of regions, the largest first, and curves between them."""
     drawn = list(planes)
     shares: dict[Census, float] = {}
     for region in (region for regions in drawn for region in regions.regions):

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import matplotlib.pyplot as plt
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
@@ -13,7 +12,7 @@ from matplotlib.colors import ListedColormap
 from matplotlib.patches import Patch
 
 from pwmap.plot import JUMP, STABLE, UNSTABLE, place_legend
-from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, framed, given_axes, styled
+from pwmap.plot.drawn import Artists, Drawn, Styles, axes_for, framed, styled
 from woodpecker.base.arrays import Floats
 from woodpecker.base.checks import instance, interval, whole
 from woodpecker.plot.curve import Detail, refined
@@ -27,6 +26,7 @@ from woodpecker.plot.motions import (
     draw_histories,
     draw_jumps,
     legend_above,
+    several_axes,
     way_of,
 )
 from woodpecker.simulation.words import EventKind
@@ -58,21 +58,20 @@ def plot_system_motion(
 
     Parameters
     ----------
-    system
-        The system.
-    motion
-        From :func:`woodpecker.systems.simulate`.
+    system, motion
+        The system, and its motion from :func:`woodpecker.systems.simulate`.
     names
         Symbols of the state, or their names; by default all coordinates.
     axes
-        As many axes; a new figure by default.
+        As many axes; new ones by default.
     legend, styles
-        Whether to explain the marks; properties of matplotlib by ``"motion"`` and their names.
+        Whether to have a legend of the marks; properties of matplotlib by ``"motion"`` and their
+        names.
 
     Raises
     ------
     TypeError, ValueError
-        If it is no system or no motion, or a name is no symbol of the state.
+        If an argument is of another type, or a name is no symbol of the state.
 
     Examples
     --------
@@ -86,11 +85,7 @@ def plot_system_motion(
     """
     wanted = system.q if names is None else names
     values = [_values(system, motion, name) for name in wanted]
-    if axes is None:
-        height = 1.2 + 1.5 * len(values)
-        figure = plt.figure(figsize=(7.0, height), layout="constrained")
-        axes = np.ravel(figure.subplots(len(values), 1, sharex=True, squeeze=False)).tolist()
-    axes = given_axes(axes, len(values))
+    axes = several_axes(axes, len(values), 1, (7.0, 1.2 + 1.5 * len(values)))
     rows = [(_label(name), each) for name, each in zip(wanted, values, strict=True)]
     shown = draw_histories(axes, motion.t, rows, _marks(motion))
     for ax in axes:
@@ -111,16 +106,11 @@ def plot_system_portrait(
     Parameters
     ----------
     system, motion, legend, styles
-        As for :func:`plot_system_motion`.
+        As for :func:`plot_system_motion`, with its errors.
     x, y
         Symbols of the state, or their names.
     ax
         Axes to draw on; new ones by default.
-
-    Raises
-    ------
-    TypeError, ValueError
-        If it is no system or no motion, or a name is no symbol of the state.
 
     Examples
     --------
@@ -162,14 +152,12 @@ def plot_system_map(
     map_
         The return map of a system, of one dimension.
     x
-        (n,) ascending points to start with; it looks closer where the map is steep.
-    ax
-        Axes to draw on; new ones by default.
+        (n,) ascending points; more are added where the map is steep.
     order
-        So many returns in turn.
+        Number of returns.
     p
         (k,) values of the free parameters; by default those of the system.
-    legend, styles
+    ax, legend, styles
         As for :func:`woodpecker.plot.figures.plot_curve`.
 
     Raises
@@ -211,31 +199,29 @@ def plot_basins(
     returns: int = 200, near: float = 1e-3, p: npt.ArrayLike | None = None, legend: bool = True,
     styles: Styles | None = None,
 ) -> Drawn:  # fmt: skip
-    """Where the orbits go that start in a plane of two coordinates of a section.
+    """The basins of cycles in a plane of two coordinates of a section.
 
     Parameters
     ----------
-    map_
-        The return map of a system, of two dimensions or more.
-    cycles
-        Stable cycles of it.
+    map_, cycles
+        The return map of a system, of two dimensions or more, and stable cycles of it.
     plane
         The two coordinates, across and up, with their ends.
     ax
         Axes to draw on; new ones by default.
     at
-        Values of all other coordinates; those that are not named are zero.
+        Values of other coordinates, by default zero.
     points
         Starts in each direction.
     returns, near, p
         As for :func:`woodpecker.systems.basins`.
     legend, styles
-        Whether to explain the colours; properties of matplotlib by the words of the cycles.
+        Whether to have a legend; properties of matplotlib by ``"basins"`` and ``"cycles"``.
 
     Raises
     ------
     TypeError, ValueError
-        If ``map_`` is no return map, a cycle none, or there are not two known coordinates.
+        If an argument is of another type, or there are not two known coordinates.
     """
     instance("map_", map_, SystemMap)
     free = [str(each) for each in map_.section.free]

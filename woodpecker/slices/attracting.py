@@ -1,20 +1,20 @@
-"""Brute force beside the branches: what orbits from many starts settle on.
+"""Orbit diagrams: what orbits from many starts settle on, found without branches.
 
-An orbit diagram knows nothing of branches. It shows attractors, periodic or chaotic, and their
-Lyapunov exponents from the exact slopes; what it shows must be explained by stable branches or by a
-positive exponent.
+They show periodic and chaotic attractors with Lyapunov exponents from exact slopes, and so check a
+bifurcation diagram: each must be a stable branch, or have a positive exponent.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 from typing import Protocol, runtime_checkable
 
 import numpy as np
 import numpy.typing as npt
 
-from pwmap.diagrams.diagram import Branch, BranchKind, Diagram
+from pwmap.diagrams.diagram import Branch, BranchKind, Diagram, Hit
 from pwmap.diagrams.shown import counted
 from woodpecker.base.arrays import Floats, Ints
 from woodpecker.base.checks import instance, interval, real_array, whole
@@ -23,22 +23,15 @@ from woodpecker.maps.pieces import PiecewiseMap, map_of_pieces
 from woodpecker.maps.sweeps import one_by_one
 from woodpecker.slices.orbits import Orbit, at_parameter, leads
 
-REPEATS = 1e-6  # in x, a part of the window: an orbit that has settled repeats itself so closely
-LONGEST = 64  # period that is looked for in an orbit that has settled
-SHOWN = 8  # periods that are listed where a diagram is printed: one line
+REPEATS = 1e-6  # in x, a part of the window: how closely a settled orbit repeats itself
+LONGEST = 64  # period sought in a settled orbit
+SHOWN = 8  # periods listed by the repr of a diagram: one line
 
 
 class Swept(Protocol):
-    """What a map makes of many points: arrays of one shape, nan where it has no value.
+    """Images and slopes of many points, as :class:`woodpecker.maps.Sweep` has them.
 
-    Examples
-    --------
-    >>> from woodpecker.maps import Sweep
-    >>> from woodpecker.slices import Swept
-    >>> def steepest(found: Swept) -> float:  # whatever has arrays of both will do
-    ...     return float(max(abs(slope) for slope in found.slope))
-    >>> steepest(Sweep(value=[0.5, 0.25], slope=[0.5, -1.25]))
-    1.25
+    Arrays of one shape, nan where there is no image.
     """
 
     @property
@@ -71,22 +64,11 @@ class SweptMap(Protocol):
     """
 
     def sweep(self, x: Floats, p: Floats) -> Swept:
-        """The map at points (n,), each with a parameter of its own.
-
-        Parameters
-        ----------
-        x, p
-            Points, and the parameter of each, both of shape (n,).
-
-        Returns
-        -------
-        Swept
-            Images and slopes, shapes (n,); nan where there is no image.
-        """
+        """Images and slopes (n,) at points ``x`` (n,), each with its own parameter ``p`` (n,)."""
 
 
 def swept(map_: PiecewiseMap | SweptMap, x: Floats, p: Floats) -> Swept:
-    """A map at points (n,) with parameters (n,), at once if it can, otherwise one by one."""
+    """A map at points (n,) with parameters (n,), in one call if it has ``sweep``."""
     if isinstance(map_, SweptMap):
         return map_.sweep(x, p)
     return one_by_one(map_of_pieces(map_).at, x, p)
@@ -101,20 +83,17 @@ class SettledOrbit:
     p, start
         Parameter and first point.
     x
-        The points that were kept, in order.
+        (keep,) its last points, in order.
     exponent
-        Lyapunov exponent: mean of log(abs(slope)) over these; -inf for a superstable orbit.
+        Lyapunov exponent: mean of log(abs(slope)) over ``x``; -inf for a superstable orbit.
     period
-        Smallest shift that repeats the kept points, or 0 if there is none of those looked for.
+        Smallest shift, at most 64, that repeats ``x``; 0 if there is none.
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import orbit_diagram, from_sympy
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> orbit, = orbit_diagram(lines, [-0.5], [0.3], (-3, 3), transient=100, keep=8).orbits
+    >>> from woodpecker import orbit_diagram
+    >>> from woodpecker.examples import two_lines
+    >>> orbit, = orbit_diagram(two_lines(), [-0.5], [0.3], (-3, 3), transient=100, keep=8).orbits
     >>> orbit.period, round(float(orbit.x[-1]), 12), round(orbit.exponent, 6)
     (1, -1.0, -0.693147)
     """
@@ -126,7 +105,6 @@ class SettledOrbit:
     period: int
 
     def __repr__(self) -> str:
-        """Parameter, start, period and exponent."""
         period = f"period={self.period}" if self.period else "no period"
         return (
             f"SettledOrbit(p={self.p:.6g}, start={self.start:.6g}, {period}, "
@@ -136,32 +114,20 @@ class SettledOrbit:
 
 @dataclass(frozen=True, slots=True, kw_only=True, eq=False)
 class OrbitDiagram:
-    """Where orbits end, over a parameter.
+    """Where orbits end, over a parameter; see :func:`woodpecker.orbit_diagram`.
 
     Attributes
     ----------
     orbits
         One for each parameter and start whose images stayed in the window.
     lost
-        How many did not: they fell, or left the window.
-
-    Examples
-    --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import orbit_diagram, from_sympy
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> found = orbit_diagram(lines, [-0.5, 0.5], [0.3, -0.4], (-3, 3), transient=100, keep=8)
-    >>> [(orbit.p, orbit.period) for orbit in found.orbits], found.lost
-    ([(-0.5, 1), (-0.5, 1), (0.5, 2), (0.5, 2)], 0)
+        The number of the others: they left the window, or had no image.
     """
 
     orbits: tuple[SettledOrbit, ...]
     lost: int
 
     def __repr__(self) -> str:
-        """How many orbits there are, of which periods, and how many were lost."""
         values = {orbit.p for orbit in self.orbits}
         over = f"p from {min(values):.6g} to {max(values):.6g}, " if values else ""
         held = sorted({orbit.period for orbit in self.orbits} - {0})
@@ -172,13 +138,7 @@ class OrbitDiagram:
         )
 
     def points(self) -> tuple[Floats, Floats]:
-        """All points that were kept, to be drawn or written.
-
-        Returns
-        -------
-        p, x
-            Two arrays of one shape (n,): parameters and positions, orbit after orbit.
-        """
+        """Parameters and positions of all points, two arrays of one shape (n,)."""
         p = [np.full(len(orbit.x), orbit.p) for orbit in self.orbits]
         x = [orbit.x for orbit in self.orbits]
         return np.concatenate([*p, []]), np.concatenate([*x, []])
@@ -194,46 +154,7 @@ def orbit_diagram(
     keep: int = 128,
     settings: Settings | None = None,
 ) -> OrbitDiagram:
-    """Follow orbits from many starts at many parameters.
-
-    Parameters
-    ----------
-    map_
-        For instance :class:`woodpecker.ToyPieces`, or what ``from_sympy`` returns. Of its pieces
-        nothing is asked but values and slopes; a map that takes many points at once (``sweep``)
-        gets all starts at all parameters in one array.
-    parameters, starts
-        Shapes (n,) and (m,).
-    window
-        Interval of x; an orbit that leaves it is lost. A start may lie outside.
-    transient, keep
-        How many iterates are cut, and how many are kept after that.
-    settings
-        The unit of x: an orbit that repeats itself to 1e-6 of it after at most 64 points has that
-        period. By default in units of x.
-
-    Returns
-    -------
-    OrbitDiagram
-        At most n m orbits, each with its last ``keep`` points; those lost are counted.
-
-    Raises
-    ------
-    ValueError
-        If nothing is to be kept, the window is no two ascending numbers, or parameters or starts
-        are no real numbers.
-
-    Examples
-    --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import orbit_diagram, from_sympy
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> found = orbit_diagram(lines, [-0.5, 0.5], [0.3, -0.4], (-3, 3), transient=100, keep=8)
-    >>> [(orbit.p, orbit.start, orbit.period) for orbit in found.orbits]
-    [(-0.5, 0.3, 1), (-0.5, -0.4, 1), (0.5, 0.3, 2), (0.5, -0.4, 2)]
-    """
+    """As :func:`woodpecker.orbit_diagram`, for a map over its own parameter."""
     chosen = Settings() if settings is None else settings
     instance("settings", chosen, Settings)
     keep, transient = whole("keep", keep), whole("transient", transient, least=0)
@@ -257,7 +178,7 @@ def _settled(
     map_: PiecewiseMap | SweptMap, p: Floats, x: Floats, window: tuple[float, float],
     transient: int, keep: int,
 ) -> tuple[Ints, Floats, Floats]:  # fmt: skip
-    """Which of n orbits stay in the window from the first image on; last points, log of slopes."""
+    """Which of n orbits stay in the window; their last points, and sums of log(abs(slope))."""
     alive, kept, stretch = np.arange(len(p)), np.empty((len(p), keep)), np.zeros(len(p))
     for n in range(transient + keep):
         if not len(alive):
@@ -273,7 +194,7 @@ def _settled(
 
 
 def periods_of(x: Floats, settings: Settings) -> Ints:
-    """Smallest shift that repeats each row of x (n, m), or 0 if none does of those looked for."""
+    """Smallest shift, at most LONGEST, that repeats each row of x (n, m); 0 if there is none."""
     same, periods, left = REPEATS * settings.x_scale, np.zeros(len(x), int), np.arange(len(x))
     for shift in range(1, min(LONGEST, x.shape[1] // 2) + 1):
         repeats = np.abs(x[left, shift:] - x[left, :-shift]).max(axis=1, initial=0.0) <= same
@@ -286,37 +207,33 @@ def unexplained(
     orbits: OrbitDiagram, diagram: Diagram, map_: PiecewiseMap, distance: float | None = None,
     settings: Settings | None = None,
 ) -> list[SettledOrbit]:  # fmt: skip
-    """Orbits that end on a cycle of which the diagram has no stable branch.
+    """Orbits that settle on a cycle through which no stable branch of the diagram passes.
 
-    The cycle is solved for. A branch passes through it if one Newton step leads there from where
-    the branch is between its samples. Chaotic orbits (positive exponent, no period) and cycles of a
-    period the diagram does not hold explain themselves.
+    Each cycle is solved for; a branch passes through it if one Newton step leads there from the
+    line between two samples of the branch. Chaotic orbits (positive exponent, no period) and
+    periods of which the diagram has no branch are not compared.
 
     Parameters
     ----------
-    orbits, diagram
-        Of the same map and parameter.
-    map_
-        This map.
+    orbits, diagram, map_
+        Both of this map, over the same parameter.
     distance
-        How far a branch may stray from the line between two of its samples; by default as far as
-        they are apart in x, for the Newton step tells.
+        Largest distance in x of a cycle from the line between two samples; by default that of the
+        samples, as the Newton step decides.
     settings
         Tolerances.
 
     Returns
     -------
     list of SettledOrbit
-        Empty where the diagram accounts for all.
+        Empty if stable branches pass through all.
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, continuation, from_sympy, orbit_diagram, shoot
+    >>> from woodpecker import Settings, continuation, orbit_diagram, shoot
+    >>> from woodpecker.examples import two_lines
     >>> from woodpecker.slices import unexplained
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> lines = two_lines()
     >>> orbits = orbit_diagram(lines, [-0.5, 1.5], [0.3], (-3, 3), transient=100, keep=8)
     >>> settings = Settings(span=(-1, 0), window=(-3, 3))  # all branches end at p = 0
     >>> left = continuation(lines, shoot(lines, -1.0, p=-0.5), settings=settings)
@@ -327,26 +244,28 @@ def unexplained(
     for name, value, kind in (("orbits", orbits, OrbitDiagram), ("settings", chosen, Settings)):
         instance(name, value, kind)
     held = {branch.order for branch in diagram.branches}
-    slices: dict[float, list[tuple[int, float, float]]] = {}
+
+    @cache
+    def stable(p: float, order: int) -> list[Hit]:
+        return [
+            hit
+            for hit in diagram.at(p)
+            if (hit.branch.kind, hit.branch.order) == (BranchKind.FIXED_POINT, order)
+            and abs(hit.multiplier) <= 1.0
+        ]
+
     left = []
     for orbit in orbits.orbits:
         if orbit.period not in held or (orbit.exponent > 0.0 and math.isfinite(orbit.exponent)):
             continue
-        if orbit.p not in slices:
-            slices[orbit.p] = [
-                (hit.branch.order, hit.x, _apart(hit.branch, orbit.p))
-                for hit in diagram.at(orbit.p)
-                if hit.branch.kind is BranchKind.FIXED_POINT and abs(hit.multiplier) <= 1.0
-            ]
-        stable = np.array([each[1:] for each in slices[orbit.p] if each[0] == orbit.period])
-        cycle = _cycle(map_, orbit, chosen)
-        if cycle is None or not _passes(stable.reshape(-1, 2), cycle, distance, chosen):
+        hits, cycle = stable(orbit.p, orbit.period), _cycle(map_, orbit, chosen)
+        if not hits or cycle is None or not _passes(hits, orbit.p, cycle, distance, chosen):
             left.append(orbit)
     return left
 
 
 def _apart(branch: Branch, p: float) -> float:
-    """How far the samples of a branch on both sides of a parameter are apart in x."""
+    """Distance in x of the samples of a branch on both sides of a parameter."""
     low, high = np.sort([branch.parameter[:-1], branch.parameter[1:]], axis=0)
     around = (low <= p) & (p <= high)
     return float(np.abs(np.diff(branch.x))[around].max(initial=0.0))
@@ -359,16 +278,14 @@ def _cycle(map_: PiecewiseMap, orbit: SettledOrbit, settings: Settings) -> Orbit
     return at_parameter(Orbit(x, orbit.p, images), settings)
 
 
-def _passes(hits: Floats, cycle: Orbit, distance: float | None, settings: Settings) -> bool:
-    """Whether points of branches stand for a cycle: one Newton step leads from them to it.
-
-    ``hits`` (n, 2) are points, and how far their branches may stray from there.
-    """
-    if not len(hits):
-        return False
-    chosen = hits[np.abs(hits[:, :1] - cycle.x).argmin(axis=0)]
-    nearest = chosen[:, 0]
-    before = float(np.abs(nearest - cycle.x).max())
-    same = settings.same * settings.x_scale
-    distance = max(same, float(chosen[:, 1].max())) if distance is None else distance
-    return before <= distance and leads(nearest, cycle, settings)
+def _passes(
+    hits: list[Hit], p: float, cycle: Orbit, distance: float | None, settings: Settings
+) -> bool:
+    """Whether branches pass through a cycle at p: one Newton step leads there from them."""
+    nearest = [min(hits, key=lambda hit: abs(hit.x - x)) for x in cycle.x.tolist()]
+    points = np.array([hit.x for hit in nearest])
+    if distance is None:
+        same = settings.same * settings.x_scale
+        distance = max(same, *(_apart(hit.branch, p) for hit in nearest))
+    before = float(np.abs(points - cycle.x).max())
+    return before <= distance and leads(points, cycle, settings)

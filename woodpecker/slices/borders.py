@@ -1,4 +1,4 @@
-"""Borders at one parameter: how far a piece reaches, and what lies beyond."""
+"""Borders at one parameter, and the images on both sides of them."""
 
 from __future__ import annotations
 
@@ -13,41 +13,27 @@ from woodpecker.engine.rooted import ROOTED
 from woodpecker.maps.pieces import Image, PiecewiseMap
 from woodpecker.slices.margins import depth, nearest_code
 
-STEEP_AT_BORDER = 1e6  # slopes above are those of a root right at its border: rounded, some 1e8
+STEEP_AT_BORDER = 1e6  # larger slopes are those of a square root at its border: rounded, some 1e8
 # Relative rounding of images and margins: 20 spacings of doubles, what a return of the toy loses
 # over its events.
 IMAGE_BLUR = 20.0 * 2.0**-52
-# Part of a distance from a border, below which a piece is passed over: such a thin one is another,
-# not rounding, from some parts in a thousand on.
+# Part of a distance from a border: thinner pieces are passed over, for rounding can feign them.
 THIN = 1e-3
-NEARER = 0.1  # part of a distance from a border, at which the piece was not found, tried next
-# Part of a distance from a border at which a second slope tells a square root: its next term,
-# linear in the distance, is too small there to matter.
+NEARER = 0.1  # factor of the distance from a border at which the piece beyond is asked for next
+# Part of a distance from a border at which a second slope identifies a square root: the next term,
+# linear in the distance, is negligible there.
 PROBE = 1e-4
-FARTHEST_PROBE = 0.2  # the largest such part, where rounding leads to another solution nearer by
-# By how much the power of the distance with which a slope grows may differ from 1/2, that of a
-# square root: half of the way to a pole or a kink.
+FARTHEST_PROBE = 0.2  # the largest such part, if rounding leads to another solution at smaller ones
+# Largest difference from 1/2 of the exponent with which slopes grow beside a square root: half way
+# to a pole (1) or a kink (0).
 OFF_ROOT = 0.25
-# Times the change that the larger slope at two points allows; beyond, a value lies on another
-# solution of the piece: the slope in between may be larger, but not by that.
+# Factor of the change that the larger slope at two points allows; a larger change means another
+# solution of the piece.
 TOO_FAR = 2.0
 
 
 class BorderKind(Enum):
-    """What a map does at a border of two of its pieces.
-
-    Examples
-    --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, from_sympy
-    >>> from woodpecker.slices import borders_in
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> border, = borders_in(lines, 0.5, (-2, 2))
-    >>> border.kind(Settings()).value
-    'the values differ'
-    """
+    """What a map does at a border of two of its pieces, see :meth:`Border.kind`."""
 
     JUMP = "the values differ"
     KINK = "the values agree, the slopes differ"
@@ -58,33 +44,29 @@ class BorderKind(Enum):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Border:
-    """A border as one piece meets it.
+    """A border as seen from one of the two pieces that meet there.
 
     Attributes
     ----------
     x, p
-        Where it is.
+        Its place.
     inner, code
-        The image at the border under the piece that was followed, and its margin that vanishes.
+        The image at the border under that piece, and the code of its margin that vanishes.
     side
-        On which side of x the border is met: +1 if that piece lies at smaller x.
+        The side on which the border lies: +1 if that piece lies at smaller x, else -1.
     outer, outer_code
-        The image at the border under the piece beyond, and its margin that vanishes; -1 if it is
-        not known.
+        The same for the piece beyond; the code is -1 if it is not known.
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import from_sympy
+    >>> from woodpecker import Settings
+    >>> from woodpecker.examples import two_lines
     >>> from woodpecker.slices import borders_in
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> border, = borders_in(lines, 0.5, (-2, 2))
-    >>> border.x, border.inner.value, border.outer.value
-    (0.0, 0.5, -0.5)
-    >>> border.jump, border.cause
-    (-1.0, 'x = 0')
+    >>> border, = borders_in(two_lines(), 0.5, (-2, 2))
+    >>> border.inner.value, border.outer.value, border.jump, border.cause
+    (0.5, -0.5, -1.0, 'x = 0')
+    >>> border.kind(Settings()).value
+    'the values differ'
     """
 
     x: float
@@ -96,7 +78,6 @@ class Border:
     outer_code: int
 
     def __repr__(self) -> str:
-        """Where, how far the map jumps, between which words, and why."""
         words = f"{brief(self.inner.piece.word)!r} to {brief(self.outer.piece.word)!r}"
         return (
             f"Border(x={self.x:.10g}, p={self.p:.10g}: {words}, jump {self.jump:.6g}, "
@@ -105,27 +86,16 @@ class Border:
 
     @property
     def jump(self) -> float:
-        """Value beyond less value inside; nan if there is none beyond."""
+        """``outer.value - inner.value``; nan if there is no value beyond."""
         return self.outer.value - self.inner.value
 
     @property
     def cause(self) -> str:
-        """What happens there."""
+        """A sentence on what happens there."""
         return self.inner.piece.cause(self.code)
 
     def kind(self, settings: Settings) -> BorderKind:
-        """What the map does there.
-
-        Parameters
-        ----------
-        settings
-            What counts as a jump or a kink.
-
-        Returns
-        -------
-        BorderKind
-            From values and slopes on both sides.
-        """
+        """What the map does there, by values and slopes and the tolerances of ``settings``."""
         if math.isnan(self.jump):
             return BorderKind.LOST
         one, other = self.inner.slope, self.outer.slope
@@ -140,10 +110,10 @@ class Border:
 
 
 def _unsure(image: Image, code: int, x: float, settings: Settings) -> float:
-    """How far a value at a border may be off, as x is only close to the border.
+    """Error of a value at a border, whose x is known only to ``settings.nearest``.
 
-    A slope that is steep because x is closer than it must be is that of a square root, b sqrt(d):
-    there it is b / (2 sqrt(d)), and b sqrt(n) at the distance n at which x might as well be.
+    Beside a square root b sqrt(d) the slope at the distance d is b / (2 sqrt(d)); the value at the
+    tolerated distance n is b sqrt(n).
     """
     slope, near = abs(image.slope), settings.nearest * settings.x_scale
     if not math.isfinite(slope):
@@ -160,10 +130,10 @@ def beyond(
     map_: PiecewiseMap, x: float, p: float, side: int, settings: Settings,
     away: float | None = None,
 ) -> tuple[Image, int]:  # fmt: skip
-    """The image of a border under the piece that lies on a side of it, and which margin vanishes.
+    """The image of a border under the piece beyond it, and the code of the margin that vanishes.
 
-    The piece beyond is asked for at a distance, the usual one or another. If its margins say that
-    it ends before the border, there is another in between, and the distance shrinks.
+    The map is asked for that piece at a distance, by default ``settings.beside``. If the margins of
+    the piece say that it ends before the border, another lies between: the distance shrinks.
     """
     away = settings.beside * settings.x_scale if away is None else away
     least = settings.nearest * settings.x_scale
@@ -182,10 +152,10 @@ def beyond(
 
 
 def _begins(found: Image, there: Image, near: float, p: float, thin: float) -> bool:
-    """Whether a piece that was found beyond a border begins there, and no other one in between.
+    """Whether a piece found beyond a border begins at the border, without another in between.
 
-    Where slopes are those of a square root margins may be, too: at the border they seem to vanish
-    right beside it, wherever they do. A place near it tells.
+    Where its slope is that of a square root margins at the border may be, too, and do not say where
+    they vanish: then those at a place ``near`` the border decide.
     """
     if depth(there) < -thin:
         return False
@@ -196,18 +166,15 @@ def _begins(found: Image, there: Image, near: float, p: float, thin: float) -> b
 
 
 def _beside(there: Image, found: Image) -> Image:
-    """An image at a border whose piece goes on from right beside it.
+    """An image at a border with the piece as it is continued from beside the border.
 
-    Where two of its solutions meet at the border, as at a grazing, either might follow from there.
+    At a grazing two solutions of a piece meet at the border itself.
     """
     return there._replace(piece=found.piece)
 
 
 def _limit_of(image: Image, x: float, p: float, away: float, settings: Settings) -> Image:
-    """An image at a distance from a border at which its piece has no value, taken to the border.
-
-    Right beside the border rounding may lead to another solution of the piece, too.
-    """
+    """The limit at a border of a piece that has no value there, or only that of another root."""
     part = PROBE
     closer = image.piece.at(x + part * away, p) if not image.reason else image
     while not image.reason and (
@@ -224,10 +191,9 @@ def _limit_of(image: Image, x: float, p: float, away: float, settings: Settings)
 
 
 def limit(image: Image, away: float) -> Image:
-    """An image next to a border that its piece does not reach, taken to the border.
+    """The limit at its border of a piece that ends in a square root, from an image beside it.
 
-    Where the piece ends in a square root its value is a + b sqrt(away), and b sqrt(away) is twice
-    the slope times the distance.
+    The value is a + b sqrt(away), and b sqrt(away) is twice the slope times the distance.
     """
     return image._replace(
         value=image.value - 2.0 * image.slope * away,
@@ -237,7 +203,7 @@ def limit(image: Image, away: float) -> Image:
 
 
 def moved(image: Image, way: float) -> Floats:
-    """The margins (m,) of an image some way on, to first order."""
+    """The margins (m,) of an image at x + way, to first order."""
     found: Floats = image.margins + way * image.gradients[:, 0]
     return found
 
@@ -245,8 +211,8 @@ def moved(image: Image, way: float) -> Floats:
 def is_square_root(slope: float, closer: float, ratio: float) -> bool:
     """Whether slopes at two distances from a border are those of a square root.
 
-    They grow with the root of the ratio of the distances; beside a pole or a logarithm, in which
-    the dips of a map end, much more.
+    Those grow with the root of the ratio of the distances; beside a pole or a logarithm, as in the
+    dips of a map, slopes grow much faster.
     """
     if slope == 0.0:
         return False
@@ -255,9 +221,9 @@ def is_square_root(slope: float, closer: float, ratio: float) -> bool:
 
 
 def strays(here: Image, there: Image, way: float, settings: Settings) -> bool:
-    """Whether a piece went another way than its slopes say: where roots meet it may take the other.
+    """Whether a piece changes more than its slopes allow: it took another root of its equations.
 
-    Beside a singularity, however steep, the slope at the nearer point is the largest on the way.
+    Beside a singularity the slope at the nearer point is the largest on the way.
     """
     steepest = max(abs(here.slope), abs(there.slope))
     if math.isnan(there.slope):  # at the end of a root there is none

@@ -1,4 +1,4 @@
-"""Where a function along a piece vanishes."""
+"""Roots of functions along a piece."""
 
 from __future__ import annotations
 
@@ -11,17 +11,14 @@ from woodpecker.maps.pieces import Image
 from woodpecker.slices.extents import Knot
 from woodpecker.slices.margins import depth
 
-SLACK = 1e-6  # of an interval: a point of it may seem to lie outside; half of the digits
-STARTS = 4  # points from which a piece is continued at most
+SLACK = 1e-6  # part of an interval by which depth may be negative inside: half of the digits
+STARTS = 4  # known points, at most, from which a piece is continued to a new one
 
 
 def bracketed(
     a: Knot, b: Knot, p: float, function: Callable[[Image, float], float]
 ) -> tuple[float, Image] | None:
-    """Where a function of a piece vanishes between two samples; None if it does not.
-
-    The function takes an image and its point.
-    """
+    """Where ``function(image, x)`` vanishes between two samples of a piece; None if it does not."""
     images = {a.x: a.image, b.x: b.image}
 
     def value(at: float) -> float:
@@ -38,10 +35,10 @@ def bracketed(
 
 
 def _image_near(known: dict[float, Image], x: float, p: float) -> Image:
-    """The image of a point between known ones of a piece, from the nearest; it becomes known.
+    """The image of a point under a piece, continued from the nearest ``known`` one, and kept there.
 
-    Beside a singularity a piece may be continued the wrong way, or lost: it is outside of its
-    margins then, and is tried from the next known point.
+    Where the result is lost or outside of its margins, as beside a singularity, the next known
+    point is tried.
     """
     if x in known:
         return known[x]

@@ -1,4 +1,4 @@
-"""How far a piece reaches to a side: samples on the way, and the first margin that vanishes."""
+"""Samples of a piece to one side, up to where the first of its margins vanishes."""
 
 from __future__ import annotations
 
@@ -9,36 +9,26 @@ from typing import NamedTuple
 from woodpecker.base.settings import Settings
 from woodpecker.maps.pieces import Image
 from woodpecker.slices.borders import is_square_root, limit, moved, strays
-from woodpecker.slices.margins import (
-    depth,
-    first_part,
-    is_within,
-    lowest_dip,
-    margin_in_x,
-    reach,
-)
+from woodpecker.slices.margins import depth, first_part, is_within, lowest_dip, reach
 
 MOST_SAMPLES = 10_000  # samples of a piece: some tens are usual
-AHEAD = 1.1  # part of the way to a border that a step over it has: to first order it lies there
-RETRY = 0.25  # part of a step that is tried next if the map takes another piece at its end
-ROOT_STEPS = 60  # to where a margin vanishes; then a shorter way is tried. A handful is usual
-STRAYED = 6  # steps after which every third halves: three are enough where cubics do not mislead
-SPLIT = 0.125  # part of a way that is tried first where its far end is lost, or the near one steep
-BOTH = 16.0  # times as closely as a border is located other margins may vanish there too
-# Part of the way to the border of a piece without a value beyond it that is left at first; and how
-# much more if the piece was lost all the same. Both are closed in on fast.
+AHEAD = 1.1  # length of a step over a border, in the first-order distance of the border
+RETRY = 0.25  # factor of a step whose end is unclear
+ROOT_STEPS = 60  # to where a margin vanishes; then a shorter step is tried. A handful is usual
+STRAYED = 6  # steps after which every third is a bisection: three suffice where cubics are good
+SPLIT = 0.125  # part of an interval tried first if its far end is lost, or its near end steep
+BOTH = 16.0  # tolerances of a border's place within which a second margin counts as vanishing too
+# Of the way to a border without values beyond: the part left by the first step, and its factor
+# after a step too far.
 SHORT, WIDEN = 2.0**-4, 8.0
-SAFETY = 4.0  # times an estimated error: one bit more than the next term of a series makes of it
-UNEVEN = 16.0  # slopes whose ratio is larger are split beside the steeper one
+SAFETY = 4.0  # factor of an error estimated by the next term of a series: one bit more than needed
+UNEVEN = 16.0  # ratio of slopes from which on an interval is split beside the steeper end
 OTHER_WAY = "the piece goes another way"
-WITHIN, NO_VALUE = -1, -2  # instead of a margin that vanishes
+WITHIN, NO_VALUE = -1, -2  # codes where no margin vanishes
 
 
 class Knot(NamedTuple):
-    """A point at which a piece was evaluated; between such points it is interpolated.
-
-    ``code`` is the margin that vanishes there, or WITHIN, or NO_VALUE beyond it.
-    """
+    """A sample of a piece; ``code`` is the margin that vanishes there, WITHIN or NO_VALUE."""
 
     x: float
     image: Image
@@ -46,7 +36,7 @@ class Knot(NamedTuple):
 
 
 PieceExtent = tuple[Knot, ...]
-"""Samples of a piece in ascending order, from end to end: their codes say why it ends there."""
+"""Samples of a piece from end to end, ascending; the codes of the ends say why it ends there."""
 
 Missing = Callable[[Knot, Knot], float]
 
@@ -55,10 +45,10 @@ def reach_of(
     image: Image, x: float, p: float, side: int, limit: float, settings: Settings,
     missing: Missing = lambda *_: 0.0,
 ) -> list[Knot]:  # fmt: skip
-    """Samples of a piece to one side, from the point on until a margin vanishes or a limit is met.
+    """Samples of a piece from a point to one side, until a margin vanishes or to the limit.
 
-    The last one has the code of the margin; -1 at the limit, or if there is no value further on.
-    ``missing`` says where a sample is missing between two, as a part of the way; 0 if none is.
+    The last has the code of the margin; -1 at the limit, or if the piece has no value beyond.
+    ``missing`` says where another sample is needed between two, as a part of the way; 0 if nowhere.
     """
     samples, code, scale = [Knot(x, image)], WITHIN, settings.x_scale
     longest, least = settings.max_step * scale, settings.nearest * scale
@@ -79,9 +69,9 @@ def reach_of(
 def _followed(
     here: Knot, to: float, p: float, least: float, settings: Settings, missing: Missing
 ) -> list[Knot]:
-    """Samples from a point on, to another or to where the first margin vanishes; none if lost.
+    """Samples from ``here`` to a point, or to where the first margin vanishes; none if lost.
 
-    Where a margin may dip to zero between two of them there is another one.
+    Another is put where a margin may dip to zero between two.
     """
     found = list[Knot]()
     todo = [_next(here, to, p, least, settings)]  # the farthest first
@@ -108,9 +98,9 @@ def _followed(
 
 
 def _next(here: Knot, to: float, p: float, least: float, settings: Settings) -> Knot | None:
-    """The sample at a point if the piece reaches it, or where it ends before; None if it is lost.
+    """The sample at a point, or where the piece ends before it; None if the piece is lost.
 
-    Where it ends may not be clear at once; a shorter step is taken then.
+    Where the end is unclear a shorter step is taken.
     """
     while True:  # the step becomes shorter, down to the least
         there = Knot(to, here.image.piece.at(to, p))
@@ -128,7 +118,7 @@ def _next(here: Knot, to: float, p: float, least: float, settings: Settings) -> 
 
 
 def _continued(here: Knot, x: float, p: float, settings: Settings) -> Knot:
-    """A piece at another point; it has no value if it went another way."""
+    """A piece at another point; without a value if it strays."""
     return _unless_astray(here, Knot(x, here.image.piece.at(x, p)), settings)
 
 
@@ -144,11 +134,10 @@ def _unless_astray(here: Knot, there: Knot, settings: Settings) -> Knot:
 def _first_root(
     low: Knot, high: Knot, p: float, tolerance: float, settings: Settings
 ) -> Knot | None:
-    """Where between two points the first margin vanishes, or as far as none does; None if unclear.
+    """Where the first margin vanishes between two points, or the far one; None if unclear.
 
-    Each margin that is negative at the far end is a cubic in between; the point where the first of
-    them vanishes takes the place of one of the ends. Where the piece has no value at the far end it
-    is approached from inside.
+    Each margin that is negative at the far end is interpolated by a cubic; the piece at the first
+    root takes the place of one end. A far end without a value is approached from inside.
     """
     before, left, inside = low, 1.0, 0
     for k in range(ROOT_STEPS):
@@ -172,13 +161,13 @@ def _first_root(
             part, first = first_part(low.image, high.image, way)
             if first < 0:
                 return None
-            if ahead < SPLIT or (ahead < 1.0 and not margin_in_x(high.image, code)[0] < 0.0):
+            if ahead < SPLIT or (ahead < 1.0 and not high.image.margin(code) < 0.0):
                 part = ahead
             else:
                 code = first
         trial = low.x + (part if k < STRAYED or k % 3 < 2 else 0.5) * way
         for end in (high, low):
-            if abs(trial - end.x) <= tolerance and not math.isnan(margin_in_x(end.image, code)[0]):
+            if abs(trial - end.x) <= tolerance and not math.isnan(end.image.margin(code)):
                 if math.isnan(end.image.value):
                     continue  # it is approached from inside
                 if depth(end.image, code) >= -BOTH * tolerance:
@@ -195,10 +184,7 @@ def _first_root(
 
 
 def _at_end(before: Knot, low: Knot, way: float, code: int) -> Knot:
-    """The last sample of a piece that has no value beyond.
-
-    The value is the limit; where it ends in a square root the slope is infinite.
-    """
+    """The last sample of a piece without values beyond: its limit, also at the end of a root."""
     side = math.copysign(1.0, way)
     ahead, first = reach(low.image, side)
     run = side * (low.x - before.x)
@@ -214,18 +200,17 @@ def _at_end(before: Knot, low: Knot, way: float, code: int) -> Knot:
 def _short_of(
     before: Knot, low: Knot, code: int, way: float, left: float, tolerance: float
 ) -> float:
-    """A point short of the one where a margin vanishes and the piece is lost, as a part of the way.
+    """A point, as a part of the way, just inside the place where a margin vanishes.
 
-    The margin is a parabola, by its slopes at two points if there are; how far that is from a
-    straight line says how much of the way is left.
+    The margin is a parabola by its slopes at two points, if known; its difference from a straight
+    line estimates the error, and so how far inside the point must lie.
     """
     side = math.copysign(1.0, way)
-    h, rate = margin_in_x(low.image, code)
-    slope = side * rate
+    h, slope = low.image.margin(code), side * float(low.image.gradient(code)[0])
     straight = distance = -h / slope
     short = SHORT
     run = side * (low.x - before.x)
-    slope_before = side * margin_in_x(before.image, code)[1]
+    slope_before = side * float(before.image.gradient(code)[0])
     if run > 0.0 and math.isfinite(slope_before):
         square = slope * slope - 2.0 * h * (slope - slope_before) / run
         if square > 0.0:
@@ -239,9 +224,9 @@ def _short_of(
 
 
 def uneven(here: Knot, there: Knot, even: float) -> float:
-    """Where a sample is missing between two, as a part of the way; 0 if none is.
+    """Where another sample is needed between two, as a part of the way; 0 if nowhere.
 
-    A rise may differ by ``even`` from those that the slopes at both ends make of it.
+    None is needed if the mean of the slopes gives the rise to ``even`` / 2.
     """
     run, rise = there.x - here.x, there.image.value - here.image.value
     rates = here.image.slope * run, there.image.slope * run

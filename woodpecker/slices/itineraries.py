@@ -1,11 +1,11 @@
 """Cycles and jumps of P_j at one parameter, from the pieces of P_1.
 
 P_j has a piece for each sequence of pieces of P_1 that an orbit can visit. Where P_1 is steep these
-are too thin to be met by looking at P_j itself; but pulled back return by return through the
-monotone branches of P_1 they are all there, and steepness helps: inverse branches contract.
+are too thin to be found by samples of P_j; but they are pulled back return by return through the
+monotone branches of P_1, whose inverses contract where P_1 is steep.
 
-What is found here is a guess, good to the interpolation between samples, with the pieces that its
-orbit takes; Newton's method on these pieces follows.
+This gives guesses, good to the interpolation between samples, and the pieces of their orbits;
+Newton's method on these pieces follows.
 """
 
 from __future__ import annotations
@@ -18,37 +18,41 @@ import numpy as np
 from woodpecker.base.arrays import Bools, Floats, Ints
 from woodpecker.base.settings import Settings
 from woodpecker.maps.counting import Allowance
+from woodpecker.maps.pieces import Image
 from woodpecker.slices.borders import Border
 from woodpecker.slices.monotone import branches_of
 from woodpecker.slices.orbits import Orbit, at_parameter, is_inside
 from woodpecker.slices.partition import EVEN, Partition
 
-OF_ITERATE = 10  # times the pieces of P_1 that are allowed: pieces of an iterate
-PAIRS = 10**8  # of pieces that are compared at once: as many bytes
-# How often an orbit is pulled back point by point, if Newton's method fails from a guess: each time
-# what it is off falls by the product of its slopes.
+OF_ITERATE = 10  # pieces of an iterate that are allowed, for each of P_1
+PAIRS = 10**8  # pairs of pieces compared at once: as many bytes
+# Times that an orbit is pulled back point by point where Newton's method fails: each divides its
+# error by the product of its slopes.
 PULLS = 3
-# Part of its length by which a piece of an iterate, whose end seems to miss the diagonal, may meet
-# it: its ends are interpolated.
+# Part of its length by which a piece of an iterate, whose ends are interpolated, may miss the
+# diagonal and still be tried.
 LOOSE = 0.02
-# Halvings of an interval in which a cycle of an iterate lies, before Newton's method begins: to
-# 6e-8 of it, more than cubics are good for.
+# Bisections of the interval of a cycle before Newton's method: to 6e-8 of it, finer than the errors
+# of cubics.
 BISECTIONS = 24
-# Points inside an increasing piece of an iterate at which two cycles are looked for, and how often
-# closer to the one nearest to the diagonal: 16^4 points, of which one in a thousand is looked at.
+# Samples of an increasing piece of an iterate, between which two cycles are sought, and the number
+# of grids, each about the sample nearest to the diagonal: as fine as a single one of thousands.
 INTERIOR, ZOOMS = 16, 4
 
 
 Guess = tuple[Ints, Floats]
 """Branches (n,) and points (n,) of a cycle."""
 
+Points = list[tuple[tuple[float, ...], tuple[int, ...]]]
+"""Points of orbits before a border, and the branches that these take."""
+
 Wanted = Callable[[Border, int, float], bool]
-"""Whether an orbit matters that leads to a border, of so many points, and starts about at one."""
+"""Whether an orbit to a border is wanted, by its number of points and about its first one."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Cylinders:
-    """Intervals (n,) of x_0 whose orbits visit branches (n, j), and where P_j takes their ends."""
+    """Intervals (n,) of x_0 whose orbits visit branches (n, j), and the images of their ends."""
 
     low: Floats
     high: Floats
@@ -64,8 +68,15 @@ class _Cylinders:
         )  # fmt: skip
 
 
+def _cylinders(x: Floats, at: Floats, branches: Ints) -> _Cylinders:
+    """Cylinders by the ends (2, n) of their intervals, in any order, and the images of these."""
+    turned = x[0] > x[1]
+    (low, high), (at_low, at_high) = (np.where(turned, ends[::-1], ends) for ends in (x, at))
+    return _Cylinders(low, high, at_low, at_high, branches)
+
+
 def _by_cycle(guesses: list[Guess]) -> Iterator[list[list[Guess]]]:
-    """Guesses whose branches follow each other in the same circle: by those they begin with."""
+    """Guesses of the same cyclic sequence of branches, grouped by the sequence they begin with."""
     circles: dict[tuple[int, ...], dict[tuple[int, ...], list[Guess]]] = {}
     for guess in guesses:
         key = tuple(guess[0].tolist())
@@ -76,10 +87,7 @@ def _by_cycle(guesses: list[Guess]) -> Iterator[list[list[Guess]]]:
 
 
 class Itineraries:
-    """Orbits of P_1 at one parameter that stay in the window of a partition.
-
-    ``left`` says whether there are more than are allowed, so that some were not looked at.
-    """
+    """Orbits of P_1 at one parameter in the window of a partition; ``left`` if some are omitted."""
 
     def __init__(self, partition: Partition, settings: Settings, allowed: Allowance) -> None:
         self.partition, self.p, self.settings = partition, partition.p, settings
@@ -89,7 +97,7 @@ class Itineraries:
         self._cylinders = [self._first()]
 
     def cycles(self, order: int) -> list[Orbit]:
-        """Cycles of P_order, those of lower periods among them; some from several points."""
+        """Cycles of P_order, with those of lower periods; some are listed from several points."""
         if not len(self.branches):  # no orbit stays in the window
             return []
         found = list[Orbit]()
@@ -116,10 +124,10 @@ class Itineraries:
     def heads(
         self, borders: Sequence[Border], order: int, wanted: Wanted
     ) -> Iterator[tuple[Orbit, Border]]:
-        """Orbits that lead to borders within ``order`` points, about, the border their last."""
+        """Guesses of orbits of at most ``order`` points, the last of which is a border."""
         for border in borders:
             targets = np.array([border.x])
-            points: list[tuple[tuple[float, ...], tuple[int, ...]]] = [((), ())]
+            points: Points = [((), ())]
             for before in range(order):
                 if len(targets) > self._most:
                     self.left = True
@@ -135,15 +143,11 @@ class Itineraries:
 
     def _head(self, xs: tuple[float, ...], branches: tuple[int, ...], border: Border) -> Orbit:
         """Points in some branches, and the border to which they lead."""
-        images = [
-            self.branches.image(k, to).piece.at(x, self.p)
-            for k, x, to in zip(branches, xs, (*xs, border.x)[1:], strict=True)
-        ]
-        return Orbit(np.array([*xs, border.x]), self.p, (*images, border.inner))
+        points = [*xs, border.x]
+        images = self._images(branches, points[:-1], points[1:])
+        return Orbit(np.array(points), self.p, (*images, border.inner))
 
-    def _preimages(
-        self, targets: Floats, points: list[tuple[tuple[float, ...], tuple[int, ...]]]
-    ) -> tuple[Floats, list[tuple[tuple[float, ...], tuple[int, ...]]]]:
+    def _preimages(self, targets: Floats, points: Points) -> tuple[Floats, Points]:
         low, high = self.branches.low[:, None], self.branches.high[:, None]
         k, hit = np.nonzero((low < targets) & (targets < high))
         x = self.branches.inverse(k, targets[hit])
@@ -152,7 +156,8 @@ class Itineraries:
 
     def _solved(self, branches: Ints, x: Floats) -> Orbit | None:
         """The cycle of some branches near a guess; None if it lies outside of their pieces."""
-        orbit = self._orbit(branches, x)
+        images = self._images(branches.tolist(), x.tolist(), np.roll(x, -1).tolist())
+        orbit = Orbit(np.asarray(x), self.p, tuple(images))
         for _ in range(PULLS):
             found = at_parameter(orbit, self.settings)
             if found is not None and self._is_inside(found):
@@ -167,15 +172,17 @@ class Itineraries:
         low, high = self.window
         return bool(low <= orbit.x.min() and orbit.x.max() <= high) and is_inside(orbit)
 
-    def _orbit(self, branches: Ints, x: Floats) -> Orbit:
-        images = [
-            self.branches.image(int(k), float(y)).piece.at(float(a), self.p)
-            for k, a, y in zip(branches, x, np.roll(x, -1), strict=True)
+    def _images(
+        self, branches: Sequence[int], xs: Sequence[float], ys: Sequence[float]
+    ) -> list[Image]:
+        """Images of points under branches, by the pieces of the samples nearest below ``ys``."""
+        return [
+            self.branches.image(k, y).piece.at(x, self.p)
+            for k, x, y in zip(branches, xs, ys, strict=True)
         ]
-        return Orbit(np.asarray(x), self.p, tuple(images))
 
     def _pulled(self, branches: Ints, x: Floats) -> Orbit | None:
-        """An orbit whose points are pulled back one after the other, exactly."""
+        """The orbit with its points pulled back one after the other by the pieces themselves."""
         points, images = x.copy(), [self.branches.images[0]] * len(x)
         for i in reversed(range(len(x))):
             found = self.branches.exact(int(branches[i]), float(points[(i + 1) % len(x)]), self.p)
@@ -187,7 +194,7 @@ class Itineraries:
     # --- Guesses ----------------------------------------------------------------------------------
 
     def _sure(self, order: int) -> Iterator[Guess]:
-        """Where P_order changes its side of the diagonal."""
+        """Guesses where P_order crosses the diagonal."""
         found = self._of(order)
         rising = found.at_high > found.at_low
         crosses = (found.at_low > found.low) != (found.at_high > found.high)
@@ -198,7 +205,7 @@ class Itineraries:
         yield from beside
 
     def _perhaps(self, order: int) -> Iterator[Guess]:
-        """Where more cycles may be: right beside a piece, whose ends are interpolated."""
+        """Guesses just beyond the ends of pieces, which are interpolated."""
         found = self._of(order)
         gaps = found.at_low - found.low, found.at_high - found.high
         width, nearer = found.high - found.low, np.abs(gaps[0]) < np.abs(gaps[1])
@@ -209,11 +216,8 @@ class Itineraries:
         yield from zip(found.branches[near], self._back(found.branches[near], y[near]), strict=True)
 
     def _first(self) -> _Cylinders:
-        ends = np.column_stack([self.branches.first, self.branches.last])
-        turned = self.branches.x[ends[:, 0]] > self.branches.x[ends[:, 1]]
-        ends[turned] = ends[turned, ::-1]
-        (low, high), (at_low, at_high) = self.branches.x[ends].T, self.branches.y[ends].T
-        return _Cylinders(low, high, at_low, at_high, np.arange(len(ends))[:, None])
+        b, ends = self.branches, np.array([self.branches.first, self.branches.last])
+        return _cylinders(b.x[ends], b.y[ends], np.arange(len(b))[:, None])
 
     def _of(self, order: int) -> _Cylinders:
         while len(self._cylinders) < order:
@@ -221,23 +225,18 @@ class Itineraries:
         return self._cylinders[order - 1]
 
     def _pulled_back(self, later: _Cylinders) -> _Cylinders:
-        """One return more in front: each branch followed by whatever its image meets."""
+        """Cylinders of one return more: each branch, followed by all that its image meets."""
         b, later = self.branches, self._fewer(later)
         k, hit = np.nonzero((later.low <= b.high[:, None]) & (later.high >= b.low[:, None]))
         bottom, top = np.maximum(later.low[hit], b.low[k]), np.minimum(later.high[hit], b.high[k])
-        at_bottom = self._at(later, hit, bottom)
-        at_top = self._at(later, hit, top)
         x_bottom = np.where(bottom == b.low[k], b.x[b.first[k]], b.inverse(k, bottom))
         x_top = np.where(top == b.high[k], b.x[b.last[k]], b.inverse(k, top))
-        turned = x_bottom > x_top
-        return _Cylinders(
-            np.where(turned, x_top, x_bottom), np.where(turned, x_bottom, x_top),
-            np.where(turned, at_top, at_bottom), np.where(turned, at_bottom, at_top),
-            np.column_stack([k, later.branches[hit]]),
-        )  # fmt: skip
+        at = np.array([self._at(later, hit, end) for end in (bottom, top)])
+        branches = np.column_stack([k, later.branches[hit]])
+        return _cylinders(np.array([x_bottom, x_top]), at, branches)
 
     def _fewer(self, found: _Cylinders) -> _Cylinders:
-        """The widest pieces of an iterate, if there are too many."""
+        """All cylinders, or the widest if there are too many."""
         most = min(self._most, PAIRS // max(1, len(self.branches)))
         if len(found.low) <= most:
             return found
@@ -247,7 +246,7 @@ class Itineraries:
         return found.take(kept)
 
     def _at(self, later: _Cylinders, hit: Ints, x: Floats) -> Floats:
-        """Where the later returns take points x of cylinders ``hit``: by the samples of pieces."""
+        """Images of points x of cylinders ``hit`` under all of their returns, interpolated."""
         at_low, at_high = later.at_low[hit], later.at_high[hit]
         inside = (later.low[hit] < x) & (x < later.high[hit])
         value = x.copy()
@@ -265,7 +264,7 @@ class Itineraries:
         return points
 
     def _roots(self, found: _Cylinders) -> Iterator[Guess]:
-        """Cycles in cylinders at whose ends P_j lies on different sides of the diagonal."""
+        """Guesses in cylinders at whose ends P_j lies on different sides of the diagonal."""
         a, b = found.at_low.copy(), found.at_high.copy()  # values between which the cycle lies
         below = found.low < found.at_low
         for _ in range(BISECTIONS if len(a) else 0):
@@ -285,12 +284,12 @@ class Itineraries:
                 yield found.branches[k], orbit
 
     def _halves(self, found: _Cylinders) -> tuple[_Cylinders, list[Guess]]:
-        """Parts of increasing cylinders between which P_j changes its side of the diagonal.
+        """Parts of increasing cylinders in which P_j crosses the diagonal, and two more guesses.
 
-        Where none shows, the neighbourhood of the point nearest to the diagonal is looked at. If it
-        is as near as samples can tell there may be two cycles, on both sides of it: two guesses.
+        Without a crossing the grid is refined about the point nearest to the diagonal. If that is
+        within the error of samples, two cycles may lie on both sides of it: these are the guesses.
         """
-        low = np.maximum(found.low, found.at_low)  # a fixed point can only be in between
+        low = np.maximum(found.low, found.at_low)  # fixed points can only lie in between
         high = np.minimum(found.high, found.at_high)
         rows, parts = np.arange(len(low)), []
         around = np.column_stack([low, high])

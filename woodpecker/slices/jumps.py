@@ -1,8 +1,8 @@
 """Jumps of iterates that cross the diagonal: border orbits with the limits on both sides.
 
-P_N jumps at x_0 where an orbit x_0, x_1, .. x_k meets a jump of P_1 in its last point. Its limits
-are followed from both values at the border for the rest of the N returns. The jump crosses the
-diagonal if they lie on different sides of x_0.
+P_N jumps at x_0 if the last point of an orbit x_0, x_1, .. x_k is a jump of P_1. Both values there
+are followed for the rest of the N returns: these are the limits. The jump crosses the diagonal if
+they lie on different sides of x_0.
 """
 
 from __future__ import annotations
@@ -26,27 +26,21 @@ class Jump:
     ----------
     head
         x_0 .. x_k; the last point lies on the border of its piece.
-    code
-        The margin of that piece which vanishes.
+    code, outer_code
+        The margins that vanish there, of that piece and of the one beyond.
     order
         The iterate.
     inner, outer
-        Orbits from the border to its limits, of which the values are the limits: under the piece of
-        the head, and under the one beyond.
-    outer_code
-        The margin of the piece beyond which vanishes there.
+        Orbits from the border under these two pieces; their values are the limits.
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, from_sympy, slices_at
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> one, = slices_at(lines, 0.5, (1,), Settings(span=(-1, 2), window=(-3, 3)))
+    >>> from woodpecker import Settings, slices_at
+    >>> from woodpecker.examples import two_lines
+    >>> one, = slices_at(two_lines(), 0.5, (1,), Settings(span=(-1, 2), window=(-3, 3)))
     >>> jump, = one.jumps
-    >>> type(jump).__name__, jump.x, jump.inner.value, jump.outer.value
-    ('Jump', 0.0, 0.5, -0.5)
+    >>> jump.x, jump.inner.value, jump.outer.value
+    (0.0, 0.5, -0.5)
     """
 
     head: Orbit
@@ -58,7 +52,7 @@ class Jump:
 
     @property
     def x(self) -> float:
-        """Where it is."""
+        """Its place x_0."""
         return float(self.head.x[0])
 
     @property
@@ -79,7 +73,7 @@ class Jump:
 
     @property
     def inner_side(self) -> int:
-        """On which side of x_0 the inner limit is."""
+        """The side of x_0 on which P_order has the inner limit: 1 if at larger x, else -1."""
         side = math.copysign(1.0, self.head.images[-1].gradient(self.code)[0])
         for image in self.head.images[:-1]:
             side = math.copysign(1.0, side * image.slope)
@@ -94,7 +88,7 @@ class Jump:
 
 
 def limit_of(map_: PiecewiseMap, x: float, first: Image, returns: int, p: float) -> Orbit:
-    """The orbit of a border, from its image under a piece, for some returns more."""
+    """The orbit of a border from its image ``first`` on, for ``returns`` more."""
     points, images = [x], [first]
     for _ in range(returns):
         if images[-1].reason:

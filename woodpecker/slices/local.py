@@ -2,15 +2,14 @@
 
 Next to a collision of a fixed point with a jump x_d(p) the map is, to first order in y = x - x_d(p)
 and q = p - p_0, a piecewise-linear map of y with one break at zero. Its coefficients are what the
-two pieces give exactly at the jump: limits, slopes, and derivatives in the parameter; and the jump
-moves by -h_p/h_x, h the margin that vanishes there. What :mod:`pwmap` proves of this model is what
-the paper's Figure 12 shows of point A: which branches start there, of which iterates, on which
-side, and with which slope over the parameter.
+two pieces give exactly at the jump: limits, slopes, and derivatives in the parameter; the jump
+moves at the rate -h_p/h_x, where h is the margin that vanishes there. The exact diagram of this
+model shows what [Leine2001, Fig. 12] shows of point A: which branches start there, on which side.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 
@@ -34,31 +33,16 @@ MODEL_REACH = Fraction(1, 10**6)  # of the model in q; it is linear, so any smal
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Start:
-    """A branch that the local model predicts at the collision.
+    """A branch that the local model predicts at the collision, see :func:`woodpecker.local_model`.
 
     Attributes
     ----------
     kind, order, word
-        As in a diagram; the words say L and R for the two sides of the jump.
+        As in a diagram; L and R are the sides of the jump.
     side
-        +1 if it lies at larger parameters, -1 at smaller ones.
+        +1 if the branch lies at larger parameters, -1 at smaller ones.
     slope
         dx/dp at the collision.
-
-    Examples
-    --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import local_model
-    >>> from woodpecker.plane import family_from_sympy
-    >>> x, a, r = symbols("x a r")
-    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
-    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
-    >>> model = local_model(family.over(0, (0.0, 1.25)), 0.0, 0.0, orders=(1, 2))
-    >>> for start in model.starts:
-    ...     print(start.kind, start.order, start.word, f"{start.slope:.3f}")
-    fixed-point 1 R 0.444
-    jump 1 L|R 0.000
-    jump 2 RR|RL 0.800
     """
 
     kind: BranchKind
@@ -77,26 +61,21 @@ class LocalModel:
     border
         The jump at the collision, seen from the piece on which the fixed point lives.
     speed
-        dx_d/dp, how fast the jump moves.
+        dx_d/dp of the jump.
     map
         The model in y = x - x_d(p), with the parameter q = p - p_0.
-    diagram
-        Its exact bifurcation diagram over a small interval of q.
-    point
-        The special point of the diagram at q = 0, y = 0.
+    diagram, point
+        Its exact bifurcation diagram over a small interval of q, and the special point there at
+        q = 0, y = 0.
     starts
-        The branches that end there and are local: their orbits stay next to the jump, but for the
-        last step on one side of it. Where an orbit goes that has left, two lines do not know.
+        The branches that end there and are local: orbits stay on the side of the fixed point,
+        except that one limit of a jump leaves it with its last point. The model ends there.
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
     >>> from woodpecker import local_model
-    >>> from woodpecker.plane import family_from_sympy
-    >>> x, a, r = symbols("x a r")
-    >>> p1 = Piecewise((r - 2, x <= 0), (r - a*x, True))
-    >>> family = family_from_sympy(p1, x, (r, a), words=["L", "R"])
-    >>> model = local_model(family.over(0, (0.0, 1.25)), 0.0, 0.0)  # P1^L at r = 0
+    >>> from woodpecker.examples import paper_family
+    >>> model = local_model(paper_family().over(0, (0.0, 1.25)), 0.0, 0.0)  # P1^L at r = 0
     >>> print(model.point.kind, model.point.note)
     FF fold
     >>> [(str(start.kind), start.order, round(start.slope, 6)) for start in model.starts]
@@ -112,7 +91,6 @@ class LocalModel:
     starts: tuple[Start, ...]
 
     def __repr__(self) -> str:
-        """What it is of, its slopes, and how many branches start there."""
         return (
             f"LocalModel({self.point.kind} at p={self.p:.10g}, x={self.x:.10g}: slopes "
             f"{self.left.slope:.6g} and {self.right.slope:.6g}, {len(self.starts)} branches)"
@@ -120,12 +98,12 @@ class LocalModel:
 
     @property
     def x(self) -> float:
-        """Where the collision is."""
+        """The place of the collision."""
         return self.border.x
 
     @property
     def p(self) -> float:
-        """The parameter there."""
+        """The parameter at the collision."""
         return self.border.p
 
     @property
@@ -156,21 +134,19 @@ def local_model(
     Parameters
     ----------
     map_
-        For instance :class:`woodpecker.ToyPieces`; of a cycle of P_n that collides,
+        For instance :class:`woodpecker.ToyPieces`; if a cycle of P_n collides, its
         :class:`woodpecker.maps.Iterate`.
     x, p
-        The collision, for instance a BC or FF point of a diagram. It is located anew, and lies
-        within ``Settings.beside`` of these.
+        A place within ``Settings.beside`` of the collision, such as a BC or FF point of a diagram.
     orders
-        Iterates of the model to look at.
+        Iterates of the model whose branches are found.
     settings
         Scales and tolerances.
 
     Returns
     -------
     LocalModel
-        The two lines as an exact map, the special point, and the branches that start there with
-        their slopes dx/dp.
+        The two lines as an exact map, the special point, and the branches that start there.
 
     Raises
     ------
@@ -204,14 +180,14 @@ def local_model(
     model = _model(border, speed)
     found = exact_diagram(model, Q, (-MODEL_REACH, MODEL_REACH), orders)
     (point,) = (point for point in found.points if point.exact["parameter"] == 0 == point.x)
-    starts = _starts(found, point, speed)
+    inner = _inner(border)
     return LocalModel(
         border=border,
         speed=speed,
         map=model,
         diagram=found,
         point=point,
-        starts=tuple(start for start in starts if _is_local(start, _inner(border))),
+        starts=tuple(each for each in _starts(found, point, speed) if _is_local(each.word, inner)),
     )
 
 
@@ -223,24 +199,14 @@ def _inner(border: Border) -> str:
 
 
 def _collision(map_: PiecewiseMap, x: float, p: float, settings: Settings) -> Border:
-    """The jump at which a fixed point ends next to a place, and the piece that it lives on inside.
-
-    Raises
-    ------
-    ValueError
-        If there is no jump, or no fixed point.
-    """
+    """The jump next to a place at which a fixed point ends, seen from the piece of that point."""
     near = settings.beside * settings.x_scale
     met = nearest_border(map_, x, p, near, settings)
     if met is None or met.kind(settings) is not BorderKind.JUMP:
         raise ValueError(f"the map does not jump at x = {x}, p = {p}")
-    found = [
-        border
-        for image, code, side in (
-            (met.inner, met.code, met.side), (met.outer, met.outer_code, -met.side),
-        )
-        if (border := _collision_of(map_, met, image, code, side, settings)) is not None
-    ]  # fmt: skip
+    other = Border(met.x, met.p, met.outer, met.outer_code, -met.side, met.inner, met.code)
+    both = (_collision_at(map_, border, settings) for border in (met, other))
+    found = [border for border in both if border is not None]
     if not found:
         raise ValueError(
             f"no limit of the jump at x = {x}, p = {p} lies on the diagonal with a finite slope"
@@ -248,19 +214,17 @@ def _collision(map_: PiecewiseMap, x: float, p: float, settings: Settings) -> Bo
     return min(found, key=lambda border: abs(border.p - p))
 
 
-def _collision_of(
-    map_: PiecewiseMap, met: Border, image: Image, code: int, side: int, settings: Settings
-) -> Border | None:
-    """The collision of a fixed point of one piece with a jump; None if there is none nearby."""
-    start = Orbit(np.array([met.x]), met.p, (image,))
-    found = solved(start, settings, Closed(), OnBorder(0, code))
+def _collision_at(map_: PiecewiseMap, met: Border, settings: Settings) -> Border | None:
+    """The collision of a fixed point of the inner piece with a jump; None if none is nearby."""
+    start = Orbit(np.array([met.x]), met.p, (met.inner,))
+    found = solved(start, settings, Closed(), OnBorder(0, met.code))
     if found is None:
         return None
     x, p = float(found.x[0]), found.p
     moved = max(abs(x - met.x) / settings.x_scale, abs(p - met.p) / settings.p_scale)
     if moved > settings.beside:
         return None
-    return border_of(map_, found.images[0], code, x, p, side, settings)
+    return border_of(map_, found.images[0], met.code, x, p, met.side, settings)
 
 
 # --- The model ------------------------------------------------------------------------------------
@@ -276,38 +240,25 @@ def _model(border: Border, speed: float) -> PiecewiseLinearMap:
 
 
 def _line(image: Image, gap: float, speed: float, y: sympy.Symbol) -> sympy.Expr:
-    """A piece to first order: its limit less x_d, its slope, and what the parameter changes."""
+    """A piece to first order: its slope, its limit less x_d, and the rate in the parameter."""
     along = image.d_parameter + (image.slope - 1.0) * speed
-    return _exact(image.slope) * y + _exact(gap) + _exact(along) * Q
+    slope, gap, along = (sympy.Rational(float(each)) for each in (image.slope, gap, along))
+    return slope * y + gap + along * Q
 
 
-def _exact(value: float) -> sympy.Rational:
-    fraction = Fraction(float(value))
-    return sympy.Rational(fraction.numerator, fraction.denominator)
-
-
-def _is_local(start: Start, inner: str) -> bool:
-    words = start.word.split("|")
-    return any(set(word) == {inner} for word in words) and all(
-        set(word[:-1]) <= {inner} for word in words
-    )
-
-
-def _starts(found: Diagram, point: SpecialPoint, speed: float) -> list[Start]:
-    left, right = found.sides(point.id)
-    starts = []
-    for side, names in ((-1, left), (1, right)):
-        for name in names:
-            branch = found.branch(name)
+def _starts(found: Diagram, point: SpecialPoint, speed: float) -> Iterator[Start]:
+    for side, names in zip((-1, 1), found.sides(point.id), strict=True):
+        for branch in map(found.branch, names):
             stretch = branch.words[0 if branch.ends[0] == point.id else -1]
-            rate = float(sympy.diff(stretch.exact["x"], Q).subs(Q, 0))
-            starts.append(
-                Start(
-                    kind=branch.kind,
-                    order=branch.order,
-                    word=stretch.word,
-                    side=side,
-                    slope=rate + speed,
-                )
+            slope = float(sympy.diff(stretch.exact["x"], Q).subs(Q, 0)) + speed
+            yield Start(
+                kind=branch.kind, order=branch.order, word=stretch.word, side=side, slope=slope
             )
-    return starts
+
+
+def _is_local(word: str, inner: str) -> bool:
+    """Whether one limit stays on the inner side, and the other leaves it with its last point."""
+    words = word.split("|")
+    return any(set(each) == {inner} for each in words) and all(
+        set(each[:-1]) <= {inner} for each in words
+    )

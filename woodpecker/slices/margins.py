@@ -1,7 +1,6 @@
-"""What the margins of images say: how far a piece reaches, and where one of them may vanish.
+"""Where the margins of images vanish, to first order and between two images.
 
-An image has some fifty margins. They are gone through in compiled loops, for on arrays so small
-every operation of numpy costs more than the loop.
+The loops are compiled: an image has some fifty margins, too few for numpy to be fast.
 """
 
 from __future__ import annotations
@@ -15,39 +14,31 @@ from woodpecker.base.compiled import jit, part
 from woodpecker.engine.ends import WORTH
 from woodpecker.maps.pieces import Image
 
-REACH, NEAREST, DEPTH = range(3)  # which margin of an image is asked for
-DIP, FIRST = range(2)  # and which of two
-FAR = 2.0**52  # a distance that is infinite for all purposes: added to one of 1, that is lost
-FLAT = 1e-200  # a slope of a margin that is zero for all purposes: what divides by it is infinite
-CUBIC_STEPS = 60  # of Newton's method: a handful, or halvings down to rounding
-ROUNDED_PART = 1e-15  # a place in (0, 1) is not known better
-# Times a margin's change over a step and its slope at the other end: a larger slope at one end is
-# that beside a square root.
+REACH, NEAREST, DEPTH = range(3)  # questions about the margins of one image
+DIP, FIRST = range(2)  # and of two
+FAR = 2.0**52  # larger distances count as infinite: beside them 1 is lost by rounding
+FLAT = 1e-200  # smaller slopes of a margin count as zero: a quotient would overflow
+CUBIC_STEPS = 60  # of Newton's method: a handful, or bisections down to rounding
+ROUNDED_PART = 1e-15  # rounding of a place in (0, 1)
+# Beside a square root the slope at one end is larger than this many times the change of the margin
+# and its slope at the other end.
 BESIDE_ROOT = 10.0
 
 
 def reach(image: Image, side: float) -> tuple[float, int]:
-    """How far the margins of an image let x move to a side, to first order, and which stops it."""
+    """First-order distance of the nearest border on a side, and its code; (inf, -1) if none."""
     away, code = _of_one(REACH, image, side)
     return (away, code) if code >= 0 and not away >= FAR else (math.inf, -1)
 
 
 def nearest_code(image: Image, side: int) -> int:
-    """The margin nearest to vanishing of those that fall to a side; -1 if none does."""
+    """The margin nearest to zero of those that fall to a side; -1 if none does."""
     return _of_one(NEAREST, image, float(side))[1]
 
 
 def depth(image: Image, ignored: int = -1) -> float:
-    """Distance in x by which an image lies inside its piece; negative if it lies outside.
-
-    To first order, by the margin that is nearest to its border.
-    """
+    """Distance in x, to first order, by which an image lies inside its piece; negative outside."""
     return _of_one(DEPTH, image, 1.0, ignored)[0]
-
-
-def margin_in_x(image: Image, code: int) -> tuple[float, float]:
-    """The margin of a code and its slope in x; nan if the image has none."""
-    return _margin(code, image.margins, np.asfortranarray(image.gradients), image.causes)
 
 
 def is_within(image: Image) -> bool:
@@ -57,20 +48,20 @@ def is_within(image: Image) -> bool:
 
 
 def lowest_dip(here: Image, there: Image, way: float) -> float | None:
-    """Where between two points inside a margin may come closest to zero, as a part of the way.
+    """Where, as a part of the way between images inside, a margin may dip to zero; None if none.
 
     A margin that falls at the first and rises at the second is a cubic, or, beside a square root, a
-    parabola in the root of the distance; so is the middle looked at if a margin that only one of
-    them has leads below zero.
+    parabola in the root of the distance. It is the middle if a margin that only one image has leads
+    below zero.
     """
     part, found = _of_two(DIP, here, there, way)
     return part if found >= 0 else None
 
 
 def first_part(here: Image, there: Image, way: float) -> tuple[float, int]:
-    """Where, as a part of the way, the first margin vanishes that is negative at the second point.
+    """Where, as a part of the way, a margin negative at the second image first vanishes, and which.
 
-    And which one it is; -1 if none is clear.
+    The margin is -1 if none is clear.
     """
     return _of_two(FIRST, here, there, way)
 
@@ -91,10 +82,10 @@ def _of_two(task: int, here: Image, there: Image, way: float) -> tuple[float, in
 def _nearest(
     task: int, ignored: int, side: float, margins: Floats, slopes: Floats, causes: Ints
 ) -> tuple[float, int]:
-    """How far the margin is that vanishes nearest to a point, to first order, and which; or -1.
+    """First-order distance of the nearest root of a margin, and its code or -1.
 
-    REACH and NEAREST are of margins (m,) that fall to the side, DEPTH is of all but one. They have
-    gradients (m, 2) in x and the parameter, and codes (m,).
+    REACH and NEAREST look at margins (m,) that fall to the side, DEPTH at all but ``ignored``;
+    ``slopes`` (m, 2) are derivatives in x and the parameter, ``causes`` (m,) the codes.
     """
     nearest, which = math.inf, -1
     for k in range(len(margins)):
@@ -115,22 +106,11 @@ def _nearest(
 
 
 @jit
-def _margin(code: int, margins: Floats, slopes: Floats, causes: Ints) -> tuple[float, float]:
-    for k in range(len(margins)):
-        if causes[k] == code:
-            return margins[k], slopes[k, 0]
-    return math.nan, math.nan
-
-
-@jit
 def _between(
     task: int, way: float, a: Floats, slopes: Floats, causes: Ints, b: Floats,
     slopes_there: Floats, causes_there: Ints,
 ) -> tuple[float, int]:  # fmt: skip
-    """Where between two points a margin dips or vanishes, as a part of the way, and which; or -1.
-
-    Margins (m,) and gradients (m, 2) have ascending codes (m,).
-    """
+    """Where, as a part of the way, a margin dips or vanishes, and its code or -1; codes ascend."""
     i, j, best, part, which = 0, 0, 1.0 if task == FIRST else 0.0, 1.0, -1
     while i < len(a) or j < len(b):
         here = i < len(a) and (j >= len(b) or causes[i] <= causes_there[j])
@@ -157,10 +137,9 @@ def _between(
 
 @part
 def _vanishes(a: float, da: float, b: float, db: float) -> float:
-    """Where a margin vanishes that is b < 0 at the end of the way, as a part of it; 2 if unclear.
+    """Where, as a part of the way, a margin vanishes that is b < 0 at its end; 2 if unclear.
 
-    It is a cubic with these values and slopes; one that is not there at the beginning (a is nan) is
-    a straight line.
+    It is a cubic with these values and slopes, a straight line if it begins on the way (a is nan).
     """
     if a <= 0.0:
         return 2.0
@@ -185,7 +164,7 @@ def _vanishes(a: float, da: float, b: float, db: float) -> float:
 
 @part
 def _dip(a: float, da: float, b: float, db: float) -> tuple[float, float]:
-    """Where on the way a margin is least, and how far below what is worth a look."""
+    """Where on the way a margin is least, and by how much it lies below WORTH of its ends."""
     worth = WORTH * min(a, b)
     c2, c3 = 3.0 * (b - a) - 2.0 * da - db, 2.0 * (a - b) + da + db
     slow, fast = min(abs(da), abs(db)), max(abs(da), abs(db))

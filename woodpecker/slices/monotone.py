@@ -1,4 +1,4 @@
-"""P_1 at one parameter on the intervals where it is monotone, interpolated between samples."""
+"""The monotone branches of P_1 at one parameter, interpolated between samples."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from woodpecker.slices.extents import Knot, PieceExtent
 from woodpecker.slices.margins import is_within
 from woodpecker.slices.partition import Partition
 
-DEEPEST = 60  # samples about a turning point, so many that they never end; a handful is usual
-FORWARD, INVERSE = range(2)  # what is asked of a branch
-TURNED = 1e-7  # part of the window: a rise so small from a turning point is none
+DEEPEST = 60  # samples about a turning point at most; a handful is usual
+FORWARD, INVERSE = range(2)  # directions of interpolation
+TURNED = 1e-7  # part of the window: a smaller rise from a turning point is neglected
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Branches:
-    """P_1 on the intervals where it is monotone: samples of each, in order of their values.
+    """Samples of monotone branches, ``first[k]`` to ``last[k]`` of branch k, in order of values.
 
-    Branch k has the samples ``first[k]`` to ``last[k]``; a slope is infinite beside a square root.
+    A slope is infinite beside a square root.
     """
 
     first: Ints
@@ -64,18 +64,16 @@ class Branches:
         return found
 
     def _below(self, k: int, y: float) -> int:
-        """The last sample of a branch, but for the very last, whose value is at most y."""
+        """The last sample of a branch, but for its very last, whose value is at most y."""
         first, last = int(self.first[k]), int(self.last[k])
-        return min(
-            max(first + int(self.y[first : last + 1].searchsorted(y, "right")) - 1, first), last - 1
-        )
+        return first + int(self.y[first + 1 : last].searchsorted(y, "right"))
 
     def image(self, k: int, y: float) -> Image:
         """The sample of a branch nearest below a value."""
         return self.images[self._below(k, y)]
 
     def exact(self, k: int, y: float, p: float) -> tuple[float, Image] | None:
-        """Where the branch itself takes a value."""
+        """Where the pieces themselves take a value, and the image there; None if they do not."""
         i = self._below(k, y)
         if not self.y[i] <= y <= self.y[i + 1]:
             i = i if y < self.y[i] else i + 1
@@ -89,7 +87,7 @@ def _interpolate(
     task: int, first: Ints, last: Ints, xs: Floats, ys: Floats, slopes: Floats, k: Ints,
     at: Floats, found: Floats,
 ) -> None:  # fmt: skip
-    """Values of branches k (n,) at some points (n,), or, INVERSE, where they take values."""
+    """Values of branches k (n,) at points (n,), or, INVERSE, the points of values (n,)."""
     for n in range(len(k)):
         low, high, rising = first[k[n]], last[k[n]] - 1, xs[last[k[n]]] > xs[first[k[n]]]
         while low < high:
@@ -110,7 +108,7 @@ def _interpolate(
 def _x_of(
     at: float, x: float, run: float, y: float, rise: float, slope: float, slope_there: float
 ) -> float:
-    """Where the interpolant from (x, y) to (x + run, y + rise) takes a value."""
+    """Where the interpolant from (x, y) to (x + run, y + rise) has a value."""
     if not rise > 0.0:
         return x + 0.5 * run
     s = min(max((at - y) / rise, 0.0), 1.0)
@@ -155,9 +153,14 @@ def _root(s: float, y0: float, y1: float, rate1: float) -> float:
 def branches_of(partition: Partition, settings: Settings) -> Branches:
     """The branches of a partition, from turning point to turning point."""
     turned = TURNED * settings.x_scale
-    return _joined(
-        [part for each in partition.cylinders for part in _parts(each, turned, partition.p)]
-    )
+    parts = [part for each in partition.cylinders for part in _parts(each, turned, partition.p)]
+    counts = np.array([len(part) for part in parts], dtype=np.int64)
+    last = np.cumsum(counts) - 1
+    samples = [sample for part in parts for sample in part]
+    images = tuple(sample.image for sample in samples)
+    x = np.array([sample.x for sample in samples], dtype=float)
+    y, slope = (np.array([each[k] for each in images], dtype=float) for k in range(2))
+    return Branches(last - counts + 1, last, x, y, slope, images)
 
 
 def _parts(cylinder: PieceExtent, turned: float, p: float) -> Iterator[list[Knot]]:
@@ -198,7 +201,7 @@ def _about_turn(a: Knot, b: Knot, turned: float, p: float) -> list[Knot]:
 
 
 def _turning(rise: float, rate0: float, rate1: float) -> float:
-    """Where the cubic with these slopes turns round, as a part of the way."""
+    """Where the cubic with this rise and these slopes turns, as a part of the way."""
     if not (math.isfinite(rate0) and math.isfinite(rate1)):
         return 0.5
     # its slope is rate0 + 2 half s + square s^2
@@ -207,14 +210,3 @@ def _turning(rise: float, rate0: float, rate1: float) -> float:
     both = half + math.copysign(root, -rate0)  # it rises through zero, or falls
     way = -rate0 / both if both != 0.0 else 0.0
     return way if 0.0 < way < 1.0 else rate0 / (rate0 - rate1)
-
-
-def _joined(parts: list[list[Knot]]) -> Branches:
-    """Monotone parts, one after the other."""
-    counts = np.array([len(part) for part in parts], dtype=np.int64)
-    last = np.cumsum(counts) - 1
-    samples = [sample for part in parts for sample in part]
-    images = tuple(sample.image for sample in samples)
-    x = np.array([sample.x for sample in samples], dtype=float)
-    y, slope = (np.array([each[k] for each in images], dtype=float) for k in range(2))
-    return Branches(last - counts + 1, last, x, y, slope, images)

@@ -1,7 +1,4 @@
-"""Orbits of a map of the line, and what the engine solves for them.
-
-To the engine they are orbits of R^1: conditions, problem and Newton's method are its own.
-"""
+"""Orbits of a map of the line, and Newton's method for them: that of the engine for R^1."""
 
 from __future__ import annotations
 
@@ -20,11 +17,11 @@ from woodpecker.engine.newton import Problem, newton_step, solve
 from woodpecker.engine.orbits import Chained, Closed, Condition, Held, OnBorder
 from woodpecker.maps.pieces import Image, Piece
 
-# In x, a part of the window: points of a cycle this close are one. A doubled cycle leaves its flip
-# like a square root, and the parameter there is good to rounding.
+# In x, a part of the window: closer points of a cycle are one. At a flip the points of the doubled
+# cycle part like the square root of the parameter's distance, which rounding makes uncertain.
 ONE_POINT = 1e-5
-# Part of its distance that a Newton step leaves at most if it leads to an orbit: from a point of
-# the same branch it leaves next to nothing, from elsewhere most.
+# Largest part of its distance that a Newton step that leads to an orbit may leave: from the same
+# branch it leaves almost nothing, from others most.
 LEFT_BY_STEP = 0.5
 CYCLE: tuple[Condition, ...] = (Closed(),)
 
@@ -35,24 +32,19 @@ class Orbit:
 
     Attributes
     ----------
-    x
-        (n,) points.
+    x, images
+        (n,) points, and their n images.
     p
         The parameter.
-    images
-        What the pieces make of them, n of them.
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, from_sympy
-    >>> from woodpecker.search.diagrams import cycle_near
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> orbit = cycle_near(lines, -0.9, -0.5, Settings(span=(-1, 2), window=(-3, 3)))
-    >>> type(orbit).__name__, orbit.x.round(12).tolist(), orbit.p, orbit.words
-    ('Orbit', [-1.0], -0.5, ('L',))
+    >>> from woodpecker import Settings, slices_at
+    >>> from woodpecker.examples import two_lines
+    >>> one, = slices_at(two_lines(), -0.5, (1,), Settings(span=(-1, 2), window=(-3, 3)))
+    >>> orbit, = one.cycles
+    >>> orbit.x.round(12).tolist(), orbit.p, orbit.words
+    ([-1.0], -0.5, ('L',))
     """
 
     x: Floats
@@ -80,16 +72,13 @@ class Orbit:
 
     @property
     def keys(self) -> tuple[Hashable, ...]:
-        """What tells the pieces from others."""
+        """The keys of the pieces, equal just for equal pieces."""
         return tuple(image.piece.key for image in self.images)
 
     @property
     def multiplier(self) -> float:
         """Product of the slopes."""
-        product = 1.0
-        for image in self.images:
-            product *= image.slope
-        return product
+        return math.prod((image.slope for image in self.images), start=1.0)
 
     @property
     def value(self) -> float:
@@ -102,18 +91,7 @@ class Orbit:
         return not any(image.reason for image in self.images)
 
     def rotated(self, first: int) -> Orbit:
-        """The same cycle from another of its points.
-
-        Parameters
-        ----------
-        first
-            Which point becomes the first, from 0 on.
-
-        Returns
-        -------
-        Orbit
-            Of as many points.
-        """
+        """The same cycle from its point number ``first``, counted from 0."""
         return Orbit(np.roll(self.x, -first), self.p, (*self.images[first:], *self.images[:first]))
 
 
@@ -130,7 +108,7 @@ def to_engine(orbit: Orbit) -> orbits.SpaceOrbit:
 
 
 def of_engine(orbit: orbits.SpaceOrbit) -> Orbit:
-    """A cycle of R^1 as one of the line; of a jump crossing the points up to the border."""
+    """An orbit of R^1 as one of the line; of a jump crossing the points up to the border."""
     p = float(orbit.p[0])
     images = [_image(image) for image in orbit.images[: len(orbit.x)]]
     if orbit.outer is not None:
@@ -147,14 +125,14 @@ def _image(image: maps.SpaceImage) -> Image:
 
 
 def first_piece(image: maps.SpaceImage) -> Piece:
-    """The piece of the line that an image takes first."""
+    """The piece of the line under an image, the first if it is a chain."""
     piece = image.piece.pieces[0] if isinstance(image.piece, maps.Chain) else image.piece
     assert isinstance(piece, LinePiece)
     return piece.own
 
 
 def ending_at(n: int, code: int) -> tuple[Condition, ...]:
-    """The conditions that the last of n points lies on a border, where a margin vanishes."""
+    """Conditions that n points follow each other, and a margin vanishes at the last."""
     return Chained(), OnBorder(n - 1, code)
 
 
@@ -164,7 +142,7 @@ def problem_of(settings: Settings, *conditions: Condition) -> Problem:
 
 
 def solved(start: Orbit, settings: Settings, *conditions: Condition) -> Orbit | None:
-    """The orbit with the pieces of ``start`` that obeys conditions; None if none is found."""
+    """The orbit near ``start``, with its pieces, that obeys conditions; None if Newton fails."""
     found = solve(problem_of(settings, *conditions), to_engine(start))
     return of_engine(found.orbit) if found.converged else None
 
@@ -172,12 +150,12 @@ def solved(start: Orbit, settings: Settings, *conditions: Condition) -> Orbit | 
 def at_parameter(
     start: Orbit, settings: Settings, conditions: Sequence[Condition] = CYCLE
 ) -> Orbit | None:
-    """The same at the parameter of ``start``, by default a cycle."""
+    """As :func:`solved`, by default for a cycle, at the parameter of ``start``."""
     return solved(start, settings, *conditions, Held(len(start), start.p))
 
 
 def stepped(orbit: Orbit, settings: Settings, conditions: Sequence[Condition] = CYCLE) -> Floats:
-    """(n,) points to which one step of Newton's method leads at the same parameter; nan if none."""
+    """The points (n,) after one Newton step at the same parameter; nan if there is none."""
     problem = problem_of(settings, *conditions, Held(len(orbit), orbit.p))
     points: Floats = orbit.x + newton_step(problem, to_engine(orbit))[:-1] * settings.x_scale
     return points
@@ -186,7 +164,7 @@ def stepped(orbit: Orbit, settings: Settings, conditions: Sequence[Condition] = 
 def leads(
     x: Floats, orbit: Orbit, settings: Settings, conditions: Sequence[Condition] = CYCLE
 ) -> bool:
-    """Whether a step of Newton's method leads from points (n,) to an orbit, with its pieces."""
+    """Whether one Newton step with the pieces of an orbit leads from points (n,) to it."""
     before = float(np.abs(x - orbit.x).max())
     if before <= settings.same * settings.x_scale:
         return True
@@ -200,7 +178,7 @@ def minimal_period(orbit: Orbit, settings: Settings) -> int:
 
 
 def is_inside(orbit: Orbit, border: int = -1) -> bool:
-    """Whether all margins are positive, but for that of a code at the last point."""
+    """Whether no margin is negative, except that of the code ``border`` at the last point."""
     last = len(orbit) - 1
     return not any(
         ((image.margins < 0.0) & ((image.causes != border) | (i < last))).any()

@@ -1,8 +1,7 @@
 """The pieces of a map at one parameter: from border to border through a window.
 
-Margins say where a piece ends, so the next border is found by Newton's method, not by looking, and
-no piece is stepped over. Where infinitely many of them accumulate, what is shorter than a cut-off
-is passed, and its length is reported.
+Margins say where a piece ends, so that no piece is stepped over. Pieces shorter than a cut-off, as
+where infinitely many accumulate, are passed over, and their total length is reported.
 """
 
 from __future__ import annotations
@@ -24,23 +23,23 @@ from woodpecker.slices.borders import THIN, Border
 from woodpecker.slices.extents import BOTH, Knot, PieceExtent, reach_of, uneven
 from woodpecker.slices.margins import depth, nearest_code, reach
 
-# Part of the window: by how much values in a gap may differ from those beside it, for neighbouring
-# pieces of a map that accumulate differ by a few hundredths of it.
+# Part of the window by which values in a gap may differ from those beside it: neighbouring pieces
+# that accumulate differ by a few hundredths of it.
 ASTRAY = 0.1
-# Part of the window: samples of a piece lie so close that slopes at two of them and between them
-# differ by such a rise; cubics are a tenth of it off, and what they do not tell is then so close to
-# the diagonal that it is looked for by Newton's method.
+# Part of the window by which the rise between two samples may differ from that of their slopes:
+# errors of cubics are a tenth of it, and Newton's method is tried where they come as close to the
+# diagonal.
 EVEN = 5e-4
-# How often a gap that is shorter than the cut-off is halved all the same: where borders meet as a
-# parameter varies a few thin pieces lie beside each other.
+# Halvings of a gap shorter than the cut-off: where borders meet as a parameter varies, a few thin
+# pieces lie beside each other.
 FEW = 3
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Partition:
-    """The pieces of a map at one parameter, in ascending order, and what is left between them.
+    """The pieces of a map at one parameter, ascending, and gaps between them.
 
-    In the gaps pieces are shorter than the cut-off, or the map has no value.
+    In a gap pieces are shorter than the cut-off, or the map has no value.
     """
 
     p: float
@@ -54,10 +53,7 @@ class Partition:
         return sum(high - low for low, high in self.gaps)
 
     def borders(self, settings: Settings) -> Iterator[Border]:
-        """Borders of cylinders, with the images of the next ones beyond.
-
-        Where a gap is left between two that is shorter than the cut-off, both its ends.
-        """
+        """Borders of neighbouring cylinders; both ends of a gap between them below the cut-off."""
         longest = settings.finest * settings.x_scale
         for left, right in pairwise(self.cylinders):
             one, other = left[-1], right[0]
@@ -73,11 +69,11 @@ def partition(
     map_: PiecewiseMap, p: float, window: tuple[float, float], settings: Settings,
     orders: Sequence[int] = (), allowed: Allowance | None = None,
 ) -> Partition:  # fmt: skip
-    """The pieces of a map in a finite window: all, but for some of those shorter than a cut-off.
+    """The pieces of a map in a finite window, but for some shorter than a cut-off.
 
-    That is ``finest``, or ``coarse`` where no cycle or jump of the iterates ``orders`` can be; by
-    default where pieces lead out of the window of the settings. Where there are more pieces, or it
-    takes more evaluations, than allowed, by default for P_1, the longest gaps are crossed first.
+    That is ``finest``, or ``coarse`` where no cycle or jump of the iterates ``orders`` can lie; by
+    default where pieces lead out of the window of the settings. The longest gaps are divided first,
+    until there are ``max_pieces``, or the ``allowed`` evaluations, by default of P_1, are spent.
     """
     counting = as_counting(map_)
     allowed = allowed or Allowance(counting, settings.of_slice((1,)))
@@ -96,7 +92,7 @@ def partition(
 
 
 def _merged(gaps: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
-    """Intervals that touch each other as one."""
+    """Ascending intervals, with those that touch joined."""
     merged: list[tuple[float, float]] = []
     for low, high in gaps:
         if merged and low <= merged[-1][1]:
@@ -106,27 +102,24 @@ def _merged(gaps: list[tuple[float, float]]) -> tuple[tuple[float, float], ...]:
 
 
 class _Gap(NamedTuple):
-    """An interval in which pieces are not known yet; the longest comes first.
+    """An interval whose pieces are not known yet; the longest sorts first."""
 
-    ``below`` and ``above`` are the values beside it: infinite at an end of the window, where none
-    is known, and nan where the map has none. Shorter than the cut-off it is halved so often yet.
-    """
-
-    size: float  # its length, less than zero
+    size: float  # minus its length
     low: float
     high: float
+    # values of the map beside it: infinite at an end of the window, nan where the map has none
     below: float = math.inf
     above: float = -math.inf
-    left: int = FEW
+    left: int = FEW  # halvings once it is shorter than the cut-off
 
 
-# Where the map has no value. Such a stretch is looked at as coarsely as where all pieces lead
-# elsewhere; its ends are closed in on.
+# The side where the map has no value: such stretches are divided as coarsely as those that lead to
+# one side, except at their ends.
 NOWHERE = 2
 
 
 class _Finder:
-    """The pieces that were found, and the gaps that are left between them."""
+    """The pieces found so far, and the gaps left between them."""
 
     def __init__(
         self, map_: PiecewiseMap, p: float, settings: Settings, orders: Sequence[int]
@@ -144,16 +137,16 @@ class _Finder:
         self._samples: Floats | None = None
 
     def matters(self, gap: _Gap) -> bool:
-        """Whether a gap is long, or a cycle or a jump that is asked for may lie in it.
+        """Whether a gap is long, or may hold a wanted cycle or jump.
 
-        What is in a gap leads near to where the pieces beside it do. The longest gaps are crossed
-        first, so that of all the others is known where they lead.
+        Values in a gap are near those of the pieces beside it. As the longest gaps are divided
+        first, such values are known for all that orbits from the gap lead to.
         """
         if -gap.size > self._short:
             return True
         if self._is_aside(gap):
             return False
-        if not self.orders or math.isnan(gap.below + gap.above):  # the end of a map is closed in on
+        if not self.orders or math.isnan(gap.below + gap.above):  # an end of the map's values
             return True
         low, high = min(gap.below, gap.above), max(gap.below, gap.above)
         for order in range(1, max(self.orders) + 1):
@@ -165,11 +158,11 @@ class _Finder:
         return False
 
     def _is_aside(self, gap: _Gap) -> bool:
-        """Whether the pieces beside a gap lead to one side of all that is looked for."""
+        """Whether the pieces beside a gap lead to one and the same side."""
         return 0 != self._side(gap.low, gap.below) == self._side(gap.high, gap.above)
 
     def _image(self, low: float, high: float) -> tuple[float, float]:
-        """Between which values the map leads from an interval, by the samples in and beside it."""
+        """The interval of values over an interval, by the samples in and beside it."""
         if self._samples is None:
             found = sorted((knot.x, knot.image.value) for piece in self.pieces for knot in piece)
             self._samples = np.array(found).reshape(-1, 2).T
@@ -179,7 +172,7 @@ class _Finder:
         return float(near.min(initial=math.inf)), float(near.max(initial=-math.inf))
 
     def crossed(self, gap: _Gap) -> Iterator[_Gap]:
-        """Look at the middle of a gap: what is left on both sides of the piece that is there."""
+        """Find the piece in the middle of a gap, and yield the gaps on both sides of it."""
         x = 0.5 * (gap.low + gap.high)
         image = self.map.at(x, self.p)
         low, high, ends = x, x, (image.value, image.value)
@@ -198,10 +191,10 @@ class _Finder:
         yield from self._open(_Gap(high - gap.high, high, gap.high, ends[1], gap.above, gap.left))
 
     def _within(self, x: float, image: Image, gap: _Gap) -> tuple[float, Image]:
-        """A point of a piece that is about to be followed, and its image.
+        """A point from which a piece is followed, and its image.
 
-        Where two events of a return coincide the map takes a path of both at once at that point
-        only, on whose border it is, and whose margins need not end it: then a point beside it.
+        Where two events of a return coincide, the map takes a path of both at once at that single
+        point, which its margins need not bound: then a point beside it is taken.
         """
         if depth(image) > self._thin or not gap.low < x - self._thin < x + self._thin < gap.high:
             return x, image
@@ -211,7 +204,7 @@ class _Finder:
         return (x, image) if holds else (places[1], after)
 
     def _open(self, gap: _Gap) -> Iterator[_Gap]:
-        """A gap unless it is too short to be crossed."""
+        """A gap that is to be divided; a shorter one is kept in ``gaps``."""
         if -gap.size > self._finest:
             yield gap
         elif gap.left > 0 and -gap.size > self._thin:
@@ -220,7 +213,7 @@ class _Finder:
             self.gaps.append((gap.low, gap.high))
 
     def _reach(self, image: Image, x: float, way: int, limit: float) -> list[Knot]:
-        """A piece to its end, or to that of the piece which it touches there."""
+        """A piece to its end, put at ``limit`` if it touches the piece there."""
         found = reach_of(image, x, self.p, way, limit, self.settings, self._missing)
         end = found[-1]
         if len(found) > 1 and abs(end.x - limit) <= BOTH * self._nearest:
@@ -229,20 +222,20 @@ class _Finder:
         return found
 
     def _leads(self, image: Image, x: float) -> int:
-        """Where a piece leads from end to end, to first order; 0 if not to one side."""
+        """The side to which a whole piece leads, to first order; 0 if not to one only."""
         ways = [side * min(reach(image, side)[0], self._longest) for side in (-1.0, 1.0)]
         sides = {self._side(x + way, image.value + way * image.slope) for way in (0.0, *ways)}
         return sides.pop() if len(sides) == 1 else 0
 
     def _side(self, x: float, value: float) -> int:
-        """On which side of all that is looked for a value lies; 0 if near."""
+        """The side of the window, or of the diagonal for P_1, on which a value lies; 0 if near."""
         low, high = (x - self._near, x + self._near) if self._diagonal else self._window
         if low <= value <= high:
             return 0
         return NOWHERE if math.isnan(value) else 1 if value > high else -1
 
     def _missing(self, here: Knot, there: Knot) -> float:
-        """Where samples of a piece do not tell what lies between them, if it matters."""
+        """Where another sample is needed between two, unless both lead to one side; else 0."""
         side = self._side(here.x, here.image.value)
         if side != 0 and side == self._side(there.x, there.image.value):
             return 0.0

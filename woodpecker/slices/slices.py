@@ -1,4 +1,4 @@
-"""All cycles and jumps of some iterates at one parameter."""
+"""All cycles and jumps of iterates at one parameter."""
 
 from __future__ import annotations
 
@@ -27,23 +27,18 @@ from woodpecker.slices.orbits import (
     minimal_period,
     orbit_of,
 )
-from woodpecker.slices.partition import (
-    ASTRAY,
-    Partition,
-    partition,
-)
+from woodpecker.slices.partition import ASTRAY, Partition, partition
 
-# Part of the window: by how much a point that leads to a border may be off. Cubics between samples
-# are good to a few 1e-5 of their values, and in flat pieces points a hundred times less.
+# Part of the window: largest error of a point that leads to a border. Values of cubics are good to
+# a few 1e-5, points in flat pieces a hundred times less.
 INTERPOLATED = 0.02
-MOST_ADDED = 1000  # samples between two: none or a few are usual
-# Part of an interval: where a turning point seems to lie closer to an end it is halved instead.
-EDGE = 0.02
+MOST_ADDED = 1000  # samples put between two at most: none or a few are usual
+EDGE = 0.02  # part of an interval: it is halved if a turning point seems closer to one end
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Slice:
-    """What one iterate shows at a parameter.
+    """Cycles and jumps of one iterate at a parameter, see :func:`woodpecker.slices_at`.
 
     Attributes
     ----------
@@ -54,19 +49,8 @@ class Slice:
     jumps
         Its jumps that cross the diagonal.
     unresolved
-        Total length of intervals in which there are more pieces of P_1 than were looked for; all of
-        the window if there are more orbits of the iterate than were looked at.
-
-    Examples
-    --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, slices_at, from_sympy
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> one, = slices_at(lines, 0.5, (1,), Settings(span=(-1, 2), window=(-3, 3)))
-    >>> one.order, len(one.cycles), len(one.jumps)
-    (1, 0, 1)
+        Total length of the intervals whose pieces of P_1 were not all found; the length of the
+        window if some orbits of the iterate were left out.
     """
 
     p: float
@@ -76,7 +60,6 @@ class Slice:
     unresolved: float
 
     def __repr__(self) -> str:
-        """Where, of which iterate, and how much there is."""
         found = f"{counted(len(self.cycles), 'cycle')}, {counted(len(self.jumps), 'jump')}"
         return f"Slice(p={self.p:.10g}, order {self.order}: {found})"
 
@@ -84,7 +67,7 @@ class Slice:
 def slices_at(
     map_: PiecewiseMap, p: float, orders: Sequence[int], settings: Settings
 ) -> list[Slice]:
-    """What some iterates show at a parameter.
+    """All cycles and jumps of some iterates at a parameter.
 
     Parameters
     ----------
@@ -93,7 +76,7 @@ def slices_at(
     orders
         The iterates.
     settings
-        The window, finite; orbits of which a point leaves it do not count.
+        With a finite window; orbits that leave it do not count.
 
     Returns
     -------
@@ -102,12 +85,9 @@ def slices_at(
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import Settings, slices_at, from_sympy
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> for one in slices_at(lines, 0.5, (1, 2), Settings(span=(-1, 2), window=(-3, 3))):
+    >>> from woodpecker import Settings, slices_at
+    >>> from woodpecker.examples import two_lines
+    >>> for one in slices_at(two_lines(), 0.5, (1, 2), Settings(span=(-1, 2), window=(-3, 3))):
     ...     print(one.order, len(one.cycles), len(one.jumps))
     1 0 1
     2 1 1
@@ -134,7 +114,7 @@ def slices_at(
 
 
 def _distinct(cycles: Sequence[Orbit], order: int, settings: Settings) -> Iterator[Orbit]:
-    """Cycles of minimal period ``order`` from their smallest points, each once."""
+    """Cycles of minimal period ``order``, each once, from their smallest points."""
     turned = [
         orbit.rotated(int(np.argmin(orbit.x)))
         for orbit in cycles
@@ -149,7 +129,7 @@ def _distinct(cycles: Sequence[Orbit], order: int, settings: Settings) -> Iterat
 
 
 def _on_border(orbit: Orbit, settings: Settings) -> bool:
-    """Whether rounding decides which pieces a cycle takes; it is then one of a border collision."""
+    """Whether a cycle lies at a border collision, so that rounding decides its pieces."""
     least = settings.nearest * settings.x_scale
     return any(abs(depth(image)) <= least for image in orbit.images)
 
@@ -176,8 +156,8 @@ def _jumps(
 def _crossing(map_: PiecewiseMap, pieces: Partition, order: int, settings: Settings) -> Wanted:
     """Whether a jump of P_order may cross the diagonal at a point that is known roughly.
 
-    Its limits depend on the border and on the returns that follow, and not on what leads to it.
-    Beside a gap one of them is that of another piece than the one right beyond.
+    Its limits depend on the border and the returns after it only. Beside a gap one of them belongs
+    to another piece than the one right beyond.
     """
     known: dict[tuple[int, int], tuple[float, float]] = {}
 
@@ -218,7 +198,7 @@ def _fixed_points(pieces: Partition, settings: Settings) -> Iterator[Orbit]:
 
 
 def _parts(cylinder: PieceExtent, p: float) -> Iterator[tuple[Knot, Knot]]:
-    """Neighbouring samples, with more of them where P(x) - x may turn round beyond the diagonal."""
+    """Neighbouring samples, with more where P(x) - x may cross zero twice between two."""
     for pair in pairwise(cylinder):
         todo, left = [pair], MOST_ADDED
         while todo:
@@ -232,9 +212,9 @@ def _parts(cylinder: PieceExtent, p: float) -> Iterator[tuple[Knot, Knot]]:
 
 
 def _lowest(a: Knot, b: Knot) -> float | None:
-    """Where |P(x) - x| is least between two points; None if it does not come down to zero there.
+    """Where |P(x) - x| is least between two points; None if it cannot reach zero there.
 
-    It does not if the tangents at both ends meet before: as long as it does not bend the other way.
+    It cannot if the tangents at both ends meet before, provided that the curve does not inflect.
     """
     (one, down), (other, up) = _gap(a.image, a.x), _gap(b.image, b.x)
     if not (one * other > 0.0 and one * down < 0.0 < other * up):

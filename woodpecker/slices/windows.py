@@ -1,4 +1,4 @@
-"""Borders of a map at one parameter: all of them in a window, and the one nearest to a point."""
+"""Borders of a map at one parameter: all in a window, and the one nearest to a point."""
 
 from __future__ import annotations
 
@@ -21,8 +21,7 @@ def borders_in(
 ) -> list[Border]:
     """All borders of a map in a window of x, in ascending order.
 
-    Each is the root of a margin, to rounding, and says what happens there
-    (:attr:`~woodpecker.slices.Border.cause`).
+    Each is located to rounding; :attr:`~woodpecker.slices.Border.cause` says what happens there.
 
     Parameters
     ----------
@@ -31,8 +30,8 @@ def borders_in(
     window
         Interval of x.
     settings
-        Scales and cut-offs, those of the window by default. Pieces shorter than ``finest``, or
-        ``coarse`` where they lead out of its window, are passed over.
+        Scales and cut-offs, by default for this window. Pieces shorter than ``finest``, or
+        ``coarse`` if they lead out of the window, are passed over.
 
     Returns
     -------
@@ -65,21 +64,21 @@ def borders_in(
 def nearest_border(
     map_: PiecewiseMap, x: float, p: float, within: float, settings: Settings | None = None
 ) -> Border | None:
-    """The border nearest to a point of a map; None if the piece there reaches further than asked.
+    """The border of a map nearest to a point, on either side.
 
     Parameters
     ----------
     map_, x, p
         The map, the point and the parameter.
     within
-        How far a border is looked for, to both sides.
+        Largest distance of the border.
     settings
-        Scales, those of the default by default.
+        Scales.
 
     Returns
     -------
     Border or None
-        The border as the piece that holds the point meets it.
+        As seen from the piece at the point; None if that reaches further than ``within``.
 
     Raises
     ------
@@ -90,16 +89,10 @@ def nearest_border(
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import from_sympy
+    >>> from woodpecker.examples import two_lines
     >>> from woodpecker.slices import nearest_border
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
-    >>> nearest_border(lines, 0.3, 0.5, within=1.0).x
+    >>> nearest_border(two_lines(), 0.3, 0.5, within=1.0).x
     0.0
-    >>> nearest_border(lines, 2.5, 0.5, within=1.0) is None
-    True
     """
     x, p, within = number("x", x), number("p", p), positive("within", within)
     chosen = settings if settings is not None else Settings()
@@ -120,13 +113,13 @@ def nearest_border(
 
 
 def _ahead(image: Image, side: int, settings: Settings) -> int:
-    """The margin that is about to vanish where a piece was followed no further; -1 if none is."""
+    """The margin about to vanish where a piece could not be followed further; -1 if none is."""
     away, code = reach(image, side)
     return code if away <= settings.beside * settings.x_scale else -1
 
 
 def crosses(border: Border) -> bool:
-    """Whether a map jumps over the diagonal at a border: its limits lie on different sides.
+    """Whether the limits of a map at a border lie on different sides of the diagonal.
 
     Parameters
     ----------
@@ -136,16 +129,13 @@ def crosses(border: Border) -> bool:
     Returns
     -------
     bool
-        False where a limit lies on the diagonal, or is not known.
+        False if a limit lies on the diagonal, or is not known.
 
     Examples
     --------
-    >>> from sympy import Piecewise, symbols
-    >>> from woodpecker import from_sympy
+    >>> from woodpecker.examples import two_lines
     >>> from woodpecker.slices import borders_in, crosses
-    >>> x, p = symbols("x p")
-    >>> formula = Piecewise((x/2 + p, x < 0), (x/3 + p - 1, True))
-    >>> lines = from_sympy(formula, x, p, words=["L", "R"])
+    >>> lines = two_lines()
     >>> [[crosses(border) for border in borders_in(lines, p, (-2, 2))] for p in (-0.5, 0.5)]
     [[False], [True]]
     """
@@ -155,13 +145,13 @@ def crosses(border: Border) -> bool:
 def border_of(
     map_: PiecewiseMap, inner: Image, code: int, x: float, p: float, side: int, settings: Settings
 ) -> Border:
-    """The border that a piece meets at x, on a side of it, with what lies beyond."""
+    """The border of a piece on a side of x, with the piece beyond."""
     outer, outer_code = beyond(map_, x, p, side, settings)
     return _sharpened(map_, Border(x, p, inner, code, side, outer, outer_code), settings)
 
 
 def _sharpened(map_: PiecewiseMap, border: Border, settings: Settings) -> Border:
-    """A border at the root of its margin, to rounding; as it is if Newton's method leads away."""
+    """A border moved to the root of its margin, unless Newton's method leads away."""
     inner, at = border.inner, border.x
     if inner.reason:  # rounding has put it beyond the end of a root
         at -= inner.margin(border.code) / float(inner.gradient(border.code)[0])
