@@ -1,14 +1,13 @@
-"""The toy followed over a box: from event to event, every decision proved for the whole box.
+"""The toy followed over a box, from event to event, with every decision proved for the whole box.
 
-What is decided in one way for all starts is one *way*, a word. One decision may be open: then there
-are two ways, and a comparator, a form that is positive where the first one is taken and negative
-where the second one is:
+A *way* is a return along one word. One decision may be open; then there are two ways, and a
+comparator, a form that is positive where the first is taken and negative where the second is:
 
-- two gaps close at once: the gap of the second contact when the first one strikes;
-- a contact that an impact has just stopped stays or leaves: its force. If it leaves it flies along
-  t^2 h(t) with h(0) in proportion to the force, and lands where h vanishes;
-- a gap closes where its motion pauses (:mod:`woodpecker.enclosures.plateaus`), before the middle
-  of the pause or after it.
+- two gaps close at once: the second gap when the first contact strikes;
+- a contact stopped by an impact stays or leaves: its force. If it leaves its gap is t^2 h(t) with
+  h(0) proportional to the force, and it lands where h vanishes;
+- a gap closes before or after the middle of a pause of its motion: the gap there
+  (:mod:`woodpecker.enclosures.plateaus`).
 """
 
 from __future__ import annotations
@@ -18,8 +17,10 @@ from collections.abc import Iterable, Sequence
 from itertools import product
 from typing import Any
 
+import numpy as np
+
 from woodpecker.enclosures.balls import ZERO, sum_of
-from woodpecker.enclosures.contacts import impulses_of, only, rests, verdict
+from woodpecker.enclosures.contacts import impulses_of, may_rest, only, verdict
 from woodpecker.enclosures.forms import box, centre, sign, start
 from woodpecker.enclosures.model import BallToy, State
 from woodpecker.enclosures.motions import (
@@ -64,20 +65,20 @@ from woodpecker.mechanics.modes import (
     ContactState,
     watched,
 )
-from woodpecker.motion.codes import DETACH, IMPACT, REVERSAL, SLIP_START, STICK_START
+from woodpecker.motion.codes import IMPACT
 from woodpecker.motion.guards import first_root
+from woodpecker.motion.recording import append_transitions
 from woodpecker.simulation.words import word
 
 MOST_EVENTS = 400
-HALVINGS = 21  # of a phase in which the bird is shown not to turn
+HALVINGS = 21  # of a phase, to prove that the bird does not turn
 
 
 def follow(model: BallToy, frame: Frame, curve: Sequence[Any], plateaus: bool = False) -> list[Way]:
-    """The ways of a return over a box, from the section at phi_S on a curve over p, plus s.
+    """The ways of a return over a box, from the section at phi_S = curve(p) + s.
 
     ``curve`` has coefficients of powers of p. With ``plateaus`` landings near a plateau are taken
-    together, once differentiable only. NotProved if more than one decision is open over the box, or
-    one of another kind.
+    together, with first derivatives only. NotProved if another decision is open, or more than one.
     """
     phi_s = start(frame, curve)
     if sign(model.limits[0] - phi_s) != 1:
@@ -87,7 +88,7 @@ def follow(model: BallToy, frame: Frame, curve: Sequence[Any], plateaus: bool = 
     )
     motion.held, motion.before = frozenset({1}), motion.states
     todo, found = _settled(model, motion, {1}), []
-    while todo:  # one decision at most is open, so there are two ways, of so many events
+    while todo:  # at most one decision is open, so there are at most two ways
         current = todo.pop()
         for after in _next(model, current, plateaus):
             if after.log[-1].guard == SECTION:
@@ -121,7 +122,7 @@ def _guard(model: BallToy, motion: BallState, states: State, guard: int) -> Guar
             order = 3
         a, b = mode.a[j], mode.b[j]
         jet = [(q[j] - model.limits[i]) * side, u[j] * side, (a + b * d0) * side, b * d1 * side]
-        if _let_go(motion, states, i):  # the sleeve turns as it did in contact: not yet
+        if _let_go(motion, states, i):  # the sleeve still turns as it did in contact
             jet[1] = jet[2] = ZERO
         assumed = assumed or order == 0
     elif kind == SLIP:
@@ -142,12 +143,12 @@ def _guard(model: BallToy, motion: BallState, states: State, guard: int) -> Guar
 
 
 def _only_opens(before: State, states: State, i: int) -> bool:
-    """Whether the contacts but i are in the states that they had."""
+    """Whether all contacts but i are in the states before."""
     return all(states[k] == before[k] for k in range(3) if k != i)
 
 
 def _let_go(motion: BallState, states: State, i: int) -> bool:
-    """Whether the other contact of the sleeve has just let go, because its force has vanished."""
+    """Whether the other contact of the sleeve has just opened as its force vanished."""
     other = 3 - i
     return i > 0 and motion.fired == NORMAL + other and _only_opens(motion.before, states, other)
 
@@ -195,8 +196,7 @@ def _meeting(
     guesses: dict[int, float],
 ) -> list[BallState]:  # fmt: skip
     """Two gaps close nearly at once: both ways."""
-    # Both fall while they close: the second one is positive when the first one closes just if it
-    # closes later.
+    # Both fall while they close: the second is positive when the first closes if it closes later.
     second = rivals[0]
     if len(rivals) > 1 or first.code >= NORMAL or second.code >= NORMAL:
         raise NotProved(f"{name_of(second.code)} may fire before {name_of(first.code)}")
@@ -217,7 +217,7 @@ def _meeting(
 
 
 def _guess(guard: Guard) -> float:
-    """About when a guard fires from the centre of the box; inf if it does not."""
+    """When a guard fires from the centre of the box, in doubles; inf if it does not."""
     f0, f1, f2, f3 = (float(centre(f)) for f in guard.jet)
     kappa = float(centre(guard.kappa))
     omega = math.sqrt(abs(kappa))
@@ -377,12 +377,12 @@ def _state(states: Iterable[int]) -> State:
 def _settled(
     model: BallToy, motion: BallState, closed: set[int], plastic: bool = False
 ) -> list[BallState]:
-    """The contact problem on acceleration level: the mode that starts now, or two of them."""
-    # Every combination of states is tried of contacts that touch and stay: each of their guards
-    # must be positive right after now, by its first derivative that is not exactly zero.
+    """The contact problem on acceleration level: the mode that starts, or both of two modes."""
+    # All combinations of states of the closed contacts are tried: each guard must be positive right
+    # after now, by its first derivative that is not exactly zero.
     slips = {i: 0 if i in motion.held else direction_of_slip(model, i, motion.u) for i in closed}
     options = [[OPEN] if i not in closed else _options(slips[i]) for i in range(3)]
-    # two closed contacts share the velocity of the sleeve
+    # Two closed contacts share the velocity of the sleeve.
     trials = [_state(each) for each in product(*options) if len({*each} - {OPEN}) <= 1]
     verdicts = {trial: _admissible(model, motion, closed, trial) for trial in trials}
     open_ = [trial for trial in trials if verdicts[trial] is None]
@@ -423,9 +423,9 @@ def _options(slip: int) -> list[int]:
 
 def _admissible(model: BallToy, motion: BallState, closed: set[int], trial: State) -> bool | None:
     if sum(state == STICK for state in trial) == 2:
-        if rests(model, max(closed), motion.q[2] - motion.q[1]) is False:
-            return False
-        raise NotProved("the toy may come to rest")
+        if may_rest(model, max(closed), motion.q[2] - motion.q[1]):
+            raise NotProved("the toy may come to rest")
+        return False
     conditions: list[Any] = []
     for i in closed:
         if trial[i] == OPEN:
@@ -444,19 +444,9 @@ def _admissible(model: BallToy, motion: BallState, closed: set[int], trial: Stat
 
 
 def _set_off(motion: BallState, states: State, assumed: set[int]) -> BallState:
-    """The next phase with these contact states, and the symbols of what has changed."""
-    before, fired = motion.before, motion.fired
-    for i in range(3):
-        code = None
-        if states[i] == OPEN:
-            code = DETACH if before[i] != OPEN else None
-        elif states[i] == STICK:
-            code = STICK_START if before[i] != STICK else None
-        elif before[i] == STICK:
-            code = SLIP_START
-        elif fired >= SLIP and states[i] != before[i]:
-            code = REVERSAL
-        if code is not None:
-            motion.codes.append(8 * code + (1 << i))
+    """Begin a phase with these contact states, and add the symbols of what has changed."""
+    codes, counts = np.zeros(3, dtype=np.int16), np.zeros(1, dtype=np.int64)
+    append_transitions(np.array(motion.before), np.array(states), motion.fired, codes, counts)
+    motion.codes += codes[: counts[0]].tolist()
     motion.states, motion.assumed, motion.lands = states, frozenset(assumed), NO_GUARD
     return motion

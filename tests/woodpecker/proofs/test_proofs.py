@@ -109,7 +109,7 @@ def test_oscillators_hold_values_over_their_box() -> None:
             s, q = rng.randrange(-10, 11), rng.randrange(-200, 201)
             at = mpf(3) / 10 + 2 * mpf(q) / 10**4 + mpf(s) / 10**4
             assert holds(form.box, (at - mp.sin(w * at) / w) / 40)
-            assert holds(form.range(S), (1 - mp.cos(w * at)) / 40)
+            assert holds(form.parts[S].box, (1 - mp.cos(w * at)) / 40)
 
 
 def test_data_are_the_decimals_of_the_paper() -> None:
