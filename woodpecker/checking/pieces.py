@@ -277,7 +277,6 @@ def _product(parts: Sequence[I]) -> I:
 
 
 def _around(e: Sequence[I], slopes: Sequence[I]) -> list[I]:
-    """Solve s_(k+1) = e_k + slope_k s_k around a cycle."""
     n, whole = len(e), I.of(1) - _product(slopes)
     found = []
     for i in range(n):

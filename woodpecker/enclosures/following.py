@@ -62,7 +62,6 @@ from woodpecker.mechanics.modes import (
     SLIP_NEGATIVE,
     SLIP_POSITIVE,
     STICK,
-    ContactState,
     watched,
 )
 from woodpecker.motion.codes import IMPACT
@@ -92,17 +91,14 @@ def follow(model: BallToy, frame: Frame, curve: Sequence[Any], plateaus: bool = 
         current = todo.pop()
         for after in _next(model, current, plateaus):
             if after.log[-1].guard == SECTION:
-                found.append(_way(after))
+                image, drop = after.q[2], -after.q[0]
+                log, forks = tuple(after.log), tuple(after.forks)
+                found.append(Way(word(after.codes), log, image, after.time, drop, forks))
             else:
                 todo.append(after)
         if len(current.log) > MOST_EVENTS:
             raise NotProved("the toy does not return within so many events")
     return sorted(found, key=lambda way: [-side for _, side in way.forks])
-
-
-def _way(motion: BallState) -> Way:
-    image, drop = motion.q[2], -motion.q[0]
-    return Way(word(motion.codes), tuple(motion.log), image, motion.time, drop, tuple(motion.forks))
 
 
 def _guard(model: BallToy, motion: BallState, states: State, guard: int) -> Guard:
@@ -164,10 +160,7 @@ def _force(model: BallToy, forces: Sequence[Any], kind: int, i: int) -> tuple[An
 
 def _next(model: BallToy, motion: BallState, plateaus: bool) -> list[BallState]:
     """The motions at the start of the next phase, or at the return."""
-    guards = [
-        _guard(model, motion, motion.states, code)
-        for code in watched(tuple(ContactState(s) for s in motion.states))
-    ]
+    guards = [_guard(model, motion, motion.states, code) for code in watched(motion.states)]
     guesses = {guard.code: _guess(guard) for guard in guards}
     first = min(guards, key=lambda guard: guesses[guard.code])
     if guesses[first.code] == math.inf:
@@ -274,7 +267,6 @@ def _no_turn(guard: Guard, end: Any) -> bool:
 
 
 def _moved(model: BallToy, motion: BallState, fires: ZeroCrossing) -> BallState:
-    """The motion at the end of a phase, before its event."""
     t, fired = fires.duration, fires.guard
     after = motion.copy()
     states = motion.states
@@ -444,7 +436,6 @@ def _admissible(model: BallToy, motion: BallState, closed: set[int], trial: Stat
 
 
 def _set_off(motion: BallState, states: State, assumed: set[int]) -> BallState:
-    """Begin a phase with these contact states, and add the symbols of what has changed."""
     codes, counts = np.zeros(3, dtype=np.int16), np.zeros(1, dtype=np.int64)
     append_transitions(np.array(motion.before), np.array(states), motion.fired, codes, counts)
     motion.codes += codes[: counts[0]].tolist()

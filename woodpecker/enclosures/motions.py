@@ -65,9 +65,7 @@ class BallState:
     # guards that a fork makes at least zero, though their ranges are not: the gap of a contact that
     # has just opened at rest, or the normal force of one that stays
     assumed: frozenset[int] = frozenset()
-    lands: int = (
-        NO_GUARD  # the contact that strikes after a flight from rest: its approach is known
-    )
+    lands: int = NO_GUARD  # the contact that strikes after a flight from rest, with known approach
     since: Any = ZERO  # when a landing at a plateau, where the phase begins, is over at the latest
     codes: list[int] = field(default_factory=list)
     log: list[ZeroCrossing] = field(default_factory=list)

@@ -116,10 +116,7 @@ class Guard:
             return arb(0)
         if not leading > 0 and not self.assumed:
             return None
-        n, low = (
-            self.order + (not leading > 0),
-            end,
-        )  # from at least zero the next derivative counts
+        n, low = self.order + (not leading > 0), end  # the next derivative if at least zero
         for _ in range(HALVINGS):
             if self.over(arb(0).union(low), n) > 0:
                 return low

@@ -98,7 +98,6 @@ def paused(
 
 
 def _pause(model: BallToy, motion: BallState, first: Guard, guess: float) -> _Pause | None:
-    """The plateau near which a gap closes, if there is one."""
     f0, _, _, f3 = first.jet
     if not first.kappa < 0 or sign(f3) != -1:
         return None

@@ -216,7 +216,6 @@ class _Pieces:
         return line
 
     def _plain(self, step: Fraction) -> Route:
-        """A line over a step, or a little more at the end of the span."""
         high = min(self._span.high, rounded(self.at + step, PLACES))
         if self._span.high - high < step / 4:
             high = self._span.high
@@ -244,16 +243,13 @@ class _Pieces:
         return curves_near(self._toy, self._parameter, line, guesses, terms, plateaus)
 
     def _tried(self, planned: Planned) -> Tubes:
-        if not planned.plateaus:
-            return self._accepted(planned)
-        try:
-            return self._accepted(planned._replace(plateaus=False))
-        except NotProved as reason:  # sharper where it can be had
-            first = str(reason)
-        try:
-            return self._accepted(planned)
-        except NotProved as reason:
-            raise NotProved(MAY_FLIP if MAY_FLIP in (first, str(reason)) else str(reason)) from None
+        reasons = []
+        for plateaus in sorted({False, planned.plateaus}):  # ranges are sharper without them
+            try:
+                return self._accepted(planned._replace(plateaus=plateaus))
+            except NotProved as reason:
+                reasons.append(str(reason))
+        raise NotProved(MAY_FLIP if MAY_FLIP in reasons else reasons[-1])
 
     def _accepted(self, planned: Planned) -> Tubes:
         piece = self._enclosed(planned)

@@ -56,7 +56,6 @@ def proved_point(toy: Toy, parameter: str, p: float, x: float, digits: int) -> C
 def _both(
     toy: Toy, parameter: str, p: Fraction, x: Fraction, radius: Fraction
 ) -> tuple[tuple[Way, Way], OpenDecision]:
-    """Both ways over a box, with derivatives in both directions."""
     ball = arb(0, number(radius).upper())
     frame = Frame(ball, ball, terms=2, depth=3)
     model = BallToy(toy, parameter, frame, [number(p), arb(1)])

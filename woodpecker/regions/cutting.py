@@ -99,7 +99,7 @@ def way_between(face: Polygon, lines: MultiLineString, a: Pair, b: Pair, near: f
     free = face.difference(lines.buffer(near))
     triangles = [
         triangle
-        for part in getattr(free, "geoms", [free])
+        for part in shapely.get_parts(free)
         for triangle in shapely.constrained_delaunay_triangles(part).geoms
     ]
     ends = [next((k for k, each in enumerate(triangles) if each.covers(shapely.Point(place))), -1)

@@ -12,7 +12,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cache, cached_property
 from itertools import product
 
 import numpy as np
@@ -60,10 +60,8 @@ class Region:
     ----------
     outline, holes
         Its border (k, 2), and borders of parts cut out of it, closed.
-    share
-        Part of the area of the rectangle.
-    place
-        Parameters inside it.
+    share, place
+        Part of the area of the rectangle, and parameters inside it.
     census
         Numbers of cycles by period and stability.
     attractors
@@ -95,14 +93,10 @@ class Regions:
 
     Attributes
     ----------
-    names, spans
-        The parameters, and their intervals.
-    orders
-        Periods of the cycles that are counted.
-    curves
-        The given curves, then those that were found.
-    regions
-        In descending order of area.
+    names, spans, orders
+        The parameters, their intervals, and the periods of cycles that are counted.
+    curves, regions
+        The given curves, then those found; regions in descending order of area.
     checks
         Random places that were compared after the last curve was found.
     open
@@ -173,7 +167,8 @@ class _Mapping:
         self.within = within
         self.settings = tuple(replace(settings, span=each) for each in spans)
         self.curves = list[Curve]()
-        self.places, self._counted = dict[Pair, Census](), dict[Pair, Census]()
+        self.places = dict[Pair, Census]()
+        self.census = cache(self._census)
         self.tries = Counter[Pair]()
         self.given_up = list[Pair]()
         self.lines: MultiLineString = lines_of((), spans, self.survey.beside)
@@ -183,13 +178,10 @@ class _Mapping:
 
     # --- Counting -----------------------------------------------------------------------------
 
-    def census(self, place: Pair) -> Census:
-        """Cycles at a place of the square."""
-        if place not in self._counted:
-            values = unscaled(place, self.spans)
-            map_ = self.family.over(0, values)
-            self._counted[place] = census_at(map_, values[0], self.orders, self.settings[0])
-        return self._counted[place]
+    def _census(self, place: Pair) -> Census:
+        values = unscaled(place, self.spans)
+        map_ = self.family.over(0, values)
+        return census_at(map_, values[0], self.orders, self.settings[0])
 
     def look(self, place: Pair) -> None:
         """Count at a place that stands for its face."""
@@ -204,10 +196,8 @@ class _Mapping:
 
     def clear(self, places: Sequence[Pair]) -> npt.NDArray[np.bool_]:
         """Whether places (n,) are far from all borders."""
-        if self.lines.is_empty:
-            return np.ones(len(places), dtype=bool)
         away = shapely.distance(shapely.points(np.reshape(places, (-1, 2))), self.lines)
-        return np.asarray(away > self.survey.beside)
+        return ~np.asarray(away <= self.survey.beside)  # nan if there are no lines
 
     def faces_with_places(self) -> list[tuple[Polygon, list[Pair]]]:
         """Faces that are not thin, each with its places far from borders."""
@@ -282,7 +272,6 @@ class _Mapping:
         return way_between(best[0], self.lines, a, b, 0.5 * self.survey.beside) or [a, b]
 
     def _between(self, way: Sequence[Pair]) -> list[Curve]:
-        """Unknown curves between two places that disagree."""
         a, b = self._narrowed(way)
         near = self.survey.beside
         if LineString([a, b]).intersects(self.lines) or any(
@@ -344,7 +333,6 @@ class _Mapping:
         return None if any(self._is_known(curve, each) for each in self.curves) else curve
 
     def _is_known(self, curve: Curve, other: Curve) -> bool:
-        """Whether a curve is part of another one."""
         if (curve.kind, curve.order) != (other.kind, other.order) or len(other) < 2:
             return False
         points = scaled(other.values, self.spans)
@@ -370,8 +358,7 @@ class _Mapping:
             census = counted.get(id(face)) or self._neighbour(face, counted)
             parts.setdefault(census, []).append(face)
         for census, faces in parts.items():
-            whole = unary_union(faces)
-            pieces = whole.geoms if hasattr(whole, "geoms") else [whole]
+            pieces = shapely.get_parts(unary_union(faces))
             shown += [(census, piece) for piece in pieces if isinstance(piece, Polygon)]
         shown.sort(key=lambda each: -each[1].area)
         looked = list(self.places)
@@ -388,19 +375,17 @@ class _Mapping:
         )  # fmt: skip
 
     def _most(self, places: Sequence[Pair]) -> Census:
-        """The census of most places of a face."""
         every = [self.places[place] for place in places]
         return max(every, key=every.count)
 
     def _neighbour(self, face: Polygon, counted: dict[int, Census]) -> Census:
         """The census of the neighbour with the longest common border with a thin face."""
-        best, longest = (), -1.0
-        for other in self.faces:
-            if id(other) in counted:
-                length = face.boundary.intersection(other.boundary).length
-                if length > longest:
-                    best, longest = counted[id(other)], length  # type: ignore[assignment]
-        return best
+
+        def shared(other: Polygon) -> float:
+            return float(face.boundary.intersection(other.boundary).length)
+
+        others = (other for other in self.faces if id(other) in counted)
+        return counted.get(id(max(others, key=shared, default=None)), ())
 
     def _region(self, census: Census, polygon: Polygon) -> Region:
         place, _ = inner_place(polygon)

@@ -20,16 +20,15 @@ class Survey:
         Curves that are followed at most.
     finest
         Distance of two places that disagree from which on a diagram is computed between them.
-    beside
-        Places closer to a border are not compared: curves are straight between samples.
-    thin
-        Narrower faces are not examined, and belong to a neighbour.
+    beside, thin
+        Places closer to a border are not compared, as curves are straight between samples; narrower
+        faces are not examined, and belong to a neighbour.
     samples
         Samples of a curve, each way.
     starts, transient, keep
         Numbers of orbits, of their iterates that are discarded, and of those that are kept.
     seed
-        Seed of the random places.
+        Of the random places.
 
     Examples
     --------

@@ -72,11 +72,10 @@ def parameter_regions(
 
     Raises
     ------
-    ValueError
-        If an order is below 1, the window is not finite, curves are over other parameters, or there
-        are not two different parameters and intervals.
-    TypeError
-        If an argument is of another type, or a parameter is unknown.
+    ValueError, TypeError
+        If an order is below 1, the window is not finite, curves are over other parameters, there
+        are not two different parameters and intervals, a parameter is unknown, or an argument is of
+        another type.
 
     Examples
     --------

@@ -48,7 +48,7 @@ class SmallestChange:
     toy, phi_s, word
         The toy there, the point of its motion on the section [rad], and the word before.
     stable
-        Whether the motion is stable up to there; else it has passed a flip before.
+        Whether the motion is stable up to there; else it has lost stability before.
     angle
         Sine of the angle between change and gradient within the limits of the parameters: zero
         where no neighbouring change is smaller.
@@ -81,16 +81,10 @@ class SmallestChange:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Limit:
-    """How far one parameter alone can change.
+    """How far one parameter alone can change, up (direction 1) or down (-1).
 
-    Attributes
-    ----------
-    parameter, direction
-        Its name, and 1 for up or -1 for down.
-    value, percent
-        Value and change at which the motion ends; nan if it does not as far as was searched.
-    effect, kind, cause
-        As in :class:`SmallestChange`.
+    The motion ends at ``value``, a change by ``percent``; both are nan if it does not as far as was
+    searched. ``effect``, ``kind`` and ``cause`` are those of :class:`SmallestChange`.
 
     Examples
     --------
@@ -116,14 +110,12 @@ class Robustness:
 
     Attributes
     ----------
-    orbit
-        The motion.
+    orbit, limits
+        The motion, and the limits of each parameter alone, down and up.
     critical
         Changes that destroy or destabilise it: confirmed ones first, each group by size.
     harmless
         Changes to another word or multiplier, or to a spike of instability, in the same order.
-    limits
-        Of each parameter alone, down and up.
 
     Examples
     --------

@@ -158,7 +158,6 @@ def _effect(end: End, *, goes_on: bool) -> Effect | None:
 
 
 def _condition(orbit: SpaceOrbit, kind: str, cause: str, settings: Settings) -> Condition | None:
-    """The condition at a special point; None if unknown."""
     if kind in (PointKind.LP.value, PointKind.PD.value):
         size = float(orbit.p[0]) or 1.0  # derivatives are differences over parts of a change
         return Multiplier(kind, (size * settings.x_scale, size))

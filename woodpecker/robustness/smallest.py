@@ -29,13 +29,9 @@ SHORT = 0.1  # limits of one parameter below this are starts of the search as we
 MOST = 3  # conditions of each effect whose nearest place is searched,
 MOST_HARMLESS = 1  # and of each harmless effect
 ALIKE = 1e-5  # relative: closer places are one; a tenth of ``BESIDE``
-BESIDE = (
-    SPIKE  # part of a change by which toys on both sides differ from it: far above rounding, far
-)
-# below the distance of two borders, and beyond a spike
-NEAR = (
-    0.02  # rad: a motion farther away is another one; at a fold it moves by the root of ``BESIDE``
-)
+BESIDE = SPIKE  # part of a change to toys on both sides of it: far above rounding, far below the
+# distance of two borders, and beyond a spike
+NEAR = 0.02  # rad: motions farther away are others; at a fold they move by the root of ``BESIDE``
 PERCENT = 100.0
 
 
@@ -140,7 +136,6 @@ def _refined(space: Space, seen: dict[Key, MetOnLine]) -> list[tuple[MetOnLine, 
 
 
 def _counts(met: MetOnLine, done: Mapping[Key, object]) -> bool:
-    """Whether the nearest place of a condition is to be searched."""
     if met.condition is None and met.effect not in ENDS:
         return False
     if not met.stable and met.effect is Effect.DESTABILISED:
@@ -150,7 +145,6 @@ def _counts(met: MetOnLine, done: Mapping[Key, object]) -> bool:
 
 
 def _differ(one: MetOnLine, other: MetOnLine) -> bool:
-    """Whether two places differ in more than their names."""
     apart = float(np.linalg.norm(one.u - other.u))
     return one.effect is not other.effect or apart > ALIKE * other.size
 
@@ -215,12 +209,10 @@ def _before(space: Space, met: MetOnLine) -> Floats:
 
 
 def _said(orbit: PeriodicOrbit, near: bool) -> str:
-    """A short sentence on what shooting found."""
     return f"multiplier {orbit.multiplier:.6g}" if near else "no such motion"
 
 
 def _agrees(effect: Effect, before: PeriodicOrbit, after: PeriodicOrbit, there: bool) -> bool:
-    """Whether motions before and beyond are those of an effect."""
     match effect:
         case Effect.DESTROYED:
             return not there
@@ -244,7 +236,6 @@ def _limits(orbit: PeriodicOrbit, names: Sequence[str], settings: Settings) -> I
 
 
 def _limit(space: Space, direction: int, found: Sequence[MetOnLine]) -> Limit:
-    """The limit of one parameter."""
     name = space.names[0]
     if not found or found[-1].effect not in ENDS:
         return Limit(
