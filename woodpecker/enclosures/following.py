@@ -40,7 +40,6 @@ from woodpecker.enclosures.oscillator import (
     Guard,
     ZeroCrossing,
     crossing,
-    everywhere,
     landing,
     name_of,
 )
@@ -70,7 +69,6 @@ from woodpecker.motion.recording import append_transitions
 from woodpecker.simulation.words import word
 
 MOST_EVENTS = 400
-HALVINGS = 21  # of a phase, to prove that the bird does not turn
 
 
 def follow(model: BallToy, frame: Frame, curve: Sequence[Any], plateaus: bool = False) -> list[Way]:
@@ -167,7 +165,7 @@ def _next(model: BallToy, motion: BallState, plateaus: bool) -> list[BallState]:
         raise NotProved("no event follows: the toy falls freely, or rests")
     if plateaus and first.code < NORMAL and _let_go(motion, motion.states, first.code):
         others = [guard for guard in guards if guard is not first]
-        found = paused(model, motion, first, others, guesses[first.code], _survives)
+        found = paused(model, motion, first, others, guesses[first.code])
         if found:
             return found
     fires = _fires(first, guesses[first.code])
@@ -176,10 +174,10 @@ def _next(model: BallToy, motion: BallState, plateaus: bool) -> list[BallState]:
     end = box(fires.duration).upper()
     if not end > 0:
         raise NotProved("an event may lie in the past")
-    rivals = [guard for guard in guards if guard is not first and not _survives(guard, end)]
+    rivals = [guard for guard in guards if guard is not first and not guard.lasts(end)]
     if rivals:
         return _meeting(model, motion, first, fires, rivals, guesses)
-    if not fires.lands and not _survives(first, fires.bracket.lower(), fires.bracket):
+    if not fires.lands and not first.lasts(fires.bracket.lower(), fires.bracket):
         raise NotProved(f"{name_of(first.code)} may fire earlier")
     return _arrive(model, _moved(model, motion, fires))
 
@@ -196,7 +194,7 @@ def _meeting(
     other = crossing(second, guesses[second.code])
     span = fires.bracket.union(other.bracket)
     for guard in (first, second):
-        if not _survives(guard, span.lower(), span):
+        if not guard.lasts(span.lower(), span):
             raise NotProved(f"{name_of(guard.code)} may fire earlier")
     fork = OpenDecision(
         ForkKind.MEETING, second.near(fires.duration)(0), (first.code + 1, second.code + 1)
@@ -239,31 +237,6 @@ def _fires(guard: Guard, guess: float) -> ZeroCrossing:
         if lands is not None:
             return lands
     return crossing(guard, guess)
-
-
-def _survives(guard: Guard, end: Any, falling: Any = None) -> bool:
-    """Whether a guard does not fire in (0, end], or until it falls in a range of times."""
-    # That of the section fires where the bird's velocity rises through zero.
-    if guard.code == SECTION:
-        return not end > 0 or _no_turn(guard, end)
-    if end > 0:
-        return guard.lasts(end)
-    return falling is not None and sign(guard.over(ZERO.union(falling), 1)) == -1
-
-
-def _no_turn(guard: Guard, end: Any) -> bool:
-    """Whether the bird does not turn upward in (0, end]: nowhere u = 0 and u' >= 0."""
-
-    def told(a: Any, b: Any) -> bool | None:
-        t = a.union(b)
-        value, slope = guard.over(t), guard.over(t, 1)
-        if sign(value) or slope < 0:
-            return True
-        # it starts at rest, and rises; or it is still negative in the end
-        rises = slope > 0 and ((a.is_zero() and guard.order == 1) or sign(guard.near(b)(0)) == -1)
-        return True if rises else None
-
-    return everywhere(ZERO, end, told, HALVINGS)
 
 
 def _moved(model: BallToy, motion: BallState, fires: ZeroCrossing) -> BallState:

@@ -26,7 +26,8 @@ KINDS = ("gap", "normal", "cone+", "cone-", "slip", "section")
 MOST_PARTS = 2**16  # of a phase in a proof: an unstable cycle takes 2**13
 LONGEST = 10.0  # |kappa| t^2 of a flight from rest: half a swing; h need not fall beyond
 PARTS = 16  # of such a flight, over each of which the slope of h is enclosed
-HALVINGS = 40  # of a phase in a proof that a guard is positive: to 1e-12 of it
+HALVINGS = 40  # of a phase in a proof that a guard is positive: to 1e-12 of it,
+TURNS = 21  # and in one that the bird does not turn
 
 
 def oscillation(jet: Sequence[Any], kappa: Any, t: Any) -> Derivatives:
@@ -90,10 +91,24 @@ class Guard:
         """Range over a ball of times and the whole box."""
         return self.formula([box(f) for f in self.jet], self.kappa, t)(derivative)
 
-    def lasts(self, end: Any) -> bool:
-        """Whether it is proved to be positive on (0, end], for an exact end > 0."""
+    def lasts(self, end: Any, falling: Any = None) -> bool:
+        """Whether it is proved not to fire in (0, end], or until it falls in a ball of times."""
+        if self.code == SECTION:
+            return not end > 0 or everywhere(ZERO, end, self._turns_not, TURNS)
+        if not end > 0:
+            return falling is not None and sign(self.over(ZERO.union(falling), 1)) == -1
         low = self._grows(end)
         return low is not None and everywhere(low, end, self._positive)
+
+    def _turns_not(self, a: Any, b: Any) -> bool | None:
+        """Whether the bird's velocity does not rise through zero in (a, b]."""
+        t = a.union(b)
+        value, slope = self.over(t), self.over(t, 1)
+        if sign(value) or slope < 0:
+            return True
+        # it starts at rest, and rises; or it is still negative in the end
+        rises = slope > 0 and ((a.is_zero() and self.order == 1) or sign(self.near(b)(0)) == -1)
+        return True if rises else None
 
     def _positive(self, a: Any, b: Any) -> bool | None:
         """Whether it is positive on [a, b], by its range, or by an end where it is monotone."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 from flint import arb
@@ -54,8 +54,7 @@ class _Pause(NamedTuple):
 
 
 def paused(
-    model: BallToy, motion: BallState, first: Guard, others: Sequence[Guard], guess: float,
-    survives: Callable[[Guard, Any], bool],
+    model: BallToy, motion: BallState, first: Guard, others: Sequence[Guard], guess: float
 ) -> list[BallState]:  # fmt: skip
     """The motions after a landing near a plateau, one or two; none if there is no plateau.
 
@@ -78,7 +77,7 @@ def paused(
             continue
         near = landed(pause.eta.box, side == 1, *numbers)
         on_curve = landed(pause.eta.parts[VALUE].box, side == 1, *numbers)
-        _clear(model, motion, pause, near, side, others, survives)
+        _clear(model, motion, pause, near, side, others)
         way = after.copy()
         small = (on_curve.place, near.place_slope), (on_curve.velocity, near.velocity_slope)
         for place, effects in zip((way.q, way.u), small, strict=True):
@@ -142,13 +141,13 @@ def _reduced(model: BallToy, motion: BallState, pause: _Pause) -> BallState:
 
 def _clear(
     model: BallToy, motion: BallState, pause: _Pause, landing: Landed, side: int,
-    others: Sequence[Guard], survives: Callable[[Guard, Any], bool],
+    others: Sequence[Guard],
 ) -> None:  # fmt: skip
     """NotProved unless the contact slides through all impacts, and nothing else happens."""
     i = pause.contact
     j, free = ANGLE[i], model.mode(FREE)
     until = (pause.middle + landing.sigma.max(ZERO) * (side == 1)).upper()
-    if any(guard.code >= NORMAL or not survives(guard, until) for guard in others):
+    if any(guard.code >= NORMAL or not guard.lasts(until) for guard in others):
         raise NotProved("something may happen before a contact lands at a plateau")
     start_q, start_u = [box(x) for x in motion.q], [box(x) for x in motion.u]
     strikes = pause.middle + landing.sigma * side

@@ -1,4 +1,4 @@
-"""Impacts that accumulate: at one contact a geometric series; at two in turns, cut off."""
+"""Impacts that accumulate: at one contact a geometric series, at two in turns until rounding."""
 
 from __future__ import annotations
 

@@ -133,7 +133,7 @@ def time_to_minimum(model: Floats, mode: int, z: Floats) -> float:
 
 @part
 def never_jams(model: Floats) -> bool:
-    """Whether a jammed sleeve can hold the turning woodpecker at no angle."""
+    """Whether there is no angle at which a jammed sleeve could hold the turning woodpecker."""
     # A return ends at a minimum of phi_S, where d lies below its equilibrium on the jammed sleeve.
     # There mu_2 lambda_N2 - lambda_T2 must not be negative, and it is linear in d.
     p, r = force_guard(model, JAMMED, CONE_POSITIVE + 1)

@@ -26,7 +26,7 @@ PARTS = (2.0, 1.0, 0.5)  # of a turn towards the nearest place to first order th
 NEARLY = 0.05  # sine of the angle between change and gradient below which the pieces are kept
 FLAT = 1e-18  # relative decrease of the square of a change at which to stop: the angle squared
 SHORTEST = 2.0**-8  # last part of a turn that is tried, if all lead to larger changes
-PAST = 4.0  # longest spikes by which a line ends beyond the place to be found
+PAST = 4.0  # times the longest spike: how far a line goes on beyond the place that it is to find
 LEVEL = 1e-10  # relative: changes that differ less are equal up to the rounding of a place
 
 

@@ -416,7 +416,7 @@ def _inflections(
     model: Floats, change: Floats, mode: int, guard: int, leaves: bool, t: float, k: int,
     notes: Floats, route: Route,
 ) -> None:  # fmt: skip
-    """That a contact at which a swinging gap closes leaves again from rest, or stays."""
+    """Margins of a contact at which a swinging gap closes: it leaves from rest again, or stays."""
     # It leaves where the gap bends upwards, and stays where it bends downwards: the impact must lie
     # between the times at which the gap falls most steeply and most slowly, and the gap there says
     # whether it does. These margins are smooth also where three roots meet because the gap hardly
@@ -456,7 +456,7 @@ def _inflections(
 
 @part
 def _may_dip(f1: float, f2: float, f3: float, swing: float, t: float, c: Ratios) -> bool:
-    """Whether f can have a minimum between 0 and t: most often the signs at both ends say no."""
+    """Whether f can have a minimum between 0 and t, by its signs at both ends."""
     # At a minimum f' grows through zero. In less than half a swing f'' changes its sign once at
     # most.
     if t <= 0.0 or swing * t > math.pi:
