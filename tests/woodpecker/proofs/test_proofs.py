@@ -93,7 +93,7 @@ def test_forms_hold_values_and_derivatives_over_their_box() -> None:
             for k, function in enumerate(known):
                 exact_value = function.subs(place)
                 there = Fraction(int(exact_value.p), int(exact_value.q))
-                low, high = ends(form.box if k == 0 else form.range(k))
+                low, high = ends(form.box if k == 0 else form.parts[k].box)
                 assert low <= there <= high
                 assert high - low < Fraction(1, 2)
 
