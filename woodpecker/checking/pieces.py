@@ -239,7 +239,6 @@ def verified(
 
 
 def _moved(texts: Sequence[str], by: Fraction) -> list[str]:
-    """Coefficients of a polynomial about another centre."""
     c = [number(text) for text in texts]
     for k in range(len(c) - 1):
         for j in range(len(c) - 2, k - 1, -1):

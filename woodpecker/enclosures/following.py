@@ -186,7 +186,6 @@ def _meeting(
     model: BallToy, motion: BallState, first: Guard, fires: ZeroCrossing, rivals: list[Guard],
     guesses: dict[int, float],
 ) -> list[BallState]:  # fmt: skip
-    """Two gaps close nearly at once: both ways."""
     # Both fall while they close: the second is positive when the first closes if it closes later.
     second = rivals[0]
     if len(rivals) > 1 or first.code >= NORMAL or second.code >= NORMAL:

@@ -277,7 +277,6 @@ def _contacts(
 
 
 def _friction_matrix(mu: FloatArray, n: int) -> FloatArray:
-    """Return F, shape (n, n), from a scalar, a diagonal or F itself."""
     if mu.shape not in ((), (1,), (n,), (n, n)):
         raise ValueError(f"mu must have shape (), ({n},) or ({n}, {n}), got {mu.shape}")
     return mu if mu.ndim == 2 else np.diag(np.broadcast_to(mu, n))

@@ -158,7 +158,6 @@ class _Pieces:
         return short and not known and self._at_plateau()
 
     def _leap(self, reason: str) -> None:
-        """Continue beyond a gap."""
         low, gap = self.at, 4 * SHORTEST
         if self.gaps and self.gaps[-1].high == low:  # nothing was proved since
             last = self.gaps.pop()

@@ -227,7 +227,6 @@ def _agrees(effect: Effect, before: PeriodicOrbit, after: PeriodicOrbit, there: 
 
 
 def _limits(orbit: PeriodicOrbit, names: Sequence[str], settings: Settings) -> Iterator[Limit]:
-    """Each parameter alone, down and up, until the motion ends."""
     for name in names:
         space = space_of(orbit, (name,), settings)
         for direction in (-1, 1):

@@ -360,7 +360,6 @@ def _shut_tangents(change: Floats, i: int, tangents: Floats) -> None:
 
 @part
 def _hold_tangents(model: Floats, change: Floats, i: int, route: Route) -> None:
-    """Set the slip of contact i, and of the tangents, to zero."""
     hold(model, i, route.z)
     for m in range(2):
         hold(model, i, route.tangents[m])

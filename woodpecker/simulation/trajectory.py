@@ -294,7 +294,6 @@ def _followed(toy: Toy, state: State, t_end: float, max_events: int) -> Trajecto
 
 
 def _sampled(found: Trajectory, samples: int) -> Trajectory:
-    """The same motion with samples, at events before and after them."""
     numbers = model(found.toy)
     times, before = _sample_times(found.t_end, samples, found.events)
     out = np.empty((len(times), 7))
